@@ -1,0 +1,1 @@
+"""The physics of single-point pushing, written once."""

@@ -1,0 +1,188 @@
+"""
+The contact between a round robot and an object: where it is, and how it rolls.
+
+Symbols: n is the unit normal from robot to object, t is n turned by +90 degrees, gamma the world
+angle of n.
+"""
+
+import math
+
+from push_model.geometry import Pose
+from push_model.parameters import Contact
+
+VERTEX_TOLERANCE = 1e-3
+
+
+def rolling_constants(robot_radius, object_radius):
+    """
+    Share of the object in the turn of the normal, and effective radius.
+
+    ``lam = R_s / (R_p + R_s)``, ``R_e = R_p R_s / (R_p + R_s)``, with their limits for a vertex
+    (R_s = 0), a flat face (R_s infinite), a point robot (R_p = 0) and a flat fence (R_p infinite).
+
+    :param robot_radius: R_p, robot's radius of curvature at the contact [m], 0 to infinite.
+    :param object_radius: R_s, object's radius of curvature at the contact [m], 0 to infinite.
+    :return: (lam [-], R_e [m]).
+    :raises ValueError: where both radii are 0 or both infinite, or one is negative.
+    """
+    for name, value in (('robot_radius', robot_radius), ('object_radius', object_radius)):
+        if not value >= 0.0:
+            raise ValueError(f'{name}: got {value!r}, expected a radius of at least 0 [m]')
+    if robot_radius == object_radius and (robot_radius == 0.0 or math.isinf(robot_radius)):
+        raise ValueError(f'robot_radius and object_radius: got {robot_radius} for both, expected '
+                         'at least one curved surface')
+    if math.isinf(object_radius):
+        return 1.0, robot_radius
+    if math.isinf(robot_radius):
+        return 0.0, object_radius
+    total = robot_radius + object_radius
+    return object_radius / total, robot_radius * object_radius / total
+
+
+def curvature_radius(obj, contact):
+    """
+    Radius of curvature R_s of the object's outline at a contact [m].
+
+    :param obj: the ``PushedObject``.
+    :param contact: the ``Contact``.
+    """
+    return {'vertex': 0.0, 'face': math.inf, 'round': obj.radius}[contact.kind]
+
+
+def contact_point(obj, contact):
+    """
+    Contact point C in the object frame, (x, y) [m].
+
+    :param obj: the ``PushedObject``.
+    :param contact: the ``Contact``.
+    :raises ValueError: where the outline has no such feature.
+    """
+    _check_feature(obj, contact)
+    if contact.kind == 'round':
+        return obj.radius * math.cos(contact.offset), obj.radius * math.sin(contact.offset)
+    x0, y0 = obj.outline[contact.index]
+    if contact.kind == 'vertex':
+        return x0, y0
+    x1, y1 = obj.outline[(contact.index + 1) % len(obj.outline)]
+    length = math.hypot(x1 - x0, y1 - y0)
+    along = 0.5 - contact.offset / length
+    return x0 + along * (x1 - x0), y0 + along * (y1 - y0)
+
+
+def normal_range(obj, contact):
+    """
+    Angles that the normal n can take at a contact, in the object frame.
+
+    :param obj: the ``PushedObject``.
+    :param contact: the ``Contact``.
+    :return: (lowest, highest) angle of n [rad], highest - lowest in [0, pi]; equal except at a
+        vertex.
+    :raises ValueError: where the outline has no such feature.
+    """
+    _check_feature(obj, contact)
+    if contact.kind == 'round':
+        return contact.offset + math.pi, contact.offset + math.pi
+    high = face_normal(obj, contact.index)
+    if contact.kind == 'face':
+        return high, high
+    low = face_normal(obj, contact.index - 1)
+    return low, low + (high - low) % (2 * math.pi)
+
+
+def face_normal(obj, index):
+    """
+    Angle of the inward normal of a face in the object frame [rad].
+
+    :param obj: the ``PushedObject``, with a polygonal outline.
+    :param index: number of the face.
+    """
+    x0, y0 = obj.outline[index % len(obj.outline)]
+    x1, y1 = obj.outline[(index + 1) % len(obj.outline)]
+    return math.atan2(x1 - x0, y0 - y1)
+
+
+def face_length(obj, index):
+    """
+    Length of a face [m].
+
+    :param obj: the ``PushedObject``, with a polygonal outline.
+    :param index: number of the face.
+    """
+    x0, y0 = obj.outline[index % len(obj.outline)]
+    x1, y1 = obj.outline[(index + 1) % len(obj.outline)]
+    return math.hypot(x1 - x0, y1 - y0)
+
+
+def closest_on_polygon(outline, x, y):
+    """
+    Find the point of a convex polygon's boundary that is closest to a point.
+
+    Plain scalar code that numba compiles as it stands.
+
+    :param outline: vertices, counter-clockwise, shape (k, 2) [m].
+    :param x: the point, x [m].
+    :param y: the point, y [m].
+    :return: (x, y) of the closest point [m], (x, y) of the unit normal into the polygon there,
+        signed distance [m] (negative inside), face number, position along that face in [0, 1].
+    """
+    best, face, along = math.inf, 0, 0.0
+    closest_x, closest_y = 0.0, 0.0
+    inside = True
+    count = len(outline)
+    for i in range(count):
+        x0, y0 = outline[i]
+        x1, y1 = outline[(i + 1) % count]
+        ex, ey = x1 - x0, y1 - y0
+        if ex * (y - y0) - ey * (x - x0) < 0.0:
+            inside = False
+        u = ((x - x0) * ex + (y - y0) * ey) / (ex * ex + ey * ey)
+        u = min(1.0, max(0.0, u))
+        px, py = x0 + u * ex, y0 + u * ey
+        squared = (px - x) * (px - x) + (py - y) * (py - y)
+        if squared < best:
+            best, face, along, closest_x, closest_y = squared, i, u, px, py
+    away = math.sqrt(best)
+    if away > 1e-9:
+        sign = -1.0 if inside else 1.0
+        nx, ny = sign * (closest_x - x) / away, sign * (closest_y - y) / away
+        return closest_x, closest_y, nx, ny, sign * away, face, along
+    x0, y0 = outline[face]
+    x1, y1 = outline[(face + 1) % count]
+    length = math.hypot(x1 - x0, y1 - y0)
+    return closest_x, closest_y, (y0 - y1) / length, (x1 - x0) / length, 0.0, face, along
+
+
+def find_contact(obj, object_pose, robot_position, robot_radius):
+    """
+    Find where a round robot touches the object, or would first touch it.
+
+    :param obj: the ``PushedObject``.
+    :param object_pose: ``Pose`` of the object in the world.
+    :param robot_position: (x, y) of the robot's centre in the world [m].
+    :param robot_radius: R_p [m].
+    :return: (``Contact``, gamma in the world [rad], gap [m]; the gap is negative on overlap).
+    """
+    x, y = Pose(*object_pose).inverse().transform(robot_position)
+    if not obj.outline:
+        angle = math.atan2(y, x)
+        gap = math.hypot(x, y) - obj.radius - robot_radius
+        return Contact('round', 0, angle), object_pose[2] + angle + math.pi, gap
+    _, _, nx, ny, signed, face, along = closest_on_polygon(obj.outline, x, y)
+    gamma = object_pose[2] + math.atan2(ny, nx)
+    length = face_length(obj, face)
+    if min(along, 1.0 - along) * length < VERTEX_TOLERANCE:
+        index = (face + (along > 0.5)) % len(obj.outline)
+        return Contact('vertex', index), gamma, signed - robot_radius
+    return Contact('face', face, (0.5 - along) * length), gamma, signed - robot_radius
+
+
+def _check_feature(obj, contact):
+    if (contact.kind == 'round') != (not obj.outline):
+        shape = 'a polygon' if obj.outline else 'a disc'
+        raise ValueError(f'Contact.kind: got {contact.kind!r}, expected a feature of {shape}')
+    if obj.outline and contact.index >= len(obj.outline):
+        raise ValueError(f'Contact.index: got {contact.index}, expected 0 to '
+                         f'{len(obj.outline) - 1}')
+    if contact.kind == 'face' and abs(contact.offset) > face_length(obj, contact.index) / 2:
+        raise ValueError(f'Contact.offset: got {contact.offset:g} m, expected at most half the '
+                         f'face, {face_length(obj, contact.index) / 2:g} m')

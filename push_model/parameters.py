@@ -1,0 +1,133 @@
+"""What the physics knows of objects and robots: units, ranges and meanings, written once."""
+
+import dataclasses
+import math
+
+from push_model.quantity import check, quantity
+
+GRAVITY = 9.81
+DRIVES = ('differential', 'holonomic')
+CONTACT_KINDS = ('vertex', 'face', 'round')
+
+
+@dataclasses.dataclass(frozen=True)
+class Support:
+    """A foot of the object: where it stands, what it carries, how it rubs."""
+
+    x: float = quantity('position in the object frame, x', 'm')
+    y: float = quantity('position in the object frame, y', 'm')
+    friction_coefficient: float = quantity('Coulomb friction on the floor', '', 0.0, 10.0)
+    load_share: float = quantity('share of the weight, relative to the other supports', '',
+                                 above=0.0, default=1.0)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class PushedObject:
+    """
+    A rigid object with a flat base on point supports.
+
+    Its outline is a convex polygon, or a disc about the frame's origin when ``outline`` is empty.
+    """
+
+    mass: float = quantity('mass', 'kg', above=0.0)
+    inertia: float = quantity('moment of inertia about the vertical axis through the mass centre',
+                              'kg m^2', above=0.0)
+    supports: tuple[Support, ...] = quantity('supports that carry the object')
+    outline: tuple = quantity('vertices (x, y) of the convex outline, counter-clockwise, in the '
+                              'object frame; empty for a disc', 'm', default=())
+    radius: float = quantity('radius of a disc-shaped outline, 0 for a polygon', 'm', 0.0,
+                             default=0.0)
+    center_of_mass: tuple[float, float] = quantity('mass centre (x, y) in the object frame', 'm',
+                                                   default=(0.0, 0.0))
+    contact_friction_coefficient: float = quantity('Coulomb friction between outline and robot',
+                                                   '', 0.0, 10.0, default=0.5)
+
+    def __post_init__(self):
+        """Validate the fields and the shape."""
+        check(self)
+        if not self.supports:
+            raise ValueError('PushedObject.supports: got none, expected at least one Support')
+        for support in self.supports:
+            if not isinstance(support, Support):
+                raise ValueError(f'PushedObject.supports: got {support!r}, expected a Support')
+        if len(self.center_of_mass) != 2:
+            raise ValueError(f'PushedObject.center_of_mass: got {self.center_of_mass!r}, '
+                             'expected two numbers (x, y) [m]')
+        if bool(self.outline) == bool(self.radius):
+            raise ValueError(f'PushedObject.outline: got {len(self.outline)} vertices and radius '
+                             f'{self.radius:g}, expected vertices or a radius, not both')
+        if self.outline:
+            _check_convex(self.outline)
+
+    @property
+    def loads(self):
+        """Normal load on each support [N], shape (k,): ``N_i = m g share_i / sum(share)``."""
+        total = sum(support.load_share for support in self.supports)
+        return tuple(self.mass * GRAVITY * support.load_share / total
+                     for support in self.supports)
+
+    @property
+    def capacities(self):
+        """Friction capacity ``q_i = mu_i N_i`` of each support [N], shape (k,)."""
+        return tuple(support.friction_coefficient * load
+                     for support, load in zip(self.supports, self.loads))
+
+
+@dataclasses.dataclass(frozen=True)
+class RoundRobot:
+    """A disc-shaped mobile base and the limits of its drive."""
+
+    radius: float = quantity('radius of the outline', 'm', above=0.0, high=10.0)
+    drive: str = quantity('kinematics of the base', choices=DRIVES, default='differential')
+    max_speed: float = quantity('speed limit', 'm/s', above=0.0, high=10.0, default=0.5)
+    max_yaw_rate: float = quantity('yaw rate limit', 'rad/s', above=0.0, high=50.0, default=2.0)
+    max_acceleration: float = quantity('acceleration limit', 'm/s^2', above=0.0, high=100.0,
+                                       default=1.0)
+    max_yaw_acceleration: float = quantity('yaw acceleration limit', 'rad/s^2', above=0.0,
+                                           high=1000.0, default=6.0)
+    time_constant: float = quantity('first-order lag from command to motion', 's', 0.0, 5.0,
+                                    default=0.1)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class Contact:
+    """Where the robot touches the object's outline."""
+
+    kind: str = quantity('feature that is touched', choices=CONTACT_KINDS)
+    index: int = quantity('vertex number, or face number (face i runs from vertex i to i + 1); '
+                          '0 for a round outline', '', 0, default=0)
+    offset: float = quantity('on a face: distance of the contact from the midpoint, to the left as '
+                             'the robot looks at it; on a round outline: angle of the contact in '
+                             'the object frame; 0 at a vertex', 'm or rad', default=0.0)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+
+
+def _check_convex(outline):
+    for vertex in outline:
+        if not isinstance(vertex, tuple) or len(vertex) != 2:
+            raise ValueError(f'PushedObject.outline: got vertex {vertex!r}, expected (x, y) [m]')
+    if len(outline) < 3:
+        raise ValueError(f'PushedObject.outline: got {len(outline)} vertices, expected 3 or more')
+    turned = 0.0
+    for i, (x, y) in enumerate(outline):
+        x0, y0 = outline[i - 1]
+        x1, y1 = outline[(i + 1) % len(outline)]
+        cross = (x - x0) * (y1 - y) - (y - y0) * (x1 - x)
+        dot = (x - x0) * (x1 - x) + (y - y0) * (y1 - y)
+        if cross <= 0.0:
+            raise ValueError(f'PushedObject.outline: got a turn of {math.atan2(cross, dot):.3g} '
+                             f'rad at vertex {i}, expected a convex outline, counter-clockwise')
+        turned += math.atan2(cross, dot)
+    if abs(turned - 2 * math.pi) > 1e-6:
+        raise ValueError('PushedObject.outline: got edges that cross, expected a convex outline')

@@ -1,0 +1,96 @@
+"""A push over time: object, contact and robot. What planner and controller hand to each other."""
+
+import dataclasses
+
+import numpy as np
+
+COLUMNS = ('object_poses', 'object_twists', 'contact_poses', 'contact_twists', 'robot_poses',
+           'robot_twists')
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PushTrajectory:
+    """
+    Samples of a push, in the world frame; arrays are read-only.
+
+    :param times: time from the start [s], shape (n,), increasing, the first is 0.
+    :param object_poses: object frame (x, y, theta) [m, m, rad], shape (n, 3), angle unwrapped.
+    :param object_twists: its (v_x, v_y, omega) [m/s, m/s, rad/s], world axes, shape (n, 3).
+    :param contact_poses: contact point and normal (x, y, gamma), shape (n, 3).
+    :param contact_twists: material velocity of the object at the contact and turning rate of the
+        normal (v_x, v_y, gamma'), shape (n, 3).
+    :param robot_poses: robot centre and heading (x, y, phi), shape (n, 3).
+    :param robot_twists: its (v_x, v_y, omega_p), world axes, shape (n, 3).
+    :raises ValueError: naming the array, its shape or the sample that is wrong.
+    """
+
+    times: np.ndarray
+    object_poses: np.ndarray
+    object_twists: np.ndarray
+    contact_poses: np.ndarray
+    contact_twists: np.ndarray
+    robot_poses: np.ndarray
+    robot_twists: np.ndarray
+
+    def __post_init__(self):
+        """Check shapes and values, and freeze the arrays."""
+        count = len(self.times)
+        if count < 2:
+            raise ValueError(f'PushTrajectory.times: got {count} samples, expected 2 or more')
+        for name in ('times',) + COLUMNS:
+            array = np.array(getattr(self, name), dtype=float)
+            shape = (count,) if name == 'times' else (count, 3)
+            if array.shape != shape:
+                raise ValueError(f'PushTrajectory.{name}: got shape {array.shape}, expected '
+                                 f'{shape}')
+            if not np.isfinite(array).all():
+                where = np.argwhere(~np.isfinite(array))[0].tolist()
+                raise ValueError(f'PushTrajectory.{name}: got a value that is not finite at '
+                                 f'{where}, expected finite numbers')
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.times[0] != 0.0 or (np.diff(self.times) <= 0.0).any():
+            raise ValueError(f'PushTrajectory.times: got {self.times}, expected increasing times '
+                             'from 0 [s]')
+
+    @property
+    def duration(self):
+        """Time that the push takes [s]."""
+        return float(self.times[-1])
+
+    @property
+    def path_length(self):
+        """Way of the robot's centre [m]."""
+        return float(np.hypot(*np.diff(self.robot_poses[:, :2], axis=0).T).sum())
+
+    def at(self, time):
+        """
+        Interpolate linearly, holding the ends.
+
+        :param time: time from the start [s].
+        :return: dict of the arrays' names to values, each of shape (3,).
+        """
+        return {name: np.array([np.interp(time, self.times, column)
+                                for column in getattr(self, name).T]) for name in COLUMNS}
+
+    def save(self, path):
+        """
+        Write the trajectory to a file.
+
+        :param path: where, by convention ``*.npz``.
+        """
+        np.savez(path, times=self.times, **{name: getattr(self, name) for name in COLUMNS})
+
+    @classmethod
+    def load(cls, path):
+        """
+        Read a trajectory that ``save`` wrote.
+
+        :param path: the file.
+        :raises ValueError: where an array is missing or wrong.
+        """
+        with np.load(path) as data:
+            missing = sorted(({'times'} | set(COLUMNS)) - set(data.files))
+            if missing:
+                raise ValueError(f'{path}: got no {", ".join(missing)}, expected a PushTrajectory')
+            return cls(**{name: data[name] for name in ('times',) + COLUMNS})
