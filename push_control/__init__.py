@@ -1,0 +1,1 @@
+"""Feedback control of a push: measurements in, robot commands out."""

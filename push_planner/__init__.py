@@ -1,0 +1,1 @@
+"""Plans for pushing an object to a goal pose."""

@@ -1,0 +1,1 @@
+"""Scenarios, closed loops over them, and reports of what happened."""
