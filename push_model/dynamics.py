@@ -1,0 +1,221 @@
+"""
+Motion of an object pushed through one rolling (or fixed) contact.
+
+Numbers, casadi SX and MX serve alike as arguments, so that planner, studies and tests evaluate
+the same expressions. Symbols: C contact point, G mass centre, r = G - C, n and t contact normal
+and tangent, omega the object's yaw rate, omega_p the robot's.
+
+    (I + m |r|^2) omega' = sum_i (s_i - C) x f_i - m (k x r) . a_bias
+    a_bias = a_C - omega^2 r + omega R_e (omega - omega_p) n
+
+a_C is the time derivative of the material velocity imposed at C along the motion.
+"""
+
+from typing import Any, NamedTuple
+
+import casadi as ca
+
+from push_model.friction import friction_weight
+
+STATE = ('x', 'y', 'theta', 'omega', 'gamma', 'c_x', 'c_y')
+INPUT = ('v_x', 'v_y', 'a_x', 'a_y', 'omega_p')
+SMOOTHING = 1e-5
+
+
+class ObjectTerms(NamedTuple):
+    """What the equations need of an object, as numbers or casadi symbols (object frame, SI)."""
+
+    mass: Any
+    inertia: Any
+    com_x: Any
+    com_y: Any
+    supports: tuple
+
+    @classmethod
+    def of(cls, obj):
+        """
+        Take the terms from an object.
+
+        :param obj: the ``PushedObject``.
+        """
+        supports = tuple((s.x, s.y, q) for s, q in zip(obj.supports, obj.capacities))
+        return cls(obj.mass, obj.inertia, *obj.center_of_mass, supports)
+
+
+class State(NamedTuple):
+    """
+    Object frame (x, y, theta), yaw rate omega, normal gamma, contact point (c_x, c_y).
+
+    x, y, theta, gamma are in the world; c_x, c_y in the object frame [m, rad, rad/s].
+    """
+
+    x: Any
+    y: Any
+    theta: Any
+    omega: Any
+    gamma: Any
+    c_x: Any
+    c_y: Any
+
+
+class Input(NamedTuple):
+    """Velocity (v_x, v_y) imposed at C and its rate (a_x, a_y), world axes; robot yaw rate."""
+
+    v_x: Any
+    v_y: Any
+    a_x: Any
+    a_y: Any
+    omega_p: Any
+
+
+def moment_balance(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING):
+    """
+    Residual of the moment equation about C [N m]; zero on the motion.
+
+    ``(I + m |r|^2) omega' + m (k x r) . a_bias - sum (s_i - C) x f_i``. Nothing divides by speed:
+    scaling all velocities (smoothing too) by v and accelerations by v^2 scales inertia by v^2 only.
+
+    :param terms: ``ObjectTerms``.
+    :param state: ``State`` (or a sequence in its order).
+    :param inputs: ``Input`` (or a sequence in its order).
+    :param omega_dot: yaw acceleration of the object [rad/s^2].
+    :param rolling: (lam, R_e [m]) of ``contact.rolling_constants``.
+    :param smoothing: speed below which support friction turns viscous [m/s].
+    :return: residual [N m].
+    """
+    state, inputs = State(*state), Input(*inputs)
+    r_x, r_y = _lever(terms, state)
+    bias_x, bias_y = _bias(terms, state, inputs, rolling)
+    _, _, moment = _support_friction(terms, state, inputs, smoothing)
+    inertia = terms.inertia + terms.mass * (r_x * r_x + r_y * r_y)
+    return inertia * omega_dot + terms.mass * (r_x * bias_y - r_y * bias_x) - moment
+
+
+def yaw_acceleration(terms, state, inputs, rolling, smoothing=SMOOTHING):
+    """
+    Yaw acceleration of the object [rad/s^2], from ``moment_balance`` = 0.
+
+    Arguments as for ``moment_balance``.
+    """
+    state = State(*state)
+    r_x, r_y = _lever(terms, state)
+    inertia = terms.inertia + terms.mass * (r_x * r_x + r_y * r_y)
+    return -moment_balance(terms, state, inputs, 0.0, rolling, smoothing) / inertia
+
+
+def derivative(terms, state, inputs, rolling, smoothing=SMOOTHING):
+    """
+    Time derivative of the state, a ``State`` of rates.
+
+    ``gamma' = lam omega + (1 - lam) omega_p``; the contact moves in the object frame by
+    ``R_e (omega - omega_p) t``. Arguments as for ``moment_balance``.
+    """
+    state, inputs = State(*state), Input(*inputs)
+    omega_dot = yaw_acceleration(terms, state, inputs, rolling, smoothing)
+    return kinematics(state, inputs, omega_dot, rolling)
+
+
+def kinematics(state, inputs, omega_dot, rolling):
+    """
+    Rates of the state for a given yaw acceleration; only the rolling rule, no forces.
+
+    :param state: ``State``.
+    :param inputs: ``Input``.
+    :param omega_dot: yaw acceleration [rad/s^2].
+    :param rolling: (lam, R_e [m]).
+    :return: ``State`` of rates.
+    """
+    state, inputs = State(*state), Input(*inputs)
+    share, effective = rolling
+    w_x, w_y = _turn(state.theta, state.c_x, state.c_y)
+    slip = effective * (state.omega - inputs.omega_p)
+    local = state.gamma - state.theta
+    return State(inputs.v_x + state.omega * w_y, inputs.v_y - state.omega * w_x, state.omega,
+                 omega_dot, share * state.omega + (1 - share) * inputs.omega_p,
+                 -slip * ca.sin(local), slip * ca.cos(local))
+
+
+def contact_force(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING):
+    """
+    Force of the robot on the object, ``F_C = m a_G - sum f_i``.
+
+    Arguments as for ``moment_balance``.
+
+    :return: (F_n, F_t) along n and t [N]. Rolling holds while F_n > 0 and |F_t| <= mu_c F_n.
+    """
+    state, inputs = State(*state), Input(*inputs)
+    r_x, r_y = _lever(terms, state)
+    bias_x, bias_y = _bias(terms, state, inputs, rolling)
+    f_x, f_y, _ = _support_friction(terms, state, inputs, smoothing)
+    force_x = terms.mass * (bias_x - omega_dot * r_y) - f_x
+    force_y = terms.mass * (bias_y + omega_dot * r_x) - f_y
+    return _along_normal(state.gamma, force_x, force_y)
+
+
+def impulse(terms, state, dv_x, dv_y):
+    """
+    Effect of a jump of the velocity imposed at C: ``(I + m r^2) d_omega = -m (k x r) . dv``.
+
+    The contact is taken to hold; the caller checks the impulse: J_n > 0 and |J_t| <= mu_c J_n.
+
+    :param terms: ``ObjectTerms``.
+    :param state: ``State`` before the jump.
+    :param dv_x: jump of the material velocity at C, world x [m/s].
+    :param dv_y: the same, y [m/s].
+    :return: (d_omega [rad/s], J_n [N s], J_t [N s]).
+    """
+    state = State(*state)
+    r_x, r_y = _lever(terms, state)
+    inertia = terms.inertia + terms.mass * (r_x * r_x + r_y * r_y)
+    d_omega = -terms.mass * (r_x * dv_y - r_y * dv_x) / inertia
+    j_n, j_t = _along_normal(state.gamma, terms.mass * (dv_x - d_omega * r_y),
+                             terms.mass * (dv_y + d_omega * r_x))
+    return d_omega, j_n, j_t
+
+
+def equation_of_motion(obj, rolling, smoothing=SMOOTHING):
+    """
+    Build the equation of motion as a casadi function.
+
+    :param obj: the ``PushedObject``.
+    :param rolling: (lam, R_e [m]).
+    :param smoothing: speed below which support friction turns viscous [m/s].
+    :return: ``casadi.Function`` (state (7,), input (5,)) -> (rate (7,), contact force (2,) [N]).
+    """
+    terms = ObjectTerms.of(obj)
+    x, u = ca.SX.sym('x', len(STATE)), ca.SX.sym('u', len(INPUT))
+    state, inputs = State(*ca.vertsplit(x)), Input(*ca.vertsplit(u))
+    rate = derivative(terms, state, inputs, rolling, smoothing)
+    force = contact_force(terms, state, inputs, rate.omega, rolling, smoothing)
+    return ca.Function('motion', [x, u], [ca.vertcat(*rate), ca.vertcat(*force)],
+                       ['state', 'input'], ['rate', 'force'])
+
+
+def _turn(angle, x, y):
+    return ca.cos(angle) * x - ca.sin(angle) * y, ca.sin(angle) * x + ca.cos(angle) * y
+
+
+def _along_normal(gamma, x, y):
+    return ca.cos(gamma) * x + ca.sin(gamma) * y, ca.cos(gamma) * y - ca.sin(gamma) * x
+
+
+def _lever(terms, state):
+    return _turn(state.theta, terms.com_x - state.c_x, terms.com_y - state.c_y)
+
+
+def _bias(terms, state, inputs, rolling):
+    r_x, r_y = _lever(terms, state)
+    rolled = state.omega * rolling[1] * (state.omega - inputs.omega_p)
+    return (inputs.a_x - state.omega ** 2 * r_x + rolled * ca.cos(state.gamma),
+            inputs.a_y - state.omega ** 2 * r_y + rolled * ca.sin(state.gamma))
+
+
+def _support_friction(terms, state, inputs, smoothing):
+    force_x, force_y, moment = 0.0, 0.0, 0.0
+    for s_x, s_y, capacity in terms.supports:
+        arm_x, arm_y = _turn(state.theta, s_x - state.c_x, s_y - state.c_y)
+        v_x, v_y = inputs.v_x - state.omega * arm_y, inputs.v_y + state.omega * arm_x
+        weight = friction_weight(capacity, v_x, v_y, smoothing)
+        force_x, force_y = force_x - weight * v_x, force_y - weight * v_y
+        moment = moment + weight * (arm_y * v_x - arm_x * v_y)
+    return force_x, force_y, moment
