@@ -1,0 +1,53 @@
+# `make demo` and `make test` build .venv from pinned wheels first; nothing else is needed.
+SHELL := /bin/sh
+BIN := .venv/bin
+SUPPORTED := python3.11 python3.12 python3.10 python3.13 python3
+CHECK := import ensurepip, sys, venv; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))
+PYTHON ?= $(shell for name in $(SUPPORTED); do $$name -c '$(CHECK)' >/dev/null 2>&1 \
+	&& { echo $$name; break; }; done)
+PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check
+
+# The wheels bring a ROS 2 of their own, into which a sourced one must not mix.
+unexport AMENT_PREFIX_PATH PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
+ifdef ROS_DISTRO
+unexport LD_LIBRARY_PATH
+endif
+
+.PHONY: help demo test lint lock clean
+.DEFAULT_GOAL := help
+
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## /make \1	/p' $(MAKEFILE_LIST)
+
+demo: .venv/installed ## push a box to its goal over DDS; results in out/
+	$(BIN)/replay --demo --out out
+
+test: .venv/installed ## all tests; ARGS="-k contact" for some
+	$(BIN)/python -m pytest $(ARGS)
+
+lint: .venv/installed ## the style checks alone
+	$(BIN)/python -m pytest -q test/test_style.py test/test_architecture.py
+
+lock: ## pin what requirements.in asks for; needs Python 3.10
+	rm -rf build/lock
+	python3.10 -m venv build/lock
+	build/lock/bin/python -m pip install -qq -r requirements-build.txt
+	build/lock/bin/python .ci/lock.py
+
+clean: ## remove everything made here
+	rm -rf .venv out build install log *.egg-info .pytest_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.venv/requirements: requirements-build.txt requirements.txt
+	@test -n '$(PYTHON)' || { echo 'make: no Python 3.10 to 3.13 with venv found among' \
+		'$(SUPPORTED); name one with PYTHON=/path/to/python' >&2; exit 1; }
+	@echo 'Installing pinned wheels into .venv: about a minute.'
+	$(PYTHON) -m venv --clear .venv
+	$(PIP_INSTALL) -r requirements-build.txt
+	$(PIP_INSTALL) --no-build-isolation -r requirements.txt
+	@touch $@
+
+# Editable: what runs is the source tree, so only packaging changes need a new installation.
+.venv/installed: .venv/requirements setup.py setup.cfg package.xml $(wildcard push_*/__init__.py)
+	$(PIP_INSTALL) --no-deps --no-build-isolation --editable .
+	@touch $@

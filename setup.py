@@ -1,0 +1,55 @@
+"""Installation by colcon and by pip; name and version come from package.xml."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from setuptools import find_packages, setup
+
+ROOT = Path(__file__).resolve().parent
+MANIFEST = ElementTree.parse(ROOT / 'package.xml').getroot()
+NAME = MANIFEST.findtext('name')
+SHARE = Path('share') / NAME
+
+
+def data_below(directory):
+    """List every folder below a directory with its files, as ``data_files`` wants them."""
+    files = sorted(path for path in (ROOT / directory).rglob('*')
+                   if path.is_file() and '__pycache__' not in path.parts)
+    folders = sorted({path.parent for path in files})
+    return [(str(SHARE / folder.relative_to(ROOT)),
+             [str(path.relative_to(ROOT)) for path in files if path.parent == folder])
+            for folder in folders]
+
+
+setup(
+    name=NAME,
+    version=MANIFEST.findtext('version'),
+    description=' '.join(MANIFEST.findtext('description').split()),
+    maintainer=MANIFEST.findtext('maintainer'),
+    maintainer_email=MANIFEST.find('maintainer').get('email'),
+    license=MANIFEST.findtext('license'),
+    python_requires='>=3.10',
+    packages=find_packages(include=['push_*']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (str(SHARE), ['package.xml']),
+        *data_below('config'),
+        *data_below('launch'),
+    ],
+    install_requires=['setuptools', 'numpy', 'scipy', 'casadi', 'PyYAML'],
+    extras_require={
+        'fast': ['numba'],
+        'plot': ['matplotlib'],
+        'record': ['rosbags'],
+        'test': ['pytest'],
+    },
+    zip_safe=False,
+    entry_points={
+        'console_scripts': [
+            'controller = push_control.controller_node:main',
+            'planner = push_planner.planner_node:main',
+            'replay = push_scenario.replay:main',
+            'sim = push_sim_node.sim_node:main',
+        ],
+    },
+)
