@@ -1,0 +1,67 @@
+"""
+Contact of a disc robot with an object: where it is, and the impulse in closed form.
+
+Unilateral and inelastic, with Coulomb friction. n points from robot to object, t is n turned by
++90 degrees.
+"""
+
+import math
+
+from push_sim_node.compiled import closest_on_polygon, compiled
+from push_sim_node.layout import SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+
+
+@compiled
+def nearest(outline, disc_radius, robot_radius, x, y, theta, p_x, p_y):
+    """
+    Nearest points of object and robot.
+
+    :param outline: vertices in the object frame, shape (k, 2) [m]; ignored for a disc.
+    :param disc_radius: radius of a disc about the object frame, 0 for a polygon [m].
+    :param robot_radius: R_p [m].
+    :param x: object frame in the world, x [m].
+    :param y: the same, y [m].
+    :param theta: its orientation [rad].
+    :param p_x: robot centre, x [m].
+    :param p_y: the same, y [m].
+    :return: normal (x, y), the object's point (x, y) [m], gap [m] (negative on overlap).
+    """
+    d_x, d_y = p_x - x, p_y - y
+    if disc_radius > 0.0:
+        away = math.sqrt(d_x * d_x + d_y * d_y)
+        n_x, n_y = -d_x / away, -d_y / away
+        return n_x, n_y, x - disc_radius * n_x, y - disc_radius * n_y, \
+            away - disc_radius - robot_radius
+    c, s = math.cos(theta), math.sin(theta)
+    c_x, c_y, m_x, m_y, away, _, _ = closest_on_polygon(outline, c * d_x + s * d_y,
+                                                        c * d_y - s * d_x)
+    return c * m_x - s * m_y, s * m_x + c * m_y, x + c * c_x - s * c_y, y + s * c_x + c * c_y, \
+        away - robot_radius
+
+
+@compiled
+def contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient):
+    """
+    Impulse that keeps the bodies apart: none, sticking, or sliding on the edge of the cone.
+
+    ``w`` maps impulse to relative velocity and is positive definite; then the sign of the
+    sticking impulse tells the side that slides, and the divisor below is positive.
+
+    :param w_nn: normal velocity per normal impulse [1/kg].
+    :param w_nt: normal velocity per tangential impulse [1/kg].
+    :param w_tt: tangential velocity per tangential impulse [1/kg].
+    :param need_n: normal velocity that is missing without an impulse [m/s].
+    :param need_t: tangential velocity that is missing for sticking [m/s].
+    :param friction_coefficient: mu_c.
+    :return: (normal impulse [N s], tangential impulse [N s], mode).
+    """
+    if need_n <= 0.0:
+        return 0.0, 0.0, SEPARATE
+    determinant = w_nn * w_tt - w_nt * w_nt
+    normal = (w_tt * need_n - w_nt * need_t) / determinant
+    tangential = (w_nn * need_t - w_nt * need_n) / determinant
+    if abs(tangential) <= friction_coefficient * normal:
+        return normal, tangential, STICK
+    slope = math.copysign(friction_coefficient, tangential)
+    normal = need_n / (w_nn + slope * w_nt)
+    return normal, slope * normal, SLIDE_LEFT if tangential > 0.0 else SLIDE_RIGHT

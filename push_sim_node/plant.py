@@ -1,0 +1,169 @@
+"""The true object and the robot that pushes it."""
+
+import math
+
+from push_model.contact import find_contact
+from push_model.geometry import Pose
+from push_model.signals import STOP, Twist
+from push_sim_node import layout as at
+from push_sim_node.actuation import limited
+from push_sim_node.compiled import sequence
+from push_sim_node.contact_law import nearest
+from push_sim_node.step import advance
+from push_sim_node.truth import Energy, Truth
+
+DEEPEST_OVERLAP = 5e-3
+NO_OUTLINE = ((0.0, 0.0), (0.0, 0.0))
+
+
+class Plant:
+    """
+    Disc robot against a rigid object on frictional supports.
+
+    The robot is velocity-controlled: nothing that it touches slows it down. It starts at rest; a
+    robot placed up to 5 mm into the object is moved back along the normal until it touches.
+
+    :param obj: the true ``PushedObject``.
+    :param robot: the true ``RoundRobot``.
+    :param object_pose: ``Pose`` of the object frame in the world.
+    :param robot_pose: ``Pose`` of the robot in the world.
+    :param step: longest step [s].
+    :param smoothing: speed below which support friction turns viscous [m/s].
+    :raises ValueError: where robot and object overlap by more than 5 mm.
+    """
+
+    def __init__(self, obj, robot, object_pose, robot_pose, step=2e-3, smoothing=1e-5):
+        self.obj, self.robot, self.step = obj, robot, step
+        self._capacities = obj.capacities
+        com_x, com_y = obj.center_of_mass
+        self._body = sequence([obj.mass, obj.inertia, com_x, com_y, obj.radius, robot.radius,
+                               obj.contact_friction_coefficient, smoothing])
+        self._outline = sequence(obj.outline or NO_OUTLINE)
+        self._drive = sequence([robot.time_constant, robot.max_acceleration,
+                                robot.max_yaw_acceleration])
+        self._forces = sequence([0.0] * (2 * len(obj.supports)))
+        self._state = sequence([0.0] * at.STATE_SIZE)
+        self._command = STOP
+        self._target = sequence(STOP)
+        self.set_friction_factors([1.0] * len(obj.supports))
+        self._place(Pose(*object_pose), Pose(*robot_pose))
+
+    def set_friction_factors(self, factors):
+        """
+        Multiply the friction of the supports.
+
+        :param factors: one factor for each support, of at least 0.
+        """
+        com_x, com_y = self.obj.center_of_mass
+        self._supports = sequence([(foot.x - com_x, foot.y - com_y, factor * capacity)
+                                   for foot, factor, capacity
+                                   in zip(self.obj.supports, factors, self._capacities)])
+        self._forget_acceleration()
+
+    def advance(self, duration, command=STOP):
+        """
+        Let time pass while one command stands.
+
+        :param duration: how long [s], above 0.
+        :param command: ``Twist`` for the robot, its own axes; limits of the drive apply.
+        :raises ValueError: where the command is not finite or not possible for the drive.
+        """
+        if not (math.isfinite(duration) and duration > 0.0):
+            raise ValueError(f'duration: got {duration!r}, expected a finite time above 0 [s]')
+        if command != self._command:
+            self._target = sequence(limited(self.robot, command))
+            self._command = command
+            self._forget_acceleration()
+        advance(self._state, self._body, self._supports, self._outline, self._forces,
+                self._target, self._drive, duration, self.step)
+
+    @property
+    def object_pose(self):
+        """Pose of the object frame in the world; the angle is not wrapped."""
+        x, y, theta = self._numbers(at.X, at.THETA)
+        com = self.obj.center_of_mass
+        back_x, back_y = Pose(0.0, 0.0, theta).rotate(com)
+        return Pose(x - back_x, y - back_y, theta)
+
+    @property
+    def object_twist(self):
+        """Velocity of the object frame's origin, world axes, and yaw rate."""
+        v_x, v_y, omega = self._numbers(at.V_X, at.OMEGA)
+        x, y = Pose(0.0, 0.0, self._number(at.THETA)).rotate(self.obj.center_of_mass)
+        return Twist(v_x + omega * y, v_y - omega * x, omega)
+
+    @property
+    def robot_pose(self):
+        """Pose of the robot in the world; the angle is not wrapped."""
+        return Pose(*self._numbers(at.P_X, at.PHI))
+
+    @property
+    def robot_twist(self):
+        """Velocity of the robot, own axes."""
+        return Twist(*self._numbers(at.U_X, at.U_OMEGA))
+
+    @property
+    def mean_iterations(self):
+        """Iterations on the friction weights, per step."""
+        return self._number(at.ITERATIONS) / max(1.0, self._number(at.STEPS))
+
+    @property
+    def energy(self):
+        """``Energy`` since the start."""
+        v_x, v_y, omega = self._numbers(at.V_X, at.OMEGA)
+        kinetic = 0.5 * (self.obj.mass * (v_x * v_x + v_y * v_y)
+                         + self.obj.inertia * omega * omega)
+        work, *losses = (self._number(i) for i in (at.WORK, at.SUPPORT_LOSS, at.CONTACT_LOSS,
+                                                   at.IMPACT_LOSS))
+        return Energy(work, kinetic, *losses)
+
+    def truth(self, time):
+        """
+        Sample everything at once.
+
+        :param time: simulated time that the sample carries [s].
+        :return: ``Truth``.
+        """
+        robot, twist = self.robot_pose, self.robot_twist
+        pose = self.object_pose
+        n_x, n_y, c_x, c_y, gap = nearest(self._outline, self.obj.radius, self.robot.radius,
+                                          *pose, robot.x, robot.y)
+        mode = at.MODES[int(self._number(at.MODE))]
+        forces = tuple((float(x), float(y))
+                       for x, y in zip(self._forces[::2], self._forces[1::2]))
+        angle = math.nan
+        if mode != 'separate':
+            v_x, v_y = robot.rotate(twist)
+            normal, tangential = n_x * v_x + n_y * v_y, n_x * v_y - n_y * v_x
+            tangential += twist.omega * self.robot.radius
+            if normal != 0.0 or tangential != 0.0:
+                angle = math.atan2(tangential, normal)
+        return Truth(time, pose, self.object_twist, robot, twist, mode, (c_x, c_y),
+                     math.atan2(n_y, n_x), gap, angle, self._number(at.FORCE_N),
+                     self._number(at.FORCE_T), forces, self.energy)
+
+    def _place(self, object_pose, robot_pose):
+        for name, pose in (('object_pose', object_pose), ('robot_pose', robot_pose)):
+            if not pose.is_finite():
+                raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')
+        _, gamma, gap = find_contact(self.obj, object_pose, robot_pose[:2], self.robot.radius)
+        if gap < -DEEPEST_OVERLAP:
+            raise ValueError(f'robot_pose: got an overlap with the object of {-gap:g} m, expected '
+                             f'at most {DEEPEST_OVERLAP:g} m')
+        back = min(0.0, gap)
+        robot_pose = Pose(robot_pose.x + back * math.cos(gamma),
+                          robot_pose.y + back * math.sin(gamma), robot_pose.theta)
+        x, y = object_pose.transform(self.obj.center_of_mass)
+        for first, pose in ((at.X, Pose(x, y, object_pose.theta)), (at.P_X, robot_pose)):
+            for i, value in enumerate(pose):
+                self._state[first + i] = float(value)
+
+    def _forget_acceleration(self):
+        for i in (at.A_X, at.A_Y, at.A_OMEGA):
+            self._state[i] = 0.0
+
+    def _number(self, index):
+        return float(self._state[index])
+
+    def _numbers(self, first, last):
+        return tuple(float(value) for value in self._state[first:last + 1])

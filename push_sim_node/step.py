@@ -1,0 +1,151 @@
+"""
+One step of object and robot: implicit, on velocity level, without springs or penalties.
+
+The geometry is taken at the predicted middle of the step and the gap carried back from there to
+its start, which leaves neither drift nor error of first order. Support friction is iterated on
+its weights; for given weights the contact is solved in closed form:
+``(M + sum D_i J_i^T J_i) v = M v_n + J_n^T l_n + J_t^T l_t``.
+
+Arguments have the same meaning in every function: ``state`` and ``body`` are numbers in the order
+of ``layout``, ``supports`` rows (x, y from the mass centre [m], capacity [N]), ``outline`` the
+vertices [m], ``forces`` the friction on each support (x, y, x, y, ...) [N] that is written,
+``command`` the (v_x, v_y, omega) asked of the robot, ``drive`` (time constant [s], acceleration
+limit [m/s^2], yaw acceleration limit [rad/s^2]), ``h`` the step [s].
+"""
+
+import math
+
+from push_sim_node.actuation import approach, chord_velocity
+from push_sim_node.compiled import compiled
+from push_sim_node.contact_law import contact_impulse, nearest
+from push_sim_node.layout import (A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_FRICTION, CONTACT_LOSS,
+                                  DISC_RADIUS, FORCE_N, FORCE_T, IMPACT_LOSS, INERTIA, ITERATIONS,
+                                  MASS, MODE, OMEGA, P_X, P_Y, PHI, ROBOT_RADIUS, STEPS,
+                                  SUPPORT_LOSS, THETA, U_OMEGA, U_X, U_Y, V_X, V_Y, WORK, X, Y)
+from push_sim_node.support_friction import augmented_mass, friction_forces, velocity_of
+
+TOLERANCE = 1e-6
+MOST_ITERATIONS = 60
+
+
+@compiled
+def geometry(state, body, outline, guess, robot, h):
+    """
+    Contact in the middle of the step, for a predicted velocity.
+
+    ``guess`` is the object's (v_x, v_y, omega), ``robot`` the mean one of the robot, world axes.
+
+    :return: cosine and sine of the orientation; (n_x, n_y, moment arms of n and t [m]); (normal
+        velocity of the robot, that which the object's contact point must have at least,
+        tangential velocity of the robot's surface) [m/s].
+    """
+    x, y = state[X] + 0.5 * h * guess[0], state[Y] + 0.5 * h * guess[1]
+    theta = state[THETA] + 0.5 * h * guess[2]
+    c, s = math.cos(theta), math.sin(theta)
+    n_x, n_y, c_x, c_y, gap = nearest(
+        outline, body[DISC_RADIUS], body[ROBOT_RADIUS], x - c * body[COM_X] + s * body[COM_Y],
+        y - s * body[COM_X] - c * body[COM_Y], theta, state[P_X] + 0.5 * h * robot[0],
+        state[P_Y] + 0.5 * h * robot[1])
+    arm_n = (c_x - x) * n_y - (c_y - y) * n_x
+    arm_t = (c_x - x) * n_x + (c_y - y) * n_y
+    u_n = n_x * robot[0] + n_y * robot[1]
+    u_t = n_x * robot[1] - n_y * robot[0] + robot[2] * body[ROBOT_RADIUS]
+    gap -= 0.5 * h * (n_x * guess[0] + n_y * guess[1] + arm_n * guess[2] - u_n)
+    return c, s, (n_x, n_y, arm_n, arm_t), (u_n, u_n - gap / h, u_t)
+
+
+@compiled
+def solve(state, body, supports, c, s, h, guess, contact, push):
+    """
+    Velocity at the end of the step, by iteration on the friction weights.
+
+    :return: velocity (v_x, v_y, omega); that of the last friction weights; impulse (normal,
+        tangential) [N s]; mode; iterations.
+    """
+    velocity, at, impulse, mode, count = guess, guess, (0.0, 0.0), 0, 0
+    gyration = body[INERTIA] / body[MASS]
+    while count < MOST_ITERATIONS:
+        count += 1
+        at = velocity
+        augmented = augmented_mass(body, supports, c, s, h, at[0], at[1], at[2])
+        velocity, impulse, mode = constrained(state, body, augmented, contact, push)
+        change = ((velocity[0] - at[0]) ** 2 + (velocity[1] - at[1]) ** 2
+                  + gyration * (velocity[2] - at[2]) ** 2)
+        if change <= TOLERANCE * TOLERANCE:
+            break
+    return velocity, at, impulse, mode, count
+
+
+@compiled
+def constrained(state, body, augmented, contact, push):
+    """
+    Velocity for given friction weights, with the contact solved.
+
+    :return: velocity (v_x, v_y, omega), impulse (normal, tangential) [N s], mode.
+    """
+    n_x, n_y, arm_n, arm_t = contact
+    v_x, v_y, omega = velocity_of(augmented, body[MASS] * state[V_X], body[MASS] * state[V_Y],
+                                  body[INERTIA] * state[OMEGA])
+    a_x, a_y, a_omega = velocity_of(augmented, n_x, n_y, arm_n)
+    b_x, b_y, b_omega = velocity_of(augmented, -n_y, n_x, arm_t)
+    normal, tangential, mode = contact_impulse(
+        n_x * a_x + n_y * a_y + arm_n * a_omega, n_x * b_x + n_y * b_y + arm_n * b_omega,
+        n_x * b_y - n_y * b_x + arm_t * b_omega,
+        push[1] - (n_x * v_x + n_y * v_y + arm_n * omega),
+        push[2] - (n_x * v_y - n_y * v_x + arm_t * omega), body[CONTACT_FRICTION])
+    return (v_x + normal * a_x + tangential * b_x, v_y + normal * a_y + tangential * b_y,
+            omega + normal * a_omega + tangential * b_omega), (normal, tangential), mode
+
+
+@compiled
+def account(state, body, contact, push, velocity, impulse, support_loss):
+    """Book the energies of a step: work of the robot = kinetic energy + losses, exactly."""
+    n_x, n_y, arm_n, arm_t = contact
+    v_x, v_y, omega = velocity
+    work = impulse[0] * push[0] + impulse[1] * push[2]
+    received = (impulse[0] * (n_x * v_x + n_y * v_y + arm_n * omega)
+                + impulse[1] * (n_x * v_y - n_y * v_x + arm_t * omega))
+    d_x, d_y, d_omega = v_x - state[V_X], v_y - state[V_Y], omega - state[OMEGA]
+    state[WORK] += work
+    state[SUPPORT_LOSS] += support_loss
+    state[CONTACT_LOSS] += work - received
+    state[IMPACT_LOSS] += 0.5 * (body[MASS] * (d_x * d_x + d_y * d_y)
+                                 + body[INERTIA] * d_omega * d_omega)
+
+
+@compiled
+def step(state, body, supports, outline, forces, command, drive, h):
+    """Move object and robot by one step, in place."""
+    e_x, e_y, e_omega, m_x, m_y, m_omega = approach(state[U_X], state[U_Y], state[U_OMEGA],
+                                                    command, drive, h)
+    u_x, u_y = chord_velocity(state[PHI], m_x, m_y, m_omega, h)
+    guess = (state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
+             state[OMEGA] + h * state[A_OMEGA])
+    c, s, contact, push = geometry(state, body, outline, guess, (u_x, u_y, m_omega), h)
+    velocity, at, impulse, mode, count = solve(state, body, supports, c, s, h, guess, contact,
+                                              push)
+    power = friction_forces(body, supports, forces, c, s, at, velocity)
+    account(state, body, contact, push, velocity, impulse, h * power)
+    keep = 1.0 / h if mode == state[MODE] else 0.0
+    v_x, v_y, omega = velocity
+    state[A_X], state[A_Y] = keep * (v_x - state[V_X]), keep * (v_y - state[V_Y])
+    state[A_OMEGA] = keep * (omega - state[OMEGA])
+    state[V_X], state[V_Y], state[OMEGA] = v_x, v_y, omega
+    state[X] += h * v_x
+    state[Y] += h * v_y
+    state[THETA] += h * omega
+    state[P_X] += h * u_x
+    state[P_Y] += h * u_y
+    state[PHI] += h * m_omega
+    state[U_X], state[U_Y], state[U_OMEGA] = e_x, e_y, e_omega
+    state[MODE], state[FORCE_N], state[FORCE_T] = mode, impulse[0] / h, impulse[1] / h
+    state[ITERATIONS] += count
+    state[STEPS] += 1
+
+
+@compiled
+def advance(state, body, supports, outline, forces, command, drive, duration, longest):
+    """Take equal steps, none above ``longest`` [s], that end exactly after ``duration`` [s]."""
+    count = max(1, int(math.ceil(duration / longest - 1e-9)))
+    for _ in range(count):
+        step(state, body, supports, outline, forces, command, drive, duration / count)

@@ -1,0 +1,60 @@
+"""What really happens at an instant; no measurement sees it so."""
+
+from typing import NamedTuple
+
+from push_model.geometry import Pose
+from push_model.signals import Twist
+
+
+class Energy(NamedTuple):
+    """
+    Energy since the start [J]: ``work = kinetic + support_loss + contact_loss + impact_loss``.
+
+    ``impact_loss`` is what inelastic impacts take, and what the implicit step damps (which
+    vanishes with the step).
+    """
+
+    work: float
+    kinetic: float
+    support_loss: float
+    contact_loss: float
+    impact_loss: float
+
+
+class Truth(NamedTuple):
+    """
+    State of the plant. Poses are in the world, their angles not wrapped.
+
+    :param time: simulated time [s].
+    :param object_pose: pose of the object frame.
+    :param object_twist: velocity of the object frame's origin, world axes.
+    :param robot_pose: pose of the robot.
+    :param robot_twist: its velocity, own axes.
+    :param mode: 'separate', 'stick', 'slide+' or 'slide-' over the last step; '+': the robot's
+        surface slides towards t, and drags the object that way.
+    :param contact_point: the object's point nearest to the robot (x, y) [m].
+    :param normal: world angle gamma of the contact normal, from robot to object [rad].
+    :param gap: distance between robot and object [m].
+    :param pushing_angle: from the normal to the velocity of the robot's surface at the contact
+        [rad]; nan where there is no contact or that velocity is 0.
+    :param force_n: force of the robot on the object along the normal, mean over the last step
+        [N].
+    :param force_t: the same along t, the normal turned by +90 degrees [N].
+    :param support_forces: friction force on each support, world axes, (x, y) [N].
+    :param energy: ``Energy``.
+    """
+
+    time: float
+    object_pose: Pose
+    object_twist: Twist
+    robot_pose: Pose
+    robot_twist: Twist
+    mode: str
+    contact_point: tuple
+    normal: float
+    gap: float
+    pushing_angle: float
+    force_n: float
+    force_t: float
+    support_forces: tuple
+    energy: Energy
