@@ -1,0 +1,103 @@
+"""A tape: what happened in a run, as named columns over time."""
+
+import csv
+import dataclasses
+import io
+
+import numpy as np
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Tape:
+    """
+    Named columns of numbers, one row per recorded instant; read-only.
+
+    :param columns: names, the first is ``time`` [s], increasing.
+    :param rows: shape (n, k), one column per name.
+    :raises ValueError: where names and numbers do not fit together.
+    """
+
+    columns: tuple[str, ...]
+    rows: np.ndarray
+
+    def __post_init__(self):
+        """Check the shape and freeze the numbers."""
+        columns = tuple(self.columns)
+        rows = np.array(self.rows, dtype=float).reshape(len(self.rows), -1)
+        if not columns or columns[0] != 'time' or len(set(columns)) != len(columns):
+            raise ValueError(f'Tape.columns: got {columns}, expected distinct names, the first '
+                             "'time'")
+        if not len(rows) or rows.shape[1] != len(columns):
+            raise ValueError(f'Tape.rows: got shape {rows.shape}, expected one row or more of '
+                             f'{len(columns)} numbers')
+        if not (np.diff(rows[:, 0]) > 0.0).all():
+            raise ValueError('Tape.rows: got times that do not increase, expected increasing '
+                             'times [s]')
+        rows.setflags(write=False)
+        object.__setattr__(self, 'columns', columns)
+        object.__setattr__(self, 'rows', rows)
+
+    def __len__(self):
+        """Return the number of rows."""
+        return len(self.rows)
+
+    def __getitem__(self, name):
+        """
+        Look up a column.
+
+        :param name: of the column.
+        :return: its numbers, shape (n,).
+        :raises KeyError: where there is none, with those there are.
+        """
+        if name not in self.columns:
+            raise KeyError(f'{name}: expected one of {", ".join(self.columns)}')
+        return self.rows[:, self.columns.index(name)]
+
+    def poses(self, prefix):
+        """
+        Look up x, y and theta of a body.
+
+        :param prefix: such as ``object`` or ``robot``.
+        :return: shape (n, 3) [m, m, rad].
+        """
+        return np.column_stack([self[f'{prefix}_{name}'] for name in ('x', 'y', 'theta')])
+
+    def to_bytes(self):
+        """Return the tape as CSV: equal runs give equal bytes, and no digit is lost."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator='\n')
+        writer.writerow(self.columns)
+        writer.writerows([repr(value) for value in row] for row in self.rows.tolist())
+        return text.getvalue().encode('ascii')
+
+    def save(self, path):
+        """
+        Write the tape to a file.
+
+        :param path: where, by convention ``*.csv``.
+        """
+        with open(path, 'wb') as file:
+            file.write(self.to_bytes())
+
+    @classmethod
+    def load(cls, path):
+        """
+        Read a tape that ``save`` wrote.
+
+        :param path: the file.
+        :raises ValueError: naming the file and the line that is wrong.
+        """
+        with open(path, newline='', encoding='utf-8') as file:
+            lines = list(csv.reader(file))
+        if len(lines) < 2:
+            raise ValueError(f'{path}: got {len(lines)} lines, expected names and numbers')
+        rows = []
+        for number, line in enumerate(lines[1:], 2):
+            try:
+                rows.append([float(value) for value in line])
+            except ValueError as error:
+                raise ValueError(f'{path}:{number}: {error}, expected numbers') from error
+            if len(line) != len(lines[0]):
+                raise ValueError(f'{path}:{number}: got {len(line)} numbers, expected '
+                                 f'{len(lines[0])}')
+        return cls(tuple(lines[0]), np.array(rows))
