@@ -125,7 +125,10 @@ class Scenario:
     def __post_init__(self):
         """Validate the fields and the robot's place."""
         check(self)
-        pose = self.robot_start
+        try:
+            pose = self.robot_start
+        except ValueError as error:
+            raise ValueError(f'Scenario.start: {error}') from error
         _, _, gap = find_contact(self.truth, self.start.object.pose, pose, self.robot.radius)
         if gap < -1e-6:
             raise ValueError(f'Scenario.start: got a robot that overlaps the object by {-gap:g} m,'
