@@ -1,0 +1,137 @@
+"""The controller that the node runs: which phase, whether it may move, and why not."""
+
+import dataclasses
+
+from push_control.monitor import is_finite_odometry, unusable
+from push_control.open_loop import OpenLoopPush
+from push_control.push import FeedbackPush
+from push_model.geometry import Pose
+from push_model.signals import STOP
+
+PHASES = ('idle', 'pushing', 'waiting', 'done', 'failed')
+
+
+@dataclasses.dataclass(frozen=True)
+class ControllerStatus:
+    """
+    What the controller does, and why; errors are those of its estimate.
+
+    :param phase: one of ``PHASES``.
+    :param reason: one sentence, empty while all is well.
+    :param position_error: distance of the object from its goal [m].
+    :param heading_error: object heading less that of the goal [rad].
+    :param remaining: way of the flat point that is left [m].
+    :param travelled: way of the contact since the start [m].
+    :param friction_center: estimate in the object frame (x, y) [m].
+    :param push_direction: estimated effective robot heading [rad].
+    :param object_pose: estimated ``Pose`` of the object, one drive lag ahead.
+    :param replans: number of new paths.
+    :param go_arounds: number of new approaches near the goal.
+    :param rejected_poses: number of measurements that did not fit.
+    :param fallbacks: number of times an optimiser had to be replaced; 0 for these laws.
+    """
+
+    phase: str = 'idle'
+    reason: str = ''
+    position_error: float = 0.0
+    heading_error: float = 0.0
+    remaining: float = 0.0
+    travelled: float = 0.0
+    friction_center: tuple = (0.0, 0.0)
+    push_direction: float = 0.0
+    object_pose: Pose = Pose(0.0, 0.0, 0.0)
+    replans: int = 0
+    go_arounds: int = 0
+    rejected_poses: int = 0
+    fallbacks: int = 0
+
+
+class Controller:
+    """Calls the law of the settings, and stops the robot when it must."""
+
+    def __init__(self, obj, robot, settings):
+        """
+        Stand idle.
+
+        :param obj: the ``PushedObject`` as believed.
+        :param robot: the ``RoundRobot``.
+        :param settings: ``ControlSettings``.
+        """
+        self._parts = obj, robot, settings
+        self.reset()
+
+    def reset(self):
+        """Forget the target and everything measured."""
+        self._target = self._push = self._stamps = self._pose_time = None
+        self._phase, self._reason, self._command = 'idle', '', STOP
+
+    @property
+    def status(self):
+        """The present ``ControllerStatus``."""
+        report = {} if self._push is None else self._push.report
+        return ControllerStatus(self._phase, self._reason, **report)
+
+    def step(self, target, observation, dt):
+        """
+        Answer a measurement; the same observation again gets the same answer.
+
+        :param target: ``PushTrajectory`` in the world frame, or None; a new one starts anew.
+        :param observation: ``Observation``.
+        :param dt: time since the last step [s].
+        :return: ``Twist`` in the robot's axes.
+        :raises ValueError: where dt is negative or not finite.
+        """
+        if not 0.0 <= dt < float('inf'):
+            raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
+        if target is not self._target:
+            self.reset()
+            self._target = target
+        if target is None or self._phase in ('done', 'failed'):
+            return STOP
+        if observation.stamps != self._stamps:
+            self._stamps = observation.stamps
+            self._command = self._answer(observation, dt)
+        return self._command
+
+    def _answer(self, observation, dt):
+        open_loop = self._parts[2].control_law == 'open_loop'
+        measured = observation.object_pose
+        if measured is not None and measured.pose.is_finite():
+            self._pose_time = measured.time
+        if not open_loop:
+            self._reason = unusable(observation, self._pose_time, self._parts[2])
+        if self._reason:
+            return self._wait()
+        if self._push is None:
+            try:
+                law = OpenLoopPush if open_loop else FeedbackPush
+                self._push = law(*self._parts, self._target, observation)
+            except ValueError as error:
+                self._phase, self._reason = 'failed', str(error)
+                return STOP
+        self._phase = 'pushing'
+        self._push.observe(observation)
+        command = self._push.advance(observation.time, dt)
+        if self._push.failure:
+            self._phase, self._reason = 'failed', self._push.failure
+        elif self._push.finished:
+            self._phase = 'done'
+        return command
+
+    def _wait(self):
+        self._phase = 'waiting'
+        if self._push is not None:
+            self._push.pause()
+        return STOP
+
+
+def make_controller(obj, robot, settings):
+    """
+    Make the controller of a robot.
+
+    :param obj: the ``PushedObject`` as believed; its friction may be wrong.
+    :param robot: the ``RoundRobot``.
+    :param settings: ``ControlSettings``.
+    :return: ``Controller``.
+    """
+    return Controller(obj, robot, settings)

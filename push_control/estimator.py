@@ -1,0 +1,146 @@
+"""
+Extended Kalman filter for object pose, push direction and friction centre.
+
+Odometry is the input; poses are measured late and enter at their own time.
+"""
+
+import math
+
+import numpy as np
+
+from push_control.motion import Belief, PushMotion
+from push_model.friction import mean_square
+from push_model.geometry import wrap_angle
+
+MEMORY = 1.0
+REJECTIONS_IN_A_ROW = 3
+INFLATION = 25.0
+
+
+class Estimator:
+    """Fuses odometry and late object poses."""
+
+    def __init__(self, obj, robot, site, settings, center, pose, odometry):
+        """
+        Start from one object pose and one odometry.
+
+        :param obj: the ``PushedObject`` as believed.
+        :param robot: the ``RoundRobot``.
+        :param site: the contact ``Site``.
+        :param settings: ``ControlSettings``.
+        :param center: believed friction centre, object frame (x, y) [m].
+        :param pose: first ``ObjectPose``.
+        :param odometry: first ``Odometry``.
+        """
+        self._settings, self._center = settings, center
+        arm = math.hypot(center[0] - site.point[0], center[1] - site.point[1])
+        angle = math.atan2(center[1] - site.point[1], center[0] - site.point[0])
+        self._motion = PushMotion(robot.radius, site, mean_square(obj, angle))
+        self._limit = settings.center_limit * arm
+        theta = pose.pose.theta
+        turn = wrap_angle(odometry.pose.theta - theta - site.heading)
+        self._belief = Belief(*pose.pose[:2], theta, theta + site.heading + turn, *center)
+        deviations = (settings.pose_noise, settings.pose_noise, settings.heading_noise,
+                      settings.placement_spread, settings.center_spread * arm,
+                      settings.center_spread * arm)
+        self._covariance = np.diag(np.square(deviations))
+        self._noise = np.diag(np.square((settings.pose_noise, settings.pose_noise,
+                                         settings.heading_noise)))
+        self._walk = np.square((settings.position_walk, settings.position_walk,
+                                settings.heading_walk, settings.direction_drift,
+                                settings.center_walk, settings.center_walk))
+        self._time = min(pose.time, odometry.time)
+        self._inputs = [(self._time, odometry.time, odometry.twist)]
+        self._last = odometry
+        self.rejected = 0
+        self._in_a_row = 0
+
+    @property
+    def covariance(self):
+        """Covariance at the time of the last accepted pose, shape (6, 6)."""
+        return self._covariance.copy()
+
+    def add_odometry(self, odometry):
+        """
+        Remember a motion of the robot.
+
+        :param odometry: ``Odometry``, newer than the last; older ones are ignored.
+        """
+        if odometry.time <= self._last.time:
+            return
+        mean = tuple(0.5 * (a + b) for a, b in zip(self._last.twist, odometry.twist))
+        self._inputs.append((self._last.time, odometry.time, mean))
+        self._last = odometry
+        if odometry.time - MEMORY > self._time:
+            self._advance(odometry.time - MEMORY)
+
+    def add_pose(self, measured):
+        """
+        Correct the estimate by a pose, at the pose's own time.
+
+        :param measured: ``ObjectPose``; one older than the last that was used is ignored.
+        :return: whether it passed the gate.
+        """
+        if measured.time < self._time:
+            return False
+        self._advance(measured.time)
+        belief, covariance = self._belief, self._covariance
+        error = np.array([measured.pose.x - belief.x, measured.pose.y - belief.y,
+                          wrap_angle(measured.pose.theta - belief.theta)])
+        inverse = np.linalg.inv(covariance[:3, :3] + self._noise)
+        if error @ inverse @ error > self._settings.gate:
+            self._reject()
+            return False
+        self._in_a_row = 0
+        gain = covariance[:, :3] @ inverse
+        self._belief = self._clamped(Belief(*(np.array(belief) + gain @ error).tolist()))
+        covariance = covariance - gain @ covariance[:3, :]
+        self._covariance = 0.5 * (covariance + covariance.T)
+        return True
+
+    def predict(self, time, twist=None, horizon=0.0):
+        """
+        Carry the estimate to a later time.
+
+        :param time: when [s].
+        :param twist: expected mean motion after that time, body axes.
+        :param horizon: how long that motion lasts [s].
+        :return: ``Belief``.
+        """
+        belief = self._belief
+        for duration, step in self._between(self._time, time):
+            belief = self._motion.moved(belief, step, duration)
+        return self._motion.moved(belief, twist, horizon) if horizon > 0.0 else belief
+
+    def _reject(self):
+        self.rejected += 1
+        self._in_a_row += 1
+        if self._in_a_row >= REJECTIONS_IN_A_ROW:
+            scale = np.array([INFLATION] * 4 + [1.0, 1.0])
+            self._covariance = self._covariance * np.sqrt(np.outer(scale, scale))
+
+    def _clamped(self, belief):
+        off_x, off_y = belief.p_x - self._center[0], belief.p_y - self._center[1]
+        off = math.hypot(off_x, off_y)
+        if off <= self._limit:
+            return belief
+        return belief._replace(p_x=self._center[0] + off_x * self._limit / off,
+                               p_y=self._center[1] + off_y * self._limit / off)
+
+    def _between(self, start, end):
+        for begin, finish, twist in self._inputs:
+            duration = min(end, finish) - max(start, begin)
+            if duration > 0.0:
+                yield duration, twist
+        after = end - max(start, self._last.time)
+        if after > 0.0:
+            yield after, self._last.twist
+
+    def _advance(self, time):
+        for duration, twist in self._between(self._time, time):
+            transition, way = self._motion.jacobian(self._belief, twist, duration)
+            self._belief = self._motion.moved(self._belief, twist, duration)
+            self._covariance = transition @ self._covariance @ transition.T
+            self._covariance[range(6), range(6)] += way * self._walk
+        self._time = max(time, self._time)
+        self._inputs = [entry for entry in self._inputs if entry[1] > self._time]

@@ -1,0 +1,93 @@
+"""The law: from where z is beside its path to the wanted contact velocity."""
+
+import math
+from typing import NamedTuple
+
+
+class CurvatureLimits(NamedTuple):
+    """Curvatures of z that the contact survives in a steady turn [1/m]."""
+
+    low: float
+    high: float
+
+    def clip(self, curvature):
+        """
+        Bring a curvature into the limits.
+
+        :param curvature: wanted [1/m].
+        """
+        return min(self.high, max(self.low, curvature))
+
+
+def trailing_limits(flat, robot_radius, lead, cone):
+    """
+    Limits where the normal turns with the robot: a differential drive at a vertex.
+
+    ``(D - cone) / (r + R_p) <= kappa <= (D + cone) / (r + R_p)``; beyond, the contact jackknifes
+    like a reversing trailer, and no law recovers.
+
+    :param flat: the ``Vehicle``.
+    :param robot_radius: R_p [m].
+    :param lead: D, angle from the robot's heading to the normal [rad].
+    :param cone: half angle of the friction cone that may be used [rad].
+    :return: ``CurvatureLimits``.
+    """
+    length = flat.arm + robot_radius
+    return CurvatureLimits((lead - cone) / length, (lead + cone) / length)
+
+
+def held_limits(flat, normal, cone):
+    """
+    Limits where the normal is held in the object: a holonomic base that turns along.
+
+    The force stays in the cone while ``|zeta + kappa c^2 / r| <= cone``.
+
+    :param flat: the ``Vehicle``.
+    :param normal: angle of the contact normal in the object frame [rad].
+    :param cone: half angle of the friction cone that may be used [rad].
+    :return: ``CurvatureLimits``.
+    """
+    zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
+    ahead = flat.mean_square / flat.arm
+    return CurvatureLimits((-zeta - cone) / ahead, (-zeta + cone) / ahead)
+
+
+def wanted_curvature(lateral_error, heading_error, path_curvature, settings):
+    """
+    Curvature of z that brings it back to its path, before any limit.
+
+    :param lateral_error: of z, left of the path is positive [m].
+    :param heading_error: of z, to the left is positive [rad].
+    :param path_curvature: of the path there [1/m].
+    :param settings: ``ControlSettings``.
+    :return: curvature [1/m].
+    """
+    bound = settings.lateral_saturation
+    aside = min(bound, max(-bound, lateral_error))
+    return (path_curvature - settings.lateral_gain * aside
+            - settings.heading_gain * heading_error)
+
+
+def push_direction(flat, curvature):
+    """
+    Direction of the contact velocity that turns z by a curvature, in the object frame [rad].
+
+    :param flat: the ``Vehicle``.
+    :param curvature: wanted curvature of z [1/m].
+    """
+    return flat.angle - math.atan(flat.wheelbase * curvature)
+
+
+def contact_speed(elapsed, remaining, fastest, settings):
+    """
+    Speed of the contact: rises after the start, falls towards the goal.
+
+    :param elapsed: time since the robot set out [s].
+    :param remaining: way of z that is left [m].
+    :param fastest: speed of the plan [m/s].
+    :param settings: ``ControlSettings``.
+    :return: speed [m/s].
+    """
+    start = settings.start_speed
+    braking = math.sqrt(start ** 2 + 2.0 * settings.deceleration * max(0.0, remaining))
+    return min(fastest, start + settings.acceleration * elapsed, braking)

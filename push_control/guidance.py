@@ -1,0 +1,107 @@
+"""Follows the path of z, and draws a new one where the old one no longer serves."""
+
+from typing import NamedTuple
+
+from push_control.reference import locate, new_path
+
+
+class Track(NamedTuple):
+    """
+    Where z is on its path.
+
+    :param lateral_error: left of the path is positive [m].
+    :param heading_error: to the left is positive [rad].
+    :param curvature: of the path [1/m].
+    :param remaining: way that is left [m].
+    """
+
+    lateral_error: float
+    heading_error: float
+    curvature: float
+    remaining: float
+
+
+class Guidance:
+    """One path, the place on it, and when to leave it for another."""
+
+    def __init__(self, path, settings):
+        """
+        Begin at the start of a path.
+
+        :param path: ``SampledPath`` or ``RunInPath``.
+        :param settings: ``ControlSettings``.
+        """
+        self._path, self._settings = path, settings
+        self._way = 0.0
+        self._since_new = settings.replan_period
+        self.budget = path.length
+        self.replans = 0
+        self.go_arounds = 0
+
+    def follow(self, pose):
+        """
+        Find z on the path.
+
+        :param pose: ``Pose`` of z in the frame of the z-goal.
+        :return: ``Track``.
+        """
+        self._way, aside, turned, curvature = locate(self._path, pose, self._way)
+        return Track(aside, turned, curvature, self._path.length - self._way)
+
+    def revise(self, pose, track, limits, travelled, dt):
+        """
+        Draw a new path if the errors ask for it and it is worth its length.
+
+        :param pose: ``Pose`` of z in the frame of the z-goal.
+        :param track: ``Track`` on the present path.
+        :param limits: ``CurvatureLimits`` for a new path.
+        :param travelled: way of the contact since the start [m].
+        :param dt: time since the last call [s].
+        :return: ``Track`` on the path that now holds.
+        """
+        settings = self._settings
+        self._since_new += dt
+        if self._since_new < settings.replan_period or travelled < settings.replan_after:
+            return track
+        if track.remaining < settings.go_around_distance:
+            far = self.is_off(track, settings.go_around_share)
+            return self.go_around(pose, limits) or track if far else track
+        if (abs(track.lateral_error) <= settings.replan_lateral
+                and abs(track.heading_error) <= settings.replan_heading):
+            return track
+        self._since_new = 0.0
+        path = new_path(pose, limits, settings.run_in)
+        if path.length > settings.replan_growth * track.remaining:
+            return track
+        self.replans += 1
+        return self._take(path, pose)
+
+    def is_off(self, track, share=1.0):
+        """
+        Tell whether the errors exceed a share of the tolerances.
+
+        :param track: ``Track``.
+        :param share: of the tolerances.
+        """
+        settings = self._settings
+        return (abs(track.lateral_error) > share * settings.position_tolerance
+                or abs(track.heading_error) > share * settings.heading_tolerance)
+
+    def go_around(self, pose, limits):
+        """
+        Approach the goal anew, as often as the settings allow.
+
+        :param pose: ``Pose`` of z in the frame of the z-goal.
+        :param limits: ``CurvatureLimits`` for the new path.
+        :return: ``Track`` on the new path, or None.
+        """
+        if self.go_arounds >= self._settings.go_around_limit:
+            return None
+        self.go_arounds += 1
+        path = new_path(pose, limits, self._settings.run_in)
+        self.budget += path.length
+        return self._take(path, pose)
+
+    def _take(self, path, pose):
+        self._path, self._way, self._since_new = path, 0.0, 0.0
+        return self.follow(pose)

@@ -1,0 +1,87 @@
+"""What must stop the robot: measurements too old or broken, an object that does not follow."""
+
+import math
+from collections import deque
+
+STEEPEST_PUSH = 1.2
+NORMAL_SLACK = 0.15
+
+
+def unusable(observation, last_pose_time, settings):
+    """
+    Say why the measurements cannot be used.
+
+    :param observation: ``Observation``.
+    :param last_pose_time: time of the last finite object pose [s], or None.
+    :param settings: ``ControlSettings``.
+    :return: the reason, or an empty text.
+    """
+    odometry, measured = observation.odometry, observation.object_pose
+    if not is_finite_odometry(odometry):
+        return 'odometry is not finite'
+    if measured is None:
+        return 'no object pose yet'
+    if not (measured.pose.is_finite() and math.isfinite(measured.time)):
+        return 'object pose is not finite'
+    age = observation.time - last_pose_time
+    if age > settings.pose_timeout:
+        return f'object pose is stale: {age:.2f} s old, at most {settings.pose_timeout:g} s'
+    age = observation.time - odometry.time
+    if age > settings.odometry_timeout:
+        return f'odometry is stale: {age:.2f} s old, at most {settings.odometry_timeout:g} s'
+    return ''
+
+
+def is_finite_odometry(odometry):
+    """
+    Tell whether every number of an odometry is finite.
+
+    :param odometry: ``Odometry``.
+    """
+    return all(math.isfinite(value)
+               for value in (odometry.time, *odometry.pose, *odometry.twist))
+
+
+def jackknifed(site, normal, angle):
+    """
+    Say how the contact has turned beyond recovery.
+
+    :param site: the contact ``Site``.
+    :param normal: estimated angle of the normal in the object frame [rad].
+    :param angle: from the normal to the wanted contact velocity [rad].
+    :return: the reason, or an empty text.
+    """
+    low, high = site.normal_limits
+    if not low - NORMAL_SLACK < normal < high + NORMAL_SLACK:
+        return 'jackknifed: the robot has turned round the vertex onto a face'
+    if abs(math.remainder(angle, 2.0 * math.pi)) > STEEPEST_PUSH:
+        return 'jackknifed: the wanted push points out of the contact'
+    return ''
+
+
+class FollowMonitor:
+    """Compares the way of the robot with the measured way of the contact."""
+
+    def __init__(self, settings):
+        """
+        Begin with nothing seen.
+
+        :param settings: ``ControlSettings``.
+        """
+        self._window, self._ratio = settings.contact_window, settings.contact_ratio
+        self._seen = deque()
+
+    def lost(self, travelled, contact):
+        """
+        Tell whether the object has stopped following.
+
+        :param travelled: way of the robot's contact point since the start [m].
+        :param contact: measured place of the contact in the world (x, y) [m].
+        """
+        self._seen.append((travelled, contact))
+        while len(self._seen) > 1 and travelled - self._seen[1][0] >= self._window:
+            self._seen.popleft()
+        before, place = self._seen[0]
+        way = travelled - before
+        moved = math.hypot(contact[0] - place[0], contact[1] - place[1])
+        return way >= self._window and moved < self._ratio * way

@@ -1,0 +1,99 @@
+"""Gains, limits and beliefs of the controller."""
+
+import dataclasses
+
+from push_model.quantity import check, quantity
+
+LAWS = ('feedback', 'open_loop')
+
+
+@dataclasses.dataclass(frozen=True)
+class ControlSettings:
+    """Everything that may be tuned; the defaults suit household objects and floors."""
+
+    control_law: str = quantity('feedback, or open_loop: play the plan without looking',
+                                choices=LAWS, default='feedback')
+
+    pose_timeout: float = quantity('age at which an object pose is stale; more than latency plus '
+                                   'three periods rides out two lost poses in a row', 's',
+                                   above=0.0, high=5.0, default=0.25)
+    odometry_timeout: float = quantity('age at which odometry is stale', 's', above=0.0, high=5.0,
+                                       default=0.25)
+    position_tolerance: float = quantity('position error with which a push may end', 'm',
+                                         above=0.0, high=1.0, default=0.02)
+    heading_tolerance: float = quantity('heading error with which a push may end', 'rad',
+                                        above=0.0, high=1.0, default=0.05)
+    stop_distance: float = quantity('way left at which the robot is stopped', 'm', 0.0, 0.1,
+                                    default=0.002)
+
+    lateral_gain: float = quantity('curvature per lateral error', '1/m^2', 0.0, 100.0,
+                                   default=9.0)
+    heading_gain: float = quantity('curvature per heading error', '1/m', 0.0, 50.0, default=5.0)
+    lateral_saturation: float = quantity('lateral error beyond which the law does not pull '
+                                         'harder', 'm', above=0.0, high=1.0, default=0.1)
+    curvature_rate: float = quantity('largest change of curvature per way', '1/m^2', above=0.0,
+                                     high=1000.0, default=8.0)
+    normal_gain: float = quantity('holonomic base: yaw correction that holds the contact in its '
+                                  'place, per way', '1/m', 0.0, 50.0, default=4.0)
+
+    friction_share: float = quantity('share of the believed contact friction that is counted on',
+                                     '', above=0.0, high=1.0, default=0.8)
+    feedback_margin: float = quantity('share of the friction cone that feedback may use', '',
+                                      above=0.0, high=1.0, default=0.82)
+    plan_margin: float = quantity('share of the friction cone that a new path may use', '',
+                                  above=0.0, high=1.0, default=0.65)
+    run_in: float = quantity('straight way before the goal on a new path', 'm', 0.0, 5.0,
+                             default=0.4)
+
+    start_speed: float = quantity('contact speed at start and end', 'm/s', above=0.0, high=1.0,
+                                  default=0.03)
+    acceleration: float = quantity('rise of the contact speed', 'm/s^2', above=0.0, high=10.0,
+                                   default=0.2)
+    deceleration: float = quantity('fall of the contact speed towards the goal', 'm/s^2',
+                                   above=0.0, high=10.0, default=0.04)
+
+    replan_period: float = quantity('least time between new paths', 's', above=0.0, high=60.0,
+                                    default=0.5)
+    replan_after: float = quantity('way before the first new path', 'm', 0.0, 5.0, default=0.3)
+    replan_lateral: float = quantity('lateral error that asks for a new path', 'm', above=0.0,
+                                     high=1.0, default=0.03)
+    replan_heading: float = quantity('heading error that asks for a new path', 'rad', above=0.0,
+                                     high=1.0, default=0.05)
+    replan_growth: float = quantity('length of a new path over the way left that is accepted', '',
+                                    1.0, 10.0, default=1.2)
+    go_around_distance: float = quantity('way left at which a push that is off is approached '
+                                         'anew', 'm', 0.0, 5.0, default=0.1)
+    go_around_share: float = quantity('share of the tolerances that counts as off there', '',
+                                      above=0.0, high=10.0, default=0.6)
+    go_around_limit: int = quantity('number of further approaches', '', 0, 100, default=3)
+    overrun: float = quantity('travelled over planned way at which the push is given up', '', 1.0,
+                              100.0, default=2.0)
+    contact_window: float = quantity('way over which an object that does not follow is lost', 'm',
+                                     above=0.0, high=2.0, default=0.25)
+    contact_ratio: float = quantity('motion of the contact over that of the robot below which the '
+                                    'object does not follow', '', 0.0, 1.0, default=0.3)
+
+    pose_noise: float = quantity('standard deviation of a measured object position', 'm',
+                                 above=0.0, high=0.5, default=0.002)
+    heading_noise: float = quantity('standard deviation of a measured object heading', 'rad',
+                                    above=0.0, high=0.5, default=0.006)
+    gate: float = quantity('squared distance at which a pose is rejected', '', above=0.0,
+                           high=1000.0, default=16.0)
+    placement_spread: float = quantity('standard deviation of the push direction at the start',
+                                       'rad', above=0.0, high=1.0, default=0.04)
+    direction_drift: float = quantity('random walk of the push direction per way',
+                                      'rad/sqrt(m)', 0.0, 1.0, default=0.03)
+    position_walk: float = quantity('random walk of the position per way', 'm/sqrt(m)', 0.0, 1.0,
+                                    default=0.008)
+    heading_walk: float = quantity('random walk of the heading per way', 'rad/sqrt(m)', 0.0, 1.0,
+                                   default=0.02)
+    center_spread: float = quantity('standard deviation of the friction centre over its distance '
+                                    'to the contact', '', 0.0, 1.0, default=0.09)
+    center_limit: float = quantity('largest offset of the friction centre, likewise', '', 0.0,
+                                   1.0, default=0.3)
+    center_walk: float = quantity('random walk of the friction centre per way', 'm/sqrt(m)', 0.0,
+                                  1.0, default=0.002)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)

@@ -1,0 +1,85 @@
+"""Where the robot touches the object, and how that place rolls."""
+
+import math
+from typing import NamedTuple
+
+from push_model.contact import (contact_point, curvature_radius, find_contact, normal_range,
+                                rolling_constants)
+from push_model.geometry import Pose
+
+GAP_LIMIT = 0.01
+
+
+class Site(NamedTuple):
+    """
+    The contact in the object frame, for any turn of the robot relative to the object.
+
+    :param kind: ``'vertex'``, ``'face'`` or ``'round'``.
+    :param share: lam of the rolling rule.
+    :param robot_radius: R_p [m].
+    :param object_radius: R_s [m].
+    :param point: C at the start, object frame (x, y) [m].
+    :param normal: angle of n at the start, object frame [rad].
+    :param heading: robot heading at the start, relative to the object [rad].
+    :param normal_limits: angles that n may take at this feature, object frame [rad].
+    """
+
+    kind: str
+    share: float
+    robot_radius: float
+    object_radius: float
+    point: tuple
+    normal: float
+    heading: float
+    normal_limits: tuple
+
+    def at(self, heading):
+        """
+        Find the contact for a robot that has rolled without slip.
+
+        :param heading: robot heading relative to the object, unwrapped [rad].
+        :return: (C_x, C_y) in the object frame [m], angle of n in the object frame [rad].
+        """
+        turn = heading - self.heading
+        if self.kind == 'vertex':
+            return self.point[0], self.point[1], self.normal + turn
+        if self.kind == 'face':
+            shift = self.robot_radius * turn
+            return (self.point[0] + shift * math.sin(self.normal),
+                    self.point[1] - shift * math.cos(self.normal), self.normal)
+        normal = self.normal + (1.0 - self.share) * turn
+        return (-self.object_radius * math.cos(normal), -self.object_radius * math.sin(normal),
+                normal)
+
+    @property
+    def lead(self):
+        """Angle from the robot's heading to the contact normal at the start [rad]."""
+        return math.remainder(self.normal - self.heading, 2.0 * math.pi)
+
+
+def site_of(obj, robot, trajectory):
+    """
+    Find the contact that a trajectory starts from.
+
+    :param obj: the ``PushedObject`` as believed.
+    :param robot: the ``RoundRobot``.
+    :param trajectory: the ``PushTrajectory``.
+    :return: ``Site``.
+    :raises ValueError: where the robot's first pose does not touch the object.
+    """
+    pose = Pose(*trajectory.object_poses[0])
+    x, y, phi = (float(value) for value in trajectory.robot_poses[0])
+    contact, gamma, gap = find_contact(obj, pose, (x, y), robot.radius)
+    if abs(gap) > GAP_LIMIT:
+        raise ValueError(f'trajectory.robot_poses[0]: got a robot {gap:.3f} m from the object, '
+                         f'expected it in contact, to {GAP_LIMIT} m')
+    curved = curvature_radius(obj, contact)
+    share, _ = rolling_constants(robot.radius, curved)
+    low, high = normal_range(obj, contact)
+    if contact.kind != 'vertex':
+        low, high = -math.inf, math.inf
+    normal = gamma - pose.theta
+    normal += 2.0 * math.pi * round((0.5 * (low + high) - normal) / (2.0 * math.pi)
+                                    if contact.kind == 'vertex' else 0.0)
+    return Site(contact.kind, share, robot.radius, curved, contact_point(obj, contact), normal,
+                phi - pose.theta, (low, high))
