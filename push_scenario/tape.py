@@ -23,11 +23,11 @@ class Tape:
     def __post_init__(self):
         """Check the shape and freeze the numbers."""
         columns = tuple(self.columns)
-        rows = np.array(self.rows, dtype=float).reshape(len(self.rows), -1)
+        rows = np.array(self.rows, dtype=float)
         if not columns or columns[0] != 'time' or len(set(columns)) != len(columns):
             raise ValueError(f'Tape.columns: got {columns}, expected distinct names, the first '
                              "'time'")
-        if not len(rows) or rows.shape[1] != len(columns):
+        if not len(rows) or rows.shape != (len(rows), len(columns)):
             raise ValueError(f'Tape.rows: got shape {rows.shape}, expected one row or more of '
                              f'{len(columns)} numbers')
         if not (np.diff(rows[:, 0]) > 0.0).all():
