@@ -32,7 +32,7 @@ class ControlSettings:
     lateral_saturation: float = quantity('lateral error beyond which the law does not pull '
                                          'harder', 'm', above=0.0, high=1.0, default=0.1)
     curvature_rate: float = quantity('largest change of curvature per way', '1/m^2', above=0.0,
-                                     high=1000.0, default=8.0)
+                                     high=1000.0, default=60.0)
     normal_gain: float = quantity('holonomic base: yaw correction that holds the contact in its '
                                   'place, per way', '1/m', 0.0, 50.0, default=4.0)
 
