@@ -1,0 +1,135 @@
+"""Command line: replay a scenario over DDS or in one process, judge it, draw it."""
+
+import argparse
+from pathlib import Path
+import sys
+import time
+
+from push_control.settings import LAWS
+from push_scenario import closed_loop
+from push_scenario.metrics import is_as_expected
+from push_scenario.progress_line import ProgressLine
+from push_scenario.reader import (find_scenario, read_scenario, scenario_names, scenario_text)
+from push_scenario.report import table
+
+DEMO = 'corner_push_mismatch'
+AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
+
+
+def main(arguments=None):
+    """
+    Run the command line.
+
+    :param arguments: words after the command's name; None for those of the process.
+    :return: exit status: 0 where the run (with several, the last feedback run) ended as its
+        scenario expects, 1 where it did not, 2 on an error, 130 when interrupted.
+    """
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    if options.list:
+        _list_scenarios()
+        return AS_EXPECTED
+    if options.demo:
+        options.scenario = options.scenario or DEMO
+        options.law = options.law or ['open_loop', 'feedback']
+    if not options.scenario:
+        parser.error('the following arguments are required: SCENARIO (or --list, or --demo)')
+    try:
+        return _replay(options)
+    except (ValueError, OSError, RuntimeError) as error:
+        print(f'replay: {error}', file=sys.stderr)
+        return MISUSE
+
+
+def _parser():
+    parser = argparse.ArgumentParser(
+        prog='replay', description='Replay a pushing scenario and judge it. Exit status 0 only '
+        'if the run ends as the scenario expects.')
+    parser.add_argument('scenario', nargs='?', metavar='SCENARIO',
+                        help='path of a scenario file, or the name of one that comes with the '
+                        'package')
+    parser.add_argument('--list', action='store_true', help='list the scenarios and exit')
+    parser.add_argument('--demo', action='store_true',
+                        help=f'replay {DEMO} open loop, then with feedback; pictures are '
+                        'demo.png and demo.gif')
+    parser.add_argument('--law', action='append', choices=LAWS,
+                        help='control law instead of the scenario\'s; may be given twice to '
+                        'compare')
+    parser.add_argument('--in-process', action='store_true',
+                        help='without ROS: the same planner, controller and plant in one process')
+    parser.add_argument('--real-time', action='store_true',
+                        help='over DDS on the wall clock, not in lockstep')
+    parser.add_argument('--out', type=Path, default=Path('out'), metavar='DIR',
+                        help='where tapes, pictures and recordings go (default: out)')
+    parser.add_argument('--no-record', action='store_true', help='no MCAP recording')
+    parser.add_argument('--no-pictures', action='store_true', help='no PNG and no GIF')
+    return parser
+
+
+def _list_scenarios():
+    names = scenario_names()
+    width = max(map(len, names))
+    for name in names:
+        print(f'{name.ljust(width)}  {read_scenario(find_scenario(name)).description}')
+
+
+def _replay(options):
+    if options.in_process and options.real_time:
+        raise ValueError('--real-time: got --in-process too, expected one of the two')
+    scenario = read_scenario(find_scenario(options.scenario))
+    laws = options.law or [scenario.control.control_law]
+    options.out.mkdir(parents=True, exist_ok=True)
+    (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')
+    results = []
+    try:
+        for law in laws:
+            results.append(_run(scenario, law, options))
+        _finish(results, options)
+    except KeyboardInterrupt:
+        if results:
+            print(table(results))
+        print('\nreplay: interrupted', file=sys.stderr)
+        return INTERRUPTED
+    judged = [r for r in results if r.control_law == 'feedback'] or results
+    return AS_EXPECTED if is_as_expected(judged[-1]) else NOT_AS_EXPECTED
+
+
+def _run(scenario, law, options):
+    line = ProgressLine(sys.stderr, time.monotonic, f'{scenario.name}, {law}')
+    if options.in_process:
+        result = closed_loop.run(scenario, law, line)
+    else:
+        run_over_dds = _dds_replay()
+        result = run_over_dds(scenario, law, options.out, real_time=options.real_time,
+                              record=not options.no_record, progress=line)
+    line.end(result.outcome)
+    if result.tape is not None:
+        result.tape.save(options.out / f'{scenario.name}_{law}.csv')
+    return result
+
+
+def _dds_replay():
+    try:
+        from push_ros.dds_replay import run_over_dds
+    except ModuleNotFoundError as error:
+        raise RuntimeError(f'a replay over DDS needs ROS 2: no module {error.name}; source a ROS '
+                           'installation, or use --in-process') from error
+    return run_over_dds
+
+
+def _finish(results, options):
+    print(table(results))
+    if options.no_pictures or results[-1].tape is None:
+        return
+    from push_scenario.animation import draw_animation
+    from push_scenario.figure import draw_figure
+    name = 'demo' if options.demo else results[0].scenario.name
+    for draw, suffix in ((draw_figure, 'png'), (draw_animation, 'gif')):
+        path = options.out / f'{name}.{suffix}'
+        line = ProgressLine(sys.stderr, time.monotonic, str(path))
+        draw(results, path)
+        line.end('drawn')
+
+
+if __name__ == '__main__':
+    sys.exit(main())
