@@ -51,7 +51,7 @@ class Estimator:
                                 settings.center_walk, settings.center_walk))
         self._time = min(pose.time, odometry.time)
         self._inputs = [(self._time, odometry.time, odometry.twist)]
-        self._last = odometry
+        self._last, self._ahead = odometry, None
         self.rejected = 0
         self._in_a_row = 0
 
@@ -69,8 +69,11 @@ class Estimator:
         if odometry.time <= self._last.time:
             return
         mean = tuple(0.5 * (a + b) for a, b in zip(self._last.twist, odometry.twist))
-        self._inputs.append((self._last.time, odometry.time, mean))
+        begin = self._last.time
+        self._inputs.append((begin, odometry.time, mean))
         self._last = odometry
+        if self._ahead is not None:
+            self._ahead = self._carried(self._ahead, max(self._time, begin), odometry.time)
         if odometry.time - MEMORY > self._time:
             self._advance(odometry.time - MEMORY)
 
@@ -84,6 +87,7 @@ class Estimator:
         if measured.time < self._time:
             return False
         self._advance(measured.time)
+        self._ahead = None
         belief, covariance = self._belief, self._covariance
         error = np.array([measured.pose.x - belief.x, measured.pose.y - belief.y,
                           wrap_angle(measured.pose.theta - belief.theta)])
@@ -102,15 +106,21 @@ class Estimator:
         """
         Carry the estimate to a later time.
 
-        :param time: when [s].
+        :param time: when [s], not before the last odometry.
         :param twist: expected mean motion after that time, body axes.
         :param horizon: how long that motion lasts [s].
         :return: ``Belief``.
         """
-        belief = self._belief
-        for duration, step in self._between(self._time, time):
-            belief = self._motion.moved(belief, step, duration)
+        if self._ahead is None:
+            self._ahead = self._carried(self._belief, self._time, self._last.time)
+        start = max(self._time, self._last.time)
+        belief = self._carried(self._ahead, start, time)
         return self._motion.moved(belief, twist, horizon) if horizon > 0.0 else belief
+
+    def _carried(self, belief, start, end):
+        for duration, twist in self._between(start, end):
+            belief = self._motion.moved(belief, twist, duration)
+        return belief
 
     def _reject(self):
         self.rejected += 1

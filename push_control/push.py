@@ -48,6 +48,7 @@ class FeedbackPush:
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
         self._last, self._pose_time = observation.odometry, observation.object_pose.time
         self._command, self._curvature = STOP, None
+        self._flat = self._flat_of = None
         self._elapsed = self.travelled = 0.0
         self._belief, self._track = self._estimator.predict(observation.time), None
         self.finished, self.failure = False, ''
@@ -87,7 +88,7 @@ class FeedbackPush:
         motion = mean_motion(self._last.twist, self._command, lag)
         self._belief = belief = self._estimator.predict(time, motion, lag)
         c_x, c_y, normal = self._site.at(belief.phi - belief.theta)
-        flat = vehicle(self._obj, (c_x, c_y), belief.center)
+        flat = self._vehicle((c_x, c_y), belief.center)
         local = flat_pose(flat)
         pose = local.inverse() @ self._goal.inverse() @ belief.pose @ local
         planning = self._limits(flat, normal, self._settings.plan_margin)
@@ -116,6 +117,12 @@ class FeedbackPush:
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
                 'rejected_poses': self._estimator.rejected}
+
+    def _vehicle(self, point, center):
+        if (point, center) != self._flat_of:
+            self._flat_of = point, center
+            self._flat = vehicle(self._obj, point, center)
+        return self._flat
 
     def _limits(self, flat, normal, margin):
         settings = self._settings

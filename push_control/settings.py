@@ -24,7 +24,7 @@ class ControlSettings:
     heading_tolerance: float = quantity('heading error with which a push may end', 'rad',
                                         above=0.0, high=1.0, default=0.05)
     stop_distance: float = quantity('way left at which the robot is stopped', 'm', 0.0, 0.1,
-                                    default=0.002)
+                                    default=0.0005)
 
     lateral_gain: float = quantity('curvature per lateral error', '1/m^2', 0.0, 100.0,
                                    default=9.0)

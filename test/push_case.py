@@ -44,6 +44,7 @@ class Outcome(NamedTuple):
     time: float
     steps: int
     commands: list
+    final: Pose
 
 
 def box(side, mass, friction, contact_friction=0.5):
@@ -160,4 +161,4 @@ def run(case, settings, seed=0, sensors=SENSORS, longest=400.0, watch=None):
         plant.command((0.0, 0.0, 0.0))
     final, goal = plant.truth.object_pose, case.target.object_poses[-1]
     return Outcome(controller.status, math.hypot(final.x - goal[0], final.y - goal[1]),
-                   abs(wrap_angle(final.theta - goal[2])), end, len(commands), commands)
+                   abs(wrap_angle(final.theta - goal[2])), end, len(commands), commands, final)
