@@ -48,7 +48,7 @@ def friction_factors(changes, time, count):
 
 def change_times(changes):
     """
-    Times at which friction changes, sorted [s].
+    List the times at which friction changes, sorted [s].
 
     :param changes: ``FrictionChange`` sequence.
     """

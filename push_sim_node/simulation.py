@@ -11,7 +11,7 @@ from push_model.quantity import check, quantity
 from push_model.signals import STOP, Twist
 from push_sim_node import layout
 from push_sim_node.actuation import limited
-from push_sim_node.disturbance import FrictionChange, change_times, friction_factors
+from push_sim_node.disturbance import change_times, friction_factors, FrictionChange
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 
@@ -121,7 +121,7 @@ class Simulation:
         self._command = Twist(*(float(value) for value in twist))
         self._deadline = self._now + _nanoseconds(self.settings.command_timeout)
 
-    def next(self):
+    def next(self):  # noqa: A003
         """
         Go on until the next measurement is delivered.
 

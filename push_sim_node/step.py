@@ -26,6 +26,8 @@ from push_sim_node.support_friction import augmented_mass, friction_forces, velo
 
 TOLERANCE = 1e-6
 MOST_ITERATIONS = 60
+# A robot that touches without moving must not push the object by rounding errors.
+ROUNDING = 1e-14
 
 
 @compiled
@@ -51,6 +53,8 @@ def geometry(state, body, outline, guess, robot, h):
     u_n = n_x * robot[0] + n_y * robot[1]
     u_t = n_x * robot[1] - n_y * robot[0] + robot[2] * body[ROBOT_RADIUS]
     gap -= 0.5 * h * (n_x * guess[0] + n_y * guess[1] + arm_n * guess[2] - u_n)
+    if abs(gap) < ROUNDING:
+        gap = 0.0
     return c, s, (n_x, n_y, arm_n, arm_t), (u_n, u_n - gap / h, u_t)
 
 
@@ -123,7 +127,7 @@ def step(state, body, supports, outline, forces, command, drive, h):
              state[OMEGA] + h * state[A_OMEGA])
     c, s, contact, push = geometry(state, body, outline, guess, (u_x, u_y, m_omega), h)
     velocity, at, impulse, mode, count = solve(state, body, supports, c, s, h, guess, contact,
-                                              push)
+                                               push)
     power = friction_forces(body, supports, forces, c, s, at, velocity)
     account(state, body, contact, push, velocity, impulse, h * power)
     keep = 1.0 / h if mode == state[MODE] else 0.0

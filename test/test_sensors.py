@@ -1,0 +1,124 @@
+"""Statistics and independence of the simulated measurements."""
+
+import dataclasses
+import math
+
+import numpy as np
+from push_model.geometry import Pose
+from push_model.signals import Twist
+from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
+import pytest
+
+TRUE = Pose(1.0, -2.0, 3.0)
+
+
+def measured(settings, count=4000, seeds=(1, 2)):
+    """Measure one pose many times, at 10 Hz."""
+    sensor = PoseSensor(settings, *(np.random.default_rng(seed) for seed in seeds))
+    return [sensor.measure(0.1 * i, TRUE) for i in range(count)]
+
+
+def odometer(settings, pose=Pose(0.0, 0.0, 0.0), seed=1):
+    """Return an odometry sensor."""
+    return OdometrySensor(settings, pose, np.random.default_rng(seed), np.random.default_rng(9))
+
+
+def travelled(settings, twist, seconds=2.0, seed=1):
+    """Drive along an arc and return the last odometry and the true pose."""
+    sensor, pose = odometer(settings, seed=seed), Pose(0.0, 0.0, 0.0)
+    for i in range(1, 101):
+        time = seconds * i / 100
+        turn = twist.omega * time
+        share = (math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn) if turn else (1.0, 0.0)
+        pose = Pose(twist.v_x * time * share[0], twist.v_x * time * share[1], turn)
+        odometry = sensor.measure(time, pose, twist)
+    return odometry, pose
+
+
+def test_perfect_sensors_tell_the_truth():
+    assert all(pose.pose == pytest.approx(TRUE) for pose in measured(SensorSettings(), 10))
+    odometry, pose = travelled(SensorSettings(), Twist(0.3, 0.0, 0.9))
+    assert odometry.pose == pytest.approx(pose, abs=1e-12)
+    assert odometry.twist == pytest.approx((0.3, 0.0, 0.9))
+
+
+def test_pose_noise_has_its_deviation_and_no_bias():
+    settings = SensorSettings(pose_noise=2e-3, pose_heading_noise=5e-3)
+    errors = np.array([pose.pose for pose in measured(settings)]) - TRUE
+    spread = np.array([2e-3, 2e-3, 5e-3])
+    assert errors.std(axis=0) == pytest.approx(spread, rel=0.05)
+    assert (np.abs(errors.mean(axis=0)) < 4.0 * spread / math.sqrt(4000)).all()
+    assert np.abs(np.corrcoef(errors.T) - np.eye(3)).max() < 0.08
+
+
+def test_poses_are_dropped_at_random_and_in_spells():
+    settings = SensorSettings(pose_drop_probability=0.2, pose_dropouts=[[5.0, 6.0], [8.0, 8.5]])
+    poses = measured(settings)
+    lost = [0.1 * i for i, pose in enumerate(poses) if pose is None]
+    assert all(any(t == 0.1 * i for t in lost) for i in (*range(50, 60), *range(80, 85)))
+    assert np.mean([pose is None for pose in poses[100:]]) == pytest.approx(0.2, abs=0.02)
+
+
+def test_losses_leave_the_noise_of_other_measurements_alone():
+    noisy = SensorSettings(pose_noise=1e-3)
+    lossy = dataclasses.replace(noisy, pose_drop_probability=0.5, pose_dropouts=((1.0, 2.0),))
+    for one, other in zip(measured(noisy, 200), measured(lossy, 200)):
+        assert other is None or other == one
+
+
+def test_headings_are_wrapped():
+    turned = Pose(0.0, 0.0, 100.0)
+    sensor = PoseSensor(SensorSettings(), np.random.default_rng(1), np.random.default_rng(2))
+    assert sensor.measure(0.0, turned).pose.theta == pytest.approx(math.remainder(100.0, math.tau))
+    heading = odometer(SensorSettings(), turned).measure(0.0, turned, Twist()).pose.theta
+    assert heading == pytest.approx(math.remainder(100.0, math.tau))
+
+
+def test_scale_error_stretches_the_way():
+    odometry, pose = travelled(SensorSettings(odometry_scale=0.02), Twist(0.3, 0.0, 0.0))
+    assert odometry.pose == pytest.approx((1.02 * pose.x, 0.0, 0.0))
+    assert odometry.twist.v_x == pytest.approx(1.02 * 0.3)
+
+
+def test_yaw_scale_error_stretches_the_turn():
+    odometry, pose = travelled(SensorSettings(odometry_yaw_scale=0.05), Twist(0.0, 0.0, 0.9))
+    assert odometry.pose == pytest.approx((0.0, 0.0, 1.05 * 1.8))
+
+
+@pytest.mark.parametrize('speed', [0.3, -0.3])
+def test_heading_drifts_with_the_distance(speed):
+    odometry, pose = travelled(SensorSettings(odometry_heading_drift=0.05), Twist(speed, 0.0, 0.0))
+    assert odometry.pose.theta == pytest.approx(0.05 * 0.6)
+    assert math.hypot(pose.x - odometry.pose.x, pose.y - odometry.pose.y) == pytest.approx(
+        0.5 * 0.05 * 0.6 ** 2, rel=1e-3)
+    assert odometry.twist.omega == pytest.approx(0.05 * 0.3)
+
+
+def test_random_errors_stay_for_a_run_and_vary_from_run_to_run():
+    settings = SensorSettings(odometry_scale_noise=0.02, odometry_heading_drift_noise=0.03)
+    runs = [travelled(settings, Twist(0.5, 0.0, 0.0), seed=seed)[0] for seed in range(300)]
+    scales = np.array([run.twist.v_x / 0.5 - 1.0 for run in runs])
+    drifts = np.array([run.pose.theta for run in runs])
+    assert scales.std() == pytest.approx(0.02, rel=0.15)
+    assert drifts.std() == pytest.approx(0.03, rel=0.15)
+    assert abs(scales.mean()) < 0.005 and abs(drifts.mean()) < 0.007
+
+
+def test_heading_offset_turns_the_whole_course():
+    odometry, pose = travelled(SensorSettings(odometry_heading_offset=0.1), Twist(0.3, 0.0, 0.9))
+    assert odometry.pose == pytest.approx(Pose(0.0, 0.0, 0.1) @ pose)
+
+
+def test_velocity_noise():
+    settings = SensorSettings(odometry_speed_noise=0.01, odometry_yaw_rate_noise=0.02)
+    sensor = odometer(settings)
+    twists = np.array([sensor.measure(i, Pose(0.0, 0.0, 0.0), Twist(0.2, 0.0, 0.5)).twist
+                       for i in range(3000)])
+    assert twists.std(axis=0) == pytest.approx([0.01, 0.01, 0.02], rel=0.06)
+    assert twists.mean(axis=0) == pytest.approx([0.2, 0.0, 0.5], abs=2e-3)
+
+
+@pytest.mark.parametrize('spells', [((2.0, 1.0),), ((1.0,),), (1.0, 2.0)])
+def test_malformed_spells_are_refused(spells):
+    with pytest.raises(ValueError, match='pose_dropouts'):
+        SensorSettings(pose_dropouts=spells)
