@@ -7,16 +7,17 @@ import numpy as np
 from push_model.contact import normal_range
 from push_model.dynamics import SMOOTHING
 from push_model.geometry import wrap_angle
+from push_planner.iterate import Bounds, Ends
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed
 from push_planner.refinement import refine
 from push_planner.refusals import refuse_impossible
 from push_planner.sampling import report_of, trajectory_of
 from push_planner.stage import Constants
-from push_planner.transcription import Bounds, Ends, programme
+from push_planner.transcription import programme
 from push_planner.warm_start import guess, routes
 
-ROUTES = 4
+ROUTES = 12
 VERTEX_RESERVE = 0.02
 SEGMENT_STEP = 8
 

@@ -7,90 +7,22 @@ Object, speed, cone, start and goal are parameters, so that a programme is built
 """
 
 import functools
-from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
+from push_planner.iterate import RUN_IN_STEPS, Bounds, Solution
 from push_planner.stage import NODE, POINTS, Constants, collocate, robot_motion, switch
 
-RUN_IN_STEPS = 3
 SMOOTHNESS = 1e-3
 SHORTEST_WAY = 0.02
 STEEPEST_ANGLE = 1.3
-UNBOUNDED = 1e9
+EQUALITIES = len(NODE) + POINTS
 OPTIONS = {
     'print_time': False,
     'error_on_fail': False,
-    'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 150, 'tol': 1e-7, 'mu_init': 1e-2,
+    'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 50, 'tol': 1e-7, 'mu_init': 1e-2,
               'acceptable_iter': 0, 'linear_solver': 'mumps'}}
-
-
-class Bounds(NamedTuple):
-    """
-    What the push must keep to.
-
-    :param slope: tangent of the planning cone's half-angle.
-    :param speed: highest speed of the robot's centre, per pushing speed.
-    :param turn: highest yaw rate of the robot per pushing speed [1/m].
-    :param lowest: lowest gamma - theta [rad].
-    :param highest: highest gamma - theta [rad].
-    """
-
-    slope: float
-    speed: float
-    turn: float
-    lowest: float
-    highest: float
-
-
-class Ends(NamedTuple):
-    """
-    Where the push begins and ends.
-
-    :param start: (x, y, theta, gamma) of object and normal.
-    :param goal: the same at the goal, angles unwrapped; gamma is not used for a holonomic robot.
-    :param run_in: length of the straight push at the end [m].
-    :param last_angle: pushing angle of the run-in [rad].
-    """
-
-    start: tuple
-    goal: tuple
-    run_in: float
-    last_angle: float
-
-
-class Solution(NamedTuple):
-    """
-    Iterate of the programme.
-
-    :param way: S [m].
-    :param angles: pushing angles of the segments, shape (N,) [rad].
-    :param nodes: states at the ends of all steps, shape (N + RUN_IN_STEPS, 5), see ``NODE``.
-    :param rates: w at the Radau points, shape (N + RUN_IN_STEPS, POINTS) [1/m].
-    """
-
-    way: float
-    angles: np.ndarray
-    nodes: np.ndarray
-    rates: np.ndarray
-
-    def column(self):
-        """Return the unknowns as one vector."""
-        stages = np.column_stack([self.nodes, self.rates])
-        return np.concatenate([[self.way], self.angles, stages.ravel()])
-
-    @classmethod
-    def of(cls, column, segments):
-        """
-        Take the unknowns from a vector.
-
-        :param column: the vector.
-        :param segments: N.
-        """
-        stages = column[1 + segments:].reshape(segments + RUN_IN_STEPS, len(NODE) + POINTS)
-        return cls(float(column[0]), column[1:1 + segments], stages[:, :len(NODE)],
-                   stages[:, len(NODE):])
 
 
 class Programme:
@@ -105,34 +37,29 @@ class Programme:
     def __init__(self, drive, supports, segments):
         """Build the programme."""
         self.segments = segments
-        self._differential = drive == 'differential'
-        stage, size = _stage_function(drive, supports)
-        parameters = ca.MX.sym('p', size + 10)
-        physics, start, goal = parameters[:size], parameters[size:size + 4], parameters[size + 4:]
-        way, angles = ca.MX.sym('way'), ca.MX.sym('angles', 1, segments)
+        stage = StageFunctions(drive, supports)
         steps = segments + RUN_IN_STEPS
-        stages = ca.MX.sym('stages', len(NODE) + POINTS, steps)
+        self._end_conditions = 4 if drive == 'differential' else 3
+        x = ca.MX.sym('x', 1 + segments + EQUALITIES * steps)
+        p = ca.MX.sym('p', stage.parameters + 10)
+        start, goal = p[-10:-6], p[-6:]
+        way, angles = x[0], x[1:1 + segments].T
+        stages = ca.reshape(x[1 + segments:], EQUALITIES, steps)
         nodes, rates = stages[:len(NODE), :], stages[len(NODE):, :]
         first = ca.vertcat(start[:3], 0.0, start[3])
-        before = ca.horzcat(first, nodes[:, :-1])
-        run_in, last_angle = goal[4], goal[5]
-        used = ca.horzcat(angles, ca.repmat(last_angle, 1, RUN_IN_STEPS))
-        previous = ca.horzcat(0.0, used[:, :-1])
-        moving = ca.DM([[0.0] + [1.0] * (steps - 1)])
+        used = ca.horzcat(angles, ca.repmat(goal[5], 1, RUN_IN_STEPS))
         lengths = ca.horzcat(ca.repmat(way / segments, 1, segments),
-                             ca.repmat(run_in / RUN_IN_STEPS, 1, RUN_IN_STEPS))
-        end, equal, bounded = stage.map(steps)(before, previous, moving, used, lengths, rates,
-                                               ca.repmat(physics, 1, steps))
-        reached = nodes[[0, 1, 2, 4], -1] - goal[:4]
-        kept = 4 if self._differential else 3
-        constraints = ca.vertcat(ca.vec(nodes - end), ca.vec(equal), reached[:kept],
-                                 ca.vec(bounded))
-        self._equalities = constraints.numel() - bounded.numel()
-        self._size = constraints.numel()
-        unknowns = ca.vertcat(way, angles.T, ca.vec(stages))
+                             ca.repmat(goal[4] / RUN_IN_STEPS, 1, RUN_IN_STEPS))
+        inputs = ca.vertcat(ca.horzcat(first, nodes[:, :-1]),
+                            ca.horzcat(0.0, used[:, :-1]), used, lengths, rates)
+        kept = ca.vertcat(nodes, ca.MX.zeros(stage.rows - len(NODE), steps))
+        reached = (nodes[[0, 1, 2, 4], -1] - goal[:4])[:self._end_conditions]
         cost = way + SMOOTHNESS * ca.sumsqr(ca.diff(used, 1, 1))
-        self._solver = ca.nlpsol('push', 'ipopt', {'x': unknowns, 'p': parameters, 'f': cost,
-                                                   'g': constraints}, OPTIONS)
+        self._upper = np.tile(np.repeat([0.0, np.inf], [EQUALITIES, stage.rows - EQUALITIES]),
+                              steps)
+        self._upper = np.append(self._upper, np.zeros(self._end_conditions))
+        nlp, exact = _assemble(stage, steps, x, p, inputs, kept, reached, cost)
+        self._solver = ca.nlpsol('push', 'ipopt', nlp, {**OPTIONS, **exact})
 
     def solve(self, constants, bounds, ends, guess):
         """
@@ -148,11 +75,10 @@ class Programme:
         low, high = np.full(column.size, -np.inf), np.full(column.size, np.inf)
         low[0] = SHORTEST_WAY
         low[1:1 + self.segments], high[1:1 + self.segments] = -STEEPEST_ANGLE, STEEPEST_ANGLE
-        upper = np.zeros(self._size)
-        upper[self._equalities:] = np.inf
         parameters = np.concatenate([constants.column(), bounds, ends.start, ends.goal,
                                      [ends.run_in, ends.last_angle]])
-        answer = self._solver(x0=column, p=parameters, lbx=low, ubx=high, lbg=0.0, ubg=upper)
+        answer = self._solver(x0=column, p=parameters, lbx=low, ubx=high, lbg=0.0,
+                              ubg=self._upper)
         stats = self._solver.stats()
         found = np.array(answer['x']).ravel()
         verdict, count = stats['return_status'], int(stats['iter_count'])
@@ -174,32 +100,82 @@ def programme(drive, supports, segments):
     return Programme(drive, supports, segments)
 
 
-def _stage_function(drive, supports):
-    constants, flat = Constants.symbols(supports)
-    limits = ca.SX.sym('limits', len(Bounds._fields))
-    bounds = Bounds(*ca.vertsplit(limits))
-    node = ca.SX.sym('node', len(NODE))
-    rates = ca.SX.sym('rates', POINTS)
-    before, moving, angle, length = (ca.SX.sym(name) for name in
-                                     ('before', 'moving', 'angle', 'length'))
-    parts = tuple(ca.vertsplit(node))
-    jump, j_n, j_t = switch(constants, parts, before, angle, moving)
-    end, residuals, forces = collocate(drive, constants, parts, parts[3] + jump, angle, length,
-                                       ca.vertsplit(rates))
-    friction = sum(support[2] for support in constants.terms.supports)
-    rows = []
-    for f_n, f_t in forces:
-        rows += [(bounds.slope * f_n - f_t) / friction, (bounds.slope * f_n + f_t) / friction]
-    # The impulse counts at the first touch only; elsewhere the row is always kept.
-    scale = (1 - moving) / constants.terms.mass
-    rows += [scale * (bounds.slope * j_n - j_t) + moving,
-             scale * (bounds.slope * j_n + j_t) + moving]
-    along, across, turn = robot_motion(drive, constants, angle, end[3])
-    rows += [bounds.turn - turn, bounds.turn + turn,
-             bounds.speed ** 2 - along ** 2 - across ** 2]
-    rows += [end[4] - end[2] - bounds.lowest, bounds.highest - end[4] + end[2]]
-    inputs = [node, before, moving, angle, length, rates, ca.vertcat(flat, limits)]
-    scaled = [residual / friction for residual in residuals]
-    function = ca.Function('stage', inputs,
-                           [ca.vertcat(*end), ca.vertcat(*scaled), ca.vertcat(*rows)])
-    return function, flat.numel() + limits.numel()
+class StageFunctions:
+    """
+    Constraints of one segment with their exact derivatives, as casadi functions.
+
+    Outputs are the negative end node, the scaled residuals and the rows that must not be negative;
+    inputs are (node, angle before, angle, length, rates), moving and the parameters.
+
+    :param drive: the robot's drive.
+    :param supports: number of supports.
+    """
+
+    def __init__(self, drive, supports):
+        """Build the functions."""
+        constants, flat = Constants.symbols(supports)
+        limits = ca.SX.sym('limits', len(Bounds._fields))
+        inputs, moving = ca.SX.sym('inputs', len(NODE) + 3 + POINTS), ca.SX.sym('moving')
+        parts = ca.vertsplit(inputs)
+        node, (before, angle, length) = tuple(parts[:len(NODE)]), parts[len(NODE):len(NODE) + 3]
+        jump, j_n, j_t = switch(constants, node, before, angle, moving)
+        end, residuals, forces = collocate(drive, constants, node, node[3] + jump, angle, length,
+                                           parts[len(NODE) + 3:])
+        friction = sum(support[2] for support in constants.terms.supports)
+        # The impulse counts at the first touch only; elsewhere its rows are always kept.
+        share = (1 - moving) / constants.terms.mass
+        bounds = Bounds(*ca.vertsplit(limits))
+        rows = _limits(bounds, end, robot_motion(drive, constants, angle, end[3]))
+        rows += _cone(bounds, share * j_n + moving, share * j_t)
+        for f_n, f_t in forces:
+            rows += _cone(bounds, f_n / friction, f_t / friction)
+        out = ca.vertcat(*[-value for value in end],
+                         *[residual / friction for residual in residuals], *rows)
+        given = [inputs, moving, ca.vertcat(flat, limits)]
+        weights = ca.SX.sym('weights', out.numel())
+        self.rows, self.width, self.parameters = out.numel(), inputs.numel(), given[2].numel()
+        self.value = ca.Function('value', given, [out])
+        self.slope = ca.Function('slope', given, [out, ca.densify(ca.jacobian(out, inputs))],
+                                 {'cse': True})
+        self.bend = ca.Function('bend', [*given, weights], [
+            ca.densify(ca.hessian(ca.dot(weights, out), inputs)[0])], {'cse': True})
+
+
+def _limits(bounds, end, motion):
+    along, across, turn = motion
+    offset = end[NODE.index('gamma')] - end[NODE.index('theta')]
+    return [bounds.turn - turn, bounds.turn + turn,
+            bounds.speed ** 2 - along ** 2 - across ** 2,
+            offset - bounds.lowest, bounds.highest - offset]
+
+
+def _cone(bounds, along, across):
+    return [bounds.slope * along - across, bounds.slope * along + across]
+
+
+def _assemble(stage, steps, x, p, inputs, kept, reached, cost):
+    """Chain the stages' derivatives: far cheaper than differentiating the whole programme."""
+    moving = ca.DM([[0.0] + [1.0] * (steps - 1)])
+    given = (inputs, moving, ca.repmat(p[:stage.parameters], 1, steps))
+    size = stage.rows * steps
+    chain = ca.evalf(ca.jacobian(ca.vec(inputs), x))
+    linear = ca.evalf(ca.jacobian(ca.vertcat(ca.vec(kept), reached), x))
+    fixed = ca.evalf(ca.hessian(cost, x)[0])
+    value = ca.vertcat(ca.vec(kept + stage.value.map(steps)(*given)), reached)
+    out, slopes = stage.slope.map(steps)(*given)
+    rows = ca.vertcat(ca.mtimes(_diagonal(slopes, stage.rows, stage.width, steps), chain),
+                      ca.MX(reached.numel(), x.numel()))
+    again = ca.vertcat(ca.vec(kept + out), reached)
+    lam_f, lam_g = ca.MX.sym('lam_f'), ca.MX.sym('lam_g', size + reached.numel())
+    bends = stage.bend.map(steps)(*given, ca.reshape(lam_g[:size], stage.rows, steps))
+    bend = ca.mtimes([chain.T, _diagonal(bends, stage.width, stage.width, steps), chain])
+    exact = {'jac_g': ca.Function('jac_g', [x, p], [again, rows + linear]),
+             'hess_lag': ca.Function('hess_lag', [x, p, lam_f, lam_g],
+                                     [ca.triu(bend + lam_f * fixed)])}
+    return {'x': x, 'p': p, 'f': cost, 'g': value}, exact
+
+
+def _diagonal(blocks, rows, columns, count):
+    """Set dense blocks, side by side, on the diagonal."""
+    pattern = ca.diagcat(*[ca.Sparsity.dense(rows, columns)] * count)
+    return ca.MX(pattern, ca.vec(blocks))

@@ -12,8 +12,8 @@ import numpy as np
 
 from push_model.dubins import DubinsPath, words
 from push_model.geometry import Pose
+from push_planner.iterate import RUN_IN_STEPS, Solution
 from push_planner.stage import NODE, POINTS, radau
-from push_planner.transcription import RUN_IN_STEPS, Solution
 
 FASTEST_LINEAR = 0.5
 SHORTER = (1.0, 0.5, 0.25, 0.1)
@@ -56,20 +56,29 @@ def curvature_limits(problem):
 
 def routes(problem):
     """
-    Rank the ways to the goal, cheapest first.
+    Rank the ways to the goal.
 
-    The run-in is the longest one that does not force a detour.
+    Ways that turn alike lead to the same optimum; of those, one is kept per run-in, the longest
+    run-in first that does not force a detour. Turns are ranked by their cheapest way.
 
     :param problem: the ``PushProblem``.
     :return: list of ``Route``.
     """
-    choices = {}
+    alike = {}
     for share in SHORTER:
         run_in = max(share * problem.settings.run_in, SHORTEST_RUN_IN)
-        choices[run_in] = _routes(problem, run_in)
-    best = min(found[0].cost for found in choices.values())
-    longest = max(run_in for run_in, found in choices.items() if found[0].cost <= DETOUR * best)
-    return choices[longest]
+        seen = set()
+        for route in _routes(problem, run_in):
+            turn = sum(a * b for a, b in zip(route.path.lengths, route.path.curvatures))
+            turns = round((turn + problem.start.theta - problem.goal.theta) / (2.0 * math.pi))
+            if turns not in seen:
+                seen.add(turns)
+                alike.setdefault(turns, []).append(route)
+    ranked = []
+    for group in sorted(alike.values(), key=lambda group: min(route.cost for route in group)):
+        best = min(route.cost for route in group)
+        ranked += [route for route in group if route.cost <= DETOUR * best]
+    return ranked
 
 
 def guess(problem, route, segments):
