@@ -1,5 +1,6 @@
 """The package as users install it: by colcon and by pip, run from the installed scripts."""
 
+import ast
 import os
 from pathlib import Path
 import shutil
@@ -140,7 +141,8 @@ def test_replay_tells_its_usage(workspace, start):
 @pytest.mark.parametrize('name', EXECUTABLES)
 def test_a_node_starts_answers_and_ends(workspace, start, probe, name):
     """Started as ``ros2 run`` does, it answers a service call and ends cleanly on Ctrl-C."""
-    process = start(script(workspace, name))
+    parameters = workspace / 'install/push_control/share/push_control/config/push.yaml'
+    process = start(script(workspace, name), '--ros-args', '--params-file', parameters)
     client = probe.create_client(ListParameters, f'{EXECUTABLES[name]}/list_parameters')
     deadline = time.monotonic() + PATIENCE
     while not client.wait_for_service(timeout_sec=0.5):
@@ -152,6 +154,22 @@ def test_a_node_starts_answers_and_ends(workspace, start, probe, name):
     assert 'use_sim_time' in answer.result().result.names
     assert process.returncode == 0, output
     assert 'Traceback' not in output
+
+
+@pytest.mark.parametrize('name', ['simulation', 'robot'])
+def test_launch_files_name_what_exists(name):
+    """Executables, node names and config files in launch files are those of the package."""
+    started, files = {}, set()
+    for node in ast.walk(ast.parse((ROOT / f'launch/{name}_launch.py').read_text())):
+        if isinstance(node, ast.Call):
+            words = {word.arg: ast.unparse(word.value).strip("'") for word in node.keywords}
+            if words.get('package') == 'push_control':
+                started[words['executable']] = words['name']
+            if ast.unparse(node.func) == 'PathJoinSubstitution':
+                files.add(ast.unparse(node.args[0].elts[-1]).strip("'"))
+    assert started and started.items() <= EXECUTABLES.items()
+    assert {file for file in files if (ROOT / 'config' / file).is_file()} == files - {'config'}
+    assert len(files) == 3
 
 
 def test_pip_installs_code_and_data(tmp_path):

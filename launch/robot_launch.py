@@ -1,0 +1,53 @@
+"""
+Start planner and controller for a real robot.
+
+The robot and a tracker bring ``odom``, ``object_pose`` and take ``cmd_vel``; under what names,
+the arguments say. The robot moves only after the service ``controller/start`` was called.
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, Shutdown
+from launch.conditions import IfCondition
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+TOPICS = {
+    'odom': 'nav_msgs/Odometry of the robot',
+    'object_pose': 'geometry_msgs/PoseStamped of the object, in the frame of odom',
+    'goal_pose': 'geometry_msgs/PoseStamped, where the object shall go',
+    'cmd_vel': 'velocity command for the robot',
+}
+
+
+def generate_launch_description():
+    """Describe what is started, and its arguments."""
+    config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
+    params_file = LaunchConfiguration('params_file')
+    remappings = [(topic, LaunchConfiguration(topic)) for topic in TOPICS]
+    switches = {name: ParameterValue(LaunchConfiguration(name), value_type=bool)
+                for name in ('autostart', 'stamped_cmd_vel')}
+    return LaunchDescription([
+        DeclareLaunchArgument(
+            'params_file', default_value=PathJoinSubstitution([config, 'push.yaml']),
+            description='parameters of both nodes: measure your object and robot first'),
+        *[DeclareLaunchArgument(topic, default_value=topic, description=text)
+          for topic, text in TOPICS.items()],
+        DeclareLaunchArgument(
+            'stamped_cmd_vel', default_value='true', choices=['true', 'false'],
+            description='command with TwistStamped, else with Twist'),
+        DeclareLaunchArgument(
+            'autostart', default_value='false', choices=['true', 'false'],
+            description='push as soon as there is a plan, without the service controller/start'),
+        DeclareLaunchArgument(
+            'rviz', default_value='false', choices=['true', 'false'],
+            description='start RViz'),
+        Node(package='push_control', executable='planner', name='push_planner', output='screen',
+             parameters=[params_file], remappings=remappings, on_exit=Shutdown()),
+        Node(package='push_control', executable='controller', name='push_controller',
+             output='screen', parameters=[params_file, switches], remappings=remappings, on_exit=Shutdown()),
+        Node(package='rviz2', executable='rviz2', remappings=remappings,
+             condition=IfCondition(LaunchConfiguration('rviz')),
+             arguments=['-d', PathJoinSubstitution([config, 'push.rviz'])]),
+    ])

@@ -1,0 +1,40 @@
+"""
+Start simulator, planner and controller, and RViz to give goals in.
+
+``ros2 launch push_control simulation_launch.py`` and then a click with RViz's 2D Goal Pose.
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, Shutdown
+from launch.conditions import IfCondition
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    """Describe what is started, and its arguments."""
+    config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
+    params_file = LaunchConfiguration('params_file')
+    autostart = ParameterValue(LaunchConfiguration('autostart'), value_type=bool)
+    return LaunchDescription([
+        DeclareLaunchArgument(
+            'params_file', default_value=PathJoinSubstitution([config, 'push.yaml']),
+            description='parameters of the three nodes'),
+        DeclareLaunchArgument(
+            'autostart', default_value='true', choices=['true', 'false'],
+            description='push as soon as there is a plan, without the service controller/start'),
+        DeclareLaunchArgument(
+            'rviz', default_value='true', choices=['true', 'false'],
+            description='start RViz'),
+        Node(package='push_control', executable='sim', name='push_sim', output='screen',
+             parameters=[params_file, {'autostart': True}], on_exit=Shutdown()),
+        Node(package='push_control', executable='planner', name='push_planner', output='screen',
+             parameters=[params_file], on_exit=Shutdown()),
+        Node(package='push_control', executable='controller', name='push_controller',
+             output='screen', parameters=[params_file, {'autostart': autostart}], on_exit=Shutdown()),
+        Node(package='rviz2', executable='rviz2',
+             condition=IfCondition(LaunchConfiguration('rviz')),
+             arguments=['-d', PathJoinSubstitution([config, 'push.rviz'])]),
+    ])
