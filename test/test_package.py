@@ -10,6 +10,9 @@ import sys
 import time
 
 from architecture import GENERATED, ROOT
+from catkin_pkg.changelog import get_changelog_from_path
+from catkin_pkg.package import parse_package
+from catkin_pkg.package_version import get_forthcoming_label
 from push_scenario import data
 import pytest
 from rcl_interfaces.srv import ListParameters
@@ -154,6 +157,17 @@ def test_a_node_starts_answers_and_ends(workspace, start, probe, name):
     assert 'use_sim_time' in answer.result().result.names
     assert process.returncode == 0, output
     assert 'Traceback' not in output
+
+
+def test_manifest_and_changelog_are_what_ros_tools_read():
+    """The tools that release ROS packages parse both files and warn of nothing."""
+    warnings = []
+    manifest = parse_package(str(ROOT), warnings=warnings)
+    assert manifest.name == 'push_control' and warnings == []
+    assert manifest.get_build_type() == 'ament_python'
+    changelog = get_changelog_from_path(str(ROOT / 'CHANGELOG.rst'), manifest.name)
+    released = [version for version, _, _ in changelog.foreach_version()]
+    assert get_forthcoming_label(changelog.rst) or released[:1] == [manifest.version]
 
 
 @pytest.mark.parametrize('name', ['simulation', 'robot'])
