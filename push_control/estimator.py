@@ -9,7 +9,6 @@ import math
 import numpy as np
 
 from push_control.motion import Belief, PushMotion
-from push_model.friction import mean_square
 from push_model.geometry import wrap_angle
 
 MEMORY = 1.0
@@ -20,13 +19,13 @@ INFLATION = 25.0
 class Estimator:
     """Fuses odometry and late object poses."""
 
-    def __init__(self, obj, robot, site, settings, center, pose, odometry):
+    def __init__(self, robot, site, supports, settings, center, pose, odometry):
         """
         Start from one object pose and one odometry.
 
-        :param obj: the ``PushedObject`` as believed.
         :param robot: the ``RoundRobot``.
         :param site: the contact ``Site``.
+        :param supports: the ``SupportTable`` as believed.
         :param settings: ``ControlSettings``.
         :param center: believed friction centre, object frame (x, y) [m].
         :param pose: first ``ObjectPose``.
@@ -34,8 +33,7 @@ class Estimator:
         """
         self._settings, self._center = settings, center
         arm = math.hypot(center[0] - site.point[0], center[1] - site.point[1])
-        angle = math.atan2(center[1] - site.point[1], center[0] - site.point[0])
-        self._motion = PushMotion(robot.radius, site, mean_square(obj, angle))
+        self._motion = PushMotion(robot.radius, site, supports)
         self._limit = settings.center_limit * arm
         theta = pose.pose.theta
         turn = wrap_angle(odometry.pose.theta - theta - site.heading)

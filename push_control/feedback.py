@@ -36,20 +36,20 @@ def trailing_limits(flat, robot_radius, lead, cone):
     return CurvatureLimits((lead - cone) / length, (lead + cone) / length)
 
 
-def held_limits(flat, normal, cone):
+def held_limits(supports, flat, normal, cone):
     """
     Limits where the normal is held in the object: a holonomic base that turns along.
 
-    The force stays in the cone while ``|zeta + kappa c^2 / r| <= cone``.
+    The force stays in the cone; on the ellipsoid, ``|zeta + kappa c^2 / r| <= cone``.
 
+    :param supports: the ``SupportTable``.
     :param flat: the ``Vehicle``.
     :param normal: angle of the contact normal in the object frame [rad].
     :param cone: half angle of the friction cone that may be used [rad].
     :return: ``CurvatureLimits``.
     """
     zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
-    ahead = flat.mean_square / flat.arm
-    return CurvatureLimits((-zeta - cone) / ahead, (-zeta + cone) / ahead)
+    return CurvatureLimits(*supports.curvatures(flat.arm, zeta - cone, zeta + cone))
 
 
 def wanted_curvature(lateral_error, heading_error, path_curvature, settings):
@@ -66,16 +66,6 @@ def wanted_curvature(lateral_error, heading_error, path_curvature, settings):
     aside = min(bound, max(-bound, lateral_error))
     return (path_curvature - settings.lateral_gain * aside
             - settings.heading_gain * heading_error)
-
-
-def push_direction(flat, curvature):
-    """
-    Direction of the contact velocity that turns z by a curvature, in the object frame [rad].
-
-    :param flat: the ``Vehicle``.
-    :param curvature: wanted curvature of z [1/m].
-    """
-    return flat.angle - math.atan(flat.wheelbase * curvature)
 
 
 def contact_speed(elapsed, remaining, fastest, settings):

@@ -51,12 +51,12 @@ class PushMotion(NamedTuple):
 
     :param robot_radius: R_p [m].
     :param site: the contact ``Site``.
-    :param mean_square: c^2 of the supports along the push [m^2].
+    :param supports: the ``SupportTable`` of the contact.
     """
 
     robot_radius: float
     site: object
-    mean_square: float
+    supports: object
 
     def rates(self, belief, twist):
         """
@@ -74,7 +74,8 @@ class PushMotion(NamedTuple):
             return Rates(0.0, 0.0, 0.0, lever, (0.0, 0.0))
         cosine, sine = math.cos(belief.theta), math.sin(belief.theta)
         push = cosine * u_x + sine * u_y, cosine * u_y - sine * u_x
-        omega = ellipsoid_turning_rate(self.mean_square, *lever, *push)
+        square = self.supports.mean_square(push_angle(lever, push))
+        omega = ellipsoid_turning_rate(square, *lever, *push)
         return Rates(u_x + omega * (sine * c_x + cosine * c_y),
                      u_y - omega * (cosine * c_x - sine * c_y), omega, lever, push)
 
@@ -107,7 +108,8 @@ class PushMotion(NamedTuple):
         """
         rates = self.rates(belief, twist)
         (a_x, a_y), (v_x, v_y) = rates.lever, rates.push
-        square = self.mean_square + a_x * a_x + a_y * a_y
+        square = self.supports.mean_square(push_angle(rates.lever, rates.push))
+        square += a_x * a_x + a_y * a_y
         turn = (a_x * v_x + a_y * v_y) / square
         slopes = np.array([-turn, turn, (2.0 * a_x * rates.omega - v_y) / square,
                            (2.0 * a_y * rates.omega + v_x) / square])
@@ -123,6 +125,17 @@ class PushMotion(NamedTuple):
         transition = np.eye(6)
         transition[:3, 2:] += duration * step
         return transition, duration * math.hypot(v_x, v_y)
+
+
+def push_angle(lever, push):
+    """
+    Angle alpha from the line C->F to a velocity imposed at C [rad].
+
+    :param lever: C less F (x, y) [m].
+    :param push: the velocity in the same axes [m/s].
+    """
+    return math.atan2(lever[1] * push[0] - lever[0] * push[1],
+                      -lever[0] * push[0] - lever[1] * push[1])
 
 
 def contact_velocity(phi, gamma, robot_radius, twist):

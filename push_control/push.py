@@ -6,13 +6,14 @@ import numpy as np
 
 from push_control.command import (differential_command, holonomic_command, limited, mean_motion)
 from push_control.estimator import Estimator
-from push_control.feedback import (contact_speed, held_limits, push_direction, trailing_limits,
+from push_control.feedback import (contact_speed, held_limits, trailing_limits,
                                    wanted_curvature)
 from push_control.guidance import Guidance
 from push_control.monitor import FollowMonitor, jackknifed
 from push_control.motion import contact_velocity
 from push_control.reference import SampledPath, flat_pose
 from push_control.site import site_of
+from push_control.supports import SupportTable
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.quasi_static import vehicle
@@ -42,8 +43,9 @@ class FeedbackPush:
         path = SampledPath(vehicle(obj, site.point), target)
         self._goal = Pose(*target.object_poses[-1].tolist())
         self._guidance = Guidance(path, settings)
-        self._estimator = Estimator(obj, robot, site, settings, center, observation.object_pose,
-                                    observation.odometry)
+        self._supports = SupportTable(obj, site.point)
+        self._estimator = Estimator(robot, site, self._supports, settings, center,
+                                    observation.object_pose, observation.odometry)
         self._monitor = FollowMonitor(settings)
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
         self._last, self._pose_time = observation.odometry, observation.object_pose.time
@@ -130,7 +132,7 @@ class FeedbackPush:
         cone = margin * math.atan(friction)
         if self._robot.drive == 'differential':
             return trailing_limits(flat, self._robot.radius, self._site.lead, cone)
-        return held_limits(flat, normal, cone)
+        return held_limits(self._supports, flat, normal, cone)
 
     def _arrive(self, pose, track, planning):
         if not self._guidance.is_off(track):
@@ -153,14 +155,15 @@ class FeedbackPush:
             change = settings.curvature_rate * speed * dt
             curvature = min(self._curvature + change, max(self._curvature - change, curvature))
         self._curvature = curvature
-        angle = push_direction(flat, curvature) - normal
+        alpha = self._supports.push_angle(flat.arm, curvature)
+        angle = flat.angle + alpha - normal
         self.failure = jackknifed(self._site, normal, angle)
         if self.failure:
             return STOP
         lead = belief.theta + normal - belief.phi
         if robot.drive == 'differential':
             return limited(differential_command(speed, angle, lead, robot.radius), robot)
-        forward = speed / math.hypot(1.0, flat.wheelbase * curvature)
+        forward = speed * math.cos(alpha)
         rolled = belief.phi - belief.theta - self._site.heading
         omega = forward * curvature - settings.normal_gain * speed * rolled
         return limited(holonomic_command(speed, angle, lead, robot.radius, omega), robot)

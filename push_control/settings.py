@@ -27,8 +27,8 @@ class ControlSettings:
                                     default=0.0005)
 
     lateral_gain: float = quantity('curvature per lateral error', '1/m^2', 0.0, 100.0,
-                                   default=9.0)
-    heading_gain: float = quantity('curvature per heading error', '1/m', 0.0, 50.0, default=5.0)
+                                   default=16.0)
+    heading_gain: float = quantity('curvature per heading error', '1/m', 0.0, 50.0, default=7.0)
     lateral_saturation: float = quantity('lateral error beyond which the law does not pull '
                                          'harder', 'm', above=0.0, high=1.0, default=0.1)
     curvature_rate: float = quantity('largest change of curvature per way', '1/m^2', above=0.0,

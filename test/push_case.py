@@ -130,6 +130,36 @@ def follow_path(obj, robot, point, lead, path, length, speed):
     return PushTrajectory(*columns)
 
 
+def held_plan(obj, robot, point, normal, goal, speed, start=Pose(0.0, 0.0, 0.0)):
+    """Quasi-static plan of a holonomic base that turns with the object, along a Dubins path."""
+    flat = vehicle(obj, point)
+    ahead = flat.mean_square / flat.arm
+    zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
+    cone = 0.65 * math.atan(0.8 * obj.contact_friction_coefficient)
+    local = flat_pose(flat)
+    path = words(start @ local, goal @ local @ Pose(-RUN_IN, 0.0, 0.0),
+                 ahead / (cone - zeta), ahead / (cone + zeta))[0]
+    length = path.length + RUN_IN
+    count = max(2, math.ceil(length / SPACING))
+    time, rows, place = 0.0, [], Pose(*point, normal) @ Pose(-robot.radius, 0.0, 0.0)
+    for k in range(count + 1):
+        z, curvature = path.at(min(k * length / count, length - 1e-9))
+        steer = math.atan(flat.wheelbase * curvature)
+        rate = speed * math.cos(steer)
+        pose, omega = z @ local.inverse(), rate * curvature
+        v = speed * math.cos(z.theta - steer), speed * math.sin(z.theta - steer)
+        base, contact = pose @ place, pose @ Pose(*point, normal)
+        rows.append((time, pose, _carried(v, omega, contact, pose), contact, (*v, omega), base,
+                     _carried(v, omega, contact, base)))
+        time += length / count / rate
+    return PushTrajectory(*(np.array(column) for column in zip(*rows)))
+
+
+def _carried(v, omega, contact, pose):
+    """Velocity of a point that moves with the contact, and the common yaw rate."""
+    return (v[0] - omega * (pose.y - contact.y), v[1] + omega * (pose.x - contact.x), omega)
+
+
 def run(case, settings, seed=0, sensors=SENSORS, longest=400.0, watch=None):
     """Close the loop in process until the controller is done, failed, or out of time."""
     start = Pose(*case.target.object_poses[0])
