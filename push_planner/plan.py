@@ -17,6 +17,8 @@ class Plan:
     :param pushing_angles: pushing angle of each segment, from the normal to the velocity imposed
         at the contact [rad].
     :param segment_ends: way of the contact at the end of each segment, increasing [m].
+    :param switches: ``Switch`` at the begin of each segment: the impulse that the jump takes; the
+        first is the first touch.
     :param report: what there is to know of the plan, a dict of names to numbers and texts.
     """
 
@@ -24,6 +26,7 @@ class Plan:
     trajectory: PushTrajectory
     pushing_angles: tuple
     segment_ends: tuple
+    switches: tuple
     report: dict
 
     def verify(self):

@@ -42,7 +42,7 @@ class PlannerSettings:
     run_in: float = quantity('straight push at the end of a plan, shortened for near goals', 'm',
                              0.0, 5.0, default=0.4)
     max_path_length: float = quantity('longest push that is accepted', 'm', above=0.0,
-                                      high=1000.0, default=40.0)
+                                      high=1000.0, default=20.0)
     contact_tolerance: float = quantity('largest gap or overlap between robot and object at the '
                                         'start', 'm', 0.0, 1.0, default=0.03)
     sample_spacing: float = quantity('largest distance between samples of a plan', 'm', 0.001,
@@ -98,12 +98,12 @@ class PushProblem:
 
     @property
     def push_direction(self):
-        """psi, world direction from the contact to the friction centre at the start [rad]."""
+        """World angle psi from the contact to the friction centre at the start [rad]."""
         return self.start.theta + self.vehicle.angle
 
     @property
     def normal_offset(self):
-        """zeta = gamma - psi at the start, in [-pi, pi] [rad]."""
+        """Angle zeta = gamma - psi at the start, in [-pi, pi] [rad]."""
         return wrap_angle(self.normal - self.push_direction)
 
     @property

@@ -13,7 +13,7 @@ import numpy as np
 
 from push_planner.iterate import RUN_IN_STEPS
 from push_planner.rollout import Rollout
-from push_planner.stage import NODE, POINTS, Constants, collocate, switch
+from push_planner.stage import collocate, Constants, NODE, POINTS, switch
 
 WEIGHTS = np.diag([1.0, 1.0, 1.0, 0.0, 0.1, 0.0])
 END_WEIGHTS = np.diag([1e4, 1e4, 1e4, 0.0, 1e2, 0.0])

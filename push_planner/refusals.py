@@ -3,7 +3,7 @@
 import math
 
 from push_model.friction import friction_center
-from push_model.geometry import Pose, distance, wrap_angle
+from push_model.geometry import distance, Pose, wrap_angle
 from push_planner.problem import PlanningFailed
 
 STEERING = 0.02

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
-from push_planner.stage import NODE, POINTS, Constants, collocate, radau, switch
+from push_planner.stage import collocate, Constants, NODE, POINTS, radau, switch
 
 NEWTON_STEPS = 5
 GROWTH = 1.6

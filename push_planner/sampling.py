@@ -1,6 +1,7 @@
 """Integrated segments as trajectory and report."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,49 +29,77 @@ def trajectory_of(problem, driven):
     return _trajectory(problem, np.array(ways), np.array(nodes), np.array(angles))
 
 
-def report_of(problem, driven):
+class Switch(NamedTuple):
     """
-    Say what a push does to the contact.
+    A jump of the pushing angle, and what it takes if it happens at once.
+
+    :param way: where it is [m].
+    :param change: change of the pushing angle [rad]; at the first touch the angle itself.
+    :param d_omega: jump of the object's yaw rate [rad/s].
+    :param normal_impulse: J_n [N s].
+    :param tangential_impulse: J_t [N s].
+    :param in_cone: whether the impulse lies within the believed friction cone.
+    :param blend: way over which the change must be spread at least, for the contact to hold [m];
+        0 inside the cone.
+    """
+
+    way: float
+    change: float
+    d_omega: float
+    normal_impulse: float
+    tangential_impulse: float
+    in_cone: bool
+    blend: float
+
+
+def switches_of(problem, driven):
+    """
+    List the switches of a push; the first is the first touch.
 
     :param problem: the ``PushProblem``.
     :param driven: list of (pushing angle [rad], length [m], ``Segment``).
-    :return: dict: ``switches`` (one dict each: way, change of the pushing angle, d_omega, J_n,
-        J_t, in_cone, blend), how many leave the cone, the longest blend, and where the planning
-        cone is exceeded between the points at which it was asked for.
+    :return: tuple of ``Switch``, one per segment.
     """
-    speed, total = problem.settings.pushing_speed, sum(problem.obj.capacities)
-    slope = math.tan(problem.friction_angle)
-    switches, way, before = [], 0.0, None
-    exceeded = 0.0
+    speed, slope = problem.settings.pushing_speed, math.tan(problem.friction_angle)
+    found, way, before = [], 0.0, 0.0
+    negligible = 1e-9 * problem.obj.mass * speed
     for angle, length, segment in driven:
         jump, j_n, j_t = segment.impulse
-        f_n, f_t = segment.forces[0]
-        switches.append({'way': way, 'change': angle - (0.0 if before is None else before),
-                         'd_omega': speed * jump, 'j_n': j_n, 'j_t': j_t,
-                         'in_cone': bool(j_n > 0.0 and abs(j_t) <= slope * j_n),
-                         'blend': _blend(speed, slope, segment)})
+        excess = abs(j_t) - slope * j_n
+        f_n, f_t = segment.forces[-1]
+        reserve = slope * f_n - abs(f_t)
+        blend = 0.0
+        if excess > negligible:
+            blend = speed * excess / reserve if reserve > 0.0 else math.inf
+        found.append(Switch(way, angle - before, speed * jump, j_n, j_t, bool(excess <= negligible),
+                            float(blend)))
+        way, before = way + length, angle
+    return tuple(found)
+
+
+def report_of(problem, driven, switches):
+    """
+    Say what a push does to the contact, in numbers.
+
+    :param problem: the ``PushProblem``.
+    :param driven: list of (pushing angle [rad], length [m], ``Segment``).
+    :param switches: the ``Switch`` of each segment.
+    :return: dict; ``way_beyond_planning_cone`` [m] is where the force exceeds the planning cone,
+        between the points at which the programme asks for it (just after switches, mostly).
+    """
+    beyond = 0.0
+    for _, _, segment in driven:
         steps = np.diff(segment.force_ways, prepend=0.0)
         use = np.abs(np.arctan2(segment.forces[:, 1], segment.forces[:, 0]))
-        exceeded += float(steps[use > problem.planning_angle + 1e-3].sum())
-        way, before = way + length, angle
-    leaving = [switch for switch in switches[1:] if not switch['in_cone']]
-    return {'path_length': way, 'duration': way / speed, 'pushing_speed': speed,
-            'first_touch': switches[0], 'switches': switches[1:],
-            'impulses_outside_cone': len(leaving),
-            'longest_blend': max((switch['blend'] for switch in switches[1:]), default=0.0),
-            'way_beyond_planning_cone': exceeded,
-            'support_friction': total}
-
-
-def _blend(speed, slope, segment):
-    """Way over which a switch must be spread for the contact to hold [m]; 0 inside the cone."""
-    _, j_n, j_t = segment.impulse
-    f_n, f_t = segment.forces[-1]
-    need = abs(j_t) - slope * j_n
-    slack = slope * f_n - abs(f_t)
-    if need <= 0.0:
-        return 0.0
-    return speed * need / slack if slack > 0.0 else math.inf
+        beyond += float(steps[use > problem.planning_angle + 1e-3].sum())
+    length = float(sum(length for _, length, _ in driven))
+    return {'pushing_speed': problem.settings.pushing_speed,
+            'path_length': length,
+            'duration': length / problem.settings.pushing_speed,
+            'way_beyond_planning_cone': beyond,
+            'impulses_outside_cone': sum(not switch.in_cone for switch in switches[1:]),
+            'longest_blend': max(switch.blend for switch in switches),
+            'shortest_segment': float(min(length for _, length, _ in driven))}
 
 
 def _trajectory(problem, ways, nodes, angles):

@@ -12,7 +12,7 @@ from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed
 from push_planner.refinement import refine
 from push_planner.refusals import refuse_impossible
-from push_planner.sampling import report_of, trajectory_of
+from push_planner.sampling import report_of, switches_of, trajectory_of
 from push_planner.stage import Constants
 from push_planner.transcription import programme
 from push_planner.warm_start import guess, routes
@@ -60,10 +60,11 @@ def _try(problem, route):
     if solution is None:
         return None, f'{name}: {verdict}'
     driven = refine(problem, solution, ends, SMOOTHING / settings.pushing_speed)
+    switches = switches_of(problem, driven)
     found = Plan(problem, trajectory_of(problem, driven),
                  tuple(float(angle) for angle, _, _ in driven),
                  tuple(np.cumsum([length for _, length, _ in driven]).tolist()),
-                 report_of(problem, driven))
+                 switches, report_of(problem, driven, switches))
     found.report.update(word=route.path.word, segments=segments, run_in=route.run_in,
                         iterations=iterations)
     check = found.verify()

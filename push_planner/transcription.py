@@ -11,8 +11,8 @@ import functools
 import casadi as ca
 import numpy as np
 
-from push_planner.iterate import RUN_IN_STEPS, Bounds, Solution
-from push_planner.stage import NODE, POINTS, Constants, collocate, robot_motion, switch
+from push_planner.iterate import Bounds, RUN_IN_STEPS, Solution
+from push_planner.stage import collocate, Constants, NODE, POINTS, robot_motion, switch
 
 SMOOTHNESS = 1e-3
 SHORTEST_WAY = 0.02

@@ -11,11 +11,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
-
-from push_model.dynamics import ObjectTerms, State, equation_of_motion, impulse
+from push_model.dynamics import equation_of_motion, impulse, ObjectTerms, State
 from push_model.geometry import wrap_angle
 from push_planner.drive import yaw_rate
+from scipy.integrate import solve_ivp
 
 STRETCH = 8.0
 TOLERANCE = 1e-9

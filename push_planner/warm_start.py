@@ -16,7 +16,7 @@ from push_planner.iterate import RUN_IN_STEPS, Solution
 from push_planner.stage import NODE, POINTS, radau
 
 FASTEST_LINEAR = 0.5
-SHORTER = (1.0, 0.5, 0.25, 0.1)
+SHORTER = (1.0, 0.5, 0.25, 0.1, 0.0)
 DETOUR = 1.2
 SHORTEST_RUN_IN = 0.02
 
