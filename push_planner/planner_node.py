@@ -1,0 +1,116 @@
+"""ROS node of the planner."""
+
+import sys
+
+from push_model.parameters import PushedObject, RoundRobot
+from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
+from push_planner.solver import plan
+from push_ros import qos
+from push_ros.diagnostics import ERROR, OK, WARN
+from push_ros.interfaces import PLANNER
+from push_ros.messages import from_object_pose_message, from_odometry_message, MessageRefused
+from push_ros.messages import nanoseconds
+from push_ros.node import PushNode
+from push_ros.options import Frames
+from push_ros.plan_messages import to_path_message, to_plan_message
+from push_ros.run import run
+
+SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', PlannerSettings),
+            ('', Frames))
+
+
+class PlannerNode(PushNode):
+    """
+    Plans a push for every goal.
+
+    Subscribes ``odom``, ``object_pose``, ``goal_pose``; publishes ``push_plan`` and
+    ``planned_path`` (latched), ``diagnostics``. Everything is in ``world_frame``; the plan starts
+    from the newest measurements and has their stamp. A goal that comes before them waits for
+    them. A failed plan or a refused message leaves the former plan as it is, and is an error on
+    ``diagnostics`` with its reason. Parameters: ``object.*`` and ``robot.*`` as believed,
+    ``planner.*``, frames.
+    """
+
+    def __init__(self):
+        super().__init__(PLANNER, SECTIONS)
+        self._obj, self._robot, self._planner, self._frames = self.settings
+        self._odometry = self._object_pose = self._goal = None
+        self._plan = self.publisher('push_plan')
+        self._path = self.publisher('planned_path')
+        self.subscribe('odom', self._on_odometry, qos=qos.NEWEST)
+        self.subscribe('object_pose', self._on_object_pose, qos=qos.NEWEST)
+        self.subscribe('goal_pose', self._on_goal)
+        self._report(OK, 'waits for a goal')
+
+    def _on_odometry(self, message):
+        self._odometry = message
+        self._try()
+
+    def _on_object_pose(self, message):
+        self._object_pose = message
+        self._try()
+
+    def _on_goal(self, message):
+        try:
+            self._goal = from_object_pose_message(message, self._frames.world_frame,
+                                                  'goal_pose').pose
+        except MessageRefused as error:
+            self._report(ERROR, str(error))
+            return
+        self._report(OK, 'plans')
+        self._try()
+
+    def _try(self):
+        if self._goal is None:
+            return
+        missing = [name for name, message in (('odom', self._odometry),
+                                              ('object_pose', self._object_pose))
+                   if message is None]
+        if missing:
+            self._report(WARN, f'has a goal and waits for {" and ".join(missing)}')
+            return
+        goal, self._goal = self._goal, None
+        try:
+            answer = self._answer(goal)
+        except MessageRefused as error:
+            self._report(ERROR, str(error))
+        except PlanningFailed as failure:
+            self._report(ERROR, failure.reason, failure.report)
+        else:
+            self._publish(answer)
+
+    def _answer(self, goal):
+        world = self._frames.world_frame
+        odometry = from_odometry_message(self._odometry, world)
+        measured = from_object_pose_message(self._object_pose, world)
+        return plan(problem_from_placement(self._obj, self._robot, measured.pose, odometry.pose,
+                                           goal, self._planner))
+
+    def _publish(self, answer):
+        stamp, world = self._stamp(), self._frames.world_frame
+        self._plan.publish(to_plan_message(answer.trajectory, stamp, world))
+        self._path.publish(to_path_message(answer.trajectory, stamp, world))
+        self._report(OK, f'has planned a push of {answer.trajectory.duration:.1f} s and '
+                     f'{answer.trajectory.path_length:.2f} m', answer.report)
+
+    def _report(self, level, text, values=None):
+        self.reporter.report(level, text, self._stamp(), values)
+
+    def _stamp(self):
+        stamps = [message.header.stamp for message in (self._odometry, self._object_pose)
+                  if message is not None]
+        return max(stamps, key=nanoseconds) if stamps else self.get_clock().now().to_msg()
+
+
+def main(arguments=None):
+    """
+    Run the planner.
+
+    :param arguments: command line; None for that of the process.
+    :return: exit status.
+    """
+    return run(PlannerNode, arguments)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

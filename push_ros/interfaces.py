@@ -1,0 +1,78 @@
+"""Topics and services of the nodes: the one list from which nodes and README are made."""
+
+from typing import NamedTuple
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
+from geometry_msgs.msg import WrenchStamped
+from nav_msgs.msg import Odometry, Path
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import MultiDOFJointTrajectory
+from visualization_msgs.msg import MarkerArray
+
+from push_ros import qos
+
+PLANNER, CONTROLLER, SIM = 'push_planner', 'push_controller', 'push_sim'
+
+
+class Topic(NamedTuple):
+    """
+    A topic.
+
+    :param type: message type.
+    :param publishers: names of the nodes that publish it.
+    :param subscribers: names of the nodes that subscribe to it.
+    :param publish_qos: quality of service that is offered.
+    :param subscribe_qos: quality of service that is asked for.
+    :param description: what it carries.
+    """
+
+    type: type
+    publishers: tuple
+    subscribers: tuple
+    publish_qos: object
+    subscribe_qos: object
+    description: str
+
+    def message_type(self, stamped=True):
+        """
+        Type of the messages.
+
+        :param stamped: what ``stamped_cmd_vel`` says; only commands have two types.
+        """
+        return Twist if self.type is TwistStamped and not stamped else self.type
+
+
+TOPICS = {
+    'odom': Topic(Odometry, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
+                  'robot pose in the world frame, velocity in its own axes'),
+    'object_pose': Topic(PoseStamped, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
+                         'measured object pose in the world frame'),
+    'goal_pose': Topic(PoseStamped, (), (PLANNER,), qos.EVENT, qos.EVENT,
+                       "wanted object pose; RViz's 2D Goal Pose"),
+    'push_plan': Topic(MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED,
+                       qos.LATCHED, 'plan: joints object, contact and robot over time; latched'),
+    'planned_path': Topic(Path, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
+                          'way of the object in the plan, for viewers; latched'),
+    'cmd_vel': Topic(TwistStamped, (CONTROLLER,), (SIM,), qos.COMMAND, qos.LATEST_COMMAND,
+                     'velocity command in the axes of the robot, stamped with the measurement '
+                     'that it answers; Twist where stamped_cmd_vel is false'),
+    'contact_wrench': Topic(WrenchStamped, (SIM,), (), qos.MEASUREMENT, qos.SENSOR,
+                            'true force of the robot on the object, axes of the object frame'),
+    'clock': Topic(Clock, (SIM,), (), qos.CLOCK, qos.CLOCK,
+                   'simulated time, where the simulator owns it'),
+    'initialpose': Topic(PoseWithCovarianceStamped, (), (SIM,), qos.EVENT, qos.EVENT,
+                         "puts the object there and starts over; RViz's 2D Pose Estimate"),
+    'markers': Topic(MarkerArray, (CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
+                     'object, robot, supports, contact, friction cone, plan for RViz and Foxglove'),
+    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
+                         'what each node does, and why not'),
+}
+
+SERVICES = {
+    'controller/start': (Trigger, CONTROLLER, 'follow the plan from now on'),
+    'controller/stop': (Trigger, CONTROLLER, 'stop the robot and stay stopped'),
+    'sim/start': (Trigger, SIM, 'let simulated time run'),
+    'sim/reset': (Trigger, SIM, 'put everything back to the start and hold time there'),
+}

@@ -1,0 +1,43 @@
+"""Parameter files of the three nodes for a scenario."""
+
+from push_ros.interfaces import CONTROLLER, PLANNER, SIM
+from push_ros.options import ControllerOptions, Frames, SimOptions
+from push_ros.parameter_layout import to_values
+from push_scenario.closed_loop import SETTLE_TIME
+import yaml
+
+
+def write_node_files(folder, scenario, settings, tape_path, real_time, stamped):
+    """
+    Write what the nodes must know: beliefs for planner and controller, the truth for the plant.
+
+    :param folder: where.
+    :param scenario: the ``Scenario``.
+    :param settings: ``ControlSettings``.
+    :param tape_path: where the simulator writes its tape.
+    :param real_time: keep to the wall clock instead of going in lockstep.
+    :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
+    :return: dict of node names to paths.
+    """
+    beliefs = (('object.', scenario.object), ('robot.', scenario.robot), ('', Frames()))
+    options = SimOptions(
+        lockstep=not real_time, publish_clock=real_time, stamped_cmd_vel=stamped,
+        time_limit=scenario.time_limit + SETTLE_TIME + 1.0, tape_path=str(tape_path),
+        object_start=tuple(scenario.start.object.pose), robot_start=tuple(scenario.robot_start))
+    sections = {
+        SIM: (('object.', scenario.truth), ('robot.', scenario.robot_truth), ('', Frames()),
+              ('sensors.', scenario.sensors), ('simulation.', scenario.simulation),
+              ('', options)),
+        PLANNER: (*beliefs, ('planner.', scenario.planner)),
+        CONTROLLER: (*beliefs, ('control.', settings),
+                     ('', ControllerOptions(stamped_cmd_vel=stamped))),
+    }
+    files = {}
+    for name, parts in sections.items():
+        values = {'use_sim_time': name != SIM}
+        for prefix, instance in parts:
+            values.update(to_values(instance, prefix))
+        files[name] = folder / f'{name}.yaml'
+        files[name].write_text(yaml.safe_dump({name: {'ros__parameters': values}},
+                                              sort_keys=False), encoding='utf-8')
+    return files

@@ -1,0 +1,80 @@
+"""What a node is told beside physics and tuning: frames, modes, files."""
+
+import dataclasses
+import math
+
+from push_model.quantity import check, quantity
+
+
+@dataclasses.dataclass(frozen=True)
+class Frames:
+    """Frame ids; a message in another frame is refused."""
+
+    world_frame: str = quantity('frame of odometry, object poses, goals and plans',
+                                default='odom')
+    object_frame: str = quantity('frame of the object', default='object')
+    base_frame: str = quantity('frame of the robot, in whose axes commands are',
+                               default='base_link')
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        for field in dataclasses.fields(self):
+            if not getattr(self, field.name):
+                raise ValueError(f'Frames.{field.name}: got an empty text, expected a frame id')
+
+
+@dataclasses.dataclass(frozen=True)
+class ControllerOptions:
+    """How the controller's node behaves."""
+
+    autostart: bool = quantity('follow a plan as soon as it comes, without controller/start',
+                               default=False)
+    stamped_cmd_vel: bool = quantity('publish TwistStamped on cmd_vel, else Twist', default=True)
+    watchdog_timeout: float = quantity('time without odometry after which the robot is stopped',
+                                       's', above=0.0, high=5.0, default=0.25)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class SimOptions:
+    """How the simulator's node behaves."""
+
+    lockstep: bool = quantity('own time: go on as soon as the command has come that answers the '
+                              'last measurement; else keep to the wall clock', default=False)
+    publish_clock: bool = quantity('without lockstep: publish clock, from 0; else stamps are those '
+                                   "of the node's clock", default=False)
+    time_scale: float = quantity('simulated time per wall time, without lockstep; other than 1 '
+                                 'only with publish_clock', '', 0.01, 100.0, default=1.0)
+    autostart: bool = quantity('start at once, without sim/start', default=False)
+    stamped_cmd_vel: bool = quantity('expect TwistStamped on cmd_vel, else Twist', default=True)
+    time_limit: float = quantity('simulated time after which the simulation holds, 0 for none',
+                                 's', 0.0, 1e6, default=0.0)
+    answer_timeout: float = quantity('lockstep: wall time without an answer after which the '
+                                     'controller counts as gone', 's', above=0.0, high=600.0,
+                                     default=5.0)
+    object_start: tuple[float, float, float] = quantity(
+        'object pose (x, y, theta) at the start', 'm, m, rad', default=(0.0, 0.0, 0.0))
+    robot_start: tuple[float, float, float] = quantity(
+        'robot pose (x, y, theta) at the start', 'm, m, rad', default=(0.0, 0.0, 0.0))
+    tape_path: str = quantity('file for the tape (CSV) that is written at the end, empty for none',
+                              default='')
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        for name in ('object_start', 'robot_start'):
+            pose = getattr(self, name)
+            if len(pose) != 3 or not all(map(math.isfinite, pose)):
+                raise ValueError(f'SimOptions.{name}: got {pose}, expected three numbers')
+        if self.time_scale != 1.0 and not self.owns_time:
+            raise ValueError(f'SimOptions.time_scale: got {self.time_scale:g}, expected 1 where '
+                             'publish_clock is false')
+
+    @property
+    def owns_time(self):
+        """Whether stamps are simulated time, and ``clock`` is published."""
+        return self.lockstep or self.publish_clock

@@ -1,0 +1,134 @@
+"""Nodes as processes of their own: started, watched, and ended together."""
+
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+
+STOP_TIMEOUT = 5.0
+LAST_LINES = 12
+
+
+class NodeDied(RuntimeError):
+    """A node ended that should have gone on, or could not be ended."""
+
+
+class NodeProcesses:
+    """
+    Starts nodes; at the end of the ``with`` block none is left.
+
+    :param domain: ROS domain.
+    :param log_folder: where output and parameter files go.
+    """
+
+    def __init__(self, domain, log_folder):
+        self.domain, self._logs = domain, Path(log_folder)
+        self._processes = {}
+        self._environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
+                             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+                             'PYTHONUNBUFFERED': '1'}
+        # Children find the package where this process found it, installed or not.
+        root = str(Path(__file__).resolve().parent.parent)
+        path = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
+        self._environment['PYTHONPATH'] = os.pathsep.join(path)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for name in list(self._processes):
+            self._kill(name)
+
+    def start(self, name, module, parameter_file):
+        """
+        Start a node.
+
+        :param name: what errors call it.
+        :param module: Python module with its main function.
+        :param parameter_file: path of its ROS parameters.
+        """
+        command = [sys.executable, '-m', module, '--ros-args', '--params-file',
+                   str(parameter_file)]
+        with open(self._log(name), 'wb') as log:
+            # A session of its own: one signal reaches whatever it may have started.
+            self._processes[name] = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                env=self._environment, start_new_session=True)
+
+    def pid(self, name):
+        """
+        Look up the process id of a node.
+
+        :param name: of the node.
+        """
+        return self._processes[name].pid
+
+    def check(self):
+        """
+        See that all nodes are alive.
+
+        :raises NodeDied: naming the one that is not, its exit status and last words.
+        """
+        for name, process in self._processes.items():
+            status = process.poll()
+            if status is not None:
+                raise NodeDied(f'{name} ended unexpectedly with {_status_text(status)}'
+                               + self.last_words(name))
+
+    def stop(self, name):
+        """
+        Ask a node to end, and wait until it has.
+
+        :param name: of the node.
+        :raises NodeDied: where it does not end, or not with exit status 0.
+        """
+        process = self._processes[name]
+        process.send_signal(signal.SIGINT)
+        try:
+            status = process.wait(STOP_TIMEOUT)
+        except subprocess.TimeoutExpired:
+            raise NodeDied(f'{name} did not end within {STOP_TIMEOUT:g} s'
+                           + self.last_words(name)) from None
+        if status:
+            raise NodeDied(f'{name} ended with {_status_text(status)}' + self.last_words(name))
+        del self._processes[name]
+
+    def stop_all(self):
+        """
+        Ask all nodes to end, the first started first.
+
+        :raises NodeDied: where one does not end well.
+        """
+        for name in list(self._processes):
+            self.stop(name)
+
+    def last_words(self, name):
+        """
+        Quote the end of a node's output.
+
+        :param name: of the node.
+        """
+        text = self._log(name).read_text(encoding='utf-8', errors='replace')
+        lines = text.rstrip().splitlines()[-LAST_LINES:]
+        return '; its last words:\n  ' + '\n  '.join(lines) if lines else '; it said nothing'
+
+    def _log(self, name):
+        return self._logs / f'{name}.log'
+
+    def _kill(self, name):
+        process = self._processes.pop(name)
+        for number, patience in ((signal.SIGTERM, 1.0), (signal.SIGKILL, STOP_TIMEOUT)):
+            if process.poll() is not None:
+                break
+            os.killpg(process.pid, number)
+            try:
+                process.wait(patience)
+            except subprocess.TimeoutExpired:
+                continue
+
+
+def _status_text(status):
+    if status < 0:
+        return f'signal {signal.Signals(-status).name}'
+    return f'exit status {status}'

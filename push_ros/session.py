@@ -1,0 +1,133 @@
+"""The replay's own end of DDS: it hears everything, sets the goal and calls services."""
+
+import contextlib
+import os
+import time
+
+from geometry_msgs.msg import PoseStamped
+from push_ros.interfaces import SERVICES, TOPICS
+from push_ros.messages import to_pose_message
+from push_ros.recorder import Listener
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+
+PAUSE = 0.002
+RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+
+
+class ReplayFailed(RuntimeError):
+    """A replay that could not be carried through, and why."""
+
+
+class Session:
+    """
+    A context, a node that calls and a node that listens, on a domain.
+
+    :param domain: ROS domain.
+    :param stamped: whether commands have a stamp.
+    :param watch: called with (topic, serialized message) for every message, in :meth:`pump`.
+    :param check: called in every :meth:`pump`; raises what ends the replay.
+    """
+
+    def __init__(self, domain, stamped, watch, check):
+        self._watch, self._check = watch, check
+        self._context = rclpy.Context()
+        with _local_discovery():
+            rclpy.init(args=[], context=self._context, domain_id=domain)
+        self._node = rclpy.create_node('replay', context=self._context)
+        self._ear = rclpy.create_node('recorder', context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._goal = self._node.create_publisher(PoseStamped, 'goal_pose',
+                                                 TOPICS['goal_pose'].publish_qos)
+        self._clients = {name: self._node.create_client(kind, name)
+                         for name, (kind, _, _) in SERVICES.items()}
+        self._listener = Listener(self._ear, stamped)
+        self.types = self._listener.types
+
+    def close(self):
+        """Leave the domain."""
+        self._executor.shutdown()
+        for node in (self._node, self._ear):
+            node.destroy_node()
+        rclpy.shutdown(context=self._context)
+
+    def pump(self):
+        """Hand on what has come; wait a moment where nothing has."""
+        self._check()
+        taken = self._listener.take()
+        for topic, data in taken:
+            self._watch(topic, data)
+        if not taken:
+            time.sleep(PAUSE)
+
+    def drain(self):
+        """Hand on what has come and nobody has taken, once the nodes have ended."""
+        for topic, data in self._listener.take():
+            self._watch(topic, data)
+
+    def wait_for(self, condition, timeout, what):
+        """
+        Pump until something holds.
+
+        :param condition: takes nothing, tells whether it holds.
+        :param timeout: wall time [s].
+        :param what: what is waited for, for the error.
+        :raises ReplayFailed: where it does not come in time.
+        """
+        end = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() > end:
+                raise ReplayFailed(f'waited {timeout:g} s for {what}, in vain')
+            self.pump()
+
+    def is_connected(self):
+        """Tell whether planner, services and recorder have found each other."""
+        return (self._goal.get_subscription_count() >= 2
+                and all(client.service_is_ready() for client in self._clients.values()))
+
+    def send_goal(self, pose, frame):
+        """
+        Publish a goal.
+
+        :param pose: ``Pose`` wanted for the object.
+        :param frame: id of the world frame.
+        """
+        message = PoseStamped(pose=to_pose_message(pose))
+        message.header.frame_id = frame
+        self._goal.publish(message)
+
+    def call(self, service, timeout):
+        """
+        Call a Trigger service, again and again until it agrees.
+
+        :param service: its name.
+        :param timeout: wall time [s].
+        :raises ReplayFailed: where it does not agree in time, with its last answer.
+        """
+        client, end = self._clients[service], time.monotonic() + timeout
+        answer = 'no answer'
+        while time.monotonic() < end:
+            future = client.call_async(SERVICES[service][0].Request())
+            while not future.done() and time.monotonic() < end:
+                self._executor.spin_once(timeout_sec=PAUSE)
+                self.pump()
+            if future.done():
+                if future.result().success:
+                    return
+                answer = future.result().message
+            self.pump()
+        raise ReplayFailed(f'{service} did not agree within {timeout:g} s: {answer}')
+
+
+@contextlib.contextmanager
+def _local_discovery():
+    before = os.environ.get(RANGE)
+    os.environ[RANGE] = 'LOCALHOST'
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[RANGE]
+        else:
+            os.environ[RANGE] = before
