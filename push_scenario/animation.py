@@ -7,8 +7,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
 
-from push_scenario.drawing import (GOAL, INK, LAW_STYLES, PLAN_STYLE, draw_object, draw_robot, front,
-                                   outline, set_view)
+from push_scenario.drawing import (draw_object, draw_robot, front, GOAL, INK, LAW_STYLES, outline,
+                                   PLAN_STYLE, set_view)
 from push_scenario.report import TITLES
 
 FRAMES, HELD_FRAMES, RATE = 72, 14, 12

@@ -64,7 +64,7 @@ def run(scenario, control_law=None, progress=None):
 
 def control_settings(scenario, control_law=None):
     """
-    Settings of the controller in a scenario, under another law if one is named.
+    Look up the controller's settings, under another law if one is named.
 
     :param scenario: the ``Scenario``.
     :param control_law: ``feedback`` or ``open_loop``; None for what the scenario says.

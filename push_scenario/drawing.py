@@ -52,8 +52,8 @@ def draw_object(axes, obj, pose, **style):
     """
     patch = axes.add_patch(Polygon(outline(obj, pose), closed=True, **style))
     line = axes.plot(*front(obj, pose), color=style.get('edgecolor', INK),
-                      linewidth=style.get('linewidth', 1.0), alpha=style.get('alpha'),
-                      zorder=style.get('zorder'))
+                     linewidth=style.get('linewidth', 1.0), alpha=style.get('alpha'),
+                     zorder=style.get('zorder'))
     return [patch, *line]
 
 

@@ -9,14 +9,14 @@ from matplotlib.patches import Patch
 import numpy as np
 
 from push_model.friction import friction_center
-from push_scenario.drawing import (GOAL, INK, LAW_STYLES, PLAN_STYLE, draw_object, draw_robot,
-                                   outline, set_view, style_axes)
+from push_scenario.drawing import (draw_object, draw_robot, GOAL, INK, LAW_STYLES, outline,
+                                   PLAN_STYLE, set_view, style_axes)
 from push_scenario.metrics import deviation, force_angle, measure, robot_way
 from push_scenario.report import TITLES
 
 SIZE, DPI = (14.0, 8.4), 110
 MOMENTS = 5
-BAND = '#DCE6DC'
+BAND, TRUTH = '#DCE6DC', '#B3261E'
 
 
 def draw_figure(results, path):
@@ -65,7 +65,7 @@ def _trajectories(axes, results):
     draw_object(axes, scenario.object, plan[0], facecolor='#ECECEC', edgecolor=INK, linewidth=1.2,
                 zorder=1)
     for result in results:
-        _moments(axes, result)
+        _moments(axes, result, with_robot=result is results[-1])
     axes.plot(plan[:, 0], plan[:, 1], **PLAN_STYLE, zorder=6)
     for result in results:
         poses = result.tape.poses('object')
@@ -73,43 +73,47 @@ def _trajectories(axes, results):
         axes.plot(*poses[-1, :2], 'o', color=LAW_STYLES[result.control_law]['color'], zorder=8)
     draw_object(axes, scenario.object, scenario.goal.pose, facecolor='none', edgecolor=GOAL,
                 linewidth=3.0, linestyle=(0, (2, 1)), zorder=5)
-    axes.plot(scenario.goal.x, scenario.goal.y, '+', color=GOAL, markersize=14, markeredgewidth=2.5,
-              zorder=9)
+    axes.plot(scenario.goal.x, scenario.goal.y, '+', color=GOAL, markersize=14,
+              markeredgewidth=2.5, zorder=9)
     style_axes(axes)
     set_view(axes, results)
 
 
-def _moments(axes, result):
+def _moments(axes, result, with_robot):
     scenario, tape = result.scenario, result.tape
     color = LAW_STYLES[result.control_law]['color']
     objects, robots = tape.poses('object'), tape.poses('robot')
     way = robot_way(tape)
-    rows = np.searchsorted(way, np.linspace(0.0, way[-1], MOMENTS), side='left')
-    for row in sorted(set(rows.tolist())):
+    rows = np.searchsorted(way, np.linspace(0.0, way[-1], MOMENTS))
+    rows[-1] = len(tape) - 1
+    for row in rows:
         last = row == rows[-1]
         style = {'edgecolor': color, 'linewidth': 1.8 if last else 0.9, 'zorder': 4 if last else 3}
         draw_object(axes, scenario.truth, objects[row], facecolor=color + ('30' if last else '0C'),
                     **style)
-        draw_robot(axes, scenario.robot_truth.radius, robots[row],
-                   facecolor=color + ('60' if last else '18'), **style)
+        if last or with_robot:
+            draw_robot(axes, scenario.robot_truth.radius, robots[row],
+                       facecolor=color + ('60' if last else '14'), **style)
 
 
 def _hidden_truth(axes, scenario):
     believed, true = scenario.object, scenario.truth
     edge = outline(believed, (0.0, 0.0, 0.0))
-    axes.fill(edge[:, 0], edge[:, 1], facecolor='#F4F4F4', edgecolor=INK, linewidth=1.0)
-    scale = 260.0 / max(foot.friction_coefficient for foot in true.supports + believed.supports)
-    for feet, style in ((true.supports, {'color': '#9A9A9A'}),
+    axes.fill(edge[:, 0], edge[:, 1], facecolor='#F6F6F6', edgecolor=INK, linewidth=1.0)
+    scale = 420.0 / max(foot.friction_coefficient for foot in true.supports + believed.supports)
+    for feet, style in ((true.supports, {'color': '#A6A6A6'}),
                         (believed.supports, {'facecolor': 'none', 'edgecolor': INK,
                                              'linestyle': '--'})):
-        axes.scatter([f.x for f in feet], [f.y for f in feet],
-                     s=[scale * f.friction_coefficient for f in feet], **style)
-    axes.plot(*friction_center(believed), '+', color=INK, markersize=11, markeredgewidth=1.8)
-    axes.plot(*friction_center(true), 'X', color='#B3261E', markersize=9)
-    low, high = edge.min(axis=0), edge.max(axis=0)
-    axes.set_xlim(low[0] - 0.03, high[0] + 0.03)
-    axes.set_ylim(low[1] - 0.03, high[1] + 0.03)
-    axes.set_aspect('equal')
+        axes.scatter([foot.x for foot in feet], [foot.y for foot in feet],
+                     s=[scale * foot.friction_coefficient for foot in feet], **style)
+    for foot in true.supports:
+        axes.annotate(f'{foot.friction_coefficient:.2f}', (foot.x, foot.y), fontsize=9,
+                      xytext=(math.copysign(16.0, foot.x), 0.0), textcoords='offset points',
+                      ha='left' if foot.x > 0.0 else 'right', va='center', color=INK)
+    axes.plot(*friction_center(believed), '+', color=INK, markersize=12, markeredgewidth=1.8)
+    axes.plot(*friction_center(true), 'X', color=TRUTH, markersize=9)
+    axes.set_aspect('equal', adjustable='datalim')
+    axes.margins(0.05)
     axes.set_axis_off()
     axes.set_title('friction under the feet', fontsize=10, color=INK)
 
@@ -118,12 +122,12 @@ def _legend(axes, results):
     axes.set_axis_off()
     handles = [Line2D([], [], **PLAN_STYLE, label='plan')]
     handles += [Line2D([], [], **LAW_STYLES[result.control_law],
-                       label=f'{TITLES[result.control_law]}: box centre, box and robot at '
-                       f'{MOMENTS} moments') for result in results]
+                       label=f'{TITLES[result.control_law]}: path of the box, '
+                       f'box at {MOMENTS} moments') for result in results]
     handles += [
         Line2D([], [], color=GOAL, linestyle=(0, (2, 1)), linewidth=3.0, label='goal'),
-        Line2D([], [], color='#B3261E', marker='X', linestyle='none', markersize=9,
-               label='true friction centre (grey discs: true friction)'),
+        Line2D([], [], color=TRUTH, marker='X', linestyle='none', markersize=9,
+               label='true friction centre (grey, numbers: true friction)'),
         Line2D([], [], color=INK, marker='+', linestyle='none', markersize=11,
                markeredgewidth=1.8, label='believed friction centre (dashed: believed friction)'),
         Patch(facecolor=BAND, label='friction cone: inside it the contact sticks')]

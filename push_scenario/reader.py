@@ -7,13 +7,12 @@ and change parts of it; ``truth`` and ``robot_truth`` hold only what differs fro
 
 from pathlib import Path
 
-import yaml
-
 from push_model.parameters import PushedObject, RoundRobot
 from push_scenario.builder import build, expect_mapping, merge, plain
 from push_scenario.data import share_directory
 from push_scenario.scenario import Scenario
-from push_scenario.strict_yaml import ScenarioError, load, parse
+from push_scenario.strict_yaml import load, parse, ScenarioError
+import yaml
 
 BELIEFS = {'object': ('truth', 'objects'), 'robot': ('robot_truth', 'robots')}
 

@@ -53,7 +53,7 @@ def _parser():
                         help=f'replay {DEMO} open loop, then with feedback; pictures are '
                         'demo.png and demo.gif')
     parser.add_argument('--law', action='append', choices=LAWS,
-                        help='control law instead of the scenario\'s; may be given twice to '
+                        help="control law instead of the scenario's; may be given twice to "
                         'compare')
     parser.add_argument('--in-process', action='store_true',
                         help='without ROS: the same planner, controller and plant in one process')
