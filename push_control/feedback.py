@@ -18,6 +18,14 @@ class CurvatureLimits(NamedTuple):
         """
         return min(self.high, max(self.low, curvature))
 
+    def within(self, other):
+        """
+        Narrow the limits to those that hold under another belief as well.
+
+        :param other: ``CurvatureLimits``.
+        """
+        return CurvatureLimits(max(self.low, other.low), min(self.high, other.high))
+
 
 def trailing_limits(flat, robot_radius, lead, cone):
     """

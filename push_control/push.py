@@ -40,7 +40,8 @@ class FeedbackPush:
             raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
                              'drive, which cannot steer there, expected a vertex')
         center = friction_center(obj)
-        path = SampledPath(vehicle(obj, site.point), target)
+        self._believed = vehicle(obj, site.point)
+        path = SampledPath(self._believed, target)
         self._goal = Pose(*target.object_poses[-1].tolist())
         self._guidance = Guidance(path, settings)
         self._supports = SupportTable(obj, site.point)
@@ -132,7 +133,8 @@ class FeedbackPush:
         cone = margin * math.atan(friction)
         if self._robot.drive == 'differential':
             return trailing_limits(flat, self._robot.radius, self._site.lead, cone)
-        return held_limits(self._supports, flat, normal, cone)
+        believed = held_limits(self._supports, self._believed, normal, cone)
+        return held_limits(self._supports, flat, normal, cone).within(believed)
 
     def _arrive(self, pose, track, planning):
         if not self._guidance.is_off(track):

@@ -8,6 +8,7 @@ from push_model.friction import friction_weight
 from push_model.quasi_static import turning_rate, vehicle
 
 STEEPEST = 1.2
+STEEPEST_USED = 0.7
 SPACING = 0.1
 
 
@@ -73,6 +74,7 @@ class SupportTable:
         :return: (lowest, highest) curvature [1/m].
         """
         bounds = np.interp((high, low), self._forces, self._angles).tolist()
+        bounds = [min(STEEPEST_USED, max(-STEEPEST_USED, alpha)) for alpha in bounds]
         return tuple(-math.tan(alpha) / (arm + self.mean_square(alpha) / arm) for alpha in bounds)
 
 
