@@ -1,6 +1,7 @@
 """Plays a plan without looking: what feedback is measured against."""
 
 import math
+from types import MappingProxyType
 
 import numpy as np
 
@@ -28,10 +29,24 @@ class OpenLoopPush:
         self._ways = np.concatenate([[0.0], np.cumsum(steps)])
         self._speeds = speeds
 
-    def advance(self, dt):
+    failure = ''
+    report = MappingProxyType({})
+
+    def observe(self, observation):
+        """
+        Look away.
+
+        :param observation: ``Observation``; not used.
+        """
+
+    def pause(self):
+        """Stand still for a while, without losing the place in the plan."""
+
+    def advance(self, time, dt):
         """
         Play on.
 
+        :param time: now [s]; not used.
         :param dt: time since the last call [s].
         :return: ``Twist``; STOP at the end of the plan.
         """
