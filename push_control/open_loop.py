@@ -23,6 +23,7 @@ class OpenLoopPush:
         :param observation: first ``Observation``; not used.
         """
         self._settings, self._target = settings, target
+        self._sideways = robot.drive == 'holonomic'
         self._clock = self._elapsed = 0.0
         speeds = np.hypot(*target.contact_twists[:, :2].T)
         steps = np.diff(target.times) * 0.5 * (speeds[1:] + speeds[:-1])
@@ -63,7 +64,8 @@ class OpenLoopPush:
         v_x, v_y, omega = (rate * float(value) for value in planned['robot_twists'])
         phi = float(planned['robot_poses'][2])
         cosine, sine = math.cos(phi), math.sin(phi)
-        return Twist(cosine * v_x + sine * v_y, cosine * v_y - sine * v_x, omega)
+        v_left = cosine * v_y - sine * v_x if self._sideways else 0.0
+        return Twist(cosine * v_x + sine * v_y, v_left, omega)
 
     @property
     def finished(self):
