@@ -9,6 +9,8 @@ from push_model.trajectory import PushTrajectory
 from push_planner.drive import yaw_rate
 from push_planner.stage import NODE
 
+INSTANT = 1e-6
+
 
 def trajectory_of(problem, driven):
     """
@@ -16,17 +18,18 @@ def trajectory_of(problem, driven):
 
     :param problem: the ``PushProblem``.
     :param driven: list of (pushing angle [rad], length [m], ``Segment``).
-    :return: ``PushTrajectory``; at a switch the twists are those after it.
+    :return: ``PushTrajectory``; twists jump at a switch: it is sampled ``INSTANT`` before, and
+        after.
     """
     ways, nodes, angles, way = [], [], [], 0.0
-    for number, (angle, length, segment) in enumerate(driven):
-        last = number == len(driven) - 1
-        count = len(segment.ways) + last
-        ways += (way + np.concatenate([[0.0], segment.ways]))[:count].tolist()
-        nodes += [segment.begin, *segment.nodes][:count]
-        angles += [angle] * count
+    for angle, length, segment in driven:
+        ways += (way + np.concatenate([[0.0], segment.ways])).tolist()
+        nodes += [segment.begin, *segment.nodes]
+        angles += [angle] * (1 + len(segment.ways))
         way += length
-    return _trajectory(problem, np.array(ways), np.array(nodes), np.array(angles))
+        ways[-1] = way
+    before = np.flatnonzero(np.diff(ways) == 0.0)
+    return _trajectory(problem, np.array(ways), np.array(nodes), np.array(angles), before)
 
 
 class Switch(NamedTuple):
@@ -71,8 +74,8 @@ def switches_of(problem, driven):
         blend = 0.0
         if excess > negligible:
             blend = speed * excess / reserve if reserve > 0.0 else math.inf
-        found.append(Switch(way, angle - before, speed * jump, j_n, j_t, bool(excess <= negligible),
-                            float(blend)))
+        found.append(Switch(way, angle - before, speed * jump, j_n, j_t,
+                            bool(excess <= negligible), float(blend)))
         way, before = way + length, angle
     return tuple(found)
 
@@ -102,7 +105,7 @@ def report_of(problem, driven, switches):
             'shortest_segment': float(min(length for _, length, _ in driven))}
 
 
-def _trajectory(problem, ways, nodes, angles):
+def _trajectory(problem, ways, nodes, angles, before):
     speed, radius = problem.settings.pushing_speed, problem.robot.radius
     x, y, theta, w, gamma = (nodes[:, NODE.index(name)] for name in NODE)
     lever_x, lever_y = _turned(theta, *problem.contact_point)
@@ -115,14 +118,20 @@ def _trajectory(problem, ways, nodes, angles):
     share = problem.rolling[0]
     bend = share * omega + (1.0 - share) * turn
     phi = problem.heading + gamma - gamma[0]
-    return PushTrajectory(
-        times=ways / speed,
-        object_poses=np.column_stack([x, y, theta]),
-        object_twists=np.column_stack([v_x + omega * lever_y, v_y - omega * lever_x, omega]),
-        contact_poses=np.column_stack([x + lever_x, y + lever_y, gamma]),
-        contact_twists=np.column_stack([v_x, v_y, bend]),
-        robot_poses=np.column_stack([x + lever_x - radius * n_x, y + lever_y - radius * n_y, phi]),
-        robot_twists=np.column_stack([v_x + turn * radius * n_y, v_y - turn * radius * n_x, turn]))
+    values = {
+        'object_poses': np.column_stack([x, y, theta]),
+        'object_twists': np.column_stack([v_x + omega * lever_y, v_y - omega * lever_x, omega]),
+        'contact_poses': np.column_stack([x + lever_x, y + lever_y, gamma]),
+        'contact_twists': np.column_stack([v_x, v_y, bend]),
+        'robot_poses': np.column_stack([x + lever_x - radius * n_x, y + lever_y - radius * n_y,
+                                        phi]),
+        'robot_twists': np.column_stack([v_x + turn * radius * n_y, v_y - turn * radius * n_x,
+                                         turn])}
+    times = ways / speed
+    times[before] -= INSTANT
+    for name in ('object', 'contact', 'robot'):
+        values[f'{name}_poses'][before] -= INSTANT * values[f'{name}_twists'][before]
+    return PushTrajectory(times=times, **values)
 
 
 def _turned(angle, x, y):

@@ -44,8 +44,9 @@ def plan(problem):
         if found is not None:
             found.report['attempts'] = attempts
             return found
-    raise PlanningFailed('no push within the friction cone was found: '
-                         + '; '.join(attempts), {'attempts': attempts})
+    raise PlanningFailed('no push within the friction cone and the limits of the robot was found '
+                         f'on {len(attempts)} ways that were tried, the first {attempts[0]}',
+                         {'attempts': attempts})
 
 
 def _try(problem, route):
