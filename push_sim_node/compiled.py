@@ -21,8 +21,8 @@ except ImportError:
     numba = None
 
 INTERPRET = 'PUSH_SIM_INTERPRET'
-KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'layout.py', 'step.py',
-          'support_friction.py')
+KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'layout.py', 'solver.py',
+          'step.py', 'support_friction.py')
 IS_COMPILED = numba is not None and not os.environ.get(INTERPRET)
 
 

@@ -8,7 +8,7 @@ Unilateral and inelastic, with Coulomb friction. n points from robot to object, 
 import math
 
 from push_sim_node.compiled import closest_on_polygon, compiled
-from push_sim_node.layout import SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+from push_sim_node.layout import ANY, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
 
 
 @compiled
@@ -40,7 +40,7 @@ def nearest(outline, disc_radius, robot_radius, x, y, theta, p_x, p_y):
 
 
 @compiled
-def contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient):
+def contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient, only):
     """
     Impulse that keeps the bodies apart: none, sticking, or sliding on the edge of the cone.
 
@@ -53,15 +53,43 @@ def contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient):
     :param need_n: normal velocity that is missing without an impulse [m/s].
     :param need_t: tangential velocity that is missing for sticking [m/s].
     :param friction_coefficient: mu_c.
+    :param only: ANY, or the mode to take whether it is the right one or not.
     :return: (normal impulse [N s], tangential impulse [N s], mode).
     """
-    if need_n <= 0.0:
+    if only == SEPARATE or (only == ANY and need_n <= 0.0):
         return 0.0, 0.0, SEPARATE
     determinant = w_nn * w_tt - w_nt * w_nt
     normal = (w_tt * need_n - w_nt * need_t) / determinant
     tangential = (w_nn * need_t - w_nt * need_n) / determinant
-    if abs(tangential) <= friction_coefficient * normal:
+    if only == STICK or (only == ANY and abs(tangential) <= friction_coefficient * normal):
         return normal, tangential, STICK
-    slope = math.copysign(friction_coefficient, tangential)
-    normal = need_n / (w_nn + slope * w_nt)
-    return normal, slope * normal, SLIDE_LEFT if tangential > 0.0 else SLIDE_RIGHT
+    mode = only
+    if only == ANY:
+        mode = SLIDE_LEFT if tangential > 0.0 else SLIDE_RIGHT
+    slope = friction_coefficient if mode == SLIDE_LEFT else -friction_coefficient
+    divisor = w_nn + slope * w_nt
+    normal = need_n / divisor if divisor > 0.0 else 0.0
+    return normal, slope * normal, mode
+
+
+@compiled
+def violation(mode, missing, slip, impulse_n, impulse_t, friction_coefficient, mass):
+    """
+    Say how far a contact is from the law of the mode that it was given [m/s].
+
+    :param mode: SEPARATE, STICK, SLIDE_LEFT or SLIDE_RIGHT.
+    :param missing: normal velocity that the object's contact point lacks [m/s].
+    :param slip: tangential velocity of that point relative to the robot's surface [m/s].
+    :param impulse_n: normal impulse [N s].
+    :param impulse_t: tangential impulse [N s].
+    :param friction_coefficient: mu_c.
+    :param mass: of the object, to compare impulses with velocities [kg].
+    """
+    wrong = max(0.0, missing) + max(0.0, -impulse_n) / mass
+    if mode == STICK:
+        return wrong + max(0.0, abs(impulse_t) - friction_coefficient * impulse_n) / mass
+    if mode == SLIDE_LEFT:
+        return wrong + max(0.0, slip)
+    if mode == SLIDE_RIGHT:
+        return wrong + max(0.0, -slip)
+    return wrong

@@ -47,6 +47,7 @@ class Plant:
         self._target = sequence(STOP)
         self.set_friction_factors([1.0] * len(obj.supports))
         self._place(Pose(*object_pose), Pose(*robot_pose))
+        self._compile()
 
     def set_friction_factors(self, factors):
         """
@@ -108,6 +109,11 @@ class Plant:
         return self._number(at.ITERATIONS) / max(1.0, self._number(at.STEPS))
 
     @property
+    def unsolved_steps(self):
+        """Number of steps whose velocities are off their equations by more than 0.1 mm/s."""
+        return int(self._number(at.UNSOLVED))
+
+    @property
     def energy(self):
         """``Energy`` since the start."""
         v_x, v_y, omega = self._numbers(at.V_X, at.OMEGA)
@@ -158,6 +164,12 @@ class Plant:
             for i, value in enumerate(pose):
                 self._state[first + i] = float(value)
 
+    def _compile(self):
+        # Seconds where no machine code is kept on disk: better here than while time runs.
+        self.truth(0.0)
+        advance(sequence(self._state), self._body, self._supports, self._outline,
+                sequence(self._forces), self._target, self._drive, self.step, self.step)
+
     def _forget_acceleration(self):
         for i in (at.A_X, at.A_Y, at.A_OMEGA):
             self._state[i] = 0.0
@@ -166,4 +178,4 @@ class Plant:
         return float(self._state[index])
 
     def _numbers(self, first, last):
-        return tuple(float(value) for value in self._state[first:last + 1])
+        return tuple(map(float, self._state[first:last + 1]))

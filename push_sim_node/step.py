@@ -2,9 +2,7 @@
 One step of object and robot: implicit, on velocity level, without springs or penalties.
 
 The geometry is taken at the predicted middle of the step and the gap carried back from there to
-its start, which leaves neither drift nor error of first order. Support friction is iterated on
-its weights; for given weights the contact is solved in closed form:
-``(M + sum D_i J_i^T J_i) v = M v_n + J_n^T l_n + J_t^T l_t``.
+its start, which leaves neither drift nor error of first order.
 
 Arguments have the same meaning in every function: ``state`` and ``body`` are numbers in the order
 of ``layout``, ``supports`` rows (x, y from the mass centre [m], capacity [N]), ``outline`` the
@@ -17,15 +15,14 @@ import math
 
 from push_sim_node.actuation import approach, chord_velocity
 from push_sim_node.compiled import compiled
-from push_sim_node.contact_law import contact_impulse, nearest
-from push_sim_node.layout import (A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_FRICTION, CONTACT_LOSS,
-                                  DISC_RADIUS, FORCE_N, FORCE_T, IMPACT_LOSS, INERTIA, ITERATIONS,
-                                  MASS, MODE, OMEGA, P_X, P_Y, PHI, ROBOT_RADIUS, STEPS,
-                                  SUPPORT_LOSS, THETA, U_OMEGA, U_X, U_Y, V_X, V_Y, WORK, X, Y)
-from push_sim_node.support_friction import augmented_mass, friction_forces, velocity_of
+from push_sim_node.contact_law import nearest
+from push_sim_node.layout import (A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS,
+                                  FORCE_N, FORCE_T, IMPACT_LOSS, INERTIA, ITERATIONS, MASS, MODE,
+                                  OMEGA, P_X, P_Y, PHI, ROBOT_RADIUS, STEPS, SUPPORT_LOSS, THETA,
+                                  U_OMEGA, U_X, U_Y, UNSOLVED, V_X, V_Y, WORK, X, Y)
+from push_sim_node.solver import COARSE, solve
+from push_sim_node.support_friction import friction_forces
 
-TOLERANCE = 1e-6
-MOST_ITERATIONS = 60
 # A robot that touches without moving must not push the object by rounding errors.
 ROUNDING = 1e-14
 
@@ -59,49 +56,6 @@ def geometry(state, body, outline, guess, robot, h):
 
 
 @compiled
-def solve(state, body, supports, c, s, h, guess, contact, push):
-    """
-    Velocity at the end of the step, by iteration on the friction weights.
-
-    :return: velocity (v_x, v_y, omega); that of the last friction weights; impulse (normal,
-        tangential) [N s]; mode; iterations.
-    """
-    velocity, at, impulse, mode, count = guess, guess, (0.0, 0.0), 0, 0
-    gyration = body[INERTIA] / body[MASS]
-    while count < MOST_ITERATIONS:
-        count += 1
-        at = velocity
-        augmented = augmented_mass(body, supports, c, s, h, at[0], at[1], at[2])
-        velocity, impulse, mode = constrained(state, body, augmented, contact, push)
-        change = ((velocity[0] - at[0]) ** 2 + (velocity[1] - at[1]) ** 2
-                  + gyration * (velocity[2] - at[2]) ** 2)
-        if change <= TOLERANCE * TOLERANCE:
-            break
-    return velocity, at, impulse, mode, count
-
-
-@compiled
-def constrained(state, body, augmented, contact, push):
-    """
-    Velocity for given friction weights, with the contact solved.
-
-    :return: velocity (v_x, v_y, omega), impulse (normal, tangential) [N s], mode.
-    """
-    n_x, n_y, arm_n, arm_t = contact
-    v_x, v_y, omega = velocity_of(augmented, body[MASS] * state[V_X], body[MASS] * state[V_Y],
-                                  body[INERTIA] * state[OMEGA])
-    a_x, a_y, a_omega = velocity_of(augmented, n_x, n_y, arm_n)
-    b_x, b_y, b_omega = velocity_of(augmented, -n_y, n_x, arm_t)
-    normal, tangential, mode = contact_impulse(
-        n_x * a_x + n_y * a_y + arm_n * a_omega, n_x * b_x + n_y * b_y + arm_n * b_omega,
-        n_x * b_y - n_y * b_x + arm_t * b_omega,
-        push[1] - (n_x * v_x + n_y * v_y + arm_n * omega),
-        push[2] - (n_x * v_y - n_y * v_x + arm_t * omega), body[CONTACT_FRICTION])
-    return (v_x + normal * a_x + tangential * b_x, v_y + normal * a_y + tangential * b_y,
-            omega + normal * a_omega + tangential * b_omega), (normal, tangential), mode
-
-
-@compiled
 def account(state, body, contact, push, velocity, impulse, support_loss):
     """Book the energies of a step: work of the robot = kinetic energy + losses, exactly."""
     n_x, n_y, arm_n, arm_t = contact
@@ -126,8 +80,8 @@ def step(state, body, supports, outline, forces, command, drive, h):
     guess = (state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
              state[OMEGA] + h * state[A_OMEGA])
     c, s, contact, push = geometry(state, body, outline, guess, (u_x, u_y, m_omega), h)
-    velocity, at, impulse, mode, count = solve(state, body, supports, c, s, h, guess, contact,
-                                               push)
+    velocity, at, impulse, mode, count, left = solve(state, body, supports, c, s, h, guess,
+                                                     contact, push)
     power = friction_forces(body, supports, forces, c, s, at, velocity)
     account(state, body, contact, push, velocity, impulse, h * power)
     keep = 1.0 / h if mode == state[MODE] else 0.0
@@ -145,6 +99,8 @@ def step(state, body, supports, outline, forces, command, drive, h):
     state[MODE], state[FORCE_N], state[FORCE_T] = mode, impulse[0] / h, impulse[1] / h
     state[ITERATIONS] += count
     state[STEPS] += 1
+    if left > COARSE:
+        state[UNSOLVED] += 1
 
 
 @compiled
