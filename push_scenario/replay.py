@@ -37,8 +37,7 @@ def main(arguments=None):
     try:
         return _replay(options)
     except (ValueError, OSError, RuntimeError) as error:
-        print(f'replay: {error}', file=sys.stderr)
-        return MISUSE
+        return _complain(error, MISUSE)
 
 
 def _parser():
@@ -66,6 +65,12 @@ def _parser():
     return parser
 
 
+def _complain(text, status):
+    begin = '\n' if sys.stderr.isatty() else ''
+    print(f'{begin}replay: {text}', file=sys.stderr)
+    return status
+
+
 def _list_scenarios():
     names = scenario_names()
     width = max(map(len, names))
@@ -77,7 +82,7 @@ def _replay(options):
     if options.in_process and options.real_time:
         raise ValueError('--real-time: got --in-process too, expected one of the two')
     scenario = read_scenario(find_scenario(options.scenario))
-    laws = options.law or [scenario.control.control_law]
+    laws = list(dict.fromkeys(options.law or [scenario.control.control_law]))
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')
     results = []
@@ -88,8 +93,7 @@ def _replay(options):
     except KeyboardInterrupt:
         if results:
             print(table(results))
-        print('\nreplay: interrupted', file=sys.stderr)
-        return INTERRUPTED
+        return _complain('interrupted', INTERRUPTED)
     judged = [r for r in results if r.control_law == 'feedback'] or results
     return AS_EXPECTED if is_as_expected(judged[-1]) else NOT_AS_EXPECTED
 
@@ -118,9 +122,15 @@ def _dds_replay():
 
 
 def _finish(results, options):
-    print(table(results))
-    if options.no_pictures or results[-1].tape is None:
-        return
+    print(table(results), flush=True)
+    written = [bag for bag in (getattr(result, 'bag', None) for result in results) if bag]
+    if not options.no_pictures and all(result.tape for result in results):
+        written += _draw(results, options)
+    if written:
+        print('written: ' + ', '.join(map(str, written)))
+
+
+def _draw(results, options):
     from push_scenario.animation import draw_animation
     from push_scenario.figure import draw_figure
     name = 'demo' if options.demo else results[0].scenario.name
@@ -129,6 +139,7 @@ def _finish(results, options):
         line = ProgressLine(sys.stderr, time.monotonic, str(path))
         draw(results, path)
         line.end('drawn')
+        yield path
 
 
 if __name__ == '__main__':

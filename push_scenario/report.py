@@ -16,11 +16,18 @@ ROWS = (
     ('sliding at the contact', 'mm', lambda m: f'{1e3 * m.slip:.1f}'),
     ('within bounds', '', lambda m: 'yes' if m.within_bounds else 'no'),
 )
+WALL_ROWS = (
+    ('pose to command, median', 'ms', lambda r: f'{1e3 * r.latency_median:.2f}'),
+    ('pose to command, 99 of 100', 'ms', lambda r: f'{1e3 * r.latency_p99:.2f}'),
+    ('simulated over wall time', '', lambda r: f'{r.speed_up:.1f}'),
+)
 
 
 def table(results):
     """
     Compare runs of one scenario, as aligned plain text.
+
+    Runs over DDS also tell how fast they went.
 
     :param results: the ``Result`` of each run, one or more.
     :return: lines without a newline at the end.
@@ -33,6 +40,9 @@ def table(results):
     for title, unit, text in ROWS:
         lines.append([title, f'[{unit}]' if unit else '']
                      + [text(m) if m else '-' for m in metrics] + [limits.get(title, '')])
+    lines += [[title, f'[{unit}]' if unit else '']
+              + [text(r) if r.tape else '-' for r in results] + ['']
+              for title, unit, text in WALL_ROWS if all(hasattr(r, 'speed_up') for r in results)]
     lines.append(['outcome', ''] + [result.outcome for result in results] + [''])
     notes = [f'{TITLES.get(r.control_law, r.control_law)}: {r.reason}'
              for r in results if r.reason and r.outcome != 'done']
