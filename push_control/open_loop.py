@@ -24,7 +24,6 @@ class OpenLoopPush:
         """
         self._settings, self._target = settings, target
         self._sideways = robot.drive == 'holonomic'
-        self._sideways = robot.drive == 'holonomic'
         self._clock = self._elapsed = 0.0
         speeds = np.hypot(*target.contact_twists[:, :2].T)
         steps = np.diff(target.times) * 0.5 * (speeds[1:] + speeds[:-1])
