@@ -115,7 +115,7 @@ def test_default_step_is_accurate_over_a_metre_of_mixed_contact(offset):
     obj, robot = box(contact_friction_coefficient=0.3, **UNEVEN), ramp_robot(0.17)
     start = touching(robot, (-0.2, offset), 0.0, 0.0)
     times, command = np.linspace(0.0, 4.0, 41)[1:], (0.25, 0.05, 0.1)
-    reference, truths = pushed(obj, robot, start, command, times, 2e-5)
+    reference, truths = pushed(obj, robot, start, command, times, 5e-5)
     assert {truth.mode for truth in truths} >= {'stick', 'slide+'}
     assert reference[-1, 0] > 0.4
     coarse, _ = pushed(obj, robot, start, command, times, 2e-3)
