@@ -48,12 +48,14 @@ class Solution(NamedTuple):
     Iterate of the programme.
 
     :param way: S [m].
+    :param excess: by how much the worst row of the bounds is exceeded, 0 where a push exists.
     :param angles: pushing angles of the segments, shape (N,) [rad].
     :param nodes: states at the ends of all steps, shape (N + RUN_IN_STEPS, 5), see ``NODE``.
     :param rates: w at the Radau points, shape (N + RUN_IN_STEPS, POINTS) [1/m].
     """
 
     way: float
+    excess: float
     angles: np.ndarray
     nodes: np.ndarray
     rates: np.ndarray
@@ -61,7 +63,7 @@ class Solution(NamedTuple):
     def column(self):
         """Return the unknowns as one vector."""
         stages = np.column_stack([self.nodes, self.rates])
-        return np.concatenate([[self.way], self.angles, stages.ravel()])
+        return np.concatenate([[self.way, self.excess], self.angles, stages.ravel()])
 
     @classmethod
     def of(cls, column, segments):
@@ -71,6 +73,6 @@ class Solution(NamedTuple):
         :param column: the vector.
         :param segments: N.
         """
-        stages = column[1 + segments:].reshape(segments + RUN_IN_STEPS, len(NODE) + POINTS)
-        return cls(float(column[0]), column[1:1 + segments], stages[:, :len(NODE)],
+        stages = column[2 + segments:].reshape(segments + RUN_IN_STEPS, len(NODE) + POINTS)
+        return cls(float(column[0]), float(column[1]), column[2:2 + segments], stages[:, :len(NODE)],
                    stages[:, len(NODE):])

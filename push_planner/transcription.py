@@ -3,6 +3,8 @@ The push as a nonlinear programme.
 
 Unknowns: way S of the manoeuvre, pushing angle of each of N equal segments, node states and the
 turning rates w at the Radau points. A straight run-in of given length and pushing angle follows.
+One more unknown, the excess, widens all bounds at a price: where no push exists the programme
+still converges, and tells how far the bounds would have to give way.
 Object, speed, cone, start and goal are parameters, so that a programme is built once.
 """
 
@@ -15,6 +17,8 @@ from push_planner.iterate import Bounds, RUN_IN_STEPS, Solution
 from push_planner.stage import collocate, Constants, NODE, POINTS, robot_motion, switch
 
 SMOOTHNESS = 1e-3
+PENALTY = 100.0
+NEGLIGIBLE = 1e-5
 SHORTEST_WAY = 0.02
 STEEPEST_ANGLE = 1.3
 EQUALITIES = len(NODE) + POINTS
@@ -40,11 +44,11 @@ class Programme:
         stage = StageFunctions(drive, supports)
         steps = segments + RUN_IN_STEPS
         self._end_conditions = 4 if drive == 'differential' else 3
-        x = ca.MX.sym('x', 1 + segments + EQUALITIES * steps)
+        x = ca.MX.sym('x', 2 + segments + EQUALITIES * steps)
         p = ca.MX.sym('p', stage.parameters + 10)
         start, goal = p[-10:-6], p[-6:]
-        way, angles = x[0], x[1:1 + segments].T
-        stages = ca.reshape(x[1 + segments:], EQUALITIES, steps)
+        way, excess, angles = x[0], x[1], x[2:2 + segments].T
+        stages = ca.reshape(x[2 + segments:], EQUALITIES, steps)
         nodes, rates = stages[:len(NODE), :], stages[len(NODE):, :]
         first = ca.vertcat(start[:3], 0.0, start[3])
         used = ca.horzcat(angles, ca.repmat(goal[5], 1, RUN_IN_STEPS))
@@ -52,9 +56,10 @@ class Programme:
                              ca.repmat(goal[4] / RUN_IN_STEPS, 1, RUN_IN_STEPS))
         inputs = ca.vertcat(ca.horzcat(first, nodes[:, :-1]),
                             ca.horzcat(0.0, used[:, :-1]), used, lengths, rates)
-        kept = ca.vertcat(nodes, ca.MX.zeros(stage.rows - len(NODE), steps))
+        kept = ca.vertcat(nodes, ca.MX.zeros(POINTS, steps),
+                          ca.repmat(excess, stage.rows - EQUALITIES, steps))
         reached = (nodes[[0, 1, 2, 4], -1] - goal[:4])[:self._end_conditions]
-        cost = way + SMOOTHNESS * ca.sumsqr(ca.diff(used, 1, 1))
+        cost = way + PENALTY * excess + SMOOTHNESS * ca.sumsqr(ca.diff(used, 1, 1))
         self._upper = np.tile(np.repeat([0.0, np.inf], [EQUALITIES, stage.rows - EQUALITIES]),
                               steps)
         self._upper = np.append(self._upper, np.zeros(self._end_conditions))
@@ -73,8 +78,9 @@ class Programme:
         """
         column = guess.column()
         low, high = np.full(column.size, -np.inf), np.full(column.size, np.inf)
-        low[0] = SHORTEST_WAY
-        low[1:1 + self.segments], high[1:1 + self.segments] = -STEEPEST_ANGLE, STEEPEST_ANGLE
+        low[:2] = SHORTEST_WAY, 0.0
+        angles = slice(2, 2 + self.segments)
+        low[angles], high[angles] = -STEEPEST_ANGLE, STEEPEST_ANGLE
         parameters = np.concatenate([constants.column(), bounds, ends.start, ends.goal,
                                      [ends.run_in, ends.last_angle]])
         answer = self._solver(x0=column, p=parameters, lbx=low, ubx=high, lbg=0.0,
@@ -84,7 +90,10 @@ class Programme:
         verdict, count = stats['return_status'], int(stats['iter_count'])
         if not stats['success'] or not np.isfinite(found).all():
             return None, verdict, count
-        return Solution.of(found, self.segments), verdict, count
+        solution = Solution.of(found, self.segments)
+        if solution.excess > NEGLIGIBLE:
+            return None, f'a bound exceeded by {solution.excess:.2g}', count
+        return solution, verdict, count
 
 
 @functools.lru_cache(maxsize=16)

@@ -15,9 +15,10 @@ from push_model.geometry import Pose
 from push_planner.iterate import RUN_IN_STEPS, Solution
 from push_planner.stage import NODE, POINTS, radau
 
-FASTEST_LINEAR = 0.5
+FASTEST_TIGHT = 0.5
 SHORTER = (1.0, 0.5, 0.25, 0.1, 0.0)
 DETOUR = 1.2
+EXCESS = 0.05
 SHORTEST_RUN_IN = 0.02
 
 
@@ -118,13 +119,15 @@ def guess(problem, route, segments):
             gamma = pose.theta + problem.normal_offset
         z_x, z_y = Pose(0.0, 0.0, theta).rotate(vehicle.flat_point)
         nodes[i] = pose.x - z_x, pose.y - z_y, theta, rates[i, -1], gamma
-    return Solution(way, angles[:segments], nodes, rates)
+    return Solution(way, EXCESS, angles[:segments], nodes, rates)
 
 
 def _routes(problem, run_in):
     vehicle = problem.vehicle
     lowest, highest = curvature_limits(problem)
-    gentle = 0.7 if problem.settings.pushing_speed > FASTEST_LINEAR else 1.0
+    fast = problem.settings.pushing_speed > FASTEST_TIGHT
+    # Inertia takes a share of the cone where the normal is held and turns are tight.
+    gentle = 0.7 if fast and problem.robot.drive == 'holonomic' else 1.0
     z_start = problem.start @ Pose(*vehicle.flat_point, vehicle.angle)
     z_goal = problem.goal @ Pose(*vehicle.flat_point, vehicle.angle) @ Pose(-run_in, 0.0, 0.0)
     found = []
