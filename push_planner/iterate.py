@@ -74,5 +74,5 @@ class Solution(NamedTuple):
         :param segments: N.
         """
         stages = column[2 + segments:].reshape(segments + RUN_IN_STEPS, len(NODE) + POINTS)
-        return cls(float(column[0]), float(column[1]), column[2:2 + segments], stages[:, :len(NODE)],
-                   stages[:, len(NODE):])
+        nodes, rates = stages[:, :len(NODE)], stages[:, len(NODE):]
+        return cls(float(column[0]), float(column[1]), column[2:2 + segments], nodes, rates)

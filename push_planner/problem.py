@@ -127,6 +127,8 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
     """
     Make the problem of pushing from where robot and object stand.
 
+    A gap or an overlap within the tolerance counts as touching.
+
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object in the world.
