@@ -6,7 +6,6 @@ from matplotlib.animation import PillowWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
-
 from push_scenario.drawing import (draw_object, draw_robot, front, GOAL, INK, LAW_STYLES, outline,
                                    PLAN_STYLE, set_view)
 from push_scenario.report import TITLES

@@ -4,7 +4,6 @@ import math
 
 from matplotlib.patches import Circle, Polygon
 import numpy as np
-
 from push_model.geometry import Pose
 
 PLAN, GOAL, INK = '#5A5A5A', '#007A5E', '#202020'

@@ -110,7 +110,8 @@ def _hidden_truth(axes, scenario):
         axes.annotate(f'{foot.friction_coefficient:.2f}', (foot.x, foot.y), fontsize=9,
                       xytext=(math.copysign(16.0, foot.x), 0.0), textcoords='offset points',
                       ha='left' if foot.x > 0.0 else 'right', va='center', color=INK)
-    axes.plot(*friction_center(believed), '+', color=INK, markersize=12, markeredgewidth=1.8)
+    axes.plot(*friction_center(believed), '+', color=INK, markersize=12, markeredgewidth=1.8,
+              zorder=4)
     axes.plot(*friction_center(true), 'X', color=TRUTH, markersize=9)
     axes.set_aspect('equal', adjustable='datalim')
     axes.margins(0.05)

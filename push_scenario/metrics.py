@@ -4,7 +4,6 @@ import dataclasses
 import math
 
 import numpy as np
-
 from push_model.geometry import distance, wrap_angle
 from push_model.quantity import quantity
 from push_sim_node.layout import SEPARATE

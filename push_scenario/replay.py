@@ -9,7 +9,7 @@ from push_control.settings import LAWS
 from push_scenario import closed_loop
 from push_scenario.metrics import is_as_expected
 from push_scenario.progress_line import ProgressLine
-from push_scenario.reader import (find_scenario, read_scenario, scenario_names, scenario_text)
+from push_scenario.reader import find_scenario, read_scenario, scenario_names, scenario_text
 from push_scenario.report import table
 
 DEMO = 'corner_push_mismatch'
