@@ -131,8 +131,12 @@ def _finish(results, options):
 
 
 def _draw(results, options):
-    from push_scenario.animation import draw_animation
-    from push_scenario.figure import draw_figure
+    try:
+        from push_scenario.animation import draw_animation
+        from push_scenario.figure import draw_figure
+    except ModuleNotFoundError as error:
+        print(f'replay: no pictures, for want of the module {error.name}', file=sys.stderr)
+        return
     name = 'demo' if options.demo else results[0].scenario.name
     for draw, suffix in ((draw_figure, 'png'), (draw_animation, 'gif')):
         path = options.out / f'{name}.{suffix}'
