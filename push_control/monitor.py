@@ -1,7 +1,7 @@
 """What must stop the robot: measurements too old or broken, an object that does not follow."""
 
-import math
 from collections import deque
+import math
 
 STEEPEST_PUSH = 1.2
 NORMAL_SLACK = 0.15

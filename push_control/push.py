@@ -3,15 +3,13 @@
 import math
 
 import numpy as np
-
-from push_control.command import (differential_command, holonomic_command, limited, mean_motion)
+from push_control.command import differential_command, holonomic_command, limited, mean_motion
 from push_control.estimator import Estimator
-from push_control.feedback import (contact_speed, held_limits, trailing_limits,
-                                   wanted_curvature)
+from push_control.feedback import contact_speed, held_limits, trailing_limits, wanted_curvature
 from push_control.guidance import Guidance
 from push_control.monitor import FollowMonitor, jackknifed
 from push_control.motion import contact_velocity
-from push_control.reference import SampledPath, flat_pose
+from push_control.reference import flat_pose, SampledPath
 from push_control.site import site_of
 from push_control.supports import SupportTable
 from push_model.friction import friction_center

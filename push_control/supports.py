@@ -1,4 +1,4 @@
-"""How the believed supports answer to the direction of a push, as tables that are quick to read."""
+"""How the believed supports answer to the direction of a push, as tables quick to read."""
 
 import math
 

@@ -78,7 +78,7 @@ def words(start, goal, radius_left, radius_right):
     radii = {'L': radius_left, 'R': radius_right}
     for side, radius in radii.items():
         if not 0.0 < radius < math.inf:
-            raise ValueError(f'radius {side}: got {radius!r}, expected a finite radius above 0 [m]')
+            raise ValueError(f'radius {side}: got {radius!r}, expected a finite one above 0 [m]')
     found = []
     for word in ('LSL', 'RSR', 'LSR', 'RSL', 'LRL', 'RLR'):
         solve = _curve_line_curve if word[1] == 'S' else _three_curves

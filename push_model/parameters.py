@@ -104,9 +104,9 @@ class Contact:
     kind: str = quantity('feature that is touched', choices=CONTACT_KINDS)
     index: int = quantity('vertex number, or face number (face i runs from vertex i to i + 1); '
                           '0 for a round outline', '', 0, default=0)
-    offset: float = quantity('on a face: distance of the contact from the midpoint, to the left as '
-                             'the robot looks at it; on a round outline: angle of the contact in '
-                             'the object frame; 0 at a vertex', 'm or rad', default=0.0)
+    offset: float = quantity('on a face: distance of the contact from the midpoint, to the left '
+                             'as the robot looks at it; on a round outline: angle of the contact '
+                             'in the object frame; 0 at a vertex', 'm or rad', default=0.0)
 
     def __post_init__(self):
         """Validate the fields."""

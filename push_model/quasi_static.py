@@ -3,9 +3,8 @@
 import math
 from typing import NamedTuple
 
-from scipy.optimize import brentq
-
 from push_model.friction import friction_center, friction_weight, mean_square
+from scipy.optimize import brentq
 
 
 class Vehicle(NamedTuple):
@@ -88,7 +87,7 @@ def turning_rate(obj, contact_point, v_x, v_y):
 
 def ellipsoid_turning_rate(square, x_c, y_c, v_x, v_y):
     """
-    Turning rate by the ellipsoidal limit surface, ``(x_c v_y - y_c v_x) / (c^2 + x_c^2 + y_c^2)``.
+    Turn by the ellipsoidal limit surface: ``(x_c v_y - y_c v_x) / (c^2 + x_c^2 + y_c^2)``.
 
     Works on numbers and casadi symbols alike.
 

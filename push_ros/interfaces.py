@@ -6,12 +6,11 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
 from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry, Path
+from push_ros import qos
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
-
-from push_ros import qos
 
 PLANNER, CONTROLLER, SIM = 'push_planner', 'push_controller', 'push_sim'
 
@@ -65,7 +64,7 @@ TOPICS = {
     'initialpose': Topic(PoseWithCovarianceStamped, (), (SIM,), qos.EVENT, qos.EVENT,
                          "puts the object there and starts over; RViz's 2D Pose Estimate"),
     'markers': Topic(MarkerArray, (CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
-                     'object, robot, supports, contact, friction cone, plan for RViz and Foxglove'),
+                     'object, robot, supports, contact, friction cone, plan, for RViz, Foxglove'),
     'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
                          'what each node does, and why not'),
 }

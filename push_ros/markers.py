@@ -4,12 +4,11 @@ import math
 
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Point
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker, MarkerArray
-
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import Pose
 from push_ros.messages import to_pose_message
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
 
 BROWN, GREEN, GREY = (0.72, 0.53, 0.31), (0.2, 0.65, 0.35), (0.35, 0.35, 0.4)
 BLUE, RED, ORANGE = (0.15, 0.45, 0.85), (0.85, 0.2, 0.2), (0.95, 0.6, 0.1)

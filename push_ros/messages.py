@@ -3,12 +3,11 @@
 import math
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
 from geometry_msgs.msg import Pose as PoseMessage
+from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry as OdometryMessage
-
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, Twist
 

@@ -45,8 +45,8 @@ class SimOptions:
 
     lockstep: bool = quantity('own time: go on as soon as the command has come that answers the '
                               'last measurement; else keep to the wall clock', default=False)
-    publish_clock: bool = quantity('without lockstep: publish clock, from 0; else stamps are those '
-                                   "of the node's clock", default=False)
+    publish_clock: bool = quantity('without lockstep: publish clock, from 0; else stamps are '
+                                   "those of the node's clock", default=False)
     time_scale: float = quantity('simulated time per wall time, without lockstep; other than 1 '
                                  'only with publish_clock', '', 0.01, 100.0, default=1.0)
     autostart: bool = quantity('start at once, without sim/start', default=False)

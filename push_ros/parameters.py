@@ -3,11 +3,10 @@
 import math
 import typing
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
-from rclpy.parameter import Parameter
-
 from push_model.quantity import range_text
 from push_ros.parameter_layout import from_values, layout
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.parameter import Parameter
 
 # What rclpy itself declares or understands.
 OWN_NAMES = ('use_sim_time', 'start_type_description_service')

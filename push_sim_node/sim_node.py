@@ -5,8 +5,6 @@ from pathlib import Path
 import sys
 import time
 
-from rclpy.clock import Clock, ClockType
-
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry, STOP
@@ -22,6 +20,7 @@ from push_ros.sim_outputs import SimOutputs
 from push_scenario.tape import Tape
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import COLUMNS, Simulation, SimulationSettings
+from rclpy.clock import Clock, ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
             ('simulation.', SimulationSettings), ('', Frames), ('', SimOptions))

@@ -1,4 +1,4 @@
-"""Random pushes of a box at a corner: what is believed, what is true, a plan, and a closed loop."""
+"""Random pushes of a box at a corner: what is believed, what is true, a plan, a closed loop."""
 
 import dataclasses
 import math
@@ -74,7 +74,6 @@ def random_case(seed, drive='differential', mirrored=False):
     turned, headed = rng.normal(0.0, math.radians(1.5), 2)
     x, y, phi = target.robot_poses[0]
     c_x, c_y = target.contact_poses[0, :2]
-    around = Pose(c_x, c_y, turned) @ Pose(-c_x, -c_y, 0.0)
     x, y = Pose(c_x, c_y, turned).transform((x - c_x, y - c_y))
     away = math.hypot(x - c_x, y - c_y)
     x, y = c_x + (x - c_x) * (1 + 2e-3 / away), c_y + (y - c_y) * (1 + 2e-3 / away)
