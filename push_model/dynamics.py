@@ -11,61 +11,11 @@ and tangent, omega the object's yaw rate, omega_p the robot's.
 a_C is the time derivative of the material velocity imposed at C along the motion.
 """
 
-from typing import Any, NamedTuple
-
 import casadi as ca
-
 from push_model.friction import friction_weight
+from push_model.state import INPUT, Input, ObjectTerms, STATE, State
 
-STATE = ('x', 'y', 'theta', 'omega', 'gamma', 'c_x', 'c_y')
-INPUT = ('v_x', 'v_y', 'a_x', 'a_y', 'omega_p')
 SMOOTHING = 1e-5
-
-
-class ObjectTerms(NamedTuple):
-    """What the equations need of an object, as numbers or casadi symbols (object frame, SI)."""
-
-    mass: Any
-    inertia: Any
-    com_x: Any
-    com_y: Any
-    supports: tuple
-
-    @classmethod
-    def of(cls, obj):
-        """
-        Take the terms from an object.
-
-        :param obj: the ``PushedObject``.
-        """
-        supports = tuple((s.x, s.y, q) for s, q in zip(obj.supports, obj.capacities))
-        return cls(obj.mass, obj.inertia, *obj.center_of_mass, supports)
-
-
-class State(NamedTuple):
-    """
-    Object frame (x, y, theta), yaw rate omega, normal gamma, contact point (c_x, c_y).
-
-    x, y, theta, gamma are in the world; c_x, c_y in the object frame [m, rad, rad/s].
-    """
-
-    x: Any
-    y: Any
-    theta: Any
-    omega: Any
-    gamma: Any
-    c_x: Any
-    c_y: Any
-
-
-class Input(NamedTuple):
-    """Velocity (v_x, v_y) imposed at C and its rate (a_x, a_y), world axes; robot yaw rate."""
-
-    v_x: Any
-    v_y: Any
-    a_x: Any
-    a_y: Any
-    omega_p: Any
 
 
 def moment_balance(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING):
@@ -73,7 +23,7 @@ def moment_balance(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING
     Residual of the moment equation about C [N m]; zero on the motion.
 
     ``(I + m |r|^2) omega' + m (k x r) . a_bias - sum (s_i - C) x f_i``. Nothing divides by speed:
-    scaling all velocities (smoothing too) by v and accelerations by v^2 scales inertia by v^2 only.
+    scaling all velocities (smoothing too) by v, accelerations by v^2, scales inertia by v^2 only.
 
     :param terms: ``ObjectTerms``.
     :param state: ``State`` (or a sequence in its order).

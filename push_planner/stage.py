@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-from push_model.dynamics import contact_force, impulse, Input, kinematics, moment_balance
-from push_model.dynamics import ObjectTerms, State
+from push_model.dynamics import contact_force, impulse, kinematics, moment_balance
+from push_model.state import Input, ObjectTerms, State
 from push_planner.drive import center_velocity, yaw_rate
 
 POINTS = 3

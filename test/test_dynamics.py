@@ -6,10 +6,11 @@ import casadi as ca
 import numpy as np
 from objects import bin_, box
 from push_model.contact import rolling_constants
-from push_model.dynamics import (contact_force, derivative, equation_of_motion, impulse, Input,
-                                 kinematics, moment_balance, ObjectTerms, State, yaw_acceleration)
+from push_model.dynamics import (contact_force, derivative, equation_of_motion, impulse,
+                                 kinematics, moment_balance, yaw_acceleration)
 from push_model.parameters import GRAVITY
 from push_model.quasi_static import turning_rate
+from push_model.state import Input, ObjectTerms, State
 import pytest
 from scipy.integrate import solve_ivp
 

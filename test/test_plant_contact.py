@@ -6,10 +6,11 @@ import numpy as np
 from objects import bin_, box
 from plant_reference import ramp_robot
 from push_model.contact import find_contact
-from push_model.dynamics import impulse, ObjectTerms, State
+from push_model.dynamics import impulse
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import GRAVITY, RoundRobot
 from push_model.signals import STOP, Twist
+from push_model.state import ObjectTerms, State
 from push_sim_node.plant import Plant
 import pytest
 from scipy.optimize import brentq
