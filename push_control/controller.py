@@ -101,7 +101,7 @@ class Controller:
         if not open_loop:
             self._reason = unusable(observation, self._pose_time, self._parts[2])
         if self._reason:
-            return self._wait()
+            return self._wait(observation.odometry)
         if self._push is None:
             try:
                 law = OpenLoopPush if open_loop else FeedbackPush
@@ -118,10 +118,10 @@ class Controller:
             self._phase = 'done'
         return command
 
-    def _wait(self):
+    def _wait(self, odometry):
         self._phase = 'waiting'
         if self._push is not None:
-            self._push.pause()
+            self._push.pause(odometry if is_finite_odometry(odometry) else None)
         return STOP
 
 

@@ -1,12 +1,13 @@
 """Plays a plan without looking: what feedback is measured against."""
 
 import math
-from types import MappingProxyType
 
 import numpy as np
 
 from push_control.feedback import contact_speed
 from push_model.signals import STOP, Twist
+
+MOMENT = 0.02
 
 
 class OpenLoopPush:
@@ -23,15 +24,13 @@ class OpenLoopPush:
         :param observation: first ``Observation``; not used.
         """
         self._settings, self._target = settings, target
-        self._sideways = robot.drive == 'holonomic'
+        self._differential = robot.drive == 'differential'
         self._clock = self._elapsed = 0.0
         speeds = np.hypot(*target.contact_twists[:, :2].T)
         steps = np.diff(target.times) * 0.5 * (speeds[1:] + speeds[:-1])
         self._ways = np.concatenate([[0.0], np.cumsum(steps)])
         self._speeds = speeds
-
-    failure = ''
-    report = MappingProxyType({})
+        self.failure, self.report = '', {}
 
     def observe(self, observation):
         """
@@ -40,8 +39,13 @@ class OpenLoopPush:
         :param observation: ``Observation``; not used.
         """
 
-    def pause(self):
-        """Stand still for a while, without losing the place in the plan."""
+    def pause(self, odometry):
+        """
+        Stand still; the next advance sets out anew.
+
+        :param odometry: ``Odometry``; not used.
+        """
+        self._elapsed = 0.0
 
     def advance(self, time, dt):
         """
@@ -57,17 +61,25 @@ class OpenLoopPush:
         left = self._ways[-1] - float(np.interp(self._clock, target.times, self._ways))
         rate = 1.0 if speed == 0.0 else contact_speed(self._elapsed, left, speed,
                                                       self._settings) / speed
-        self._clock += rate * dt
+        self._clock = min(self._clock + rate * dt, target.duration)
         if self.finished:
             return STOP
-        planned = target.at(self._clock)
-        v_x, v_y, omega = (rate * float(value) for value in planned['robot_twists'])
-        phi = float(planned['robot_poses'][2])
-        cosine, sine = math.cos(phi), math.sin(phi)
-        v_left = cosine * v_y - sine * v_x if self._sideways else 0.0
-        return Twist(cosine * v_x + sine * v_y, v_left, omega)
+        return self._planned(rate)
 
     @property
     def finished(self):
         """Whether the plan has been played to its end."""
         return self._clock >= self._target.duration
+
+    def _planned(self, rate):
+        """Mean motion over the next moment; it sums up to the planned way across any jump."""
+        start, end = (self._robot_pose(self._clock + ahead) for ahead in (0.0, MOMENT))
+        v_x, v_y, omega = ((b - a) * rate / MOMENT for a, b in zip(start, end))
+        phi = 0.5 * (start[2] + end[2])
+        cosine, sine = math.cos(phi), math.sin(phi)
+        forward, aside = cosine * v_x + sine * v_y, cosine * v_y - sine * v_x
+        return Twist(forward, 0.0 if self._differential else aside, omega)
+
+    def _robot_pose(self, time):
+        return [float(np.interp(time, self._target.times, column))
+                for column in self._target.robot_poses.T]

@@ -60,22 +60,36 @@ class FeedbackPush:
 
         :param observation: ``Observation``, usable.
         """
-        odometry, measured = observation.odometry, observation.object_pose
-        if odometry.time > self._last.time:
-            twist, lead = odometry.twist, self._site.lead
-            speed = math.hypot(*contact_velocity(0.0, lead, self._robot.radius, twist))
-            self.travelled += speed * (odometry.time - self._last.time)
-            self._estimator.add_odometry(odometry)
-            self._last = odometry
+        measured = observation.object_pose
+        self.roll(observation.odometry)
         if measured.time > self._pose_time:
             self._pose_time = measured.time
             self._estimator.add_pose(measured)
             if self._monitor.lost(self.travelled, measured.pose.transform(self._site.point)):
                 self.failure = 'contact is lost: the object does not follow the robot'
 
-    def pause(self):
-        """Stand still; the next advance sets out anew."""
+    def roll(self, odometry):
+        """
+        Take in the robot's motion alone.
+
+        :param odometry: ``Odometry``, finite.
+        """
+        if odometry.time > self._last.time:
+            twist, lead = odometry.twist, self._site.lead
+            speed = math.hypot(*contact_velocity(0.0, lead, self._robot.radius, twist))
+            self.travelled += speed * (odometry.time - self._last.time)
+            self._estimator.add_odometry(odometry)
+            self._last = odometry
+
+    def pause(self, odometry):
+        """
+        Stand still; the next advance sets out anew.
+
+        :param odometry: ``Odometry`` to take in meanwhile, or None.
+        """
         self._elapsed, self._command = 0.0, STOP
+        if odometry is not None:
+            self.roll(odometry)
 
     def advance(self, time, dt):
         """

@@ -67,8 +67,8 @@ def site_of(obj, robot, trajectory):
     :return: ``Site``.
     :raises ValueError: where the robot's first pose does not touch the object.
     """
-    pose = Pose(*trajectory.object_poses[0])
-    x, y, phi = (float(value) for value in trajectory.robot_poses[0])
+    pose = Pose(*trajectory.object_poses[0].tolist())
+    x, y, phi = trajectory.robot_poses[0].tolist()
     contact, gamma, gap = find_contact(obj, pose, (x, y), robot.radius)
     if abs(gap) > GAP_LIMIT:
         raise ValueError(f'trajectory.robot_poses[0]: got a robot {gap:.3f} m from the object, '
