@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from push_control.monitor import unusable
+from push_control.monitor import is_finite_odometry, unusable
 from push_control.open_loop import OpenLoopPush
 from push_control.push import FeedbackPush
 from push_model.geometry import Pose
