@@ -7,6 +7,7 @@ import time
 
 from push_control.settings import LAWS
 from push_scenario import closed_loop
+from push_scenario.interrupts import Interrupts
 from push_scenario.metrics import is_as_expected
 from push_scenario.progress_line import ProgressLine
 from push_scenario.reader import find_scenario, read_scenario, scenario_names, scenario_text
@@ -87,9 +88,11 @@ def _replay(options):
     (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')
     results = []
     try:
-        for law in laws:
-            results.append(_run(scenario, law, options))
-        _finish(results, options)
+        with Interrupts() as interrupts:
+            for law in laws:
+                results.append(_run(scenario, law, options, interrupts))
+            _finish(results, options)
+            interrupts.check()
     except KeyboardInterrupt:
         if results:
             print(table(results))
@@ -98,14 +101,19 @@ def _replay(options):
     return AS_EXPECTED if is_as_expected(judged[-1]) else NOT_AS_EXPECTED
 
 
-def _run(scenario, law, options):
+def _run(scenario, law, options, interrupts):
     line = ProgressLine(sys.stderr, time.monotonic, f'{scenario.name}, {law}')
+
+    def show(progress):
+        interrupts.check()
+        line(progress)
+
     if options.in_process:
-        result = closed_loop.run(scenario, law, line)
+        result = closed_loop.run(scenario, law, show)
     else:
         run_over_dds = _dds_replay()
         result = run_over_dds(scenario, law, options.out, real_time=options.real_time,
-                              record=not options.no_record, progress=line)
+                              record=not options.no_record, progress=show)
     line.end(result.outcome)
     if result.tape is not None:
         result.tape.save(options.out / f'{scenario.name}_{law}.csv')
