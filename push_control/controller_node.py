@@ -2,22 +2,21 @@
 
 import sys
 
-from rclpy.duration import Duration
-
 from push_control.controller import make_controller
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP
 from push_ros.diagnostics import ERROR, OK, WARN
+from push_ros.elements import MessageRefused, nanoseconds
 from push_ros.interfaces import CONTROLLER
 from push_ros.markers import GREY, plan_markers, scene_markers
-from push_ros.messages import (from_object_pose_message, from_odometry_message, MessageRefused,
-                               nanoseconds, to_command_message)
+from push_ros.messages import from_object_pose_message, from_odometry_message, to_command_message
 from push_ros.node import PushNode, Rate
 from push_ros.options import ControllerOptions, Frames
 from push_ros.plan_messages import from_plan_message
 from push_ros.run import run
+from rclpy.duration import Duration
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
             ('', Frames), ('', ControllerOptions))
@@ -134,8 +133,11 @@ class ControllerNode(PushNode):
                              message.header.stamp)
 
     def _start(self):
-        if self._target is None:
-            return False, 'no plan has come yet'
+        missing = [name for name, value in (('odom', self._odometry),
+                                            ('object_pose', self._object_pose),
+                                            ('push_plan', self._target)) if value is None]
+        if missing:
+            return False, f'has not got {" and ".join(missing)} yet'
         self._controller.reset()
         self._running, self._phase = True, None
         return True, 'started'

@@ -7,9 +7,9 @@ from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_p
 from push_planner.solver import plan
 from push_ros import qos
 from push_ros.diagnostics import ERROR, OK, WARN
+from push_ros.elements import MessageRefused, nanoseconds
 from push_ros.interfaces import PLANNER
-from push_ros.messages import from_object_pose_message, from_odometry_message, MessageRefused
-from push_ros.messages import nanoseconds
+from push_ros.messages import from_object_pose_message, from_odometry_message
 from push_ros.node import PushNode
 from push_ros.options import Frames
 from push_ros.plan_messages import to_path_message, to_plan_message

@@ -6,7 +6,7 @@ from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Point
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import Pose
-from push_ros.messages import to_pose_message
+from push_ros.elements import to_pose_message
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 

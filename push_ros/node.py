@@ -1,11 +1,11 @@
 """What the nodes share: parameters, topics by name, diagnostics, and two kinds of callbacks."""
 
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.node import Node
-
 from push_ros.diagnostics import Reporter
 from push_ros.interfaces import SERVICES, TOPICS
 from push_ros.parameters import declare
+from push_ros.take import take
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.node import Node
 
 
 class PatientGroup(MutuallyExclusiveCallbackGroup):
@@ -39,6 +39,7 @@ class PushNode(Node):
     """
 
     def __init__(self, name, sections):
+        self._polled = []
         self.patient = PatientGroup()
         self.urgent = MutuallyExclusiveCallbackGroup()
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
@@ -72,8 +73,22 @@ class PushNode(Node):
         """
         entry = TOPICS[topic]
         group = self.urgent if urgent else self.patient
-        return self.create_subscription(entry.message_type(stamped), topic, callback,
-                                        qos or entry.subscribe_qos, callback_group=group)
+        subscription = self.create_subscription(
+            entry.message_type(stamped), topic, callback, qos or entry.subscribe_qos,
+            callback_group=group)
+        if urgent:
+            self._polled.append((subscription, callback))
+        return subscription
+
+    def poll(self):
+        """Handle an urgent message of each topic that has one; tell whether there was any."""
+        found = False
+        for subscription, callback in self._polled:
+            message = take(subscription)
+            if message is not None:
+                found = True
+                callback(message)
+        return found
 
     def serve(self, service, action):
         """

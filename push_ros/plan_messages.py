@@ -6,7 +6,7 @@ from nav_msgs.msg import Path
 import numpy as np
 from push_model.geometry import Pose
 from push_model.trajectory import PushTrajectory
-from push_ros.messages import (check_frame, from_twist_message, MessageRefused, seconds,
+from push_ros.elements import (check_frame, from_twist_message, MessageRefused, seconds,
                                to_pose_message, to_quaternion, to_stamp, to_twist_message, to_yaw)
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 

@@ -2,8 +2,9 @@
 
 import struct
 
+from push_ros.elements import NANOSECONDS
 from push_ros.interfaces import TOPICS
-from push_ros.messages import NANOSECONDS
+from push_ros.take import take
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 STAMP = struct.Struct('<iI')
@@ -39,13 +40,8 @@ class Listener:
         """
         taken = []
         for name, subscription in self._subscriptions.items():
-            kind = self.types[name]
-            while True:
-                with subscription.handle:
-                    answer = subscription.handle.take_message(kind, True)
-                if answer is None:
-                    break
-                taken.append((name, answer[0]))
+            while (data := take(subscription)) is not None:
+                taken.append((name, data))
         return taken
 
 

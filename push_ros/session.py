@@ -5,8 +5,8 @@ import os
 import time
 
 from geometry_msgs.msg import PoseStamped
+from push_ros.elements import to_pose_message
 from push_ros.interfaces import SERVICES, TOPICS
-from push_ros.messages import to_pose_message
 from push_ros.recorder import Listener
 import rclpy
 from rclpy.executors import SingleThreadedExecutor

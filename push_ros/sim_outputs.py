@@ -4,22 +4,21 @@ import math
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
-from rosgraph_msgs.msg import Clock
-
 from push_model.geometry import Pose
 from push_model.signals import Odometry
+from push_ros.elements import NANOSECONDS, to_quaternion
 from push_ros.markers import scene_markers
-from push_ros.messages import (NANOSECONDS, to_object_pose_message, to_odometry_message,
-                               to_quaternion, to_wrench_message)
+from push_ros.messages import to_object_pose_message, to_odometry_message, to_wrench_message
 from push_ros.node import Rate
 from push_ros.qos import EVENT
+from rosgraph_msgs.msg import Clock
 
 try:
     from tf2_msgs.msg import TFMessage
 except ModuleNotFoundError:
     TFMessage = None
 
-CLOCK_RATE, WRENCH_RATE, MARKER_RATE, TF_RATE = 10.0, 20.0, 5.0, 20.0
+CLOCK_RATE, WRENCH_RATE, MARKER_RATE, TF_RATE = 10.0, 10.0, 5.0, 20.0
 
 
 class SimOutputs:

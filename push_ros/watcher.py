@@ -2,8 +2,9 @@
 
 from push_model.geometry import distance
 from push_ros.diagnostics import ERROR
+from push_ros.elements import NANOSECONDS
 from push_ros.interfaces import CONTROLLER, TOPICS
-from push_ros.messages import from_object_pose_message, NANOSECONDS
+from push_ros.messages import from_object_pose_message
 from push_ros.plan_messages import from_plan_message
 from push_ros.recorder import stamp_of
 from push_scenario.closed_loop import Progress

@@ -9,10 +9,10 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry, STOP
 from push_ros.diagnostics import ERROR, OK, WARN
+from push_ros.elements import (check_frame, from_pose_message, from_twist_message, MessageRefused,
+                               nanoseconds)
 from push_ros.interfaces import SIM
 from push_ros.lockstep import Exchange
-from push_ros.messages import (check_frame, from_pose_message, from_twist_message, MessageRefused,
-                               nanoseconds)
 from push_ros.node import PushNode
 from push_ros.options import Frames, SimOptions
 from push_ros.run import run
