@@ -13,6 +13,7 @@ from architecture import GENERATED, ROOT
 from catkin_pkg.changelog import get_changelog_from_path
 from catkin_pkg.package import parse_package
 from catkin_pkg.package_version import get_forthcoming_label
+from push_ros.domain import private_domain
 from push_scenario import data
 import pytest
 from rcl_interfaces.srv import ListParameters
@@ -23,8 +24,6 @@ from rclpy.executors import SingleThreadedExecutor
 EXECUTABLES = {'controller': 'push_controller', 'planner': 'push_planner', 'sim': 'push_sim'}
 PATIENCE = 30.0
 SOURCED = 'AMENT_PREFIX_PATH', 'COLCON_PREFIX_PATH', 'PYTHONPATH'
-# Below the ports that Linux hands out, and unlike the domains that people choose.
-DOMAIN = 60 + os.getpid() % 40
 
 
 def copy_of_the_sources(target):
@@ -33,11 +32,11 @@ def copy_of_the_sources(target):
     return target
 
 
-def outside(directory):
+def outside(directory, domain=0):
     """Make an environment that knows nothing of the source tree or of a sourced ROS."""
     environment = {key: value for key, value in os.environ.items() if key not in SOURCED}
     environment.update(HOME=str(directory), ROS_LOG_DIR=str(directory / 'ros_log'))
-    environment.update(ROS_DOMAIN_ID=str(DOMAIN), ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST')
+    environment.update(ROS_DOMAIN_ID=str(domain), ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST')
     return environment
 
 
@@ -59,16 +58,23 @@ def workspace(tmp_path_factory):
     return workspace
 
 
+@pytest.fixture(scope='module')
+def domain():
+    """Take a ROS domain that nobody else uses."""
+    with private_domain() as domain:
+        yield domain
+
+
 @pytest.fixture
-def start(workspace):
+def start(workspace, domain):
     """Start commands in the sourced workspace, and leave none of them behind."""
     processes = []
 
     def start(*command):
         sourced = ['/bin/sh', '-c', '. install/setup.sh && exec "$0" "$@"', *map(str, command)]
         processes.append(subprocess.Popen(
-            sourced, cwd=workspace, env=outside(workspace), text=True, stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT))
+            sourced, cwd=workspace, env=outside(workspace, domain), text=True,
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT))
         return processes[-1]
 
     yield start
@@ -78,11 +84,11 @@ def start(workspace):
 
 
 @pytest.fixture
-def probe(monkeypatch):
+def probe(monkeypatch, domain):
     """Join the private domain of the nodes under test."""
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     context = Context()
-    rclpy.init(context=context, domain_id=DOMAIN)
+    rclpy.init(context=context, domain_id=domain)
     node = rclpy.create_node('probe', context=context)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
