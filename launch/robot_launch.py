@@ -28,6 +28,8 @@ def generate_launch_description():
     remappings = [(topic, LaunchConfiguration(topic)) for topic in TOPICS]
     switches = {name: ParameterValue(LaunchConfiguration(name), value_type=bool)
                 for name in ('autostart', 'stamped_cmd_vel')}
+    # With name and namespace given, what is set here outranks the node's section of the file.
+    root = {'namespace': '/', 'remappings': remappings, 'output': 'screen', 'on_exit': Shutdown()}
     return LaunchDescription([
         DeclareLaunchArgument(
             'params_file', default_value=PathJoinSubstitution([config, 'push.yaml']),
@@ -43,11 +45,10 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'rviz', default_value='false', choices=['true', 'false'],
             description='start RViz'),
-        Node(package='push_control', executable='planner', name='push_planner', output='screen',
-             parameters=[params_file], remappings=remappings, on_exit=Shutdown()),
+        Node(package='push_control', executable='planner', name='push_planner',
+             parameters=[params_file], **root),
         Node(package='push_control', executable='controller', name='push_controller',
-             parameters=[params_file, switches], remappings=remappings,
-             output='screen', on_exit=Shutdown()),
+             parameters=[params_file, switches], **root),
         Node(package='rviz2', executable='rviz2', remappings=remappings,
              condition=IfCondition(LaunchConfiguration('rviz')),
              arguments=['-d', PathJoinSubstitution([config, 'push.rviz'])]),

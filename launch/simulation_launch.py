@@ -18,6 +18,8 @@ def generate_launch_description():
     config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
     params_file = LaunchConfiguration('params_file')
     autostart = ParameterValue(LaunchConfiguration('autostart'), value_type=bool)
+    # With name and namespace given, what is set here outranks the node's section of the file.
+    root = {'namespace': '/', 'output': 'screen', 'on_exit': Shutdown()}
     return LaunchDescription([
         DeclareLaunchArgument(
             'params_file', default_value=PathJoinSubstitution([config, 'push.yaml']),
@@ -28,13 +30,12 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'rviz', default_value='true', choices=['true', 'false'],
             description='start RViz'),
-        Node(package='push_control', executable='sim', name='push_sim', output='screen',
-             parameters=[params_file, {'autostart': True}], on_exit=Shutdown()),
-        Node(package='push_control', executable='planner', name='push_planner', output='screen',
-             parameters=[params_file], on_exit=Shutdown()),
+        Node(package='push_control', executable='sim', name='push_sim',
+             parameters=[params_file, {'autostart': True}], **root),
+        Node(package='push_control', executable='planner', name='push_planner',
+             parameters=[params_file], **root),
         Node(package='push_control', executable='controller', name='push_controller',
-             parameters=[params_file, {'autostart': autostart}],
-             output='screen', on_exit=Shutdown()),
+             parameters=[params_file, {'autostart': autostart}], **root),
         Node(package='rviz2', executable='rviz2',
              condition=IfCondition(LaunchConfiguration('rviz')),
              arguments=['-d', PathJoinSubstitution([config, 'push.rviz'])]),
