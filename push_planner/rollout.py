@@ -44,16 +44,17 @@ class Rollout:
     :param problem: the ``PushProblem``.
     :param spacing: longest step [m].
     :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
+    :param first: first step after a switch, or None for one that resolves the settling [m].
     """
 
-    def __init__(self, problem, spacing, smoothing):
+    def __init__(self, problem, spacing, smoothing, first=None):
         """Take what stays the same."""
         self._speed = problem.settings.pushing_speed
         self._constants = Constants.of(problem)
         self._column = self._constants.column()
         self._spacing, self._smoothing = spacing, smoothing
         self._advance = _advance(problem.robot.drive, len(problem.obj.supports))
-        self._first = 0.3 * settling_way(problem)
+        self._first = 0.3 * settling_way(problem) if first is None else first
 
     def segment(self, node, before, angle, length):
         """

@@ -31,14 +31,14 @@ def plan(problem):
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
     refuse_impossible(problem)
-    ranked = routes(problem)
-    if ranked[0].cost > problem.settings.max_path_length:
+    ranked, longest = routes(problem), problem.settings.max_path_length
+    if ranked[0].cost > longest:
         raise PlanningFailed(
             f'the shortest way to the goal is a push of {ranked[0].cost:.1f} m, at most '
-            f'{problem.settings.max_path_length:g} m is accepted; another contact may be nearer',
+            f'{longest:g} m is accepted; another contact may be nearer',
             {'path_length': ranked[0].cost})
     attempts = []
-    for route in ranked[:ROUTES]:
+    for route in [route for route in ranked if route.cost <= longest][:ROUTES]:
         found, attempt = _try(problem, route)
         attempts.append(attempt)
         if found is not None:

@@ -13,15 +13,15 @@ import functools
 import casadi as ca
 import numpy as np
 
-from push_planner.iterate import Bounds, RUN_IN_STEPS, Solution
-from push_planner.stage import collocate, Constants, NODE, POINTS, robot_motion, switch
+from push_planner.iterate import RUN_IN_STEPS, Solution
+from push_planner.stage import NODE, POINTS
+from push_planner.stage_functions import EQUALITIES, ROWS, StageFunctions
 
 SMOOTHNESS = 1e-3
 PENALTY = 100.0
 NEGLIGIBLE = 1e-5
 SHORTEST_WAY = 0.02
 STEEPEST_ANGLE = 1.3
-EQUALITIES = len(NODE) + POINTS
 OPTIONS = {
     'print_time': False,
     'error_on_fail': False,
@@ -43,6 +43,7 @@ class Programme:
         self.segments = segments
         stage = StageFunctions(drive, supports)
         steps = segments + RUN_IN_STEPS
+        self._rows = stage.rows
         self._end_conditions = 4 if drive == 'differential' else 3
         x = ca.MX.sym('x', 2 + segments + EQUALITIES * steps)
         p = ca.MX.sym('p', stage.parameters + 10)
@@ -92,8 +93,13 @@ class Programme:
             return None, verdict, count
         solution = Solution.of(found, self.segments)
         if solution.excess > NEGLIGIBLE:
-            return None, f'a bound exceeded by {solution.excess:.2g}', count
+            return None, self._culprit(np.array(answer['lam_g']), solution.excess), count
         return solution, verdict, count
+
+    def _culprit(self, multipliers, excess):
+        prices = multipliers[:multipliers.size - self._end_conditions].reshape(-1, self._rows)
+        worst = np.abs(prices[:, EQUALITIES:]).max(axis=0).argmax()
+        return f'{ROWS[min(worst, len(ROWS) - 1)]} would be exceeded by {excess:.2g}'
 
 
 @functools.lru_cache(maxsize=16)
@@ -107,59 +113,6 @@ def programme(drive, supports, segments):
     :return: ``Programme``.
     """
     return Programme(drive, supports, segments)
-
-
-class StageFunctions:
-    """
-    Constraints of one segment with their exact derivatives, as casadi functions.
-
-    Outputs are the negative end node, the scaled residuals and the rows that must not be negative;
-    inputs are (node, angle before, angle, length, rates), moving and the parameters.
-
-    :param drive: the robot's drive.
-    :param supports: number of supports.
-    """
-
-    def __init__(self, drive, supports):
-        """Build the functions."""
-        constants, flat = Constants.symbols(supports)
-        limits = ca.SX.sym('limits', len(Bounds._fields))
-        inputs, moving = ca.SX.sym('inputs', len(NODE) + 3 + POINTS), ca.SX.sym('moving')
-        parts = ca.vertsplit(inputs)
-        node, (before, angle, length) = tuple(parts[:len(NODE)]), parts[len(NODE):len(NODE) + 3]
-        jump, j_n, j_t = switch(constants, node, before, angle, moving)
-        end, residuals, forces = collocate(drive, constants, node, node[3] + jump, angle, length,
-                                           parts[len(NODE) + 3:])
-        friction = sum(support[2] for support in constants.terms.supports)
-        # The impulse counts at the first touch only; elsewhere its rows are always kept.
-        share = (1 - moving) / constants.terms.mass
-        bounds = Bounds(*ca.vertsplit(limits))
-        rows = _limits(bounds, end, robot_motion(drive, constants, angle, end[3]))
-        rows += _cone(bounds, share * j_n + moving, share * j_t)
-        for f_n, f_t in forces:
-            rows += _cone(bounds, f_n / friction, f_t / friction)
-        out = ca.vertcat(*[-value for value in end],
-                         *[residual / friction for residual in residuals], *rows)
-        given = [inputs, moving, ca.vertcat(flat, limits)]
-        weights = ca.SX.sym('weights', out.numel())
-        self.rows, self.width, self.parameters = out.numel(), inputs.numel(), given[2].numel()
-        self.value = ca.Function('value', given, [out])
-        self.slope = ca.Function('slope', given, [out, ca.densify(ca.jacobian(out, inputs))],
-                                 {'cse': True})
-        self.bend = ca.Function('bend', [*given, weights], [
-            ca.densify(ca.hessian(ca.dot(weights, out), inputs)[0])], {'cse': True})
-
-
-def _limits(bounds, end, motion):
-    along, across, turn = motion
-    offset = end[NODE.index('gamma')] - end[NODE.index('theta')]
-    return [bounds.turn - turn, bounds.turn + turn,
-            bounds.speed ** 2 - along ** 2 - across ** 2,
-            offset - bounds.lowest, bounds.highest - offset]
-
-
-def _cone(bounds, along, across):
-    return [bounds.slope * along - across, bounds.slope * along + across]
 
 
 def _assemble(stage, steps, x, p, inputs, kept, reached, cost):

@@ -93,7 +93,10 @@ IMPOSSIBLE = {
     'sideways': (vertex_problem(Pose(0.0, 0.05, -math.pi / 4), max_path_length=3.0),
                  r'a push of \d+.\d m, at most 3 m'),
     'too sharp': (vertex_problem(AHEAD, robot=RoundRobot(radius=0.17, max_yaw_rate=1e-4)),
-                  'no push within the friction cone'),
+                  'on 12 ways .* the yaw rate of the robot would be exceeded'),
+    'too wide': (face_problem(AHEAD, pushing_speed=0.5), 'the speed of the robot would be exc'),
+    'too tight': (vertex_problem(Pose(1.08, 0.06, -0.91), max_path_length=5.0),
+                  'the friction cone would be exceeded'),
 }
 
 

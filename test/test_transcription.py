@@ -6,7 +6,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_planner.rollout import graded, Rollout, settling_way
 from push_planner.stage import Constants, NODE, POINTS, radau
-from push_planner.transcription import EQUALITIES, StageFunctions
+from push_planner.stage_functions import EQUALITIES, StageFunctions
 from push_planner.warm_start import guess, routes
 from push_problems import DIFFERENTIAL, HOLONOMIC, vertex_problem
 import pytest
@@ -75,8 +75,7 @@ def test_fine_integration_converges_fast(robot):
     begin = np.array([0.0, 0.0, -math.pi / 4, 0.0, 0.0])
 
     def end(spacing):
-        rollout = Rollout(problem, spacing, 1e-3)
-        rollout._first = spacing
+        rollout = Rollout(problem, spacing, 1e-3, first=spacing)
         return rollout.segment(begin, None, 0.12, 0.48).nodes[-1]
 
     exact = end(0.0025)
