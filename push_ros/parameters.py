@@ -70,10 +70,15 @@ def _is_own(name):
 
 
 def _declare(node, spec, value):
-    if not node.has_parameter(spec.name):
-        node.declare_parameter(spec.name, False, ParameterDescriptor(dynamic_typing=True))
+    free = ParameterDescriptor(dynamic_typing=True)
+    if node.has_parameter(spec.name):
+        node.set_descriptor(spec.name, free)
+    else:
+        node.declare_parameter(spec.name, False, free)
     # With its type spelled out: rclpy cannot tell that of an empty list.
-    node.set_parameters([_parameter(spec, value)])
+    result, = node.set_parameters([_parameter(spec, value)])
+    if not result.successful:
+        raise ValueError(f'{spec.name}: {result.reason}')
     node.set_descriptor(spec.name, descriptor(spec))
 
 
