@@ -29,8 +29,8 @@ def run(make_node, arguments=None):
         try:
             node = make_node()
         except ValueError as error:
-            print(f'refused to start: {error} (parameters come with --params-file; config/push.yaml '
-                  'is an example)', file=sys.stderr)
+            print(f'refused to start: {error} (give parameters with --params-file; config/push.yaml'
+                  ' is an example)', file=sys.stderr)
             return BAD_PARAMETER
         try:
             spin(node, stop)

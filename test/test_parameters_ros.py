@@ -127,7 +127,7 @@ def test_a_missing_parameter_is_named():
 
 
 def test_whole_numbers_do_for_real_ones():
-    """YAML's ``mass: 3`` is what people write."""
+    """People write ``mass: 3`` in YAML."""
     with node_with({**to_values(BOX, 'object.'), 'object.mass': 3}) as node:
         assert declare(node, [('object.', PushedObject)]) == [BOX]
         assert isinstance(node.get_parameter('object.mass').value, float)
