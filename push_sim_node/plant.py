@@ -2,18 +2,16 @@
 
 import math
 
-from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_sim_node import layout as at
 from push_sim_node.actuation import limited
 from push_sim_node.compiled import sequence
 from push_sim_node.contact_law import nearest
+from push_sim_node.encoding import (body_numbers, drive_numbers, NO_OUTLINE, object_pose_of,
+                                    object_twist_of, placed, start_state, support_rows)
 from push_sim_node.step import advance
 from push_sim_node.truth import Energy, Truth
-
-DEEPEST_OVERLAP = 5e-3
-NO_OUTLINE = ((0.0, 0.0), (0.0, 0.0))
 
 
 class Plant:
@@ -34,19 +32,17 @@ class Plant:
 
     def __init__(self, obj, robot, object_pose, robot_pose, step=2e-3, smoothing=1e-5):
         self.obj, self.robot, self.step = obj, robot, step
+        object_pose = Pose(*object_pose)
+        robot_pose = placed(obj, robot, object_pose, Pose(*robot_pose))
         self._capacities = obj.capacities
-        com_x, com_y = obj.center_of_mass
-        self._body = sequence([obj.mass, obj.inertia, com_x, com_y, obj.radius, robot.radius,
-                               obj.contact_friction_coefficient, smoothing])
+        self._body = sequence(body_numbers(obj, robot, smoothing))
         self._outline = sequence(obj.outline or NO_OUTLINE)
-        self._drive = sequence([robot.time_constant, robot.max_acceleration,
-                                robot.max_yaw_acceleration])
+        self._drive = sequence(drive_numbers(robot))
         self._forces = sequence([0.0] * (2 * len(obj.supports)))
-        self._state = sequence([0.0] * at.STATE_SIZE)
+        self._state = sequence(start_state(obj, object_pose, robot_pose))
         self._command = STOP
         self._target = sequence(STOP)
         self.set_friction_factors([1.0] * len(obj.supports))
-        self._place(Pose(*object_pose), Pose(*robot_pose))
         self._compile()
 
     def set_friction_factors(self, factors):
@@ -55,10 +51,7 @@ class Plant:
 
         :param factors: one factor for each support, of at least 0.
         """
-        com_x, com_y = self.obj.center_of_mass
-        self._supports = sequence([(foot.x - com_x, foot.y - com_y, factor * capacity)
-                                   for foot, factor, capacity
-                                   in zip(self.obj.supports, factors, self._capacities)])
+        self._supports = sequence(support_rows(self.obj, self._capacities, factors))
         self._forget_acceleration()
 
     def advance(self, duration, command=STOP):
@@ -81,17 +74,12 @@ class Plant:
     @property
     def object_pose(self):
         """Pose of the object frame in the world; the angle is not wrapped."""
-        x, y, theta = self._numbers(at.X, at.THETA)
-        com = self.obj.center_of_mass
-        back_x, back_y = Pose(0.0, 0.0, theta).rotate(com)
-        return Pose(x - back_x, y - back_y, theta)
+        return object_pose_of(self._state, self.obj.center_of_mass)
 
     @property
     def object_twist(self):
         """Velocity of the object frame's origin, world axes, and yaw rate."""
-        v_x, v_y, omega = self._numbers(at.V_X, at.OMEGA)
-        x, y = Pose(0.0, 0.0, self._number(at.THETA)).rotate(self.obj.center_of_mass)
-        return Twist(v_x + omega * y, v_y - omega * x, omega)
+        return object_twist_of(self._state, self.obj.center_of_mass)
 
     @property
     def robot_pose(self):
@@ -147,22 +135,6 @@ class Plant:
         return Truth(time, pose, self.object_twist, robot, twist, mode, (c_x, c_y),
                      math.atan2(n_y, n_x), gap, angle, self._number(at.FORCE_N),
                      self._number(at.FORCE_T), forces, self.energy)
-
-    def _place(self, object_pose, robot_pose):
-        for name, pose in (('object_pose', object_pose), ('robot_pose', robot_pose)):
-            if not pose.is_finite():
-                raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')
-        _, gamma, gap = find_contact(self.obj, object_pose, robot_pose[:2], self.robot.radius)
-        if gap < -DEEPEST_OVERLAP:
-            raise ValueError(f'robot_pose: got an overlap with the object of {-gap:g} m, expected '
-                             f'at most {DEEPEST_OVERLAP:g} m')
-        back = min(0.0, gap)
-        robot_pose = Pose(robot_pose.x + back * math.cos(gamma),
-                          robot_pose.y + back * math.sin(gamma), robot_pose.theta)
-        x, y = object_pose.transform(self.obj.center_of_mass)
-        for first, pose in ((at.X, Pose(x, y, object_pose.theta)), (at.P_X, robot_pose)):
-            for i, value in enumerate(pose):
-                self._state[first + i] = float(value)
 
     def _compile(self):
         # Seconds where no machine code is kept on disk: better here than while time runs.
