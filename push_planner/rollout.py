@@ -53,7 +53,7 @@ class Rollout:
         self._constants = Constants.of(problem)
         self._column = self._constants.column()
         self._spacing, self._smoothing = spacing, smoothing
-        self._advance = _advance(problem.robot.drive, len(problem.obj.supports))
+        self._kind = problem.robot.drive, len(problem.obj.supports)
         self._first = 0.3 * settling_way(problem) if first is None else first
 
     def segment(self, node, before, angle, length):
@@ -72,8 +72,8 @@ class Rollout:
         begin = np.array(node, dtype=float)
         begin[NODE.index('w')] += jump
         steps = graded(length, self._first, self._spacing)
-        nodes, forces = self._advance(len(steps))(begin, angle, steps[None, :], self._smoothing,
-                                                  self._column)
+        nodes, forces = _advance(*self._kind, len(steps))(begin, angle, steps[None, :],
+                                                          self._smoothing, self._column)
         nodes = np.array(nodes).T
         ways = np.cumsum(steps)
         points = (ways - steps)[:, None] + steps[:, None] * radau()[0]
@@ -113,14 +113,10 @@ def graded(length, first, longest):
     return np.array(steps) * (length / sum(steps))
 
 
-def _advance(drive, supports):
+@functools.lru_cache(maxsize=64)
+def _advance(drive, supports, count):
     step = _step(drive, supports)
-
-    @functools.lru_cache(maxsize=64)
-    def build(count):
-        return step.mapaccum('advance', count) if count > 1 else step
-
-    return build
+    return step.mapaccum('advance', count) if count > 1 else step
 
 
 @functools.lru_cache(maxsize=16)
