@@ -2,6 +2,8 @@
 
 import math
 
+from push_model.drive import center_velocity, yaw_rate
+from push_model.geometry import Pose
 from push_model.signals import Twist
 
 
@@ -9,22 +11,19 @@ def differential_command(speed, angle, lead, robot_radius):
     """
     Command of a differential drive; valid while the contact sticks.
 
-    ``v = v_c cos b / cos d``, ``omega_p = (v_c sin b + v sin d) / R_p``.
-
     :param speed: v_c, of the wanted contact velocity [m/s].
     :param angle: b, from the contact normal to that velocity [rad].
     :param lead: d, from the robot's heading to the contact normal [rad].
     :param robot_radius: R_p [m].
     :return: ``Twist``.
     """
-    forward = speed * math.cos(angle) / math.cos(lead)
-    turn = (speed * math.sin(angle) + forward * math.sin(lead)) / robot_radius
-    return Twist(forward, 0.0, turn)
+    omega = yaw_rate('differential', robot_radius, angle, lead, 0.0, speed)
+    return holonomic_command(speed, angle, lead, robot_radius, omega)._replace(v_y=0.0)
 
 
 def holonomic_command(speed, angle, lead, robot_radius, omega):
     """
-    Command of a holonomic base that turns at a chosen rate, ``v_P = v_C - omega_p R_p t``.
+    Command of a holonomic base that turns at a chosen rate.
 
     :param speed: v_c, of the wanted contact velocity [m/s].
     :param angle: b, from the contact normal to that velocity [rad].
@@ -33,9 +32,8 @@ def holonomic_command(speed, angle, lead, robot_radius, omega):
     :param omega: omega_p, chosen yaw rate [rad/s].
     :return: ``Twist``.
     """
-    spin = omega * robot_radius
-    return Twist(speed * math.cos(lead + angle) + spin * math.sin(lead),
-                 speed * math.sin(lead + angle) - spin * math.cos(lead), omega)
+    along, across = center_velocity(robot_radius, angle, omega, speed)
+    return Twist(*Pose(0.0, 0.0, lead).rotate((along, across)), omega)
 
 
 def limited(command, robot):

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from push_model.drive import yaw_rate
 from push_model.trajectory import PushTrajectory
-from push_planner.drive import yaw_rate
 from push_planner.stage import NODE
 
 INSTANT = 1e-6

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
+from push_model.drive import center_velocity, yaw_rate
 from push_model.dynamics import contact_force, impulse, kinematics, moment_balance
 from push_model.state import Input, ObjectTerms, State
-from push_planner.drive import center_velocity, yaw_rate
 
 POINTS = 3
 SMOOTHING = 0.005

@@ -11,10 +11,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from push_model.drive import yaw_rate
 from push_model.dynamics import equation_of_motion, impulse
 from push_model.geometry import wrap_angle
 from push_model.state import ObjectTerms, State
-from push_planner.drive import yaw_rate
 from scipy.integrate import solve_ivp
 
 STRETCH = 8.0
