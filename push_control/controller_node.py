@@ -47,7 +47,7 @@ class ControllerNode(PushNode):
         self._running, self._target = self._options.autostart, None
         self._forget()
         self._command = self.publisher('cmd_vel', self._options.stamped_cmd_vel)
-        self._markers, self._marker_rate = self.publisher('markers'), Rate(5.0)
+        self._markers, self._marker_rate = self.publisher('markers'), Rate(2.0)
         self.subscribe('odom', self._on_odometry, urgent=True)
         self.subscribe('object_pose', self._on_object_pose, urgent=True)
         self.subscribe('push_plan', self._on_plan)

@@ -58,16 +58,13 @@ class SimOutputs:
         whole, part = divmod(self.epoch + math.floor(time * NANOSECONDS + 0.5), NANOSECONDS)
         return Time(sec=whole, nanosec=part)
 
-    def measurement(self, measurement, time):
+    def measurement(self, measurement):
         """
-        Publish a measurement, and the clock where it is due.
+        Publish a measurement.
 
         :param measurement: ``Odometry`` or ``ObjectPose``.
-        :param time: simulated time now [s].
         :return: the message.
         """
-        if self._clock is not None and self._clock_rate.due(time):
-            self.clock(time)
         if isinstance(measurement, Odometry):
             message = to_odometry_message(measurement, self._frames.world_frame,
                                           self._frames.base_frame)
@@ -97,11 +94,13 @@ class SimOutputs:
 
     def scene(self, simulation):
         """
-        Publish contact wrench, markers and transforms where they are due.
+        Publish clock, contact wrench, markers and transforms where they are due.
 
         :param simulation: the ``Simulation``.
         """
         time = simulation.time
+        if self._clock_rate.due(time):
+            self.clock(time)
         if self._wrench_rate.due(time) and self._wrench.get_subscription_count():
             truth = simulation.truth
             n, t = truth.force_n, truth.force_t

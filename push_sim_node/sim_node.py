@@ -99,8 +99,9 @@ class SimNode(PushNode):
         if self._state == 'holding' and now - self._offered > OFFER_PERIOD:
             self._offered = now
             self._outputs.epoch = self._outputs.now_epoch()
+            self._outputs.clock(0.0)
             for measurement in self._first:
-                self._outputs.measurement(measurement, 0.0)
+                self._outputs.measurement(measurement)
         elif self._state == 'starting' and now - self._heard > QUIET_TIME:
             # Answers to what was offered must not be taken for those to come.
             self._state, self._began = 'running', now
@@ -135,13 +136,14 @@ class SimNode(PushNode):
     def _publish(self, measurement, now):
         self._pending = None
         self._is_pose = not isinstance(measurement, Odometry)
-        self._outputs.scene(self._simulation)
-        self._sent = time.perf_counter()
-        self._message = self._outputs.measurement(measurement, self._simulation.time)
+        self._sent = time.monotonic()
+        self._message = self._outputs.measurement(measurement)
         self._exchange.sent(nanoseconds(self._message.header.stamp), now)
+        # While the controller thinks.
+        self._outputs.scene(self._simulation)
 
     def _on_command(self, message):
-        now = time.perf_counter()
+        now = time.monotonic()
         self._heard = time.monotonic()
         if self._state != 'running':
             return
