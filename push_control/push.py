@@ -50,7 +50,7 @@ class FeedbackPush:
         self._last, self._pose_time = observation.odometry, observation.object_pose.time
         self._command, self._curvature = STOP, None
         self._flat = self._flat_of = None
-        self._elapsed = self.travelled = 0.0
+        self._elapsed = self.travelled = self._straight = 0.0
         self._belief, self._track = self._estimator.predict(observation.time), None
         self.finished, self.failure = False, ''
 
@@ -163,6 +163,12 @@ class FeedbackPush:
         self._elapsed += dt
         speed = contact_speed(self._elapsed, track.remaining, self._fastest, settings)
         limits = self._limits(flat, normal, settings.feedback_margin)
+        if limits.low <= 0.0 <= limits.high:
+            self._straight = self.travelled
+        elif self.travelled - self._straight > settings.one_sided_way:
+            self.failure = ('the friction centre lies too far aside of this contact: friction '
+                            'does not hold a straight push there')
+            return STOP
         curvature = limits.clip(wanted_curvature(track.lateral_error, track.heading_error,
                                                  track.curvature, settings))
         if self._curvature is not None:

@@ -43,7 +43,7 @@ class ControlSettings:
     plan_margin: float = quantity('share of the friction cone that a new path may use', '',
                                   above=0.0, high=1.0, default=0.65)
     run_in: float = quantity('straight way before the goal on a new path', 'm', 0.0, 5.0,
-                             default=0.4)
+                             default=0.6)
 
     start_speed: float = quantity('contact speed at start and end', 'm/s', above=0.0, high=1.0,
                                   default=0.03)
@@ -72,6 +72,8 @@ class ControlSettings:
                                      above=0.0, high=2.0, default=0.25)
     contact_ratio: float = quantity('motion of the contact over that of the robot below which the '
                                     'object does not follow', '', 0.0, 1.0, default=0.3)
+    one_sided_way: float = quantity('way after which a contact that can only turn the object one '
+                                    'way is given up', 'm', 0.0, 10.0, default=0.5)
 
     pose_noise: float = quantity('standard deviation of a measured object position', 'm',
                                  above=0.0, high=0.5, default=0.002)

@@ -299,6 +299,17 @@ def test_a_holonomic_base_pushes_anywhere(kind):
         assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
 
 
+def test_a_contact_that_cannot_push_straight_is_given_up():
+    """With the friction centre far aside, the robot does not wander about."""
+    case = held_case(3, 'face')
+    feet = tuple(dataclasses.replace(foot, friction_coefficient=1.6 if foot.y < 0.0 else 0.2)
+                 for foot in case.believed.supports)
+    case = case._replace(true=dataclasses.replace(case.true, supports=feet))
+    outcome = run(case, SETTINGS)
+    assert outcome.status.phase == 'failed' and outcome.status.reason
+    assert outcome.status.travelled < 2.0
+
+
 @pytest.mark.parametrize('rate', [25.0, 100.0])
 def test_the_rate_of_odometry_hardly_matters(rate):
     """The law counts time and way, not steps."""
