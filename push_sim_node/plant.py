@@ -6,7 +6,7 @@ from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_sim_node import layout as at
 from push_sim_node.actuation import limited
-from push_sim_node.compiled import sequence
+from push_sim_node.compiled import IS_COMPILED, sequence
 from push_sim_node.contact_law import nearest
 from push_sim_node.encoding import (body_numbers, drive_numbers, NO_OUTLINE, object_pose_of,
                                     object_twist_of, placed, start_state, support_rows)
@@ -92,9 +92,19 @@ class Plant:
         return Twist(*self._numbers(at.U_X, at.U_OMEGA))
 
     @property
+    def mode(self):
+        """Contact mode over the last step, one of ``layout.MODES``."""
+        return at.MODES[int(self._number(at.MODE))]
+
+    @property
     def mean_iterations(self):
         """Iterations on the friction weights, per step."""
         return self._number(at.ITERATIONS) / max(1.0, self._number(at.STEPS))
+
+    @property
+    def steps(self):
+        """Number of steps since the start."""
+        return int(self._number(at.STEPS))
 
     @property
     def unsolved_steps(self):
@@ -122,7 +132,7 @@ class Plant:
         pose = self.object_pose
         n_x, n_y, c_x, c_y, gap = nearest(self._outline, self.obj.radius, self.robot.radius,
                                           *pose, robot.x, robot.y)
-        mode = at.MODES[int(self._number(at.MODE))]
+        mode = self.mode
         forces = tuple((float(x), float(y))
                        for x, y in zip(self._forces[::2], self._forces[1::2]))
         angle = math.nan
@@ -138,6 +148,8 @@ class Plant:
 
     def _compile(self):
         # Seconds where no machine code is kept on disk: better here than while time runs.
+        if not IS_COMPILED or advance.signatures:
+            return
         self.truth(0.0)
         advance(sequence(self._state), self._body, self._supports, self._outline,
                 sequence(self._forces), self._target, self._drive, self.step, self.step)

@@ -1,0 +1,199 @@
+"""Where the jobs of a batch run: in this process, in others, or on a Dask cluster."""
+
+from concurrent import futures
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+
+from push_scenario.batch_job import run_chunk
+
+POLL = 0.1
+# Chunks under way for each worker, so that none has to wait for its next one.
+DEPTH = 3
+
+
+class StopRequest:
+    """
+    Notes Ctrl-C while it is entered; the second one raises ``KeyboardInterrupt`` at once.
+
+    Outside the main thread, where Python delivers no signals, it notes nothing.
+    """
+
+    def __init__(self):
+        """Nothing is noted at first."""
+        self._seen = threading.Event()
+        self._before = None
+
+    def __enter__(self):
+        """Take over the signal."""
+        if threading.current_thread() is threading.main_thread():
+            self._before = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(self, *_):
+        """Give the signal back."""
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+
+    def is_set(self):
+        """Tell whether Ctrl-C has come."""
+        return self._seen.is_set()
+
+    def _note(self, number, frame):
+        if self._seen.is_set():
+            raise KeyboardInterrupt
+        self._seen.set()
+
+
+def available_cores():
+    """Return the number of cores that this process may use."""
+    if hasattr(os, 'sched_getaffinity'):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def collect(pool, function, chunks, keep, stop):
+    """
+    Run all chunks and keep what comes back; once stopped, keep what is under way and end.
+
+    :param pool: what ``workers_of`` gave.
+    :param function: of one job.
+    :param chunks: list of lists of (number of the job, job).
+    :param keep: called with a list of entries.
+    :param stop: has ``is_set``.
+    :raises KeyboardInterrupt: where stopped.
+    """
+    chunks, running, stopped = iter(chunks), set(), False
+    while True:
+        while not stopped and len(running) < pool.depth:
+            chunk = next(chunks, None)
+            if chunk is None:
+                break
+            running.add(pool.submit(function, chunk, stop))
+            stopped = stop.is_set()
+        if not running:
+            break
+        done, running = futures.wait(running, POLL, futures.FIRST_COMPLETED)
+        for future in done:
+            entries, interrupted = future.result()
+            stopped = stopped or interrupted
+            if entries:
+                keep(entries)
+        stopped = stopped or stop.is_set()
+        if stopped:
+            pool.stop()
+            running = {future for future in running if not future.cancel()}
+    if stopped:
+        raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def workers_of(count, scheduler, chunks):
+    """
+    Open what the jobs run on, and close it again.
+
+    :param count: number of processes; 1 for this one.
+    :param scheduler: ``distributed.Client`` or address of a Dask cluster; None for no cluster.
+    :param chunks: number of chunks to come.
+    """
+    if isinstance(scheduler, str):
+        with _distributed().Client(scheduler, set_as_default=False) as client:
+            yield Cluster(client)
+    elif scheduler is not None:
+        yield Cluster(scheduler)
+    elif min(count, chunks) <= 1:
+        yield Here()
+    else:
+        with Processes(min(count, chunks)) as pool:
+            yield pool
+
+
+class Here:
+    """This process, one chunk at a time."""
+
+    depth = 1
+
+    def submit(self, function, chunk, stop):
+        """Run a chunk at once."""
+        future = futures.Future()
+        future.set_result(run_chunk(function, chunk, stop))
+        return future
+
+    def stop(self):
+        """Do nothing: the jobs ask for themselves."""
+
+
+class Processes:
+    """Processes on this machine."""
+
+    def __init__(self, count):
+        context = multiprocessing.get_context('spawn')
+        self.depth, self._stop = DEPTH * count, context.Event()
+        # Processes end at once when this end of the pipe is closed, be it by a kill.
+        reader, self._alive = context.Pipe(duplex=False)
+        self._pool = futures.ProcessPoolExecutor(count, context, _begin, (self._stop, reader))
+
+    def __enter__(self):
+        """Do nothing yet: processes start with the first chunks."""
+        return self
+
+    def __exit__(self, error, *_):
+        """End all processes."""
+        if error is not None:
+            self._alive.close()
+        self._pool.shutdown(cancel_futures=True)
+        self._alive.close()
+
+    def submit(self, function, chunk, stop):
+        """Hand a chunk to the next process that is free."""
+        return self._pool.submit(_run_in_worker, function, chunk)
+
+    def stop(self):
+        """Let the processes end after the job that they are at."""
+        self._stop.set()
+
+
+class Cluster:
+    """A Dask cluster; a chunk that runs there cannot be stopped, and is given up."""
+
+    def __init__(self, client):
+        self.depth = DEPTH * max(1, sum(client.nthreads().values()))
+        self._executor = client.get_executor(pure=False)
+
+    def submit(self, function, chunk, stop):
+        """Hand a chunk to the cluster."""
+        return self._executor.submit(run_chunk, function, chunk)
+
+    def stop(self):
+        """Do nothing: chunks that wait are cancelled one by one."""
+
+
+_stop_event = None
+
+
+def _begin(stop, alive):
+    """Prepare a worker: Ctrl-C is the parent's matter, and without a parent it ends."""
+    global _stop_event
+    _stop_event = stop
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, args=(alive,), daemon=True).start()
+
+
+def _end_with_parent(alive):
+    alive.poll(None)
+    os._exit(1)
+
+
+def _run_in_worker(function, chunk):
+    return run_chunk(function, chunk, _stop_event)
+
+
+def _distributed():
+    try:
+        import distributed
+    except ImportError as error:
+        raise ValueError('scheduler: got an address, expected the extra "cluster" to be installed '
+                         '(pip install "push_control[cluster]")') from error
+    return distributed

@@ -1,0 +1,95 @@
+"""Variations of one plain push: parameters, friction, start and commands, as jobs of a batch."""
+
+import dataclasses
+
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import Twist
+from push_sim_node.plant import Plant
+
+PARTS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments')
+
+
+@dataclasses.dataclass(frozen=True)
+class VariedPush:
+    """
+    A push at given commands; called with a job, it tells how that variation of it ends.
+
+    A job is a dict with any of: ``object`` and ``robot``, dicts of fields of ``PushedObject`` and
+    ``RoundRobot`` and their values; ``object_pose``, ``robot_pose``, ``segments``, in place of
+    those below; ``friction_factors``, one for each support. What it does not name stays.
+
+    :param object: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param object_pose: (x, y, theta) of the object [m, m, rad].
+    :param robot_pose: (x, y, theta) of the robot [m, m, rad].
+    :param segments: commands (duration [s], v_x [m/s], v_y [m/s], omega [rad/s]), in the robot's
+        own axes, one after the other.
+    :param step: longest step [s].
+    :param smoothing: speed below which support friction turns viscous [m/s].
+    """
+
+    object: PushedObject
+    robot: RoundRobot
+    object_pose: tuple
+    robot_pose: tuple
+    segments: tuple
+    step: float = 2e-3
+    smoothing: float = 1e-5
+
+    def __call__(self, job):
+        """
+        Simulate one variation.
+
+        :param job: the dict.
+        :return: poses, velocities, mode, energies and steps at the end, as a flat dict.
+        :raises ValueError: where a value does not fit.
+        """
+        plant = self.plant(job)
+        for duration, *command in job.get('segments', self.segments):
+            plant.advance(duration, Twist(*command))
+        return _record(plant)
+
+    def plant(self, job):
+        """
+        Make the plant of one variation, at its start.
+
+        :param job: the dict.
+        :return: the ``Plant``.
+        :raises ValueError: where a value does not fit.
+        """
+        unknown = job.keys() - set(PARTS)
+        if unknown:
+            raise ValueError(f'job: got {sorted(unknown)}, expected some of ' + ', '.join(PARTS))
+        plant = Plant(_varied(self.object, 'object', job), _varied(self.robot, 'robot', job),
+                      Pose(*job.get('object_pose', self.object_pose)),
+                      Pose(*job.get('robot_pose', self.robot_pose)), self.step, self.smoothing)
+        if 'friction_factors' in job:
+            factors, count = job['friction_factors'], len(plant.obj.supports)
+            if len(factors) != count:
+                raise ValueError(f'friction_factors: got {len(factors)}, expected {count}, one '
+                                 'for each support')
+            plant.set_friction_factors(factors)
+        return plant
+
+
+def _varied(base, part, job):
+    values = job.get(part)
+    if not values:
+        return base
+    unknown = values.keys() - {field.name for field in dataclasses.fields(base)}
+    if unknown:
+        raise ValueError(f'{part}: got {sorted(unknown)}, expected fields of '
+                         f'{type(base).__name__}')
+    return dataclasses.replace(base, **values)
+
+
+def _record(plant):
+    record = {}
+    for name, values in (('object', plant.object_pose), ('object_v', plant.object_twist),
+                         ('robot', plant.robot_pose), ('robot_v', plant.robot_twist)):
+        record.update((f'{name}_{axis}', value)
+                      for axis, value in zip(('x', 'y', 'theta'), values))
+    record.update(plant.energy._asdict())
+    record.update(mode=plant.mode, steps=plant.steps, unsolved_steps=plant.unsolved_steps)
+    return record
