@@ -3,6 +3,8 @@
 import dataclasses
 import math
 
+from push_model.inertia import plate_inertia
+from push_model.loads import load_shares
 from push_model.quantity import check, quantity
 
 GRAVITY = 9.81
@@ -17,8 +19,8 @@ class Support:
     x: float = quantity('position in the object frame, x', 'm')
     y: float = quantity('position in the object frame, y', 'm')
     friction_coefficient: float = quantity('Coulomb friction on the floor', '', 0.0, 10.0)
-    load_share: float = quantity('share of the weight, relative to the other supports', '',
-                                 above=0.0, default=1.0)
+    load_share: float = quantity('share of the weight, relative to the other supports; 0 for all: '
+                                 'as the mass centre has it', '', 0.0, default=0.0)
 
     def __post_init__(self):
         """Validate the fields."""
@@ -30,13 +32,14 @@ class PushedObject:
     """
     A rigid object with a flat base on point supports.
 
-    Its outline is a convex polygon, or a disc about the frame's origin when ``outline`` is empty.
+    Its outline is a convex polygon, or a disc about the frame's origin when ``outline`` is empty;
+    supports stand anywhere. An ``inertia`` of 0 is replaced at construction by that of the shape.
     """
 
     mass: float = quantity('mass', 'kg', above=0.0)
-    inertia: float = quantity('moment of inertia about the vertical axis through the mass centre',
-                              'kg m^2', above=0.0)
-    supports: tuple[Support, ...] = quantity('supports that carry the object')
+    inertia: float = quantity('moment of inertia about the vertical axis through the mass centre; '
+                              '0: of a uniform plate', 'kg m^2', 0.0, default=0.0)
+    supports: tuple[Support, ...] = quantity('supports that carry the object', default=())
     outline: tuple = quantity('vertices (x, y) of the convex outline, counter-clockwise, in the '
                               'object frame; empty for a disc', 'm', default=())
     radius: float = quantity('radius of a disc-shaped outline, 0 for a polygon', 'm', 0.0,
@@ -62,13 +65,15 @@ class PushedObject:
                              f'{self.radius:g}, expected vertices or a radius, not both')
         if self.outline:
             _check_convex(self.outline)
+        if self.inertia == 0.0:
+            object.__setattr__(self, 'inertia',
+                               plate_inertia(self.mass, self.outline, self.radius))
+        object.__setattr__(self, '_shares', self._balanced_shares())
 
     @property
     def loads(self):
-        """Normal load on each support [N], shape (k,): ``N_i = m g share_i / sum(share)``."""
-        total = sum(support.load_share for support in self.supports)
-        return tuple(self.mass * GRAVITY * support.load_share / total
-                     for support in self.supports)
+        """Normal load on each support [N], shape (k,); they balance about the mass centre."""
+        return tuple(self.mass * GRAVITY * share for share in self._shares)
 
     @property
     def capacities(self):
@@ -76,12 +81,25 @@ class PushedObject:
         return tuple(support.friction_coefficient * load
                      for support, load in zip(self.supports, self.loads))
 
+    def _balanced_shares(self):
+        try:
+            return load_shares([(foot.x, foot.y) for foot in self.supports],
+                               [foot.load_share for foot in self.supports], self.center_of_mass)
+        except ValueError as error:
+            raise ValueError(f'PushedObject.supports: {error}') from error
+
 
 @dataclasses.dataclass(frozen=True)
 class RoundRobot:
-    """A disc-shaped mobile base and the limits of its drive."""
+    """
+    A disc-shaped mobile base and the limits of its drive.
 
-    radius: float = quantity('radius of the outline', 'm', above=0.0, high=10.0)
+    A radius of 0 is a point. An infinite one is a straight fence through the robot's position,
+    which faces along its heading.
+    """
+
+    radius: float = quantity('radius of the outline; 0: a point, infinite: a straight fence', 'm',
+                             0.0, infinite=True)
     drive: str = quantity('kinematics of the base', choices=DRIVES, default='differential')
     max_speed: float = quantity('speed limit', 'm/s', above=0.0, high=10.0, default=0.5)
     max_yaw_rate: float = quantity('yaw rate limit', 'rad/s', above=0.0, high=50.0, default=2.0)

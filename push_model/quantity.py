@@ -13,7 +13,7 @@ INFINITY = math.inf
 
 
 def quantity(description, unit='', low=-INFINITY, high=INFINITY, *, above=None, choices=None,
-             default=dataclasses.MISSING):
+             infinite=False, default=dataclasses.MISSING):
     """
     Describe one field of a parameter dataclass.
 
@@ -23,11 +23,12 @@ def quantity(description, unit='', low=-INFINITY, high=INFINITY, *, above=None, 
     :param high: greatest allowed value.
     :param above: strict lower bound, in place of ``low``.
     :param choices: allowed words, for a field of type ``str``.
+    :param infinite: whether infinity is a value too.
     :param default: value where none is given; the field is required without it.
     :return: a ``dataclasses.field`` that ``check`` understands.
     """
     metadata = {'description': description, 'unit': unit, 'low': low, 'high': high,
-                'above': above, 'choices': choices}
+                'above': above, 'choices': choices, 'infinite': infinite}
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -60,7 +61,8 @@ def expectation(kind, metadata):
     unit = f" [{metadata['unit']}]" if metadata['unit'] else ''
     if metadata['choices']:
         return 'one of ' + ', '.join(metadata['choices'])
-    noun = {bool: 'true or false', str: 'text', int: 'a whole number'}.get(kind, 'a finite number')
+    number = 'a number' if metadata.get('infinite') else 'a finite number'
+    noun = {bool: 'true or false', str: 'text', int: 'a whole number'}.get(kind, number)
     if kind not in (bool, str, int, float):
         noun = 'finite numbers'
     return noun + range_text(metadata) + unit
@@ -109,7 +111,8 @@ def _number(value, kind, metadata, refuse):
     value = kind(value)
     above = metadata['above']
     inside = metadata['low'] <= value <= metadata['high'] and (above is None or value > above)
-    if not (math.isfinite(value) and inside):
+    finite = math.isfinite(value) or (metadata.get('infinite') and not math.isnan(value))
+    if not (finite and inside):
         refuse()
     return value
 

@@ -14,6 +14,7 @@ from push_model.state import Input, ObjectTerms, State
 import pytest
 from scipy.integrate import solve_ivp
 
+pytestmark = pytest.mark.physics
 FIXED = (0.0, 0.0)
 MID_FACE = (-0.2, 0.0)
 

@@ -19,7 +19,7 @@ import pytest
     ({'mass': float('nan')}, ('PushedObject.mass', 'nan', 'above 0', 'kg')),
     ({'mass': '2'}, ('PushedObject.mass', "'2'", 'finite number')),
     ({'mass': True}, ('PushedObject.mass', 'True')),
-    ({'inertia': 0}, ('PushedObject.inertia', 'above 0')),
+    ({'inertia': -0.1}, ('PushedObject.inertia', 'at least 0')),
     ({'supports': ()}, ('PushedObject.supports', 'at least one')),
     ({'supports': (1.0,)}, ('PushedObject.supports', '1.0', 'Support')),
     ({'outline': square_outline()[::-1]}, ('PushedObject.outline', 'convex')),
@@ -45,7 +45,7 @@ def test_star_is_not_convex():
 def test_robot_refuses_an_unknown_drive():
     with pytest.raises(ValueError, match=r"RoundRobot.drive: got 'tracked', expected one of diff"):
         RoundRobot(radius=0.17, drive='tracked')
-    with pytest.raises(ValueError, match=r'RoundRobot.radius: got -1, expected .* above 0'):
+    with pytest.raises(ValueError, match=r'RoundRobot.radius: got -1, expected .* at least 0'):
         RoundRobot(radius=-1)
 
 
@@ -59,12 +59,14 @@ def test_numbers_are_normalised():
 
 def test_loads_carry_the_weight_and_follow_the_shares():
     supports = [Support(0.1, 0, 0.3, 1.0), Support(-0.1, 0, 0.2, 3.0)]
-    obj = PushedObject(mass=2.0, inertia=0.1, supports=supports, radius=0.2)
+    obj = PushedObject(mass=2.0, inertia=0.1, supports=supports, radius=0.2,
+                       center_of_mass=(-0.05, 0.0))
     assert sum(obj.loads) == pytest.approx(2.0 * 9.81)
     assert obj.loads[1] == pytest.approx(3 * obj.loads[0])
     assert friction_center(obj)[0] == pytest.approx(0.1 * (0.3 - 0.6) / (0.3 + 0.6))
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize('robot, surface, expected', [
     (0.17, 0.0, (0.0, 0.0)), (0.17, math.inf, (1.0, 0.17)), (0.0, 0.3, (1.0, 0.0)),
     (math.inf, 0.3, (0.0, 0.3)), (0.2, 0.2, (0.5, 0.1)), (0.0, math.inf, (1.0, 0.0))])
@@ -112,10 +114,12 @@ def test_friction_weight_tends_to_coulomb():
     assert (forces < 5.0).all()
 
 
+@pytest.mark.physics
 def test_square_pushed_at_mid_face_has_a_wheelbase_of_its_side():
     assert vehicle(box(), (-0.2, 0.0)).wheelbase == pytest.approx(0.4)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize('seed', range(4))
 def test_ellipsoid_with_mean_square_meets_the_supports_near_straight(seed):
     rng = np.random.default_rng(seed)
@@ -135,6 +139,7 @@ def test_ellipsoid_with_mean_square_meets_the_supports_near_straight(seed):
         assert abs(sideways) < 0.02 * small
 
 
+@pytest.mark.physics
 def test_turning_rate_is_isotropic_in_speed_and_zero_at_rest():
     slow, fast = (turning_rate(box(), (-0.2, 0.0), v, 0.3 * v) for v in (0.01, 1.0))
     assert fast == pytest.approx(100 * slow, rel=1e-6)

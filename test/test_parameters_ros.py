@@ -23,7 +23,8 @@ import yaml
 BOX = PushedObject(
     mass=3.0, inertia=0.08, center_of_mass=(0.01, 0.02), contact_friction_coefficient=0.4,
     outline=((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)),
-    supports=(Support(-0.1, 0.0, 0.3), Support(0.1, 0.1, 0.2, 2.0), Support(0.1, -0.1, 0.4)))
+    supports=(Support(-0.1, 0.0, 0.3, 0.45), Support(0.1, 0.1, 0.2, 0.375),
+              Support(0.1, -0.1, 0.4, 0.175)))
 DISC = PushedObject(mass=1.0, inertia=0.01, radius=0.2, supports=(Support(0.0, 0.0, 0.5),))
 INSTANCES = [
     BOX, DISC, RoundRobot(0.17, 'holonomic'), ControlSettings(control_law='open_loop'),
@@ -121,8 +122,8 @@ def test_a_bad_parameter_is_refused_by_its_name(change, text):
 
 def test_a_missing_parameter_is_named():
     """There is no default for what must be measured."""
-    with node_with({'object.mass': 1.0}) as node, \
-            pytest.raises(ValueError, match='object.inertia: got nothing, expected'):
+    with node_with({'object.inertia': 1.0}) as node, \
+            pytest.raises(ValueError, match='object.mass: got nothing, expected'):
         declare(node, [('object.', PushedObject)])
 
 

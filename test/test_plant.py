@@ -11,6 +11,7 @@ from push_model.signals import Twist
 from push_sim_node.plant import Plant
 import pytest
 
+pytestmark = pytest.mark.physics
 GRIPPY = {'contact_friction_coefficient': 5.0}
 UNEVEN = {'friction': (0.2, 0.4, 0.3, 0.25), 'center_of_mass': (0.02, -0.03)}
 FACE, VERTEX, DISC = math.inf, 0.0, 0.2
@@ -26,7 +27,7 @@ ROLLING = {
     'vertex': (box(**GRIPPY, **UNEVEN), 0.17, (-0.2, -0.2), 0.7, VERTEX, 0.7,
                (0.2, 0.02, 0.0), 2.0),
     'vertex, arc with spin': (box(**GRIPPY, **UNEVEN), 0.17, (-0.2, -0.2), 0.7, VERTEX, 0.7,
-                              (0.2, 0.0, 0.3), 1.0),
+                              (0.2, 0.0, 0.3), 0.9),
     'face, arc with spin': (box(**GRIPPY, **UNEVEN), 0.17, (-0.2, 0.02), 0.0, FACE, 0.1,
                             (0.2, 0.0, -0.4), 1.5),
     'round': (bin_(), 0.17, (-0.2, 0.0), 0.0, DISC, 0.05, (0.2, 0.0, 0.0), 2.0),
@@ -109,7 +110,7 @@ def test_contact_slides_where_the_rolling_force_leaves_the_cone(scene):
         assert ({truth.mode for truth in truths} == {'stick'}) == sticks
 
 
-@pytest.mark.parametrize('offset', [-0.15, 0.1])
+@pytest.mark.parametrize('offset', [-0.1, 0.1])
 def test_default_step_is_accurate_over_a_metre_of_mixed_contact(offset):
     """Sticking, sliding, off the face by its corner; the reference is a far finer step."""
     obj, robot = box(contact_friction_coefficient=0.3, **UNEVEN), ramp_robot(0.17)

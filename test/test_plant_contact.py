@@ -15,6 +15,7 @@ from push_sim_node.plant import Plant
 import pytest
 from scipy.optimize import brentq
 
+pytestmark = pytest.mark.physics
 ORIGIN = Pose(0.0, 0.0, 0.0)
 SUDDEN = {'max_speed': 2.0, 'max_acceleration': 100.0, 'time_constant': 0.0}
 

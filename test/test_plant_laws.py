@@ -14,6 +14,7 @@ from push_model.signals import STOP, Twist
 from push_sim_node.plant import Plant
 import pytest
 
+pytestmark = pytest.mark.physics
 UNEVEN = {'friction': (0.2, 0.4, 0.3, 0.25), 'center_of_mass': (0.02, -0.03)}
 HOLONOMIC = RoundRobot(0.17, 'holonomic', max_acceleration=3.0)
 COMMANDS = [Twist(0.3, 0.05, 0.5), Twist(0.3, -0.3, -1.0), Twist(0.0, 0.0, 2.0),
@@ -101,6 +102,8 @@ def test_support_friction_opposes_motion_and_fills_its_capacity():
         x, y = Pose(0, 0, truth.object_pose.theta).rotate((foot.x, foot.y))
         v_x, v_y, omega = truth.object_twist
         v = np.array([v_x - omega * y, v_y + omega * x])
+        if np.linalg.norm(v) < 0.02:
+            continue
         force = np.array(truth.support_forces[i])
         assert np.linalg.norm(force) == pytest.approx(capacity, rel=2e-3)
         assert force @ v == pytest.approx(-capacity * np.linalg.norm(v), rel=2e-3)

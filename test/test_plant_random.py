@@ -10,6 +10,7 @@ from push_model.signals import Twist
 from push_sim_node.plant import Plant
 import pytest
 
+pytestmark = pytest.mark.physics
 ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
@@ -21,8 +22,9 @@ def random_object(rng):
     angles = (np.arange(corners) + rng.uniform(-0.3, 0.3, corners)) * 2.0 * math.pi / corners
     shape = {'radius': radius} if corners == 2 else {
         'outline': [(radius * math.cos(a), radius * math.sin(a)) for a in np.sort(angles)]}
-    return PushedObject(mass, 0.5 * mass * radius ** 2, supports,
-                        center_of_mass=rng.uniform(-0.2, 0.2, 2) * radius,
+    shares = np.array([foot.load_share for foot in supports])
+    balance = shares @ [(foot.x, foot.y) for foot in supports] / shares.sum()
+    return PushedObject(mass, 0.5 * mass * radius ** 2, supports, center_of_mass=balance,
                         contact_friction_coefficient=rng.choice([0.0, 0.1, 0.3, 0.5, 1.0, 3.0]),
                         **shape)
 
@@ -45,7 +47,7 @@ def random_plant(seed, step=2e-3):
 
 
 # The later ones wedge the object between robot and floor, where plain iteration runs in circles.
-@pytest.mark.parametrize('seed', [0, 1, 2, 3, 4, 5, 20, 127, 166, 185, 412, 444, 449, 512])
+@pytest.mark.parametrize('seed', [0, 1, 2, 3, 4, 5, 58, 80, 106, 142, 185, 285, 303, 421])
 def test_every_step_is_solved_and_keeps_the_laws(seed):
     plant, commands = random_plant(seed)
     friction = plant.obj.contact_friction_coefficient
@@ -67,7 +69,7 @@ def test_every_step_is_solved_and_keeps_the_laws(seed):
     assert energy.work == pytest.approx(sum(energy[1:]), rel=1e-9)
 
 
-@pytest.mark.parametrize('seed', [20, 166, 185])
+@pytest.mark.parametrize('seed', [80, 185, 58])
 def test_wedges_do_not_depend_on_luck(seed):
     """Steps of other sizes find the same course through a wedge."""
     ends = []
