@@ -38,10 +38,11 @@ setup(
     ],
     install_requires=['setuptools', 'numpy', 'scipy', 'casadi', 'PyYAML'],
     extras_require={
+        'cluster': ['distributed'],
         'fast': ['numba'],
         'plot': ['matplotlib'],
         'record': ['rosbags'],
-        'test': ['pytest'],
+        'test': ['distributed', 'mujoco', 'pytest'],
     },
     zip_safe=False,
     entry_points={
