@@ -1,6 +1,7 @@
 """What the physics knows of objects and robots: units, ranges and meanings, written once."""
 
 import dataclasses
+import functools
 import math
 
 from push_model.inertia import plate_inertia
@@ -68,7 +69,7 @@ class PushedObject:
         if self.inertia == 0.0:
             object.__setattr__(self, 'inertia',
                                plate_inertia(self.mass, self.outline, self.radius))
-        object.__setattr__(self, '_shares', self._balanced_shares())
+        object.__setattr__(self, '_shares', _balanced_shares(self.supports, self.center_of_mass))
 
     @property
     def loads(self):
@@ -80,13 +81,6 @@ class PushedObject:
         """Friction capacity ``q_i = mu_i N_i`` of each support [N], shape (k,)."""
         return tuple(support.friction_coefficient * load
                      for support, load in zip(self.supports, self.loads))
-
-    def _balanced_shares(self):
-        try:
-            return load_shares([(foot.x, foot.y) for foot in self.supports],
-                               [foot.load_share for foot in self.supports], self.center_of_mass)
-        except ValueError as error:
-            raise ValueError(f'PushedObject.supports: {error}') from error
 
 
 @dataclasses.dataclass(frozen=True)
@@ -129,6 +123,16 @@ class Contact:
     def __post_init__(self):
         """Validate the fields."""
         check(self)
+
+
+# Kept, as variations of an object mostly stand on the same feet.
+@functools.lru_cache(maxsize=256)
+def _balanced_shares(supports, center_of_mass):
+    try:
+        return load_shares([(foot.x, foot.y) for foot in supports],
+                           [foot.load_share for foot in supports], center_of_mass)
+    except ValueError as error:
+        raise ValueError(f'PushedObject.supports: {error}') from error
 
 
 def _check_convex(outline):

@@ -6,6 +6,7 @@ README tables.
 """
 
 import dataclasses
+import functools
 import math
 from typing import get_type_hints
 
@@ -41,7 +42,7 @@ def check(instance):
     :param instance: the dataclass instance, called from ``__post_init__``.
     :raises ValueError: naming the field, what came and what was expected.
     """
-    hints = get_type_hints(type(instance))
+    hints = _hints(type(instance))
     for field in dataclasses.fields(instance):
         if not field.metadata:
             continue
@@ -129,3 +130,8 @@ def _sequence(value, metadata, refuse):
         else:
             items.append(_number(item, float, metadata, refuse))
     return tuple(items)
+
+
+@functools.lru_cache(maxsize=None)
+def _hints(kind):
+    return get_type_hints(kind)
