@@ -49,6 +49,19 @@ def mean_square(obj, angle):
                for q, foot in zip(obj.capacities, obj.supports)) / total
 
 
+def ellipsoid_square(obj):
+    """
+    Square of ``tau_max / f_max``, which the ellipsoidal limit surface takes for c^2 [m^2].
+
+    :param obj: the ``PushedObject``.
+    :raises ValueError: where no support has friction.
+    """
+    x_f, y_f = friction_center(obj)
+    moment = sum(q * math.hypot(foot.x - x_f, foot.y - y_f)
+                 for q, foot in zip(obj.capacities, obj.supports))
+    return (moment / _total_capacity(obj)) ** 2
+
+
 def _total_capacity(obj):
     total = sum(obj.capacities)
     if total <= 0.0:

@@ -3,7 +3,8 @@
 import math
 from typing import NamedTuple
 
-from push_model.friction import friction_center, friction_weight, mean_square
+from push_model.friction import (ellipsoid_square, friction_center, friction_weight,
+                                 mean_square)
 from scipy.optimize import brentq
 
 
@@ -99,3 +100,39 @@ def ellipsoid_turning_rate(square, x_c, y_c, v_x, v_y):
     :return: omega [rad/s].
     """
     return (x_c * v_y - y_c * v_x) / (square + x_c * x_c + y_c * y_c)
+
+
+class TurningRates(NamedTuple):
+    """
+    Turn per way of the contact, by three models, for one pushing direction [rad/m].
+
+    :param angle: alpha, from the line C to F to the push [rad].
+    :param supports: on the supports themselves.
+    :param near_straight: by the ellipsoid with the supports' own c^2 along the push.
+    :param ellipsoid: by the ellipsoidal limit surface, ``c = tau_max / f_max``.
+    """
+
+    angle: float
+    supports: float
+    near_straight: float
+    ellipsoid: float
+
+
+def compare_turning_rates(obj, contact_point, angles):
+    """
+    Hold the quasi-static limit on the supports against the ellipsoidal limit surface.
+
+    :param obj: the ``PushedObject``.
+    :param contact_point: C in the object frame (x, y) [m].
+    :param angles: alpha of each row [rad].
+    :return: list of ``TurningRates``.
+    """
+    view, center = vehicle(obj, contact_point), friction_center(obj)
+    x_c, y_c = contact_point[0] - center[0], contact_point[1] - center[1]
+    rows = []
+    for angle in angles:
+        push = math.cos(view.angle + angle), math.sin(view.angle + angle)
+        rows.append(TurningRates(angle, turning_rate(obj, contact_point, *push), *(
+            ellipsoid_turning_rate(square, x_c, y_c, *push)
+            for square in (view.mean_square, ellipsoid_square(obj)))))
+    return rows

@@ -10,7 +10,8 @@ from push_model.dubins import words
 from push_model.friction import friction_center, friction_weight, mean_square
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
-from push_model.quasi_static import ellipsoid_turning_rate, turning_rate, vehicle
+from push_model.quasi_static import (compare_turning_rates, ellipsoid_turning_rate, turning_rate,
+                                     vehicle)
 from push_model.trajectory import COLUMNS, PushTrajectory
 import pytest
 
@@ -117,6 +118,16 @@ def test_friction_weight_tends_to_coulomb():
 @pytest.mark.physics
 def test_square_pushed_at_mid_face_has_a_wheelbase_of_its_side():
     assert vehicle(box(), (-0.2, 0.0)).wheelbase == pytest.approx(0.4)
+
+
+@pytest.mark.physics
+def test_ellipsoid_turns_a_square_by_a_third_less_than_its_supports_do():
+    """Wheelbase l on the supports, 1.5 l by the ellipsoid: near straight, the turn goes as 1/L."""
+    near, far = compare_turning_rates(box(), (-0.2, 0.0), (1e-4, 1.5))
+    for found, wheelbase in zip(near[1:], (0.4, 0.4, 0.6)):
+        assert -1e-4 / found == pytest.approx(wheelbase, rel=1e-3)
+    assert 0.85 < far.ellipsoid / far.supports < 0.95
+    assert far.near_straight / far.supports > 1.3
 
 
 @pytest.mark.physics
