@@ -12,9 +12,10 @@ import math
 import numpy as np
 
 from push_scenario.batch_identity import header
+from push_scenario.batch_loop import collect, StopRequest
 from push_scenario.batch_store import Store
 from push_scenario.batch_table import write_table
-from push_scenario.batch_workers import available_cores, collect, StopRequest, workers_of
+from push_scenario.batch_workers import available_cores, workers_of
 
 MOST_PER_CHUNK = 64
 CHUNKS_PER_WORKER = 64

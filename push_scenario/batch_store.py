@@ -6,6 +6,7 @@ The first line is the header, each further one ``{"job": 3, "record": {...}}`` o
 leave it, does not count. Numbers keep every bit.
 """
 
+import fcntl
 import json
 import os
 from pathlib import Path
@@ -38,11 +39,12 @@ class Store:
         """Read what is there, and open the file for more."""
         if self._path is not None:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            length = self._read()
             self._descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
-            os.ftruncate(self._descriptor, length)
-            if length == 0:
-                self._write([self._header])
+            try:
+                self._begin()
+            except (OSError, ValueError):
+                self.__exit__()
+                raise
         return self
 
     def __exit__(self, *_):
@@ -60,6 +62,16 @@ class Store:
         self._write(entries)
         self.entries.update((entry['job'], entry) for entry in entries)
 
+    def _begin(self):
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise ValueError(f'{self._path}: another process is writing to it') from error
+        length = self._read()
+        os.ftruncate(self._descriptor, length)
+        if length == 0:
+            self._write([self._header])
+
     def _write(self, entries):
         if self._descriptor is None:
             return
@@ -69,7 +81,7 @@ class Store:
 
     def _read(self):
         """Read all whole lines; return how many bytes they take."""
-        content = self._path.read_bytes() if self._path.exists() else b''
+        content = self._path.read_bytes()
         length = content.rfind(b'\n') + 1
         if length == 0:
             if not _line(self._header).startswith(content):

@@ -9,42 +9,8 @@ import threading
 
 from push_scenario.batch_job import run_chunk
 
-POLL = 0.1
 # Chunks under way for each worker, so that none has to wait for its next one.
 DEPTH = 3
-
-
-class StopRequest:
-    """
-    Notes Ctrl-C while it is entered; the second one raises ``KeyboardInterrupt`` at once.
-
-    Outside the main thread, where Python delivers no signals, it notes nothing.
-    """
-
-    def __init__(self):
-        """Nothing is noted at first."""
-        self._seen = threading.Event()
-        self._before = None
-
-    def __enter__(self):
-        """Take over the signal."""
-        if threading.current_thread() is threading.main_thread():
-            self._before = signal.signal(signal.SIGINT, self._note)
-        return self
-
-    def __exit__(self, *_):
-        """Give the signal back."""
-        if self._before is not None:
-            signal.signal(signal.SIGINT, self._before)
-
-    def is_set(self):
-        """Tell whether Ctrl-C has come."""
-        return self._seen.is_set()
-
-    def _note(self, number, frame):
-        if self._seen.is_set():
-            raise KeyboardInterrupt
-        self._seen.set()
 
 
 def available_cores():
@@ -52,41 +18,6 @@ def available_cores():
     if hasattr(os, 'sched_getaffinity'):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def collect(pool, function, chunks, keep, stop):
-    """
-    Run all chunks and keep what comes back; once stopped, keep what is under way and end.
-
-    :param pool: what ``workers_of`` gave.
-    :param function: of one job.
-    :param chunks: list of lists of (number of the job, job).
-    :param keep: called with a list of entries.
-    :param stop: has ``is_set``.
-    :raises KeyboardInterrupt: where stopped.
-    """
-    chunks, running, stopped = iter(chunks), set(), False
-    while True:
-        while not stopped and len(running) < pool.depth:
-            chunk = next(chunks, None)
-            if chunk is None:
-                break
-            running.add(pool.submit(function, chunk, stop))
-            stopped = stop.is_set()
-        if not running:
-            break
-        done, running = futures.wait(running, POLL, futures.FIRST_COMPLETED)
-        for future in done:
-            entries, interrupted = future.result()
-            stopped = stopped or interrupted
-            if entries:
-                keep(entries)
-        stopped = stopped or stop.is_set()
-        if stopped:
-            pool.stop()
-            running = {future for future in running if not future.cancel()}
-    if stopped:
-        raise KeyboardInterrupt
 
 
 @contextlib.contextmanager

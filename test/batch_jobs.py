@@ -53,8 +53,10 @@ def extremes(job):
 
 
 def leave(job):
-    """End the process without a word."""
-    os._exit(3)
+    """End the process without a word at one of the jobs."""
+    if job['n'] == 20:
+        os._exit(3)
+    return noisy(job)
 
 
 def slow_batch(directory, jobs, out):

@@ -231,8 +231,24 @@ def test_errors_stay_with_their_jobs(tmp_path):
 
 
 def test_a_process_that_dies_does_not_take_results_along(tmp_path):
-    with pytest.raises(RuntimeError, match='terminated abruptly'):
-        run_batch(leave, JOBS, tmp_path / 'out.jsonl', workers=2)
+    out = tmp_path / 'out.jsonl'
+    with pytest.raises(RuntimeError, match=r'jobs \[.*20'):
+        run_batch(leave, JOBS, out, workers=2, chunk=1)
+    entries = [json.loads(line) for line in out.read_text().splitlines()[1:]]
+    assert len(entries) >= 10
+    assert all(entry['record'] == noisy(JOBS[entry['job']]) for entry in entries)
+
+
+def test_two_batches_do_not_write_to_one_file(tmp_path):
+    out = tmp_path / 'out.jsonl'
+
+    def again(done, total):
+        if done == 20:
+            with pytest.raises(ValueError, match='another process'):
+                run_batch(noisy, JOBS, out, workers=1)
+
+    result = run_batch(noisy, JOBS, out, workers=1, chunk=5, progress=again)
+    assert run_batch(noisy, JOBS, out, workers=1) == result
 
 
 def test_other_jobs_or_functions_are_refused(tmp_path):

@@ -1,0 +1,87 @@
+"""Chunks of jobs go out, entries come in, and Ctrl-C ends it in order."""
+
+from concurrent import futures
+import signal
+import threading
+
+POLL = 0.1
+
+
+class StopRequest:
+    """
+    Notes Ctrl-C while it is entered; the second one raises ``KeyboardInterrupt`` at once.
+
+    Outside the main thread, where Python delivers no signals, it notes nothing.
+    """
+
+    def __init__(self):
+        """Nothing is noted at first."""
+        self._seen = threading.Event()
+        self._before = None
+
+    def __enter__(self):
+        """Take over the signal."""
+        if threading.current_thread() is threading.main_thread():
+            self._before = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(self, *_):
+        """Give the signal back."""
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+
+    def is_set(self):
+        """Tell whether Ctrl-C has come."""
+        return self._seen.is_set()
+
+    def _note(self, number, frame):
+        if self._seen.is_set():
+            raise KeyboardInterrupt
+        self._seen.set()
+
+
+def collect(pool, function, chunks, keep, stop):
+    """
+    Run all chunks and keep what comes back; once stopped, keep what is under way and end.
+
+    :param pool: what ``workers_of`` gave.
+    :param function: of one job.
+    :param chunks: list of lists of (number of the job, job).
+    :param keep: called with a list of entries.
+    :param stop: has ``is_set``.
+    :raises KeyboardInterrupt: where stopped.
+    :raises RuntimeError: where a worker died.
+    """
+    waiting, running, stopped = iter(chunks), {}, False
+    while True:
+        while not stopped and len(running) < pool.depth:
+            chunk = next(waiting, None)
+            if chunk is None:
+                break
+            running[pool.submit(function, chunk, stop)] = chunk
+            stopped = stop.is_set()
+        if not running:
+            break
+        done, _ = futures.wait(running, POLL, futures.FIRST_COMPLETED)
+        stopped = _keep_done(done, running, keep) or stopped or stop.is_set()
+        if stopped:
+            pool.stop()
+            running = {future: chunk for future, chunk in running.items() if not future.cancel()}
+    if stopped:
+        raise KeyboardInterrupt
+
+
+def _keep_done(done, running, keep):
+    stopped = False
+    for future in sorted(done, key=lambda future: future.exception() is not None):
+        try:
+            entries, interrupted = future.result()
+        except futures.BrokenExecutor as error:
+            jobs = sorted(index for chunk in running.values() for index, _ in chunk)
+            raise RuntimeError(f'a worker died; it was at one of the jobs {jobs}: the same call '
+                               'goes on, with workers=1 until it meets that job') from error
+        del running[future]
+        stopped = stopped or interrupted
+        if entries:
+            keep(entries)
+    return stopped
