@@ -126,7 +126,8 @@ def test_the_robot_is_placed_at_the_contact(tmp_path, contact, normal, gap):
     (('x: 1}', 'theta_deg: wide}'), ("goal.theta_deg: got 'wide', expected a number [deg]",)),
     (('mass: 2', 'mass: -2'), ('object.mass: got -2, expected a finite number above 0 [kg]',)),
     (('mass: 2', ''), ('object.mass: got nothing, expected a finite number above 0 [kg]',)),
-    (('radius: 0.17', 'radius: true'), ('robot.radius: got True, expected a number of at least 0',)),
+    (('radius: 0.17', 'radius: true'),
+     ('robot.radius: got True, expected a number of at least 0',)),
     (('radius: 0.17', 'file: none.yaml'), ("robot.file: got 'none.yaml', expected a file in",)),
     (('radius: 0.17', 'radius: 0.17, drive: legs'), ("robot.drive: got 'legs', expected one of "
                                                      'differential, holonomic',)),
