@@ -40,14 +40,16 @@ class BatchResult:
         Gather one value of all records.
 
         :param name: key in the records.
-        :return: array, shape (number of jobs,); nan where a job failed or its record has no such
-            key.
+        :return: array, shape (number of jobs,); where a job failed or its record has no such key,
+            nan, or '' in a column of text.
         :raises ValueError: where no record has the key.
         """
-        if not any(record and name in record for record in self.records):
+        found = [record[name] for record in self.records if record and name in record]
+        if not found:
             known = sorted({key for record in self.records for key in record or ()})
             raise ValueError(f'column: got {name!r}, expected one of ' + ', '.join(known))
-        return np.array([(record or {}).get(name, math.nan) for record in self.records])
+        missing = '' if isinstance(found[0], str) else math.nan
+        return np.array([(record or {}).get(name, missing) for record in self.records])
 
 
 def run_batch(function, jobs, out=None, workers=None, scheduler=None, progress=None, chunk=None,

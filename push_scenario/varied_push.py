@@ -1,6 +1,7 @@
 """Variations of one plain push: parameters, friction, start and commands, as jobs of a batch."""
 
 import dataclasses
+import math
 
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -17,14 +18,16 @@ class VariedPush:
 
     A job is a dict with any of: ``object`` and ``robot``, dicts of fields of ``PushedObject`` and
     ``RoundRobot`` and their values; ``object_pose``, ``robot_pose``, ``segments``, in place of
-    those below; ``friction_factors``, one for each support. What it does not name stays.
+    those below; ``friction_factors``, one for each support, from the start. What it does not name
+    stays.
 
     :param object: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param object_pose: (x, y, theta) of the object [m, m, rad].
     :param robot_pose: (x, y, theta) of the robot [m, m, rad].
     :param segments: commands (duration [s], v_x [m/s], v_y [m/s], omega [rad/s]), in the robot's
-        own axes, one after the other.
+        own axes, one after the other; further numbers are friction factors, one for each
+        support, from then on.
     :param step: longest step [s].
     :param smoothing: speed below which support friction turns viscous [m/s].
     """
@@ -46,8 +49,10 @@ class VariedPush:
         :raises ValueError: where a value does not fit.
         """
         plant = self.plant(job)
-        for duration, *command in job.get('segments', self.segments):
-            plant.advance(duration, Twist(*command))
+        for duration, v_x, v_y, omega, *factors in job.get('segments', self.segments):
+            if factors:
+                _set_factors(plant, factors)
+            plant.advance(duration, Twist(v_x, v_y, omega))
         return _record(plant)
 
     def plant(self, job):
@@ -65,12 +70,16 @@ class VariedPush:
                       Pose(*job.get('object_pose', self.object_pose)),
                       Pose(*job.get('robot_pose', self.robot_pose)), self.step, self.smoothing)
         if 'friction_factors' in job:
-            factors, count = job['friction_factors'], len(plant.obj.supports)
-            if len(factors) != count:
-                raise ValueError(f'friction_factors: got {len(factors)}, expected {count}, one '
-                                 'for each support')
-            plant.set_friction_factors(factors)
+            _set_factors(plant, job['friction_factors'])
         return plant
+
+
+def _set_factors(plant, factors):
+    count = len(plant.obj.supports)
+    if len(factors) != count or not all(0.0 <= factor < math.inf for factor in factors):
+        raise ValueError(f'friction_factors: got {factors!r}, expected {count} of at least 0, one '
+                         'for each support')
+    plant.set_friction_factors(factors)
 
 
 def _varied(base, part, job):

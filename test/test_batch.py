@@ -90,6 +90,15 @@ def test_variations_that_name_nothing_are_the_push_itself():
     assert aside['object_x'] == pytest.approx(-ahead['object_y'], abs=1e-9)
 
 
+def test_friction_changes_between_segments():
+    before, after = [0.3, 0.2, 0.0, 0.0], [0.3, 0.2, 0.0, 0.0]
+    grippy = PUSH({'segments': [before, [*after, 2.0, 2.0, 2.0, 2.0]]})
+    plain, always = (PUSH({'segments': [before, after], 'friction_factors': [factor] * 4})
+                     for factor in (1.0, 2.0))
+    assert always['support_loss'] == pytest.approx(2.0 * plain['support_loss'], rel=1e-3)
+    assert plain['support_loss'] < 0.9 * grippy['support_loss'] < 0.9 * always['support_loss']
+
+
 def test_two_processes_give_the_result_of_one(tmp_path, alone):
     out = tmp_path / 'out.jsonl'
     assert run_batch(PUSH, PUSH_JOBS, out, workers=2, chunk=7) == alone[0]
@@ -225,6 +234,7 @@ def test_errors_stay_with_their_jobs(tmp_path):
     assert [record is None for record in result.records] == [n in result.errors
                                                              for n in range(40)]
     assert np.isnan(result.column('sum')).sum() == len(result.errors)
+    assert list(result.column('word')[:3]) == ['', 'n1', 'n2']
     assert run_batch(sometimes_failing, JOBS, out, workers=1) == result
     with pytest.raises(ValueError, match="'total', expected one of seed, sum, word"):
         result.column('total')
@@ -316,10 +326,11 @@ def test_what_cannot_be_told_apart_or_sent_is_refused():
 
 def test_wrong_variations_are_named():
     jobs = [{'objekt': {}}, {'object': {'weight': 1.0}}, {'object': {'mass': -1.0}},
-            {'friction_factors': [1.0]}, {'robot_pose': [0.0, 0.0, 0.0]}, {}]
+            {'friction_factors': [1.0]}, {'robot_pose': [0.0, 0.0, 0.0]},
+            {'segments': [[0.1, 0.1, 0.0, 0.0, 1.0, 1.0, 1.0, -1.0]]}, {}]
     result = run_batch(PUSH, jobs, workers=1)
-    words = ['objekt', 'weight', 'PushedObject.mass', 'friction_factors', 'overlap']
-    assert sorted(result.errors) == list(range(5))
+    words = ['objekt', 'weight', 'PushedObject.mass', 'friction_factors', 'overlap', '-1.0']
+    assert sorted(result.errors) == list(range(len(words)))
     assert all(word in result.errors[i] for i, word in enumerate(words))
 
 
