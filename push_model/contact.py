@@ -8,6 +8,7 @@ angle of n.
 import math
 
 from push_model.geometry import Pose
+from push_model.outline import closest_on_polygon, lowest_vertex
 from push_model.parameters import Contact
 
 VERTEX_TOLERANCE = 1e-3
@@ -113,56 +114,23 @@ def face_length(obj, index):
     return math.hypot(x1 - x0, y1 - y0)
 
 
-def closest_on_polygon(outline, x, y):
-    """
-    Find the point of a convex polygon's boundary that is closest to a point.
-
-    Plain scalar code that numba compiles as it stands.
-
-    :param outline: vertices, counter-clockwise, shape (k, 2) [m].
-    :param x: the point, x [m].
-    :param y: the point, y [m].
-    :return: (x, y) of the closest point [m], (x, y) of the unit normal into the polygon there,
-        signed distance [m] (negative inside), face number, position along that face in [0, 1].
-    """
-    best, face, along = math.inf, 0, 0.0
-    closest_x, closest_y = 0.0, 0.0
-    inside = True
-    count = len(outline)
-    for i in range(count):
-        x0, y0 = outline[i]
-        x1, y1 = outline[(i + 1) % count]
-        ex, ey = x1 - x0, y1 - y0
-        if ex * (y - y0) - ey * (x - x0) < 0.0:
-            inside = False
-        u = ((x - x0) * ex + (y - y0) * ey) / (ex * ex + ey * ey)
-        u = min(1.0, max(0.0, u))
-        px, py = x0 + u * ex, y0 + u * ey
-        squared = (px - x) * (px - x) + (py - y) * (py - y)
-        if squared < best:
-            best, face, along, closest_x, closest_y = squared, i, u, px, py
-    away = math.sqrt(best)
-    if away > 1e-9:
-        sign = -1.0 if inside else 1.0
-        nx, ny = sign * (closest_x - x) / away, sign * (closest_y - y) / away
-        return closest_x, closest_y, nx, ny, sign * away, face, along
-    x0, y0 = outline[face]
-    x1, y1 = outline[(face + 1) % count]
-    length = math.hypot(x1 - x0, y1 - y0)
-    return closest_x, closest_y, (y0 - y1) / length, (x1 - x0) / length, 0.0, face, along
-
-
-def find_contact(obj, object_pose, robot_position, robot_radius):
+def find_contact(obj, object_pose, robot_pose, robot_radius):
     """
     Find where a round robot touches the object, or would first touch it.
 
     :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object in the world.
-    :param robot_position: (x, y) of the robot's centre in the world [m].
-    :param robot_radius: R_p [m].
+    :param robot_pose: (x, y) of the robot's centre in the world [m]; a fence needs its ``Pose``.
+    :param robot_radius: R_p [m]; infinite for a fence.
     :return: (``Contact``, gamma in the world [rad], gap [m]; the gap is negative on overlap).
+    :raises ValueError: for a fence without heading.
     """
-    x, y = Pose(*object_pose).inverse().transform(robot_position)
+    x, y = Pose(*object_pose).inverse().transform(robot_pose[:2])
+    if math.isinf(robot_radius):
+        if len(robot_pose) < 3:
+            raise ValueError(f'robot_pose: got {tuple(robot_pose)}, expected (x, y, theta) of a '
+                             'fence')
+        return _find_fence_contact(obj, x, y, robot_pose[2] - object_pose[2], robot_pose[2])
     if not obj.outline:
         angle = math.atan2(y, x)
         gap = math.hypot(x, y) - obj.radius - robot_radius
@@ -174,6 +142,15 @@ def find_contact(obj, object_pose, robot_position, robot_radius):
         index = (face + (along > 0.5)) % len(obj.outline)
         return Contact('vertex', index), gamma, signed - robot_radius
     return Contact('face', face, (0.5 - along) * length), gamma, signed - robot_radius
+
+
+def _find_fence_contact(obj, x, y, local, heading):
+    n_x, n_y = math.cos(local), math.sin(local)
+    contact = Contact('round', 0, local + math.pi)
+    if obj.outline:
+        contact = Contact('vertex', lowest_vertex(obj.outline, n_x, n_y))
+    c_x, c_y = contact_point(obj, contact)
+    return contact, heading, n_x * (c_x - x) + n_y * (c_y - y)
 
 
 def _check_feature(obj, contact):

@@ -29,18 +29,21 @@ def load_shares(points, given, center):
     if shares is None:
         raise ValueError(f'got a mass centre at ({center[0]:g}, {center[1]:g}), expected it '
                          'inside the hull of the supports: the object would tip')
-    if not given.any():
-        return tuple(shares.tolist())
-    if not given.all():
+    if given.any() and not given.all():
         raise ValueError(f'got load shares {given.tolist()}, expected one above 0 for every '
                          'support, or none')
-    given = given / given.sum()
+    given = given / given.sum() if given.any() else shares
     pressure = given @ points
     if np.abs(pressure - center).max() > BALANCE_TOLERANCE * reach:
         raise ValueError(f'got load shares that balance about ({pressure[0]:.4g}, '
                          f'{pressure[1]:.4g}), expected about the mass centre ({center[0]:g}, '
                          f'{center[1]:g}): change either, or give no shares')
-    return tuple(given.tolist())
+    # Where statics leave no choice, rounded shares do not count.
+    return tuple((shares if _is_determinate(points) else given).tolist())
+
+
+def _is_determinate(points):
+    return np.linalg.matrix_rank(np.column_stack([np.ones(len(points)), points])) == len(points)
 
 
 def _balanced(points):

@@ -13,7 +13,7 @@ import pathlib
 
 import numpy as np
 
-from push_model import contact, friction
+from push_model import friction, outline
 
 try:
     import numba
@@ -21,7 +21,7 @@ except ImportError:
     numba = None
 
 INTERPRET = 'PUSH_SIM_INTERPRET'
-KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'layout.py', 'solver.py',
+KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'floor.py', 'layout.py', 'solver.py',
           'step.py', 'support_friction.py')
 IS_COMPILED = numba is not None and not os.environ.get(INTERPRET)
 
@@ -76,7 +76,7 @@ def cache_directory():
 
 def _source_digest():
     here = pathlib.Path(__file__).parent
-    sources = [here / name for name in KERNEL] + [contact.__file__, friction.__file__]
+    sources = [here / name for name in KERNEL] + [outline.__file__, friction.__file__]
     digest = hashlib.sha256()
     for source in sources:
         digest.update(pathlib.Path(source).read_bytes())
@@ -84,4 +84,5 @@ def _source_digest():
 
 
 friction_weight = compiled(friction.friction_weight)
-closest_on_polygon = compiled(contact.closest_on_polygon)
+closest_on_polygon = compiled(outline.closest_on_polygon)
+lowest_vertex = compiled(outline.lowest_vertex)

@@ -7,26 +7,36 @@ Unilateral and inelastic, with Coulomb friction. n points from robot to object, 
 
 import math
 
-from push_sim_node.compiled import closest_on_polygon, compiled
+from push_sim_node.compiled import closest_on_polygon, compiled, lowest_vertex
 from push_sim_node.layout import ANY, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
 
 
 @compiled
-def nearest(outline, disc_radius, robot_radius, x, y, theta, p_x, p_y):
+def nearest(outline, disc_radius, robot_radius, x, y, theta, p_x, p_y, phi):
     """
     Nearest points of object and robot.
 
     :param outline: vertices in the object frame, shape (k, 2) [m]; ignored for a disc.
     :param disc_radius: radius of a disc about the object frame, 0 for a polygon [m].
-    :param robot_radius: R_p [m].
+    :param robot_radius: R_p [m]; infinite for a fence.
     :param x: object frame in the world, x [m].
     :param y: the same, y [m].
     :param theta: its orientation [rad].
     :param p_x: robot centre, x [m].
     :param p_y: the same, y [m].
+    :param phi: heading of the robot, which only a fence needs [rad].
     :return: normal (x, y), the object's point (x, y) [m], gap [m] (negative on overlap).
     """
     d_x, d_y = p_x - x, p_y - y
+    if math.isinf(robot_radius):
+        n_x, n_y = math.cos(phi), math.sin(phi)
+        c_x, c_y = -disc_radius * n_x, -disc_radius * n_y
+        if disc_radius == 0.0:
+            c, s = math.cos(theta), math.sin(theta)
+            i = lowest_vertex(outline, c * n_x + s * n_y, c * n_y - s * n_x)
+            c_x = c * outline[i][0] - s * outline[i][1]
+            c_y = s * outline[i][0] + c * outline[i][1]
+        return n_x, n_y, x + c_x, y + c_y, n_x * (c_x - d_x) + n_y * (c_y - d_y)
     if disc_radius > 0.0:
         away = math.sqrt(d_x * d_x + d_y * d_y)
         n_x, n_y = -d_x / away, -d_y / away
@@ -37,6 +47,26 @@ def nearest(outline, disc_radius, robot_radius, x, y, theta, p_x, p_y):
                                                         c * d_y - s * d_x)
     return c * m_x - s * m_y, s * m_x + c * m_y, x + c * c_x - s * c_y, y + s * c_x + c * c_y, \
         away - robot_radius
+
+
+@compiled
+def surface_velocity(robot_radius, n_x, n_y, away_x, away_y, v_x, v_y, omega):
+    """
+    Velocity of the robot's surface at the contact, along n and t [m/s].
+
+    :param robot_radius: R_p [m]; infinite for a fence.
+    :param n_x: contact normal, x.
+    :param n_y: the same, y.
+    :param away_x: from the robot's position to the contact, x [m]; only a fence needs it.
+    :param away_y: the same, y [m].
+    :param v_x: velocity of the robot's position, world axes, x [m/s].
+    :param v_y: the same, y [m/s].
+    :param omega: its yaw rate [rad/s].
+    """
+    normal, tangential = n_x * v_x + n_y * v_y, n_x * v_y - n_y * v_x
+    if math.isinf(robot_radius):
+        return normal - omega * (n_x * away_y - n_y * away_x), tangential
+    return normal, tangential + omega * robot_radius
 
 
 @compiled

@@ -35,14 +35,16 @@ def drive_numbers(robot):
 
 def support_rows(obj, capacities, factors):
     """
-    Write down the supports as (x, y from the mass centre [m], friction capacity [N]).
+    Write down the supports as (x, y from the mass centre [m], friction capacity, twice [N]).
+
+    The first capacity is that of the floor underfoot, the second that of plain floor.
 
     :param obj: the ``PushedObject``.
     :param capacities: friction capacity of each support [N].
     :param factors: factor on the friction of each support.
     """
     com_x, com_y = obj.center_of_mass
-    return [(foot.x - com_x, foot.y - com_y, factor * capacity)
+    return [(foot.x - com_x, foot.y - com_y, factor * capacity, factor * capacity)
             for foot, factor, capacity in zip(obj.supports, factors, capacities)]
 
 
@@ -60,7 +62,7 @@ def placed(obj, robot, object_pose, robot_pose):
     for name, pose in (('object_pose', object_pose), ('robot_pose', robot_pose)):
         if not pose.is_finite():
             raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')
-    _, gamma, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
+    _, gamma, gap = find_contact(obj, object_pose, robot_pose, robot.radius)
     if gap < -DEEPEST_OVERLAP:
         raise ValueError(f'robot_pose: got an overlap with the object of {-gap:g} m, expected '
                          f'at most {DEEPEST_OVERLAP:g} m')

@@ -2,21 +2,23 @@
 
 import math
 
+import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_sim_node import layout as at
 from push_sim_node.actuation import limited
 from push_sim_node.compiled import IS_COMPILED, sequence
-from push_sim_node.contact_law import nearest
+from push_sim_node.contact_law import nearest, surface_velocity
 from push_sim_node.encoding import (body_numbers, drive_numbers, NO_OUTLINE, object_pose_of,
                                     object_twist_of, placed, start_state, support_rows)
+from push_sim_node.floor import floor_rows, PATCH_SIZE
 from push_sim_node.step import advance
 from push_sim_node.truth import Energy, Truth
 
 
 class Plant:
     """
-    Disc robot against a rigid object on frictional supports.
+    Round robot, point or fence against a rigid object on frictional supports.
 
     The robot is velocity-controlled: nothing that it touches slows it down. It starts at rest; a
     robot placed up to 5 mm into the object is moved back along the normal until it touches.
@@ -27,16 +29,18 @@ class Plant:
     :param robot_pose: ``Pose`` of the robot in the world.
     :param step: longest step [s].
     :param smoothing: speed below which support friction turns viscous [m/s].
+    :param floor: ``FloorPatch`` sequence.
     :raises ValueError: where robot and object overlap by more than 5 mm.
     """
 
-    def __init__(self, obj, robot, object_pose, robot_pose, step=2e-3, smoothing=1e-5):
+    def __init__(self, obj, robot, object_pose, robot_pose, step=2e-3, smoothing=1e-5, floor=()):
         self.obj, self.robot, self.step = obj, robot, step
         object_pose = Pose(*object_pose)
         robot_pose = placed(obj, robot, object_pose, Pose(*robot_pose))
         self._capacities = obj.capacities
         self._body = sequence(body_numbers(obj, robot, smoothing))
         self._outline = sequence(obj.outline or NO_OUTLINE)
+        self._floor = sequence(np.reshape(floor_rows(floor), (-1, PATCH_SIZE)))
         self._drive = sequence(drive_numbers(robot))
         self._forces = sequence([0.0] * (2 * len(obj.supports)))
         self._state = sequence(start_state(obj, object_pose, robot_pose))
@@ -68,8 +72,8 @@ class Plant:
             self._target = sequence(limited(self.robot, command))
             self._command = command
             self._forget_acceleration()
-        advance(self._state, self._body, self._supports, self._outline, self._forces,
-                self._target, self._drive, duration, self.step)
+        advance(self._state, self._body, self._supports, self._outline, self._floor,
+                self._forces, self._target, self._drive, duration, self.step)
 
     @property
     def object_pose(self):
@@ -131,15 +135,15 @@ class Plant:
         robot, twist = self.robot_pose, self.robot_twist
         pose = self.object_pose
         n_x, n_y, c_x, c_y, gap = nearest(self._outline, self.obj.radius, self.robot.radius,
-                                          *pose, robot.x, robot.y)
+                                          *pose, *robot)
         mode = self.mode
         forces = tuple((float(x), float(y))
                        for x, y in zip(self._forces[::2], self._forces[1::2]))
         angle = math.nan
         if mode != 'separate':
             v_x, v_y = robot.rotate(twist)
-            normal, tangential = n_x * v_x + n_y * v_y, n_x * v_y - n_y * v_x
-            tangential += twist.omega * self.robot.radius
+            normal, tangential = surface_velocity(
+                self.robot.radius, n_x, n_y, c_x - robot.x, c_y - robot.y, v_x, v_y, twist.omega)
             if normal != 0.0 or tangential != 0.0:
                 angle = math.atan2(tangential, normal)
         return Truth(time, pose, self.object_twist, robot, twist, mode, (c_x, c_y),
@@ -151,8 +155,9 @@ class Plant:
         if not IS_COMPILED or advance.signatures:
             return
         self.truth(0.0)
-        advance(sequence(self._state), self._body, self._supports, self._outline,
-                sequence(self._forces), self._target, self._drive, self.step, self.step)
+        advance(sequence(self._state), self._body, sequence(self._supports), self._outline,
+                self._floor, sequence(self._forces), self._target, self._drive, self.step,
+                self.step)
 
     def _forget_acceleration(self):
         for i in (at.A_X, at.A_Y, at.A_OMEGA):

@@ -12,6 +12,7 @@ from push_model.signals import STOP, Twist
 from push_sim_node import layout
 from push_sim_node.actuation import limited
 from push_sim_node.disturbance import change_times, friction_factors, FrictionChange
+from push_sim_node.floor import FloorPatch
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 
@@ -37,14 +38,17 @@ class SimulationSettings:
     seed: int = quantity('seed of all random errors', '', 0, default=0)
     friction_changes: tuple[FrictionChange, ...] = quantity('spells of other support friction',
                                                             default=())
+    floor_patches: tuple[FloorPatch, ...] = quantity('places of other support friction',
+                                                     default=())
 
     def __post_init__(self):
         """Validate the fields."""
         check(self)
-        for change in self.friction_changes:
-            if not isinstance(change, FrictionChange):
-                raise ValueError(f'SimulationSettings.friction_changes: got {change!r}, expected '
-                                 'a FrictionChange')
+        for name, kind in (('friction_changes', FrictionChange), ('floor_patches', FloorPatch)):
+            for item in getattr(self, name):
+                if not isinstance(item, kind):
+                    raise ValueError(f'SimulationSettings.{name}: got {item!r}, expected a '
+                                     f'{kind.__name__}')
 
 
 class Simulation:
@@ -87,7 +91,7 @@ class Simulation:
         settings, sensors = self.settings, self.sensors
         start = Pose(*object_pose) if object_pose is not None else self._start[0]
         self.plant = Plant(self.obj, self.robot, start, self._start[1], settings.step,
-                           settings.friction_smoothing)
+                           settings.friction_smoothing, settings.floor_patches)
         noise, losses, biases, jitter = (np.random.default_rng(seed) for seed in
                                          np.random.SeedSequence(settings.seed).spawn(4))
         self._pose_sensor = PoseSensor(sensors, noise, losses)

@@ -5,17 +5,19 @@ The geometry is taken at the predicted middle of the step and the gap carried ba
 its start, which leaves neither drift nor error of first order.
 
 Arguments have the same meaning in every function: ``state`` and ``body`` are numbers in the order
-of ``layout``, ``supports`` rows (x, y from the mass centre [m], capacity [N]), ``outline`` the
-vertices [m], ``forces`` the friction on each support (x, y, x, y, ...) [N] that is written,
-``command`` the (v_x, v_y, omega) asked of the robot, ``drive`` (time constant [s], acceleration
-limit [m/s^2], yaw acceleration limit [rad/s^2]), ``h`` the step [s].
+of ``layout``, ``supports`` rows (x, y from the mass centre [m], capacity, capacity on plain floor
+[N]), ``outline`` the vertices [m], ``floor`` the patches of ``floor_rows``, ``forces`` the
+friction on each support (x, y, x, y, ...) [N] that is written, ``command`` the (v_x, v_y, omega)
+asked of the robot, ``drive`` (time constant [s], acceleration limit [m/s^2], yaw acceleration
+limit [rad/s^2]), ``h`` the step [s].
 """
 
 import math
 
 from push_sim_node.actuation import approach, chord_velocity
 from push_sim_node.compiled import compiled
-from push_sim_node.contact_law import nearest
+from push_sim_node.contact_law import nearest, surface_velocity
+from push_sim_node.floor import tread
 from push_sim_node.layout import (A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS,
                                   FORCE_N, FORCE_T, IMPACT_LOSS, INERTIA, ITERATIONS, MASS, MODE,
                                   OMEGA, P_X, P_Y, PHI, ROBOT_RADIUS, STEPS, SUPPORT_LOSS, THETA,
@@ -41,14 +43,14 @@ def geometry(state, body, outline, guess, robot, h):
     x, y = state[X] + 0.5 * h * guess[0], state[Y] + 0.5 * h * guess[1]
     theta = state[THETA] + 0.5 * h * guess[2]
     c, s = math.cos(theta), math.sin(theta)
+    p_x, p_y = state[P_X] + 0.5 * h * robot[0], state[P_Y] + 0.5 * h * robot[1]
     n_x, n_y, c_x, c_y, gap = nearest(
         outline, body[DISC_RADIUS], body[ROBOT_RADIUS], x - c * body[COM_X] + s * body[COM_Y],
-        y - s * body[COM_X] - c * body[COM_Y], theta, state[P_X] + 0.5 * h * robot[0],
-        state[P_Y] + 0.5 * h * robot[1])
+        y - s * body[COM_X] - c * body[COM_Y], theta, p_x, p_y, state[PHI] + 0.5 * h * robot[2])
     arm_n = (c_x - x) * n_y - (c_y - y) * n_x
     arm_t = (c_x - x) * n_x + (c_y - y) * n_y
-    u_n = n_x * robot[0] + n_y * robot[1]
-    u_t = n_x * robot[1] - n_y * robot[0] + robot[2] * body[ROBOT_RADIUS]
+    u_n, u_t = surface_velocity(body[ROBOT_RADIUS], n_x, n_y, c_x - p_x, c_y - p_y, robot[0],
+                                robot[1], robot[2])
     gap -= 0.5 * h * (n_x * guess[0] + n_y * guess[1] + arm_n * guess[2] - u_n)
     if abs(gap) < ROUNDING:
         gap = 0.0
@@ -72,7 +74,7 @@ def account(state, body, contact, push, velocity, impulse, support_loss):
 
 
 @compiled
-def step(state, body, supports, outline, forces, command, drive, h):
+def step(state, body, supports, outline, floor, forces, command, drive, h):
     """Move object and robot by one step, in place."""
     e_x, e_y, e_omega, m_x, m_y, m_omega = approach(state[U_X], state[U_Y], state[U_OMEGA],
                                                     command, drive, h)
@@ -80,6 +82,8 @@ def step(state, body, supports, outline, forces, command, drive, h):
     guess = (state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
              state[OMEGA] + h * state[A_OMEGA])
     c, s, contact, push = geometry(state, body, outline, guess, (u_x, u_y, m_omega), h)
+    if len(floor) > 0:
+        tread(floor, supports, state[X] + 0.5 * h * guess[0], state[Y] + 0.5 * h * guess[1], c, s)
     velocity, at, impulse, mode, count, left = solve(state, body, supports, c, s, h, guess,
                                                      contact, push)
     power = friction_forces(body, supports, forces, c, s, at, velocity)
@@ -104,8 +108,8 @@ def step(state, body, supports, outline, forces, command, drive, h):
 
 
 @compiled
-def advance(state, body, supports, outline, forces, command, drive, duration, longest):
+def advance(state, body, supports, outline, floor, forces, command, drive, duration, longest):
     """Take equal steps, none above ``longest`` [s], that end exactly after ``duration`` [s]."""
     count = max(1, int(math.ceil(duration / longest - 1e-9)))
     for _ in range(count):
-        step(state, body, supports, outline, forces, command, drive, duration / count)
+        step(state, body, supports, outline, floor, forces, command, drive, duration / count)

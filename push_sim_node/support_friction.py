@@ -10,7 +10,8 @@ def augmented_mass(body, supports, c, s, h, v_x, v_y, omega):
     ``M + sum D_i J_i^T J_i``, as (mass, coupling x, coupling y, inertia left by elimination).
 
     :param body: numbers in the order MASS, INERTIA, ...
-    :param supports: rows (x, y from the mass centre [m], capacity [N]), shape (k, 3).
+    :param supports: rows (x, y from the mass centre [m], capacity, capacity on plain floor [N]),
+        shape (k, 4).
     :param c: cosine of the object's orientation.
     :param s: sine of it.
     :param h: step [s].
@@ -20,7 +21,7 @@ def augmented_mass(body, supports, c, s, h, v_x, v_y, omega):
     """
     mass, inertia, b_x, b_y = body[MASS], body[INERTIA], 0.0, 0.0
     for i in range(len(supports)):
-        s_x, s_y, capacity = supports[i]
+        s_x, s_y, capacity, _ = supports[i]
         r_x, r_y = c * s_x - s * s_y, s * s_x + c * s_y
         weight = h * friction_weight(capacity, v_x - omega * r_y, v_y + omega * r_x,
                                      body[SMOOTHING])
@@ -52,7 +53,8 @@ def friction_forces(body, supports, forces, c, s, at, velocity):
     Write the friction on each support, and return the power that it takes [W].
 
     :param body: numbers in the order MASS, INERTIA, ...
-    :param supports: rows (x, y from the mass centre [m], capacity [N]), shape (k, 3).
+    :param supports: rows (x, y from the mass centre [m], capacity, capacity on plain floor [N]),
+        shape (k, 4).
     :param forces: friction on each support (x, y) [N], flat, shape (2 k,): is written.
     :param c: cosine of the object's orientation.
     :param s: sine of it.
@@ -61,7 +63,7 @@ def friction_forces(body, supports, forces, c, s, at, velocity):
     """
     power = 0.0
     for i in range(len(supports)):
-        s_x, s_y, capacity = supports[i]
+        s_x, s_y, capacity, _ = supports[i]
         r_x, r_y = c * s_x - s * s_y, s * s_x + c * s_y
         weight = friction_weight(capacity, at[0] - at[2] * r_y, at[1] + at[2] * r_x,
                                  body[SMOOTHING])
