@@ -22,7 +22,7 @@ SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', Cont
             ('', Frames), ('', ControllerOptions))
 LEVELS = {'waiting': WARN, 'failed': ERROR}
 WATCHDOG_PERIOD = 0.05
-FLUSH_TIMEOUT = 0.5
+FLUSH_TIMEOUT = 0.2
 BACKWARDS = 1.0
 
 

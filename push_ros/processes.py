@@ -37,7 +37,7 @@ class NodeProcesses:
         return self
 
     def __exit__(self, *_):
-        for name in list(self._processes):
+        for name in self.names:
             self._kill(name)
 
     def start(self, name, module, parameter_file):
@@ -55,6 +55,11 @@ class NodeProcesses:
             self._processes[name] = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                 env=self._environment, start_new_session=True)
+
+    @property
+    def names(self):
+        """Names of the nodes that were started and not stopped."""
+        return list(self._processes)
 
     def pid(self, name):
         """
@@ -75,6 +80,15 @@ class NodeProcesses:
             if status is not None:
                 raise NodeDied(f'{name} ended unexpectedly with {_status_text(status)}'
                                + self.last_words(name))
+
+    def send(self, name, number):
+        """
+        Send a signal to a node.
+
+        :param name: of the node.
+        :param number: of the signal.
+        """
+        self._processes[name].send_signal(number)
 
     def stop(self, name):
         """
@@ -100,7 +114,7 @@ class NodeProcesses:
 
         :raises NodeDied: where one does not end well.
         """
-        for name in list(self._processes):
+        for name in self.names:
             self.stop(name)
 
     def last_words(self, name):

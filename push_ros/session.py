@@ -11,7 +11,7 @@ from push_ros.recorder import Listener
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
-PAUSE = 0.002
+PAUSE, PATIENCE = 0.002, 2.0
 RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 
 
@@ -32,7 +32,7 @@ class Session:
     def __init__(self, domain, stamped, watch, check):
         self._watch, self._check = watch, check
         self._context = rclpy.Context()
-        with _local_discovery():
+        with local_discovery():
             rclpy.init(args=[], context=self._context, domain_id=domain)
         self._node = rclpy.create_node('replay', context=self._context)
         self._ear = rclpy.create_node('recorder', context=self._context)
@@ -108,8 +108,10 @@ class Session:
         client, end = self._clients[service], time.monotonic() + timeout
         answer = 'no answer'
         while time.monotonic() < end:
+            # Asked anew after a while: an answer can be lost while both sides get acquainted.
             future = client.call_async(SERVICES[service][0].Request())
-            while not future.done() and time.monotonic() < end:
+            asked = time.monotonic()
+            while not future.done() and time.monotonic() < asked + PATIENCE:
                 self._executor.spin_once(timeout_sec=PAUSE)
                 self.pump()
             if future.done():
@@ -121,7 +123,8 @@ class Session:
 
 
 @contextlib.contextmanager
-def _local_discovery():
+def local_discovery():
+    """Let contexts that are made in the block find only nodes of this machine."""
     before = os.environ.get(RANGE)
     os.environ[RANGE] = 'LOCALHOST'
     try:

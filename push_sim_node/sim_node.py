@@ -85,10 +85,9 @@ class SimNode(PushNode):
         self._report(OK, 'holds time')
 
     def _start(self):
-        if self._state != 'holding':
-            return False, f'is {self._state} already'
-        self._state, self._heard = 'starting', time.monotonic()
-        return True, 'started'
+        if self._state == 'holding':
+            self._state, self._heard = 'starting', time.monotonic()
+        return self._state != 'ended', f'is {self._state}'
 
     def _reset(self):
         self._hold(self._options.autostart)
