@@ -20,10 +20,10 @@ def box(side=0.4, mass=2.0, friction=(0.3, 0.3, 0.3, 0.3), foot=None, inertia=No
                         outline=square_outline(side), **fields)
 
 
-def bin_(radius=0.2, mass=3.0, friction=0.3, feet=3):
+def bin_(radius=0.2, mass=3.0, friction=0.3, feet=3, **fields):
     """Return a round bin on feet near its rim."""
     supports = [Support(0.8 * radius * math.cos(2 * math.pi * i / feet),
                         0.8 * radius * math.sin(2 * math.pi * i / feet), friction)
                 for i in range(feet)]
     return PushedObject(mass=mass, inertia=0.5 * mass * radius ** 2, supports=supports,
-                        radius=radius)
+                        radius=radius, **fields)

@@ -68,23 +68,26 @@ def rolling_push(obj, robot, normal, contact_point, surface_radius, heading, com
 
     :return: object poses, shape (n, 3), contact forces (F_n, F_t), shape (n, 2).
     """
-    rolling = rolling_constants(robot.radius, surface_radius)
+    share, effective = rolling = rolling_constants(robot.radius, surface_radius)
     motion = equation_of_motion(obj, rolling)
-    radius = robot.radius
 
-    def inputs(time, state):
-        (v_x, v_y), (a_x, a_y), omega_p, alpha_p = robot_at(state[7], command, time)
-        n_x, n_y = math.cos(state[4]), math.sin(state[4])
-        turn = rolling[0] * state[3] + (1.0 - rolling[0]) * omega_p
-        along, across = alpha_p * radius, omega_p * radius * turn
-        return [v_x - omega_p * radius * n_y, v_y + omega_p * radius * n_x,
-                a_x - along * n_y - across * n_x, a_y + along * n_x - across * n_y, omega_p]
+    def inputs(time, y):
+        # The velocity of the robot's material at C, whatever the robot's shape.
+        v, a, omega_p, alpha_p = robot_at(y[7], command, time)
+        v, a = complex(*v), complex(*a)
+        arm = complex(*Pose(*y[:3]).transform(y[5:7])) - complex(*y[8:10])
+        surface = v + 1j * omega_p * arm
+        moved = surface + effective * (y[3] - omega_p) * 1j * np.exp(1j * y[4])
+        bias = a + 1j * alpha_p * arm + 1j * omega_p * (moved - v)
+        return [surface.real, surface.imag, bias.real, bias.imag, omega_p]
 
-    def rate(time, state):
-        u = inputs(time, state)
-        return np.append(np.array(motion(state[:7], u)[0]).ravel(), u[4])
+    def rate(time, y):
+        u, v = inputs(time, y), robot_at(y[7], command, time)[0]
+        return np.array([*np.array(motion(y[:7], u)[0]).ravel(), u[4], *v])
 
-    states = integrate(rate, [0, 0, 0, 0, normal, *contact_point, heading], command, times)
+    away = 0.0 if math.isinf(robot.radius) else robot.radius
+    start = [contact_point[0] - away * math.cos(normal), contact_point[1] - away * math.sin(normal)]
+    states = integrate(rate, [0, 0, 0, 0, normal, *contact_point, heading, *start], command, times)
     forces = [np.array(motion(y[:7], inputs(t, y))[1]).ravel() for t, y in zip(times, states)]
     return states[:, :3], np.array(forces)
 

@@ -31,13 +31,27 @@ ROLLING = {
     'face, arc with spin': (box(**GRIPPY, **UNEVEN), 0.17, (-0.2, 0.02), 0.0, FACE, 0.1,
                             (0.2, 0.0, -0.4), 1.5),
     'round': (bin_(), 0.17, (-0.2, 0.0), 0.0, DISC, 0.05, (0.2, 0.0, 0.0), 2.0),
+    'round, spin': (bin_(**GRIPPY), 0.17, (-0.2, 0.0), 0.0, DISC, 0.05, (0.2, 0.0, 0.4), 1.5),
+    'face, point': (box(**GRIPPY, **UNEVEN), 0.0, (-0.2, 0.05), 0.0, FACE, 0.1, (0.2, 0.0, 0.2),
+                    1.0),
+    'round, point': (bin_(**GRIPPY), 0.0, (-0.2, 0.0), 0.0, DISC, 0.05, (0.2, 0.0, 0.2), 1.0),
+    'face, 10 m': (box(**GRIPPY, **UNEVEN), 10.0, (-0.2, -0.1), 0.0, FACE, 0.0, (0.2, 0.1, 0.0),
+                   1.0),
+    'vertex, 100 m': (box(**GRIPPY, **UNEVEN), 100.0, (-0.2, -0.2), 0.7, VERTEX, 0.7,
+                      (0.2, 0.02, 0.0), 1.5),
+    'round, fence': (bin_(**GRIPPY, center_of_mass=(0.02, -0.03)), math.inf, (-0.2, 0.0), 0.0,
+                     DISC, 0.0, (0.2, 0.05, 0.0), 3.0),
+    'round, fence that turns': (bin_(**GRIPPY), math.inf, (-0.2, 0.0), 0.0, DISC, 0.0,
+                                (0.3, 0.0, 0.3), 2.0),
+    'vertex, fence': (box(**GRIPPY, **UNEVEN), math.inf, (-0.2, -0.2), 0.7, VERTEX, 0.7,
+                      (0.2, 0.02, 0.2), 1.0),
 }
 
 
 def touching(robot, point, normal, heading):
     """Return the robot's pose beside a point of an object at the origin."""
-    return Pose(point[0] - robot.radius * math.cos(normal),
-                point[1] - robot.radius * math.sin(normal), heading)
+    away = 0.0 if math.isinf(robot.radius) else robot.radius
+    return Pose(point[0] - away * math.cos(normal), point[1] - away * math.sin(normal), heading)
 
 
 def pushed(obj, robot, robot_pose, command, times, step):
