@@ -54,7 +54,7 @@ def ways(cores, with_cluster):
     if with_cluster:
         import distributed
         with distributed.LocalCluster(cores, threads_per_worker=1, host='127.0.0.1',
-                                      dashboard_address=None) as cluster, \
+                                      dashboard_address=':0') as cluster, \
                 distributed.Client(cluster, set_as_default=False) as client:
             yield f'Dask, {cores} workers', {'scheduler': client}
 

@@ -17,9 +17,6 @@ from push_scenario.batch_store import Store
 from push_scenario.batch_table import write_table
 from push_scenario.batch_workers import available_cores, workers_of
 
-MOST_PER_CHUNK = 64
-CHUNKS_PER_WORKER = 64
-
 
 @dataclasses.dataclass(frozen=True)
 class BatchResult:
@@ -77,25 +74,15 @@ def run_batch(function, jobs, out=None, workers=None, scheduler=None, progress=N
         a guess, good for short jobs.
     :param any_software: go on also with records that other software has made.
     :return: the ``BatchResult``.
-    :raises ValueError: where ``out`` holds other jobs, or a job is not plain.
+    :raises ValueError: where ``out`` holds another batch, or a job is not plain.
     """
+    for name, value in (('workers', workers), ('chunk', chunk)):
+        if value is not None and value < 1:
+            raise ValueError(f'{name}: got {value!r}, expected at least 1, or None')
     jobs = tuple(jobs)
-    report = progress or (lambda done, total: None)
     with Store(out, header(function, jobs), any_software) as store:
-        todo = [index for index in range(len(jobs)) if index not in store.entries]
-        report(len(store.entries), len(jobs))
-        if todo:
-            size = chunk or _chunk_size(len(todo), workers)
-            chunks = [[(index, jobs[index]) for index in todo[first:first + size]]
-                      for first in range(0, len(todo), size)]
-
-            def keep(entries):
-                store.append(entries)
-                report(len(store.entries), len(jobs))
-
-            with StopRequest() as stop, \
-                    workers_of(workers or available_cores(), scheduler, len(chunks)) as pool:
-                collect(pool, function, chunks, keep, stop)
+        _do_rest(function, jobs, store, workers or available_cores(), scheduler,
+                 progress or _ignore, chunk)
         entries = [store.entries[index] for index in range(len(jobs))]
     result = BatchResult(jobs, tuple(entry.get('record') for entry in entries),
                          {entry['job']: entry['error'] for entry in entries if 'error' in entry})
@@ -116,6 +103,21 @@ def seeds(seed, count):
             >> 1 for index in range(count)]
 
 
-def _chunk_size(count, workers):
-    parts = CHUNKS_PER_WORKER * (workers or available_cores())
-    return max(1, min(MOST_PER_CHUNK, count // parts))
+def _do_rest(function, jobs, store, workers, scheduler, progress, chunk):
+    def keep(entries):
+        store.append(entries)
+        progress(len(store.entries), len(jobs))
+
+    progress(len(store.entries), len(jobs))
+    rest = [index for index in range(len(jobs)) if index not in store.entries]
+    if not rest:
+        return
+    with StopRequest() as stop, workers_of(workers, scheduler, len(rest)) as pool:
+        size = chunk or pool.chunk_size(len(rest))
+        chunks = [[(index, jobs[index]) for index in rest[first:first + size]]
+                  for first in range(0, len(rest), size)]
+        collect(pool, function, chunks, keep, stop)
+
+
+def _ignore(done, total):
+    pass

@@ -21,30 +21,57 @@ def available_cores():
 
 
 @contextlib.contextmanager
-def workers_of(count, scheduler, chunks):
+def workers_of(count, scheduler, jobs):
     """
     Open what the jobs run on, and close it again.
 
     :param count: number of processes; 1 for this one.
     :param scheduler: ``distributed.Client`` or address of a Dask cluster; None for no cluster.
-    :param chunks: number of chunks to come.
+    :param jobs: number of jobs to come.
     """
     if isinstance(scheduler, str):
         with _distributed().Client(scheduler, set_as_default=False) as client:
             yield Cluster(client)
     elif scheduler is not None:
         yield Cluster(scheduler)
-    elif min(count, chunks) <= 1:
+    elif min(count, jobs) <= 1:
         yield Here()
     else:
-        with Processes(min(count, chunks)) as pool:
+        with Processes(min(count, jobs)) as pool:
             yield pool
 
 
-class Here:
+class Workers:
+    """
+    Any number of workers.
+
+    Chunks are few enough to cost little, and enough that progress shows, a kill loses little and
+    all workers end at about the same time.
+
+    :param count: number of workers.
+    """
+
+    chunks_per_worker = 64
+    most_in_chunk = 64
+
+    def __init__(self, count):
+        self.count, self.depth = count, DEPTH * count
+
+    def chunk_size(self, jobs):
+        """
+        Guess how many jobs to hand out at a time.
+
+        :param jobs: number of jobs.
+        """
+        return max(1, min(self.most_in_chunk, jobs // (self.chunks_per_worker * self.count)))
+
+
+class Here(Workers):
     """This process, one chunk at a time."""
 
-    depth = 1
+    def __init__(self):
+        super().__init__(1)
+        self.depth = 1
 
     def submit(self, function, chunk, stop):
         """Run a chunk at once."""
@@ -56,12 +83,13 @@ class Here:
         """Do nothing: the jobs ask for themselves."""
 
 
-class Processes:
+class Processes(Workers):
     """Processes on this machine."""
 
     def __init__(self, count):
+        super().__init__(count)
         context = multiprocessing.get_context('spawn')
-        self.depth, self._stop = DEPTH * count, context.Event()
+        self._stop = context.Event()
         # Processes end at once when this end of the pipe is closed, be it by a kill.
         reader, self._alive = context.Pipe(duplex=False)
         self._pool = futures.ProcessPoolExecutor(count, context, _begin, (self._stop, reader))
@@ -86,11 +114,15 @@ class Processes:
         self._stop.set()
 
 
-class Cluster:
+class Cluster(Workers):
     """A Dask cluster; a chunk that runs there cannot be stopped, and is given up."""
 
+    # A chunk costs its scheduler some 10 ms.
+    chunks_per_worker = 16
+    most_in_chunk = 256
+
     def __init__(self, client):
-        self.depth = DEPTH * max(1, sum(client.nthreads().values()))
+        super().__init__(max(1, sum(client.nthreads().values())))
         self._executor = client.get_executor(pure=False)
 
     def submit(self, function, chunk, stop):

@@ -53,7 +53,7 @@ def table(out):
 def cluster():
     """Start a local Dask cluster of two worker processes."""
     with distributed.LocalCluster(2, threads_per_worker=1, processes=True, memory_limit=0,
-                                  host='127.0.0.1', dashboard_address=None) as cluster, \
+                                  host='127.0.0.1', dashboard_address=':0') as cluster, \
             distributed.Client(cluster, set_as_default=False) as client:
         yield client
 
@@ -322,6 +322,9 @@ def test_what_cannot_be_told_apart_or_sent_is_refused():
             run_batch(function, JOBS)
     with pytest.raises(ValueError, match=r'jobs\[1\]'):
         run_batch(noisy, [{}, {'pose': Pose}])
+    for option in ('workers', 'chunk'):
+        with pytest.raises(ValueError, match=f'{option}: got 0'):
+            run_batch(noisy, JOBS, **{option: 0})
 
 
 def test_wrong_variations_are_named():
