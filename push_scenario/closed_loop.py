@@ -12,7 +12,7 @@ from push_planner.problem import PlanningFailed, problem_from_placement
 from push_planner.solver import plan
 from push_scenario.result import Result
 from push_scenario.tape import Tape
-from push_sim_node.simulation import COLUMNS, Simulation
+from push_sim_node.simulation import Simulation
 
 REST_SPEED = 1e-4
 REST_YAW_RATE = 1e-3
@@ -59,7 +59,7 @@ def run(scenario, control_law=None, progress=None):
     outcome, reason, end_time = loop.push(scenario.time_limit)
     loop.settle()
     return Result(scenario, settings.control_law, outcome, reason, answer.trajectory,
-                  Tape(COLUMNS, simulation.tape), end_time)
+                  Tape(simulation.columns, simulation.tape), end_time)
 
 
 def control_settings(scenario, control_law=None):

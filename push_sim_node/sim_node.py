@@ -19,7 +19,7 @@ from push_ros.run import run
 from push_ros.sim_outputs import SimOutputs
 from push_scenario.tape import Tape
 from push_sim_node.sensors import SensorSettings
-from push_sim_node.simulation import COLUMNS, Simulation, SimulationSettings
+from push_sim_node.simulation import Simulation, SimulationSettings
 from rclpy.clock import Clock, ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
@@ -68,7 +68,7 @@ class SimNode(PushNode):
         if not self._options.tape_path or not self._simulation.tape:
             return
         path = Path(self._options.tape_path)
-        Tape(COLUMNS, self._simulation.tape).save(path)
+        Tape(self._simulation.columns, self._simulation.tape).save(path)
         wall = (self._ended or time.monotonic()) - self._began
         path.with_suffix('.json').write_text(json.dumps({
             'simulated_time': self._simulation.time, 'wall_time': wall,

@@ -15,13 +15,14 @@ from push_sim_node.disturbance import change_times, friction_factors, FrictionCh
 from push_sim_node.floor import FloorPatch
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
+from push_sim_node.truth import Energy
 
 COLUMNS = ('time',
            'object_x', 'object_y', 'object_theta', 'object_v_x', 'object_v_y', 'object_omega',
            'robot_x', 'robot_y', 'robot_theta', 'robot_v_x', 'robot_v_y', 'robot_omega',
            'command_v_x', 'command_v_y', 'command_omega',
            'mode', 'force_n', 'force_t', 'gap', 'pushing_angle', 'contact_x', 'contact_y',
-           'normal')
+           'normal', *(f'energy_{name}' for name in Energy._fields))
 NANOSECONDS = 1_000_000_000
 MEASURE_POSE, DELIVER_POSE, ODOMETRY = range(3)
 
@@ -60,10 +61,11 @@ class Simulation:
     measurements that are due together, object poses come first. The robot stops when no command
     has come for ``command_timeout``.
 
-    ``tape`` has a row in the order of ``COLUMNS`` for every odometry time, SI units, before the
+    ``tape`` has a row in the order of ``columns`` for every odometry time, SI units, before the
     command that answers it. ``object_v`` is in world axes, ``robot_v`` and ``command`` in the
     robot's own, angles are not wrapped, ``mode`` is an index into ``layout.MODES``, and
-    ``pushing_angle`` is nan without contact; the rest is as in ``Truth``.
+    ``pushing_angle`` is nan without contact; the rest is as in ``Truth``, as is the friction
+    ``support_0_x``, ``support_0_y``, ... on each support [N] behind the other columns.
 
     :param obj: the true ``PushedObject``.
     :param robot: the true ``RoundRobot``.
@@ -103,6 +105,12 @@ class Simulation:
         self._apply_friction()
         self._schedule(0, MEASURE_POSE, 0)
         self._schedule(0, ODOMETRY, 0)
+
+    @property
+    def columns(self):
+        """Names of the tape's columns: ``COLUMNS``, then the friction on each support."""
+        return COLUMNS + tuple(f'support_{i}_{axis}' for i in range(len(self.obj.supports))
+                               for axis in 'xy')
 
     @property
     def time(self):
@@ -179,7 +187,8 @@ class Simulation:
         return (truth.time, *truth.object_pose, *truth.object_twist, *truth.robot_pose,
                 *truth.robot_twist, *command, float(layout.MODES.index(truth.mode)),
                 truth.force_n, truth.force_t, truth.gap, truth.pushing_angle,
-                *truth.contact_point, truth.normal)
+                *truth.contact_point, truth.normal, *truth.energy,
+                *(value for force in truth.support_forces for value in force))
 
 
 def _nanoseconds(seconds):

@@ -86,7 +86,7 @@ def rolling_push(obj, robot, normal, contact_point, surface_radius, heading, com
         return np.array([*np.array(motion(y[:7], u)[0]).ravel(), u[4], *v])
 
     away = 0.0 if math.isinf(robot.radius) else robot.radius
-    start = [contact_point[0] - away * math.cos(normal), contact_point[1] - away * math.sin(normal)]
+    start = Pose(*contact_point, normal).transform((-away, 0.0))
     states = integrate(rate, [0, 0, 0, 0, normal, *contact_point, heading, *start], command, times)
     forces = [np.array(motion(y[:7], inputs(t, y))[1]).ravel() for t, y in zip(times, states)]
     return states[:, :3], np.array(forces)

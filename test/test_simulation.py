@@ -85,7 +85,7 @@ def test_same_seed_same_tape_to_the_last_bit():
     assert events[0] == events[1]
     assert np.array(one.tape).tobytes() == np.array(two.tape).tobytes()
     assert events[0] != events[2]
-    assert len(one.tape) > 90 and len(one.tape[0]) == len(COLUMNS)
+    assert len(one.tape) > 90 and len(one.tape[0]) == len(one.columns)
 
 
 def test_reset_begins_the_same_run_again():
@@ -155,7 +155,7 @@ def test_tape_agrees_with_the_truth():
     sim = simulation()
     run(sim, 1.0)
     truth = sim.truth
-    row = dict(zip(COLUMNS, sim.tape[-1]))
+    row = dict(zip(sim.columns, sim.tape[-1]))
     assert row['time'] == truth.time == sim.time
     assert [row['object_x'], row['object_y'], row['object_theta']] == list(truth.object_pose)
     assert (row['force_n'], row['force_t']) == (truth.force_n, truth.force_t)
