@@ -32,8 +32,10 @@ class Engine:
     :param bumper: the same for the contact of robot and object.
     :param margin: distance at which a contact becomes active [m]; the robot is drawn smaller by
         it, so that it pushes where it should.
-    :param floor_impedance: of the feet.
+    :param floor_impedance: of the feet (at first touch, 1 mm deep).
     :param bumper_impedance: of the contact of robot and object.
+    :param cone: 'elliptic' or 'pyramidal'.
+    :param tolerance: of the solver.
     :param iterations: most iterations of the solver.
     """
 
@@ -43,16 +45,20 @@ class Engine:
     floor_friction: tuple = (0.0, 0.0)
     bumper: tuple = (0.02, 1.0)
     margin: float = 0.0
-    floor_impedance: float = 0.95
-    bumper_impedance: float = 0.95
+    floor_impedance: tuple = (0.9, 0.95)
+    bumper_impedance: tuple = (0.9, 0.95)
+    cone: str = 'pyramidal'
+    tolerance: float = 1e-8
     iterations: int = 100
 
 
+EXACT = {'cone': 'elliptic', 'tolerance': 1e-10}
 DEFAULT = Engine()
 HARD = Engine(step=5e-4, impratio=10.0, floor=(0.002, 1.0), bumper=(0.002, 1.0),
-              floor_impedance=0.999, bumper_impedance=0.999)
+              floor_impedance=(0.999, 0.999), bumper_impedance=(0.999, 0.999), **EXACT)
 TUNED = Engine(step=2.5e-4, impratio=10.0, floor=(0.02, 1.0), floor_friction=(0.1, 1.0),
-               bumper=(0.004, 1.0), margin=0.001, floor_impedance=0.3, bumper_impedance=0.9999)
+               bumper=(0.004, 1.0), margin=0.001, floor_impedance=(0.3, 0.3),
+               bumper_impedance=(0.9999, 0.9999), **EXACT)
 
 
 def words(*numbers):
@@ -75,7 +81,7 @@ def pair(one, other, mu, solref, friction_solref, impedance, margin):
     """Write a pair of shapes that touch."""
     return (f'<pair geom1="{one}" geom2="{other}" condim="3" friction="{words(mu, mu, 0, 0, 0)}"'
             f' solref="{words(*solref)}" solreffriction="{words(*friction_solref)}"'
-            f' solimp="{words(impedance, impedance, 1e-3, 0.5, 2)}" margin="{margin}"/>')
+            f' solimp="{words(*impedance, 1e-3, 0.5, 2)}" margin="{margin}"/>')
 
 
 def scene_xml(obj, robot, engine):
@@ -93,8 +99,8 @@ def scene_xml(obj, robot, engine):
     inertia = words(obj.inertia, obj.inertia, obj.inertia)
     return f"""
 <mujoco>
-  <option timestep="{engine.step}" cone="elliptic" impratio="{engine.impratio}"
-          tolerance="1e-10" iterations="{engine.iterations}" gravity="0 0 -9.81"/>
+  <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
+          tolerance="{engine.tolerance}" iterations="{engine.iterations}" gravity="0 0 -9.81"/>
   <default><geom contype="0" conaffinity="0"/></default>
   <worldbody>
     <geom name="floor" type="plane" size="9 9 1"/>
