@@ -65,8 +65,11 @@ def site_of(obj, robot, trajectory):
     :param robot: the ``RoundRobot``.
     :param trajectory: the ``PushTrajectory``.
     :return: ``Site``.
-    :raises ValueError: where the robot's first pose does not touch the object.
+    :raises ValueError: where the robot is not round, or its first pose does not touch the object.
     """
+    if not 0.0 < robot.radius < math.inf:
+        raise ValueError(f'robot.radius: got {robot.radius:g} m, expected a round robot, neither '
+                         'a point nor a fence')
     pose = Pose(*trajectory.object_poses[0].tolist())
     x, y, phi = trajectory.robot_poses[0].tolist()
     contact, gamma, gap = find_contact(obj, pose, (x, y), robot.radius)

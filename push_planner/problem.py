@@ -143,6 +143,9 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
             raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
+    if not 0.0 < robot.radius < math.inf:
+        raise PlanningFailed(f'the robot has a radius of {robot.radius:g} m: plans are made for '
+                             'round robots, neither points nor fences')
     contact, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
     if abs(gap) > settings.contact_tolerance:
         kind = 'away from' if gap > 0.0 else 'inside'

@@ -13,7 +13,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 BROWN, GREEN, GREY = (0.72, 0.53, 0.31), (0.2, 0.65, 0.35), (0.35, 0.35, 0.4)
 BLUE, RED, ORANGE = (0.15, 0.45, 0.85), (0.85, 0.2, 0.2), (0.95, 0.6, 0.1)
 ORIGIN = Pose(0.0, 0.0, 0.0)
-LINE, HEIGHT, ARROW = 0.01, 0.1, 0.25
+LINE, HEIGHT, ARROW, FENCE = 0.01, 0.1, 0.25, 2.0
 SHORT = Duration(sec=1)
 
 
@@ -39,11 +39,15 @@ def scene_markers(stamp, frame, namespace, obj, robot, object_pose, robot_pose, 
     supports = marker('supports', Marker.SPHERE_LIST, object_pose, (0.03, 0.03, 0.03), GREY)
     supports.points = [_point((foot.x, foot.y)) for foot in obj.supports]
     body = marker('robot', Marker.CYLINDER, robot_pose,
-                  (2 * robot.radius, 2 * robot.radius, HEIGHT), GREEN)
+                  (2 * max(robot.radius, LINE), 2 * max(robot.radius, LINE), HEIGHT), GREEN)
+    if math.isinf(robot.radius):
+        body.type = Marker.CUBE
+        body.scale.x, body.scale.y = LINE, FENCE
     body.pose.position.z = HEIGHT / 2
-    nose = marker('heading', Marker.ARROW, robot_pose, (robot.radius, 0.03, 0.03), GREY)
+    nose = marker('heading', Marker.ARROW, robot_pose,
+                  (min(max(robot.radius, LINE), ARROW), 0.03, 0.03), GREY)
     nose.pose.position.z = HEIGHT
-    contact, gamma, _ = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
+    contact, gamma, _ = find_contact(obj, object_pose, robot_pose, robot.radius)
     place = Pose(*object_pose).transform(contact_point(obj, contact))
     cone = marker('friction_cone', Marker.LINE_LIST, Pose(*place, gamma), (LINE, 0.0, 0.0), RED)
     angle = math.atan(obj.contact_friction_coefficient)

@@ -64,7 +64,7 @@ class Start:
         Place the robot.
 
         :param obj: the ``PushedObject`` that stands at ``object``.
-        :param radius: of the robot [m].
+        :param radius: of the robot [m]; infinite for a fence.
         :return: ``Pose`` of the robot in the world.
         :raises ValueError: where the object has no such contact.
         """
@@ -77,7 +77,7 @@ class Start:
             raise ValueError(f'Start.normal: got {self.normal:g}, expected at most '
                              f'{0.5 * (high - low):g} to either side at this contact [rad]')
         x, y = contact_point(obj, self.contact)
-        away = radius + self.gap
+        away = self.gap if math.isinf(radius) else radius + self.gap
         in_object = Pose(x - away * math.cos(normal), y - away * math.sin(normal),
                          normal + self.heading)
         return self.object.pose @ in_object @ error
