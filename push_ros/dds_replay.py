@@ -61,20 +61,28 @@ def run_over_dds(scenario, control_law=None, out_dir='out', real_time=False, rec
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
     settings = control_settings(scenario, control_law)
-    name = f'{scenario.name}_{settings.control_law}'
-    folder = Path(out_dir) / f'{name}_nodes'
+    law = settings.control_law
+    folder = Path(out_dir) / f'{scenario.name}_{law}_nodes'
     folder.mkdir(parents=True, exist_ok=True)
     tape_path = folder / 'tape.csv'
     for stale in (tape_path, tape_path.with_suffix('.json')):
         stale.unlink(missing_ok=True)
     files = write_node_files(folder, scenario, settings, tape_path, real_time, stamped)
     watcher = Watcher(scenario.goal.pose, progress)
-    bag = Path(out_dir) / f'{name}_bag' if record else None
+    bag = Path(out_dir) / f'{scenario.name}_{law}_bag' if record else None
+    refusal = _carry_out(scenario, files, watcher, folder, bag, stamped, on_start)
+    if refusal:
+        return DdsResult(scenario, law, 'refused', refusal, bag=bag)
+    return _result(scenario, law, watcher, tape_path, bag)
+
+
+def _carry_out(scenario, files, watcher, folder, bag, stamped, on_start):
+    """Run the nodes until all is over; return why the goal was refused, if it was."""
     with contextlib.ExitStack() as stack:
         nodes = stack.enter_context(NodeProcesses(stack.enter_context(private_domain()), folder))
         session = Session(nodes.domain, stamped, watcher.note, nodes.check)
         stack.callback(session.close)
-        if record:
+        if bag is not None:
             _replace(bag)
             writer = BagWriter(bag, session.types)
             stack.callback(writer.close)
@@ -86,10 +94,7 @@ def run_over_dds(scenario, control_law=None, out_dir='out', real_time=False, rec
             _push(scenario, session, watcher, on_start and (lambda: on_start(nodes)))
         nodes.stop_all()
         session.drain()
-    law = settings.control_law
-    if refusal:
-        return DdsResult(scenario, law, 'refused', refusal, bag=bag)
-    return _result(scenario, law, watcher, tape_path, bag)
+    return refusal
 
 
 def _plan(scenario, session, watcher):

@@ -5,6 +5,7 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
+import threading
 
 STOP_TIMEOUT = 5.0
 LAST_LINES = 12
@@ -24,7 +25,7 @@ class NodeProcesses:
 
     def __init__(self, domain, log_folder):
         self.domain, self._logs = domain, Path(log_folder)
-        self._processes = {}
+        self._processes, self._has_handler = {}, False
         self._environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
                              'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
                              'PYTHONUNBUFFERED': '1'}
@@ -34,11 +35,18 @@ class NodeProcesses:
         self._environment['PYTHONPATH'] = os.pathsep.join(path)
 
     def __enter__(self):
+        in_main = threading.current_thread() is threading.main_thread()
+        if in_main and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
+            # By default it would end this process at once, and leave the nodes behind.
+            signal.signal(signal.SIGTERM, _leave)
+            self._has_handler = True
         return self
 
     def __exit__(self, *_):
         for name in self.names:
             self._kill(name)
+        if self._has_handler:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
     def start(self, name, module, parameter_file):
         """
@@ -140,6 +148,10 @@ class NodeProcesses:
                 process.wait(patience)
             except subprocess.TimeoutExpired:
                 continue
+
+
+def _leave(number, _):
+    sys.exit(128 + number)
 
 
 def _status_text(status):

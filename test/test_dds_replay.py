@@ -154,17 +154,20 @@ def test_a_node_that_dies_or_hangs_ends_the_replay(tmp_path, victim, number, err
     assert len(pids) == 3 and all(map(_is_gone, pids))
 
 
-def test_an_interrupt_leaves_nothing_behind(tmp_path):
-    """As Ctrl-C does, in the middle of a run."""
+@pytest.mark.parametrize('number, ending', [(signal.SIGINT, KeyboardInterrupt),
+                                            (signal.SIGTERM, SystemExit)])
+def test_an_interrupt_leaves_nothing_behind(tmp_path, number, ending):
+    """Ctrl-C or a polite kill, in the middle of a run."""
     pids = []
 
     def interrupt(nodes):
         pids.extend(nodes.pid(name) for name in (SIM, PLANNER, CONTROLLER))
-        raise KeyboardInterrupt
+        os.kill(os.getpid(), number)
 
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(ending):
         run_over_dds(scenario('straight_push'), None, tmp_path, on_start=interrupt)
     assert len(pids) == 3 and all(map(_is_gone, pids))
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
 
 
 def test_a_scenario_on_the_wall_clock(tmp_path):

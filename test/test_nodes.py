@@ -262,7 +262,8 @@ def test_the_planner_answers_a_goal(planner, trajectory):
     (goal(GOAL, 'map'), "goal_pose: got frame 'map', expected 'odom'"),
     (goal((math.nan, 0.0, 0.0)), 'goal_pose: got the position (nan, 0)'),
     (PoseStamped(header=goal(GOAL).header), None),
-    (goal((1000.0, 0.0, 0.0)), 'at most 20 m is accepted')], ids=['frame', 'nan', 'default', 'infeasible'])
+    (goal((1000.0, 0.0, 0.0)), 'at most 20 m is accepted')],
+    ids=['frame', 'nan', 'default', 'infeasible'])
 def test_the_planner_refuses_a_goal_and_keeps_its_plan(planner, message, text):
     """With the reason as an error; nothing is published in place of the plan."""
     if text is None:
