@@ -1,11 +1,13 @@
 """Batches: the same to the bit however they are run, interrupted or spread."""
 
 import contextlib
+import csv
 import dataclasses
 from functools import partial
 import json
 import math
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -337,6 +339,22 @@ def test_wrong_variations_are_named():
     words = ['objekt', 'weight', 'PushedObject.mass', 'friction_factors', 'overlap', '-1.0']
     assert sorted(result.errors) == list(range(len(words)))
     assert all(word in result.errors[i] for i, word in enumerate(words))
+
+
+def test_the_documented_example_runs(tmp_path):
+    text = (Path(__file__).parent.parent / 'docs' / 'batches.md').read_text()
+    example = text.split('```python\n')[1].split('```')[0]
+    assert 'seeds(1, 10000)' in example
+    (tmp_path / 'example.py').write_text(example.replace('seeds(1, 10000)', 'seeds(1, 12)'))
+    done = subprocess.run([sys.executable, 'example.py'], cwd=tmp_path, timeout=120, text=True,
+                          env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)},
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert done.returncode == 0 and '12/12' in done.stdout, done.stdout
+    with open(tmp_path / 'out' / 'friction.csv', newline='') as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row['job'] for row in rows] == [str(n) for n in range(12)]
+    assert all(row['error'] == '' and float(row['object_x']) > 0.3 for row in rows)
+    assert len({row['job.robot_pose.1'] for row in rows}) == 12
 
 
 def test_a_cluster_without_its_extra_is_explained(monkeypatch):
