@@ -22,6 +22,7 @@ ENGINES = {'default': DEFAULT, 'hard': HARD, 'tuned': TUNED}
 ENGINE_STEPS = (2.5e-4, 5e-4, 1e-3, 2e-3, 5e-3)
 REFERENCE_STEP = 5e-5
 HOLD = 0.01
+TEXT = Path(__file__).with_name('plant.md.in')
 
 
 @dataclasses.dataclass(frozen=True)
@@ -155,7 +156,7 @@ def ratio_table(ours, theirs):
                          f'{best.speed / run.speed:.0f}' if run else
                          f'above {best.speed / min(r.speed for r in theirs[name]):.0f}'])
     return table(['MuJoCo', 'times faster per 1 ms step', 'error below 1 mm', 'plant at',
-                  'MuJoCo at', 'times faster'], rows)
+                  'MuJoCo at', 'times faster then'], rows)
 
 
 def picture(path, ours, theirs):
@@ -190,15 +191,10 @@ def report(quick):
     theirs = {name: engine_runs(name, engine, scenes, steps, fine)
               for name, engine in ENGINES.items()}
     runs = [run for family in (ours, *theirs.values()) for run in family]
-    text = '\n\n'.join((
-        '# Speed and error of the plant',
-        'Written by `python benchmarks/plant.py --out docs/validation`, all on one core, in one '
-        'run. An error is how\nfar the outline of a 0.4 m square is off at the end of a scene of '
-        'about a metre: against the extrapolation of\nsteps of 10 and 20 us for the plant, '
-        f'against a step of {1e6 * fine:g} us of the same settings for MuJoCo.',
-        scene_table(ours, scenes), '## Against MuJoCo', run_table(runs), ratio_table(ours, theirs),
-        '`above`: no step of MuJoCo that was tried is within 1 mm of its own limit; the ratio is '
-        'to the finest.', '![Error against step and against cost](plant.png)')) + '\n'
+    text = TEXT.read_text(encoding='utf-8')
+    for name, value in (('FINE', f'{1e6 * fine:g}'), ('SCENES', scene_table(ours, scenes)),
+                        ('RUNS', run_table(runs)), ('RATIOS', ratio_table(ours, theirs))):
+        text = text.replace(f'@{name}@', value)
     return text, ours, theirs
 
 
