@@ -1,8 +1,8 @@
 """A few jobs, run one after another where the worker is."""
 
-import numbers
-
 import numpy as np
+
+PLAIN = {bool, int, float, str, type(None)}
 
 
 def run_chunk(function, chunk, stop=None):
@@ -42,6 +42,6 @@ def _flat(record):
 def _plain(key, value):
     if isinstance(value, np.generic):
         value = value.item()
-    if value is None or isinstance(value, (bool, str, numbers.Integral, float)):
+    if type(value) in PLAIN:
         return value
     raise ValueError(f'record[{key!r}]: got {value!r}, expected a number or text')

@@ -52,7 +52,19 @@ def collect(pool, function, chunks, keep, stop):
     :raises KeyboardInterrupt: where stopped.
     :raises RuntimeError: where a worker died.
     """
-    waiting, running, stopped = iter(chunks), {}, False
+    running = {}
+    try:
+        _pump(pool, function, iter(chunks), running, keep, stop)
+    except futures.BrokenExecutor as error:
+        _keep_done([future for future in running if future.done() and not future.exception()],
+                   running, keep)
+        jobs = sorted(index for chunk in running.values() for index, _ in chunk)
+        raise RuntimeError(f'a worker died; it was at one of the jobs {jobs}: the same call goes '
+                           'on, with workers=1 until it meets that job') from error
+
+
+def _pump(pool, function, waiting, running, keep, stop):
+    stopped = False
     while True:
         while not stopped and len(running) < pool.depth:
             chunk = next(waiting, None)
@@ -66,20 +78,16 @@ def collect(pool, function, chunks, keep, stop):
         stopped = _keep_done(done, running, keep) or stopped or stop.is_set()
         if stopped:
             pool.stop()
-            running = {future: chunk for future, chunk in running.items() if not future.cancel()}
+            for future in [future for future in running if future.cancel()]:
+                del running[future]
     if stopped:
         raise KeyboardInterrupt
 
 
 def _keep_done(done, running, keep):
     stopped = False
-    for future in sorted(done, key=lambda future: future.exception() is not None):
-        try:
-            entries, interrupted = future.result()
-        except futures.BrokenExecutor as error:
-            jobs = sorted(index for chunk in running.values() for index, _ in chunk)
-            raise RuntimeError(f'a worker died; it was at one of the jobs {jobs}: the same call '
-                               'goes on, with workers=1 until it meets that job') from error
+    for future in done:
+        entries, interrupted = future.result()
         del running[future]
         stopped = stopped or interrupted
         if entries:

@@ -6,9 +6,11 @@ import math
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
+from push_sim_node.floor import FloorPatch
 from push_sim_node.plant import Plant
 
-PARTS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments')
+PARTS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments',
+         'floor')
 
 
 @dataclasses.dataclass(frozen=True)
@@ -18,8 +20,8 @@ class VariedPush:
 
     A job is a dict with any of: ``object`` and ``robot``, dicts of fields of ``PushedObject`` and
     ``RoundRobot`` and their values; ``object_pose``, ``robot_pose``, ``segments``, in place of
-    those below; ``friction_factors``, one for each support, from the start. What it does not name
-    stays.
+    those below; ``friction_factors``, one for each support, from the start; ``floor``, a list of
+    dicts of fields of ``FloorPatch``. What it does not name stays.
 
     :param object: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
@@ -30,6 +32,7 @@ class VariedPush:
         support, from then on.
     :param step: longest step [s].
     :param smoothing: speed below which support friction turns viscous [m/s].
+    :param floor: ``FloorPatch`` sequence.
     """
 
     object: PushedObject
@@ -39,6 +42,7 @@ class VariedPush:
     segments: tuple
     step: float = 2e-3
     smoothing: float = 1e-5
+    floor: tuple = ()
 
     def __call__(self, job):
         """
@@ -66,9 +70,14 @@ class VariedPush:
         unknown = job.keys() - set(PARTS)
         if unknown:
             raise ValueError(f'job: got {sorted(unknown)}, expected some of ' + ', '.join(PARTS))
+        floor = self.floor
+        if 'floor' in job:
+            _check_names('floor', {name for patch in job['floor'] for name in patch}, FloorPatch)
+            floor = tuple(FloorPatch(**patch) for patch in job['floor'])
         plant = Plant(_varied(self.object, 'object', job), _varied(self.robot, 'robot', job),
                       Pose(*job.get('object_pose', self.object_pose)),
-                      Pose(*job.get('robot_pose', self.robot_pose)), self.step, self.smoothing)
+                      Pose(*job.get('robot_pose', self.robot_pose)), self.step, self.smoothing,
+                      floor)
         if 'friction_factors' in job:
             _set_factors(plant, job['friction_factors'])
         return plant
@@ -86,11 +95,14 @@ def _varied(base, part, job):
     values = job.get(part)
     if not values:
         return base
-    unknown = values.keys() - {field.name for field in dataclasses.fields(base)}
-    if unknown:
-        raise ValueError(f'{part}: got {sorted(unknown)}, expected fields of '
-                         f'{type(base).__name__}')
+    _check_names(part, values.keys(), type(base))
     return dataclasses.replace(base, **values)
+
+
+def _check_names(part, names, kind):
+    unknown = names - {field.name for field in dataclasses.fields(kind)}
+    if unknown:
+        raise ValueError(f'{part}: got {sorted(unknown)}, expected fields of {kind.__name__}')
 
 
 def _record(plant):

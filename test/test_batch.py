@@ -22,6 +22,7 @@ from push_model.parameters import RoundRobot
 from push_model.signals import Twist
 from push_scenario.batch import run_batch, seeds
 from push_scenario.varied_push import VariedPush
+from push_sim_node.floor import FloorPatch
 from push_sim_node.plant import Plant
 import pytest
 
@@ -99,6 +100,14 @@ def test_friction_changes_between_segments():
                      for factor in (1.0, 2.0))
     assert always['support_loss'] == pytest.approx(2.0 * plain['support_loss'], rel=1e-3)
     assert plain['support_loss'] < 0.9 * grippy['support_loss'] < 0.9 * always['support_loss']
+
+
+def test_the_floor_may_differ_under_a_variation():
+    patch = {'x': 0.0, 'y': 0.0, 'length': 9.0, 'width': 9.0, 'factor': 2.0}
+    doubled = PUSH({'floor': [patch]})
+    assert doubled == PUSH({'friction_factors': [2.0] * 4})
+    assert doubled == dataclasses.replace(PUSH, floor=(FloorPatch(**patch),))({})
+    assert doubled['support_loss'] > 1.5 * PUSH({})['support_loss']
 
 
 def test_two_processes_give_the_result_of_one(tmp_path, alone):
@@ -334,9 +343,11 @@ def test_what_cannot_be_told_apart_or_sent_is_refused():
 def test_wrong_variations_are_named():
     jobs = [{'objekt': {}}, {'object': {'weight': 1.0}}, {'object': {'mass': -1.0}},
             {'friction_factors': [1.0]}, {'robot_pose': [0.0, 0.0, 0.0]},
-            {'segments': [[0.1, 0.1, 0.0, 0.0, 1.0, 1.0, 1.0, -1.0]]}, {}]
+            {'segments': [[0.1, 0.1, 0.0, 0.0, 1.0, 1.0, 1.0, -1.0]]},
+            {'floor': [{'colour': 1.0}]}, {}]
     result = run_batch(PUSH, jobs, workers=1)
-    words = ['objekt', 'weight', 'PushedObject.mass', 'friction_factors', 'overlap', '-1.0']
+    words = ['objekt', 'weight', 'PushedObject.mass', 'friction_factors', 'overlap', '-1.0',
+             'colour']
     assert sorted(result.errors) == list(range(len(words)))
     assert all(word in result.errors[i] for i, word in enumerate(words))
 
