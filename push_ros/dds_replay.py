@@ -113,8 +113,9 @@ def _push(scenario, session, watcher, on_start):
         on_start()
     moved = time.monotonic()
     before = watcher.time
-    until = scenario.time_limit
-    while watcher.time < until:
+    until = scenario.time_limit + SETTLE_TIME
+    # The clock may tell a time before the tape has its row.
+    while watcher.time <= until:
         session.pump()
         if watcher.errors.get(SIM):
             raise ReplayFailed(f'{SIM}: {watcher.errors[SIM]}')

@@ -4,6 +4,7 @@ import ast
 import graphlib
 from pathlib import Path
 import re
+import subprocess
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -41,9 +42,18 @@ def modules(root):
     return sorted(path.relative_to(root) for path in root.glob('push_*/**/*.py'))
 
 
+def files(root):
+    """List what belongs to the source tree: what git tracks, or everything without git."""
+    if not (root / '.git').exists():
+        return sorted(root.rglob('*'))
+    tracked = subprocess.run(['git', 'ls-files', '-z'], cwd=root, check=True, text=True,
+                             stdout=subprocess.PIPE).stdout
+    return [root / name for name in tracked.split('\0') if name]
+
+
 def texts(root):
     """Yield every text file of the source tree as (relative path, content)."""
-    for path in sorted(root.rglob('*')):
+    for path in files(root):
         relative = path.relative_to(root)
         generated = GENERATED.intersection(relative.parts) or '.egg-info' in str(relative)
         if path.is_file() and not generated:

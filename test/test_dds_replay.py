@@ -12,6 +12,7 @@ from push_ros.interfaces import CONTROLLER, PLANNER, SIM
 from push_ros.processes import NodeDied
 from push_ros.session import ReplayFailed
 from push_scenario import closed_loop
+from push_scenario.closed_loop import SETTLE_TIME
 from push_scenario.metrics import is_as_expected
 from push_scenario.reader import find_scenario, read_scenario
 import pytest
@@ -97,7 +98,7 @@ def test_time_runs_out(tmp_path):
     """A limit before the goal ends the run there."""
     result = run_over_dds(scenario('straight_push', time_limit=2.0), None, tmp_path, record=False)
     assert (result.outcome, result.end_time, result.bag) == ('time_limit', 2.0, None)
-    assert 2.0 <= result.tape['time'][-1] <= 4.0
+    assert result.tape['time'][-1] == pytest.approx(2.0 + SETTLE_TIME)
 
 
 def test_the_recording_reads_back(side_by_side):
