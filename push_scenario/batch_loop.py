@@ -1,43 +1,23 @@
 """Chunks of jobs go out, entries come in, and Ctrl-C ends it in order."""
 
 from concurrent import futures
-import signal
-import threading
+
+from push_scenario.interrupts import Interrupts
 
 POLL = 0.1
 
 
-class StopRequest:
-    """
-    Notes Ctrl-C while it is entered; the second one raises ``KeyboardInterrupt`` at once.
-
-    Outside the main thread, where Python delivers no signals, it notes nothing.
-    """
-
-    def __init__(self):
-        """Nothing is noted at first."""
-        self._seen = threading.Event()
-        self._before = None
-
-    def __enter__(self):
-        """Take over the signal."""
-        if threading.current_thread() is threading.main_thread():
-            self._before = signal.signal(signal.SIGINT, self._note)
-        return self
-
-    def __exit__(self, *_):
-        """Give the signal back."""
-        if self._before is not None:
-            signal.signal(signal.SIGINT, self._before)
+class StopRequest(Interrupts):
+    """Notes Ctrl-C while it is entered; only the second one raises ``KeyboardInterrupt``."""
 
     def is_set(self):
         """Tell whether Ctrl-C has come."""
-        return self._seen.is_set()
+        return self._seen
 
     def _note(self, number, frame):
-        if self._seen.is_set():
+        if self._seen:
             raise KeyboardInterrupt
-        self._seen.set()
+        self._seen = True
 
 
 def collect(pool, function, chunks, keep, stop):
