@@ -42,7 +42,7 @@ setup(
         'fast': ['numba'],
         'plot': ['matplotlib'],
         'record': ['rosbags'],
-        'test': ['distributed', 'mujoco', 'pytest'],
+        'test': ['mcap', 'distributed', 'mujoco', 'pytest'],
     },
     zip_safe=False,
     entry_points={

@@ -5,6 +5,7 @@ import dataclasses
 import os
 import signal
 
+from mcap.reader import make_reader
 import numpy as np
 from push_model.geometry import distance
 from push_ros.dds_replay import run_over_dds
@@ -99,6 +100,23 @@ def test_time_runs_out(tmp_path):
     result = run_over_dds(scenario('straight_push', time_limit=2.0), None, tmp_path, record=False)
     assert (result.outcome, result.end_time, result.bag) == ('time_limit', 2.0, None)
     assert result.tape['time'][-1] == pytest.approx(2.0 + SETTLE_TIME)
+
+
+def test_the_recording_opens_in_another_reader(side_by_side):
+    """What Foxglove needs: ROS 2 messages as CDR, with their definitions, in order of time."""
+    for result in side_by_side:
+        with next(result.bag.glob('*.mcap')).open('rb') as file:
+            reader = make_reader(file)
+            assert reader.get_header().profile == 'ros2'
+            summary = reader.get_summary()
+            times = [message.log_time for _, _, message in reader.iter_messages()]
+        assert times == sorted(times) and len(times) == summary.statistics.message_count > 500
+        assert {'/odom', '/object_pose', '/cmd_vel', '/push_plan'} <= {
+            channel.topic for channel in summary.channels.values()}
+        for channel in summary.channels.values():
+            schema = summary.schemas[channel.schema_id]
+            assert channel.message_encoding == 'cdr' and schema.data
+            assert schema.encoding in ('ros2msg', 'ros2idl')
 
 
 def test_the_recording_reads_back(side_by_side):
