@@ -28,7 +28,6 @@ class ControllerStatus:
     :param replans: number of new paths.
     :param go_arounds: number of new approaches near the goal.
     :param rejected_poses: number of measurements that did not fit.
-    :param fallbacks: number of times an optimiser had to be replaced; 0 for these laws.
     """
 
     phase: str = 'idle'
@@ -43,7 +42,6 @@ class ControllerStatus:
     replans: int = 0
     go_arounds: int = 0
     rejected_poses: int = 0
-    fallbacks: int = 0
 
 
 class Controller:
