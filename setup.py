@@ -40,7 +40,7 @@ setup(
     extras_require={
         'cluster': ['distributed'],
         'fast': ['numba'],
-        'plot': ['matplotlib'],
+        'plot': ['matplotlib', 'tqdm'],
         'record': ['rosbags'],
         'test': ['mcap', 'distributed', 'mujoco', 'pytest'],
     },
@@ -49,8 +49,10 @@ setup(
         'console_scripts': [
             'controller = push_control.controller_node:main',
             'planner = push_planner.planner_node:main',
+            'push-study = push_study.cli:main',
             'replay = push_scenario.replay:main',
             'sim = push_sim_node.sim_node:main',
+            'study = push_study.cli:main',
         ],
     },
 )

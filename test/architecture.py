@@ -14,6 +14,7 @@ MAY_IMPORT = {
     'push_model': set(),
     **{package: {'push_model'} for package in MODEL_USERS},
     'push_scenario': {'push_model', *MODEL_USERS},
+    'push_study': {'push_model', 'push_scenario', *MODEL_USERS},
     'push_ros': {'push_model', 'push_scenario', *MODEL_USERS},
 }
 ROS = re.compile(r'(rclpy|rosidl_\w+|ament_\w+|tf2_\w+|std_srvs|\w+_msgs|\w+_interfaces)$')

@@ -1,0 +1,41 @@
+"""All studies, in the order of the thesis."""
+
+import importlib
+
+MODULES = ('flat_object',)
+
+
+def studies():
+    """
+    List all studies.
+
+    :return: tuple of ``Study``, by number of the figure.
+    """
+    found = [study for name in MODULES
+             for study in importlib.import_module(f'push_study.{name}').STUDIES]
+    return tuple(sorted(found, key=_order))
+
+
+def select(words):
+    """
+    Find studies by number or chapter.
+
+    :param words: numbers such as ``2.11``, chapters such as ``chapter2``, or ``all``.
+    :return: tuple of ``Study`` in the order of the thesis.
+    :raises ValueError: for a word that means no study.
+    """
+    everything = studies()
+    chosen = set()
+    for word in words:
+        hits = {study.figure for study in everything if word in (study.figure, study.chapter,
+                                                                 'all')}
+        if not hits:
+            raise ValueError(f'study: got {word!r}, expected all, '
+                             + ', '.join(sorted({study.chapter for study in everything}))
+                             + ' or one of ' + ', '.join(study.figure for study in everything))
+        chosen |= hits
+    return tuple(study for study in everything if study.figure in chosen)
+
+
+def _order(study):
+    return [(len(part), part) for part in study.figure.split('.')]
