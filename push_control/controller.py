@@ -3,8 +3,10 @@
 import dataclasses
 
 from push_control.monitor import is_finite_odometry, unusable
+from push_control.mpc import PredictiveLaw
 from push_control.open_loop import OpenLoopPush
-from push_control.push import FeedbackPush
+from push_control.push import ClosedLoopPush
+from push_control.steering import ClosedFormLaw
 from push_model.geometry import Pose
 from push_model.signals import STOP
 
@@ -28,6 +30,8 @@ class ControllerStatus:
     :param replans: number of new paths.
     :param go_arounds: number of new approaches near the goal.
     :param rejected_poses: number of measurements that did not fit.
+    :param solver_failures: number of times that the closed-form law stood in for the solver.
+    :param solver_reason: why it did so last, empty while it did not.
     """
 
     phase: str = 'idle'
@@ -42,6 +46,8 @@ class ControllerStatus:
     replans: int = 0
     go_arounds: int = 0
     rejected_poses: int = 0
+    solver_failures: int = 0
+    solver_reason: str = ''
 
 
 class Controller:
@@ -56,6 +62,11 @@ class Controller:
         :param settings: ``ControlSettings``.
         """
         self._parts = obj, robot, settings
+        self._law = None
+        if settings.control_law == 'mpc':
+            self._law = PredictiveLaw(robot, settings)
+        elif settings.control_law == 'feedback':
+            self._law = ClosedFormLaw(settings)
         self.reset()
 
     def reset(self):
@@ -92,7 +103,7 @@ class Controller:
         return self._command
 
     def _answer(self, observation, dt):
-        open_loop = self._parts[2].control_law == 'open_loop'
+        open_loop = self._law is None
         measured = observation.object_pose
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
@@ -102,8 +113,9 @@ class Controller:
             return self._wait(observation.odometry)
         if self._push is None:
             try:
-                law = OpenLoopPush if open_loop else FeedbackPush
-                self._push = law(*self._parts, self._target, observation)
+                self._push = (OpenLoopPush(*self._parts, self._target, observation) if open_loop
+                              else ClosedLoopPush(*self._parts, self._law, self._target,
+                                                  observation))
             except ValueError as error:
                 self._phase, self._reason = 'failed', str(error)
                 return STOP

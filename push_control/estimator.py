@@ -100,20 +100,27 @@ class Estimator:
         self._covariance = 0.5 * (covariance + covariance.T)
         return True
 
-    def predict(self, time, twist=None, horizon=0.0):
+    def predict(self, time):
         """
         Carry the estimate to a later time.
 
         :param time: when [s], not before the last odometry.
-        :param twist: expected mean motion after that time, body axes.
-        :param horizon: how long that motion lasts [s].
         :return: ``Belief``.
         """
         if self._ahead is None:
             self._ahead = self._carried(self._belief, self._time, self._last.time)
-        start = max(self._time, self._last.time)
-        belief = self._carried(self._ahead, start, time)
-        return self._motion.moved(belief, twist, horizon) if horizon > 0.0 else belief
+        return self._carried(self._ahead, max(self._time, self._last.time), time)
+
+    def carry_on(self, belief, twist, duration):
+        """
+        Carry a belief on under an expected motion.
+
+        :param belief: ``Belief``.
+        :param twist: mean motion, body axes.
+        :param duration: how long it lasts [s].
+        :return: ``Belief``.
+        """
+        return self._motion.moved(belief, twist, duration) if duration > 0.0 else belief
 
     def _carried(self, belief, start, end):
         for duration, twist in self._between(start, end):

@@ -48,6 +48,15 @@ class Guidance:
         self._way, aside, turned, curvature = locate(self._path, pose, self._way)
         return Track(aside, turned, curvature, self._path.length - self._way)
 
+    def preview(self, ways):
+        """
+        Look ahead along the path.
+
+        :param ways: beyond the place found last [m], shape (n,).
+        :return: curvatures [1/m], shape (n,).
+        """
+        return self._path.curvatures(self._way + ways)
+
     def revise(self, pose, track, limits, travelled, dt):
         """
         Draw a new path if the errors ask for it and it is worth its length.

@@ -1,16 +1,18 @@
-"""One push with feedback: estimator, guidance and law for one target."""
+"""One push with feedback: estimator, guidance and steering law for one target."""
 
 import math
 
 import numpy as np
-from push_control.command import differential_command, holonomic_command, limited, mean_motion
+from push_control.command import mean_motion
+from push_control.contact_drive import ContactDrive
 from push_control.estimator import Estimator
-from push_control.feedback import contact_speed, held_limits, trailing_limits, wanted_curvature
+from push_control.feedback import contact_speed
 from push_control.guidance import Guidance
-from push_control.monitor import FollowMonitor, jackknifed
+from push_control.monitor import FollowMonitor
 from push_control.motion import contact_velocity
 from push_control.reference import flat_pose, SampledPath
 from push_control.site import site_of
+from push_control.steering import Situation
 from push_control.supports import SupportTable
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
@@ -18,37 +20,34 @@ from push_model.quasi_static import vehicle
 from push_model.signals import STOP
 
 
-class FeedbackPush:
+class ClosedLoopPush:
     """Brings the object along the path of a target, from late and noisy measurements."""
 
-    def __init__(self, obj, robot, settings, target, observation):
+    def __init__(self, obj, robot, settings, law, target, observation):
         """
         Begin a push.
 
         :param obj: the ``PushedObject`` as believed.
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
+        :param law: the steering law, as ``ClosedFormLaw``; it is set out anew.
         :param target: the ``PushTrajectory``.
         :param observation: first ``Observation``, with an object pose.
         :raises ValueError: where this robot cannot push so at the target's contact.
         """
-        self._obj, self._robot, self._settings = obj, robot, settings
+        self._obj, self._robot, self._settings, self._law = obj, robot, settings, law
         self._site = site = site_of(obj, robot, target)
-        if robot.drive == 'differential' and site.kind != 'vertex':
-            raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
-                             'drive, which cannot steer there, expected a vertex')
-        center = friction_center(obj)
-        self._believed = vehicle(obj, site.point)
-        path = SampledPath(self._believed, target)
+        believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
+        self._drive = ContactDrive(obj, robot, settings, site, supports, believed)
         self._goal = Pose(*target.object_poses[-1].tolist())
-        self._guidance = Guidance(path, settings)
-        self._supports = SupportTable(obj, site.point)
-        self._estimator = Estimator(robot, site, self._supports, settings, center,
+        self._guidance = Guidance(SampledPath(believed, target), settings)
+        self._estimator = Estimator(robot, site, supports, settings, friction_center(obj),
                                     observation.object_pose, observation.odometry)
         self._monitor = FollowMonitor(settings)
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
         self._last, self._pose_time = observation.odometry, observation.object_pose.time
         self._command, self._curvature = STOP, None
+        law.restart()
         self._flat = self._flat_of = None
         self._elapsed = self.travelled = self._straight = 0.0
         self._belief, self._track = self._estimator.predict(observation.time), None
@@ -88,6 +87,7 @@ class FeedbackPush:
         :param odometry: ``Odometry`` to take in meanwhile, or None.
         """
         self._elapsed, self._command = 0.0, STOP
+        self._law.restart()
         if odometry is not None:
             self.roll(odometry)
 
@@ -99,14 +99,13 @@ class FeedbackPush:
         :param dt: time since the last call [s].
         :return: ``Twist``; STOP once ``finished`` or ``failure`` is set.
         """
-        lag = self._robot.time_constant
+        now, lag = self._estimator.predict(time), self._robot.time_constant
         motion = mean_motion(self._last.twist, self._command, lag)
-        self._belief = belief = self._estimator.predict(time, motion, lag)
-        c_x, c_y, normal = self._site.at(belief.phi - belief.theta)
-        flat = self._vehicle((c_x, c_y), belief.center)
-        local = flat_pose(flat)
-        pose = local.inverse() @ self._goal.inverse() @ belief.pose @ local
-        planning = self._limits(flat, normal, self._settings.plan_margin)
+        self._belief = ahead = self._estimator.carry_on(now, motion, lag)
+        c_x, c_y, normal = self._site.at(ahead.phi - ahead.theta)
+        flat = self._vehicle((c_x, c_y), ahead.center)
+        pose = self._from_goal(flat, ahead)
+        planning = self._drive.limits(flat, normal, self._settings.plan_margin)
         track = self._guidance.revise(pose, self._guidance.follow(pose), planning,
                                       self.travelled, dt)
         if track.remaining <= self._settings.stop_distance:
@@ -116,7 +115,7 @@ class FeedbackPush:
             self.failure = f'gave up after {self.travelled:.1f} m, planned were ' \
                            f'{self._guidance.budget:.1f} m'
         if not (self.finished or self.failure):
-            self._command = self._steer(flat, normal, track, dt)
+            self._command = self._steer(flat, now, track, dt)
         if self.finished or self.failure:
             self._command = STOP
         return self._command
@@ -131,22 +130,13 @@ class FeedbackPush:
                 'travelled': self.travelled, 'friction_center': belief.center,
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
-                'rejected_poses': self._estimator.rejected}
+                'rejected_poses': self._estimator.rejected, **self._law.report}
 
     def _vehicle(self, point, center):
         if (point, center) != self._flat_of:
             self._flat_of = point, center
             self._flat = vehicle(self._obj, point, center)
         return self._flat
-
-    def _limits(self, flat, normal, margin):
-        settings = self._settings
-        friction = settings.friction_share * self._obj.contact_friction_coefficient
-        cone = margin * math.atan(friction)
-        if self._robot.drive == 'differential':
-            return trailing_limits(flat, self._robot.radius, self._site.lead, cone)
-        believed = held_limits(self._supports, self._believed, normal, cone)
-        return held_limits(self._supports, flat, normal, cone).within(believed)
 
     def _arrive(self, pose, track, planning):
         if not self._guidance.is_off(track):
@@ -158,32 +148,27 @@ class FeedbackPush:
                             f'{math.degrees(track.heading_error):.1f} deg beside the goal')
         return again or track
 
-    def _steer(self, flat, normal, track, dt):
-        settings, robot, belief = self._settings, self._robot, self._belief
+    def _from_goal(self, flat, belief):
+        local = flat_pose(flat)
+        return local.inverse() @ self._goal.inverse() @ belief.pose @ local
+
+    def _steer(self, flat, now, track, dt):
+        settings = self._settings
         self._elapsed += dt
         speed = contact_speed(self._elapsed, track.remaining, self._fastest, settings)
-        limits = self._limits(flat, normal, settings.feedback_margin)
+        normal = self._site.at(now.phi - now.theta)[2]
+        limits = self._drive.limits(flat, normal, settings.feedback_margin)
         if limits.low <= 0.0 <= limits.high:
             self._straight = self.travelled
         elif self.travelled - self._straight > settings.one_sided_way:
             self.failure = ('the friction centre lies too far aside of this contact: friction '
                             'does not hold a straight push there')
             return STOP
-        curvature = limits.clip(wanted_curvature(track.lateral_error, track.heading_error,
-                                                 track.curvature, settings))
-        if self._curvature is not None:
-            change = settings.curvature_rate * speed * dt
-            curvature = min(self._curvature + change, max(self._curvature - change, curvature))
-        self._curvature = curvature
-        alpha = self._supports.push_angle(flat.arm, curvature)
-        angle = flat.angle + alpha - normal
-        self.failure = jackknifed(self._site, normal, angle)
-        if self.failure:
-            return STOP
-        lead = belief.theta + normal - belief.phi
-        if robot.drive == 'differential':
-            return limited(differential_command(speed, angle, lead, robot.radius), robot)
-        forward = speed * math.cos(alpha)
-        rolled = belief.phi - belief.theta - self._site.heading
-        omega = forward * curvature - settings.normal_gain * speed * rolled
-        return limited(holonomic_command(speed, angle, lead, robot.radius, omega), robot)
+        situation = Situation(
+            track, lambda: self._guidance.follow(self._from_goal(flat, now)),
+            self._guidance.preview, flat, limits=limits, before=self._curvature,
+            change=settings.curvature_rate * speed * dt, moved=speed * dt,
+            lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal))
+        self._curvature = situation.allowed(self._law.curvature(situation))
+        command, self.failure = self._drive.command(flat, self._belief, self._curvature, speed)
+        return STOP if self.failure else command

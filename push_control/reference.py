@@ -46,6 +46,7 @@ class SampledPath:
         columns = [np.interp(even, ways, column) for column in fine]
         curvature = np.gradient(columns[2], even)
         self._rows = list(zip(*(column.tolist() for column in columns), curvature.tolist()))
+        self._even, self._curvature = even, curvature
         self._spacing = float(even[1])
         self.length = float(ways[-1])
 
@@ -66,6 +67,16 @@ class SampledPath:
         return Pose(*row[:3]), row[3]
 
 
+    def curvatures(self, ways):
+        """
+        Return curvatures after ways; 0 beyond the ends.
+
+        :param ways: from the start [m], shape (n,).
+        :return: curvatures [1/m], shape (n,).
+        """
+        return np.interp(ways, self._even, self._curvature, 0.0, 0.0)
+
+
 class RunInPath:
     """A Dubins path that ends in a straight run to the z-goal."""
 
@@ -78,6 +89,8 @@ class RunInPath:
         """
         self._dubins = dubins
         self.length = dubins.length + run_in
+        self._ends = np.cumsum((0.0, *dubins.lengths))
+        self._pieces = np.array((0.0, *dubins.curvatures, 0.0))
 
     def at(self, s):
         """
@@ -87,6 +100,15 @@ class RunInPath:
         :return: (``Pose`` in the frame of the z-goal, curvature [1/m]).
         """
         return self._dubins.at(s)
+
+    def curvatures(self, ways):
+        """
+        Return curvatures after ways; 0 beyond the ends.
+
+        :param ways: from the start [m], shape (n,).
+        :return: curvatures [1/m], shape (n,).
+        """
+        return self._pieces[np.searchsorted(self._ends, ways)]
 
 
 def new_path(start, limits, run_in):

@@ -4,15 +4,15 @@ import dataclasses
 
 from push_model.quantity import check, quantity
 
-LAWS = ('feedback', 'open_loop')
+LAWS = ('feedback', 'mpc', 'open_loop')
 
 
 @dataclasses.dataclass(frozen=True)
 class ControlSettings:
     """Everything that may be tuned; the defaults suit household objects and floors."""
 
-    control_law: str = quantity('feedback, or open_loop: play the plan without looking',
-                                choices=LAWS, default='feedback')
+    control_law: str = quantity('feedback: closed form; mpc: predictive; open_loop: play the '
+                                'plan without looking', choices=LAWS, default='feedback')
 
     pose_timeout: float = quantity('age at which an object pose is stale; more than latency plus '
                                    'three periods rides out two lost poses in a row', 's',
@@ -35,6 +35,13 @@ class ControlSettings:
                                      high=1000.0, default=60.0)
     normal_gain: float = quantity('holonomic base: yaw correction that holds the contact in its '
                                   'place, per way', '1/m', 0.0, 50.0, default=4.0)
+
+    horizon_steps: int = quantity('mpc: number of steps that it looks ahead', '', 2, 100,
+                                  default=20)
+    horizon_step: float = quantity('mpc: way of each step', 'm', above=0.0, high=0.5,
+                                   default=0.035)
+    cone_weight: float = quantity('mpc: weight of leaving the friction cone or the place of the '
+                                  'contact', '', above=0.0, high=1e6, default=10.0)
 
     friction_share: float = quantity('share of the believed contact friction that is counted on',
                                      '', above=0.0, high=1.0, default=0.8)

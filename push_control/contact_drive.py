@@ -1,0 +1,84 @@
+"""What contact and drive allow, and the command that gives a curvature of z."""
+
+import math
+
+from push_control.command import differential_command, holonomic_command, limited
+from push_control.feedback import held_limits, trailing_limits
+from push_control.monitor import jackknifed
+
+
+class ContactDrive:
+    """One robot at one contact."""
+
+    def __init__(self, obj, robot, settings, site, supports, believed):
+        """
+        Look at the contact.
+
+        :param obj: the ``PushedObject`` as believed.
+        :param robot: the ``RoundRobot``.
+        :param settings: ``ControlSettings``.
+        :param site: the contact ``Site``.
+        :param supports: the ``SupportTable``.
+        :param believed: the ``Vehicle`` as believed.
+        :raises ValueError: where this robot cannot steer at this contact.
+        """
+        self._differential = robot.drive == 'differential'
+        if self._differential and site.kind != 'vertex':
+            raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
+                             'drive, which cannot steer there, expected a vertex')
+        self._robot, self._settings, self._site = robot, settings, site
+        self._supports, self._believed = supports, believed
+        self._cone = math.atan(settings.friction_share * obj.contact_friction_coefficient)
+
+    def limits(self, flat, normal, margin):
+        """
+        Curvatures that the contact survives.
+
+        :param flat: the ``Vehicle`` as estimated.
+        :param normal: angle of the contact normal in the object frame [rad].
+        :param margin: share of the friction cone that may be used.
+        :return: ``CurvatureLimits``.
+        """
+        cone = margin * self._cone
+        if self._differential:
+            return trailing_limits(flat, self._robot.radius, self._site.lead, cone)
+        believed = held_limits(self._supports, self._believed, normal, cone)
+        return held_limits(self._supports, flat, normal, cone).within(believed)
+
+    def stance(self, flat, normal):
+        """
+        Where the normal is, where it rests on a straight way, and where it may be.
+
+        :param flat: the ``Vehicle`` as estimated.
+        :param normal: angle of the contact normal in the object frame [rad].
+        :return: dict of the fields of ``Situation`` of these names.
+        """
+        zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
+        low, high = (min(math.pi, max(-math.pi, zeta + limit - normal))
+                     for limit in self._site.normal_limits)
+        return {'zeta': zeta, 'rest': self._site.lead if self._differential else zeta,
+                'zeta_limits': (low, high),
+                'cone': self._settings.feedback_margin * self._cone}
+
+    def command(self, flat, belief, curvature, speed):
+        """
+        Compute the robot's command.
+
+        :param flat: the ``Vehicle`` as estimated.
+        :param belief: ``Belief`` one drive lag ahead.
+        :param curvature: of z [1/m].
+        :param speed: of the contact [m/s].
+        :return: ``Twist``; and why there is none, or an empty text.
+        """
+        site, robot = self._site, self._robot
+        normal = site.at(belief.phi - belief.theta)[2]
+        alpha = self._supports.push_angle(flat.arm, curvature)
+        angle = flat.angle + alpha - normal
+        lead = belief.theta + normal - belief.phi
+        trouble = jackknifed(site, normal, angle)
+        if self._differential:
+            return limited(differential_command(speed, angle, lead, robot.radius), robot), trouble
+        forward = speed * math.cos(alpha)
+        rolled = belief.phi - belief.theta - site.heading
+        omega = forward * curvature - self._settings.normal_gain * speed * rolled
+        return limited(holonomic_command(speed, angle, lead, robot.radius, omega), robot), trouble
