@@ -42,7 +42,7 @@ class PredictiveLaw:
         self._buffer.set_arg(0, memoryview(self._parameters))
         for place, result in enumerate((self._plan, self._slack, self._beyond)):
             self._buffer.set_res(place, memoryview(result))
-        self._curvature = self._planned_for = None
+        self._curvature = None
         self.report = {'solver_failures': 0, 'solver_reason': ''}
 
     def restart(self):
@@ -98,7 +98,6 @@ class PredictiveLaw:
         first = WIDEST if before is None else situation.change
         held = min(high, max(low, self._curvature if before is None else before))
         bound = self._settings.lateral_saturation
-        alpha = -math.atan(flat.wheelbase * self._curvature)
         self._scalars[:] = (
             min(bound, max(-bound, track.lateral_error)), track.heading_error, situation.zeta,
             self._curvature, flat.wheelbase, flat.mean_square / flat.arm, self._robot.radius,

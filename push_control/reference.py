@@ -66,7 +66,6 @@ class SampledPath:
         row = [a + share * (b - a) for a, b in zip(self._rows[index], self._rows[index + 1])]
         return Pose(*row[:3]), row[3]
 
-
     def curvatures(self, ways):
         """
         Return curvatures after ways; 0 beyond the ends.

@@ -38,7 +38,7 @@ def run(scenario, control_law=None, progress=None):
     Plan and push.
 
     :param scenario: the ``Scenario``.
-    :param control_law: ``feedback`` or ``open_loop``; None for what the scenario says.
+    :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for what the scenario says.
     :param progress: called with a ``Progress`` at every measurement; None for nobody.
     :return: the ``Result``.
     """
@@ -67,7 +67,7 @@ def control_settings(scenario, control_law=None):
     Look up the controller's settings, under another law if one is named.
 
     :param scenario: the ``Scenario``.
-    :param control_law: ``feedback`` or ``open_loop``; None for what the scenario says.
+    :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for what the scenario says.
     :raises ValueError: where there is no such law.
     """
     if control_law is None:

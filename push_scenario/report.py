@@ -4,7 +4,7 @@ import math
 
 from push_scenario.metrics import measure
 
-TITLES = {'open_loop': 'open loop', 'feedback': 'feedback'}
+TITLES = {'open_loop': 'open loop', 'feedback': 'feedback', 'mpc': 'mpc'}
 ROWS = (
     ('final position error', 'mm', lambda m: f'{1e3 * m.position_error:.1f}'),
     ('final heading error', 'deg', lambda m: f'{math.degrees(m.heading_error):+.2f}'),

@@ -15,7 +15,7 @@ class Result:
     One run of a scenario under one control law.
 
     :param scenario: the ``Scenario``.
-    :param control_law: ``feedback`` or ``open_loop``.
+    :param control_law: ``feedback``, ``mpc`` or ``open_loop``.
     :param outcome: ``done`` (the controller says so), ``failed`` (it gave up), ``time_limit``, or
         ``refused`` (the planner found no push).
     :param reason: one sentence on why it ended so.

@@ -139,7 +139,7 @@ def test_the_robot_is_placed_at_the_contact(tmp_path, contact, normal, gap):
     (('goal:', 'planner: {cone_magrin: 0.5}\ngoal:'),
      ("planner.cone_magrin: got an unknown key, expected 'cone_margin'",)),
     (('goal:', 'control: {control_law: hope}\ngoal:'),
-     ("control.control_law: got 'hope', expected one of feedback, open_loop",)),
+     ("control.control_law: got 'hope', expected one of feedback, mpc, open_loop",)),
     (('goal:', 'truth: {supports: [{}]}\ngoal:'),
      ('truth.supports: got 1 items, expected 2',)),
     (('goal:', 'truth: {colour: red}\ngoal:'), ('truth.colour: got an unknown key',)),
