@@ -43,7 +43,7 @@ def horizon_problem(drive, steps, step, weights):
     u = ca.SX.sym('u', steps)
     states = _rollout(drive, part, path, u, step)
     residuals = _residuals(states, ca.reshape(root, 3, 3), path, u, step, weights)
-    soft, low, high = _soft(part, states)
+    soft, low, high = _soft(part, states, u)
     problem = ca.Function('problem', [u, p], [residuals, soft, low, high])
     qp = _linearised(part, residuals, (soft, low, high), u, weights[2], plan, p)
     return _solved(qp, steps), problem
@@ -122,9 +122,9 @@ def _residuals(states, root, path, u, step, weights):
     return ca.vertcat(*rows, end, math.sqrt(step) * (u - path))
 
 
-def _soft(part, states):
-    """Force angle within the cone, normal within its place: values and bounds."""
-    force = [x[2] + part['force_slope'] * x[3] for x in states[1:]]
+def _soft(part, states, u):
+    """Force angle within the cone at once, normal within its place: values and bounds."""
+    force = [x[2] + part['force_slope'] * command for x, command in zip(states, ca.vertsplit(u))]
     zeta = [x[2] for x in states[1:]]
     count = len(zeta)
     low = ca.vertcat(*[-part['cone']] * count, *[part['zeta_low']] * count)

@@ -6,7 +6,7 @@ import numpy as np
 from push_control.horizon import horizon_problem, SCALARS, terminal_root
 from push_control.steering import ClosedFormLaw
 
-TOLERANCE = 1e-6
+TOLERANCE = 1e-4
 WIDEST = 10.0
 
 
