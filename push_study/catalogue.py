@@ -2,7 +2,8 @@
 
 import importlib
 
-MODULES = ('flat_object', 'sketches_model', 'sketches_rest', 'friction_center_distance', 'flat_fence',
+MODULES = ('sketches_model', 'sketches_rest', 'sketches_state',
+           'flat_object', 'friction_center_distance', 'flat_fence',
            'round_on_round', 'rho_over_time')
 
 
