@@ -2,7 +2,7 @@
 
 import importlib
 
-MODULES = ('sketches_model', 'sketches_rest', 'sketches_state',
+MODULES = ('sketches_model', 'sketches_rest', 'sketches_state', 'sketches_wheel',
            'flat_object', 'friction_center_distance', 'flat_fence',
            'round_on_round', 'rho_over_time')
 
