@@ -14,11 +14,11 @@ def free_response(motion, times):
     :param times: since the object was let go without turning rate [s], shape (n,).
     :return: share, shape (n,).
     """
-    first, second = motion.poles
-    mean, half = 0.5 * (first + second), 0.5 * (first - second)
+    slow, fast = motion.poles
+    apart = slow - fast
     times = np.asarray(times, dtype=float)
-    # exp(mean t) sinh(half t) / half, without overflow of its factors.
-    rising = times * np.exp(second * times) if half == 0.0 else \
-        np.exp(second * times) * np.expm1(2.0 * half * times) / (2.0 * half)
-    even = 0.5 * (np.exp(first * times) + np.exp(second * times))
-    return np.real(even - mean * rising)
+    # (exp(slow t) - exp(fast t)) / apart, with factors that do not overflow.
+    rising = np.exp(slow * times) * (times if apart == 0.0 else
+                                     -np.expm1(-apart * times) / apart)
+    return np.real(0.5 * (np.exp(slow * times) + np.exp(fast * times))
+                   - 0.5 * (slow + fast) * rising)
