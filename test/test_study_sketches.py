@@ -1,0 +1,62 @@
+"""Sketches are drawn from the model's geometry, and their labels can be read."""
+
+import math
+
+import numpy as np
+from push_model.contact import find_contact
+from push_study import (sketches_fence, sketches_model, sketches_rest, sketches_state,
+                        sketches_wheel)
+import pytest
+from sketch_checks import collisions, computed, drawn, texts
+
+LABELS = {'2.1': '$f_4$ $F_C$ $G$ $F$ $C$ $P$ $n$ $t$ $R_p$', '2.2': '$C$ $F$ $v$',
+          '2.3': '$F_C$ $F$ $n$ $G$', '2.4': '$F$ $C$ $n$ $v$', '2.5': '$F$ $C$ $v$',
+          '2.10': '$R_p$ $P$ $n_f$ $t_f$ $n$ $t$ $C$ $F$'}
+STUDIES = {study.figure: study for module in (sketches_model, sketches_rest, sketches_state,
+                                              sketches_wheel, sketches_fence)
+           for study in module.STUDIES}
+
+
+@pytest.mark.parametrize('figure', LABELS)
+def test_labels_are_there_and_free(figure):
+    """Each label stands on the sketch and on no line or other label."""
+    picture = drawn(STUDIES[figure])
+    assert set(LABELS[figure].split()) <= texts(picture)
+    assert collisions(picture) == []
+
+
+def test_drawn_forces_balance_about_the_mass_centre():
+    """Moments of the drawn forces about G make up I omega'."""
+    values, outcome = computed(STUDIES['2.1'])
+    now, table = sketches_model.instant(values), outcome.tables['forces']
+    arms = np.column_stack([table['x_m'], table['y_m']]) - now.mass_centre
+    moment = arms[:, 0] @ table['force_y_N'] - arms[:, 1] @ table['force_x_N']
+    assert moment == pytest.approx(now.obj.inertia * now.forces.yaw_acceleration, rel=1e-9)
+
+
+def test_disturbed_state_turns_back_on_a_round_robot_only():
+    """The yaw acceleration opposes the disturbance, either way; on a small robot it grows."""
+    for side, radius in ((0.3, 0.4), (-0.1, 0.4)):
+        found = computed(STUDIES['2.4'], disturbance=side, robot_radius=radius)[1].findings
+        assert found['yaw_acceleration'].value * side < 0.0
+    found = computed(STUDIES['2.4'], disturbance=0.1, robot_radius=0.1)[1].findings
+    assert found['yaw_acceleration'].value > 0.0
+
+
+def test_object_settles_where_friction_is_lowest():
+    """As a wheel under its weight; the hill's top is the edge of the basin."""
+    _, outcome = computed(STUDIES['2.5'])
+    found, table = outcome.findings, outcome.tables['height']
+    assert found['settled'].value == pytest.approx(found['lowest'].value, abs=0.01)
+    top = table['theta_rad'][np.argmax(table['height_m'])]
+    assert abs(top) == pytest.approx(found['edge'].value, abs=0.02)
+
+
+def test_rolled_box_touches_the_robot():
+    """The drawn contact is the one that the geometry finds."""
+    values, _ = computed(STUDIES['2.10'])
+    now = sketches_fence.rolled(values, values.turn)
+    contact, gamma, gap = find_contact(now.obj, now.pose, now.robot, now.robot_radius)
+    assert gap == pytest.approx(0.0, abs=1e-12)
+    assert contact.offset == pytest.approx(values.robot_radius * values.turn)
+    assert math.remainder(gamma - now.state.gamma, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
