@@ -12,8 +12,9 @@ from push_study.sketches_model import UNEVEN_BOX, uneven_box
 from push_study.study import Finding, Outcome, Parameter, Study
 
 BEHIND = Contact('face', 3)
-PARAMETERS = UNEVEN_BOX + (Parameter('robot_radius', 'm', 'radius of the robot, R_p'),
-              Parameter('turn', 'rad', 'of the box, rolled on the robot, theta'))
+PARAMETERS = UNEVEN_BOX + (
+    Parameter('robot_radius', 'm', 'radius of the robot, R_p'),
+    Parameter('turn', 'rad', 'of the box, rolled on the robot, theta'))
 
 
 def rolled(values, turn):
