@@ -79,7 +79,8 @@ def draw(axes, tables, column, label):
         handles += [] if rolls.all() else [line]
     handles += _mark_equilibria(axes, tables['equilibria'], column)
     axes.set_xlabel(label)
-    axes.set_ylabel('$\\alpha$ [rad]; above 0: clockwise')
+    axes.set_ylabel('$\\alpha$ [rad]; above 0: clockwise'
+                    + ('' if rolls.all() else ' while rolling'))
     axes.set_xlim(places[0], places[-1])
     _arrows(axes, table, column, tables['equilibria'][column])
     axes.legend(handles=handles, loc='lower left', bbox_to_anchor=(0.0, 1.0), ncols=4,

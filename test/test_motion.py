@@ -7,7 +7,7 @@ import numpy as np
 from objects import bin_, box
 from plant_reference import ramp_robot
 from push_model import motion
-from push_model.contact import contact_point, rolling_constants
+from push_model.contact import contact_point, curvature_radius, rolling_constants
 from push_model.geometry import Pose
 from push_model.motion import integrate, straight_push, turning_push
 from push_model.parameters import Contact, GRAVITY
@@ -21,8 +21,7 @@ import pytest
 pytestmark = pytest.mark.physics
 FIXED = (1.0, 0.0)
 MID_FACE = (-0.2, 0.0)
-# To the right of the mass centre: the object turns left.
-ANGLE = -math.radians(20)
+ANGLE = -math.radians(20)  # turns the object left
 SKEW = {'friction': (0.2, 0.4, 0.3, 0.25), 'center_of_mass': (0.02, -0.03),
         'contact_friction_coefficient': 3.0}
 
@@ -44,17 +43,16 @@ def scaled(obj, factor):
     (box(**SKEW), Contact('vertex', 0), math.pi / 4, 0.17)],
     ids=['rolling on a face', 'point on a face', 'rolling on a disc', 'corner'])
 def test_straight_push_moves_as_in_the_plant(obj, contact, normal, radius):
-    """From the plant's state once its robot is up to speed, while the contact is on its feature."""
+    """From the plant's state once up to speed, while the contact is on its feature."""
     c_x, c_y = contact_point(obj, contact)
     start = Pose(c_x - radius * math.cos(normal), c_y - radius * math.sin(normal), 0.0)
-    command = Twist(0.3 * math.cos(normal + 0.2), 0.3 * math.sin(normal + 0.2), 0.0)
+    command = Twist(*Pose(0.0, 0.0, normal + 0.2).rotate((0.3, 0.0)), 0.0)
     plant = Plant(obj, ramp_robot(radius), Pose(0.0, 0.0, 0.0), start, 5e-4)
     plant.advance(0.16, command)
     truth = plant.truth(0.0)
     local = Pose(*truth.object_pose).inverse().transform(truth.contact_point)
     begin = State(*truth.object_pose, truth.object_twist.omega, truth.normal, *local)
-    rolling = rolling_constants(radius, {'face': math.inf, 'round': 0.2, 'vertex': 0.0}[
-        contact.kind])
+    rolling = rolling_constants(radius, curvature_radius(obj, contact))
     times = np.linspace(0.0, 1.2, 7)
     reached, states = integrate(obj, rolling, straight_push(*command[:2]), begin, times)
     assert reached == pytest.approx(times)
@@ -91,9 +89,9 @@ def test_motion_stops_where_it_is_told_to():
     def push(stop):
         return integrate(obj, rolling, straight_push(0.3, 0.0), begin, times, stop)
 
-    free_times, free = push(None)
+    _, free = push(None)
     reached, states = push(lambda state: 0.3 - state.theta)
-    assert len(free_times) == len(times) and free[-1, 2] > 0.5
+    assert len(free) == len(times) and free[-1, 2] > 0.5
     assert 10 < len(reached) == len(states) < len(times)
     assert 0.3 - 0.01 < states[-1, 2] <= 0.3
     assert free[len(reached), 2] > 0.3
@@ -186,8 +184,7 @@ def test_steady_turn_is_mirrored_with_the_push():
 
 def test_steady_force_is_friction_and_the_pull_to_the_middle_of_the_turn():
     """Power of the push is what friction takes; without a turn the force is mu m g."""
-    obj, speed = box(), 1.0
-    omega = steady_turning_rate(obj, MID_FACE, ANGLE, speed)
+    obj, speed, omega = box(), 1.0, steady_turning_rate(box(), MID_FACE, ANGLE, 1.0)
     f_n, f_t = steady_force(obj, MID_FACE, ANGLE, speed, 0.0)
     v_x, v_y = speed * math.cos(ANGLE), speed * math.sin(ANGLE)
     loss = sum(q * math.hypot(v_x - omega * (s.y - MID_FACE[1]), v_y + omega * (s.x - MID_FACE[0]))

@@ -102,7 +102,8 @@ def test_files_tell_parameters_version_and_findings(tmp_path):
     assert any(line.startswith('# version: ') for line in head)
     assert any(line.startswith('# finding margin = 0.2') for line in head)
     rows = np.array(list(csv.reader(lines[len(head) + 1:])), dtype=float)
-    assert lines[len(head)] == 'rho_rad,alpha_rad' and rows.shape == (401, 2)
+    assert lines[len(head)] == 'rho_rad,alpha_rad,force_alpha_rad,rolls'
+    assert rows.shape == (401, 4)
     assert done.files.png.read_bytes().startswith(b'\x89PNG')
     svg = done.files.svg.read_text()
     assert 'As captioned' in svg and 'Our values' in svg
