@@ -3,6 +3,7 @@
 import importlib
 
 MODULES = ('sketches_model', 'sketches_rest', 'sketches_state', 'sketches_wheel', 'sketches_fence',
+           'sketches_box', 'sketches_loads',
            'flat_object', 'friction_center_distance', 'flat_fence',
            'round_on_round', 'rho_over_time',
            'corner_limit', 'corner_rates', 'corner_transients', 'corner_motion',

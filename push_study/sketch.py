@@ -1,4 +1,4 @@
-"""A small vocabulary for sketches: labels, arrows, angles, dimensions, frames."""
+"""A small vocabulary for sketches: labels, arrows, angles, dimensions."""
 
 import math
 
@@ -119,16 +119,3 @@ def line(axes, start, end, **style):
     """
     style = style or {'color': paper.GREY, 'linewidth': 0.8, 'linestyle': (0, (7, 2, 1, 2))}
     axes.plot((start[0], end[0]), (start[1], end[1]), **style)
-
-
-def frame(axes, pose, size, names):
-    """
-    Draw the axes of a frame.
-
-    :param axes: matplotlib axes.
-    :param pose: ``Pose`` of the frame, data coordinates.
-    :param size: length of its axes, data coordinates.
-    :param names: of both axes.
-    """
-    for direction, name in zip(((size, 0.0), (0.0, size)), names):
-        arrow(axes, pose[:2], pose.rotate(direction), name, paper.GREY)

@@ -4,16 +4,19 @@ import math
 
 import numpy as np
 from push_model.contact import find_contact
-from push_study import (sketches_fence, sketches_model, sketches_rest, sketches_state,
+from push_study import (sketches_box, sketches_fence, sketches_loads, sketches_model, sketches_rest, sketches_state,
                         sketches_wheel)
 import pytest
 from sketch_checks import collisions, computed, drawn, texts
 
 LABELS = {'2.1': '$f_4$ $F_C$ $G$ $F$ $C$ $P$ $n$ $t$ $R_p$', '2.2': '$C$ $F$ $v$',
           '2.3': '$F_C$ $F$ $n$ $G$', '2.4': '$F$ $C$ $n$ $v$', '2.5': '$F$ $C$ $v$',
-          '2.10': '$R_p$ $P$ $n_f$ $t_f$ $n$ $t$ $C$ $F$'}
+          '2.10': '$R_p$ $P$ $n_f$ $t_f$ $n$ $t$ $C$ $F$',
+          '2.18': '$C$ $z$ $L$ $v_C$ $\\alpha$', '2.27': '$C$ $F$ $P$ $h$ $n$ $v$ $\\rho$',
+          '2.30': '$G$ $F$', '2.31': '$C$ $P$ $R_p$ 50 100 150 200'}
 STUDIES = {study.figure: study for module in (sketches_model, sketches_rest, sketches_state,
-                                              sketches_wheel, sketches_fence)
+                                              sketches_wheel, sketches_fence, sketches_box,
+                                              sketches_loads)
            for study in module.STUDIES}
 
 
@@ -60,3 +63,30 @@ def test_rolled_box_touches_the_robot():
     assert gap == pytest.approx(0.0, abs=1e-12)
     assert contact.offset == pytest.approx(values.robot_radius * values.turn)
     assert math.remainder(gamma - now.state.gamma, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_balanced_load_brings_the_friction_centre_to_the_middle():
+    """Loads carry the weight and balance about G; the roughness decides which way G moves."""
+    for rough, side in ((0.45, 1.0), (0.2, -1.0)):
+        values, outcome = computed(STUDIES['2.30'], friction_right=rough)
+        table, found = outcome.tables['supports'], outcome.findings
+        loads = np.array(table['load_N'])
+        assert loads.sum() == pytest.approx(values.mass * 9.81, rel=1e-12)
+        assert loads @ table['y_m'] / loads.sum() == pytest.approx(found['shift'].value, abs=1e-12)
+        assert found['off'].value < 1e-9 and side * found['shift'].value > 0.01
+
+
+def test_wider_robot_holds_more_places_of_the_load():
+    stable = [computed(STUDIES['2.31'], robot_radius=radius)[1].findings['stable'].value
+              for radius in (0.04, 0.12, 0.17, 0.3)]
+    assert stable == [0, 2, 3, 4]
+
+
+def test_push_on_a_side_goes_through_the_friction_centre():
+    """The drawn angle leads from C to F; a narrow robot loses the margin."""
+    values, outcome = computed(STUDIES['2.27'])
+    x, y = (np.array(outcome.tables['places'][name]) for name in ('x_m', 'y_m'))
+    rho = math.degrees(math.atan2(y[2] - y[0], x[2] - x[0]))
+    assert outcome.findings['rho'].value == pytest.approx(rho, abs=1e-9)
+    assert outcome.findings['margin'].value > 0.0
+    assert computed(STUDIES['2.27'], robot_radius=0.2)[1].findings['margin'].value < 0.0
