@@ -84,3 +84,23 @@ def force_tolerances(obj, contact, location):
             found = Tolerance(turn, -location.rolling[0] * turn, 'cone')
         result.append(found)
     return tuple(result)
+
+
+def least_robot_radius(obj, location):
+    """
+    Find the radius above which a robot pushes stably at a place, ``R_e cos(rho) = h``.
+
+    :param obj: the ``PushedObject``.
+    :param location: the ``PushingLocation`` there for any robot, its reference an equilibrium.
+    :return: R_p [m]; infinite where no robot does, or where rho is outside the cone.
+    """
+    rho, surface = location.pushing_angle, location.object_radius
+    if abs(rho) >= math.atan(obj.contact_friction_coefficient):
+        return math.inf
+    effective = equilibrium_at(location, 0.0).arm / math.cos(rho)
+    if math.isinf(surface):
+        return effective
+    # R_e stays below R_s: a centre behind the middle of a disc is out of every robot's reach.
+    if effective >= surface * (1.0 - ACCURACY):
+        return math.inf
+    return surface * effective / (surface - effective)

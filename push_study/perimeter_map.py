@@ -47,9 +47,12 @@ def draw(panels, figure, outcome, values):
         one.set_title(f'{panel.title}\nstable: {100.0 * share:.0f} % of the perimeter')
     for one in axes[len(panels):]:
         one.set_visible(False)
+    for one in axes[:len(panels) - len(axes) // rows]:
+        one.set_xlabel('')
     bar = figure.colorbar(matplotlib.cm.ScalarMappable(norm, SHADES), ax=list(axes), shrink=0.8,
                           aspect=30)
-    bar.set_label('turn borne to the weaker side [deg]')
+    bar.set_label('turn borne to the weaker side [deg]\n'
+                  'red: borders in closed form; cross: friction centre')
 
 
 class _Frame:
@@ -77,8 +80,8 @@ class _Frame:
 def _draw_band(axes, frame, cells, colours):
     quads = [(begin, end, frame.scaled(end, INNER), frame.scaled(begin, INNER))
              for begin, end in cells]
-    axes.add_collection(PolyCollection(quads, facecolors=colours, edgecolors='face',
-                                       linewidths=0.2))
+    axes.add_collection(PolyCollection(quads, facecolors=colours, edgecolors='none',
+                                       antialiased=False, rasterized=True))
     rim = np.array([begin for begin, _ in (*cells, cells[0])])
     axes.plot(*rim.T, color=paper.INK, linewidth=1.0)
     axes.plot(*frame.scaled(rim, INNER).T, color=paper.GREY, linewidth=0.5)

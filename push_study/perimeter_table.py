@@ -55,7 +55,7 @@ def compute(panels, values, batch):
     spots = [(panel, place) for panel in panels for place in places(panel.object, values.places)]
     push = TurnedPush(panels[0].object, values.distance, values.duration, values.accuracy)
     records = batch(push, [_job(panel, place.contact) for panel, place in spots])
-    table = _keys(panel for panel, _ in spots)
+    table = _keys(panels, [panel for panel, _ in spots])
     points = [contact_point(panel.object, place.contact) for panel, place in spots]
     table.update(_points(points), along_m=[place.along for _, place in spots],
                  length_m=np.array([place.length for _, place in spots]),
@@ -67,11 +67,12 @@ def compute(panels, values, batch):
                                                    table[f'{kind}counter_rad'])
     found = [borders(panel.object, panel.robot_radius, FINE) for panel in panels]
     edges = [(panel, point) for panel, (_, points) in zip(panels, found) for point in points]
-    shares = {**_keys(panels),
+    shares = {**_keys(panels, panels),
               'stable_share': [_share(table, panel.rows(table)) for panel in panels],
               'closed_stable_share': [share for share, _ in found]}
     tables = {'map': table, 'shares': shares,
-              'borders': {**_keys(panel for panel, _ in edges), **_points(p for _, p in edges)}}
+              'borders': {**_keys(panels, [panel for panel, _ in edges]),
+                          **_points([point for _, point in edges])}}
     return Outcome(tables, _findings(tables))
 
 
@@ -106,16 +107,12 @@ def _share(table, rows):
     return stable_length(table, rows) / float(table['length_m'][rows].sum())
 
 
-def _keys(panels):
-    columns = {}
-    for panel in panels:
-        for name, value in panel.keys.items():
-            columns.setdefault(name, []).append(value)
-    return columns
+def _keys(panels, chosen):
+    return {name: [panel.keys[name] for panel in chosen] for name in panels[0].keys}
 
 
 def _points(points):
-    points = np.reshape(list(points), (-1, 2))
+    points = np.reshape(points, (-1, 2))
     return {'x_m': points[:, 0], 'y_m': points[:, 1]}
 
 

@@ -5,7 +5,7 @@ import functools
 import numpy as np
 from push_study import perimeter_map, perimeter_table
 from push_study.perimeter_table import Panel, stable_length
-from push_study.scenes import box, BOX
+from push_study.scenes import BOX, box
 from push_study.study import Finding, Outcome, Parameter, Study
 
 BEHIND = 3
@@ -79,7 +79,7 @@ def _draw(panels, figure, outcome, values):
 
 def _study(figure, title, own, compute, panels, seen, why):
     return Study(figure, title, BOX + own + (SPEED,) + perimeter_table.PARAMETERS, compute,
-                 functools.partial(_draw, panels), SEEN + seen, why, (8.4, 5.6))
+                 functools.partial(_draw, panels), SEEN + seen, why, (7.8, 5.4))
 
 
 STUDIES = (
@@ -96,8 +96,10 @@ STUDIES = (
                       'middle of the box'),
             Parameter('robot_diameter', 'm', 'diameter of the robot')),
            compute_centers, centers,
-           'As the friction centre comes nearer to the face behind, that face turns darker, from '
-           '{start_borne:.2f} to {nearest_borne:.2f} rad; its stable stretch first grows, from '
-           '{start_length:.2f} to {widest_length:.2f} m, then shrinks to {nearest_length:.2f} m.',
-           'A near centre is held firmly, but seen from the side of the face it soon lies outside '
-           'the cone of contact friction.'))
+           'As the friction centre comes nearer to the face behind, the stable stretch of that '
+           'face first grows, from {start_length:.2f} to {widest_length:.2f} m, then shrinks to '
+           '{nearest_length:.2f} m; the greatest turn borne there falls from {start_borne:.2f} '
+           'to {nearest_borne:.2f} rad.',
+           'At the distance d from the face, half the stretch is sqrt(d (R - d)) as far as '
+           'stability goes and d mu_c as far as the cone goes; what is held more firmly turns '
+           'back faster, which inclines the force out of the cone.'))
