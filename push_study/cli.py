@@ -5,7 +5,7 @@ from pathlib import Path
 import sys
 
 from push_scenario.interrupts import Interrupts
-from push_study import catalogue, gallery
+from push_study import catalogue, cli_regions, gallery
 from push_study.run import Runner
 from push_study.values import read_overrides, read_table, refuse_unknown, values_of
 from tqdm import tqdm
@@ -45,7 +45,8 @@ def _parser():
                      help='another value for a parameter; may be given more than once')
     run.add_argument('--page', type=Path, metavar='FILE',
                      help='Markdown page in which to fill the gallery in')
-    for each in (run,):
+    regions = cli_regions.register(actions, run_studies)
+    for each in (run, regions):
         _add_common(each)
     return parser
 
@@ -89,13 +90,14 @@ def _run(options):
     return run_studies(chosen, overrides, options)
 
 
-def run_studies(chosen, overrides, options):
+def run_studies(chosen, overrides, options, table=None):
     """
     Run studies with a bar, and tell what they found.
 
     :param chosen: sequence of ``Study``.
     :param overrides: dict of parameter names to values.
     :param options: with ``out``, ``jobs``, ``scheduler``, and ``page`` or None.
+    :param table: values as of ``read_table``; None for those of ``config/studies.yaml``.
     :return: exit status.
     """
     done = []
@@ -103,8 +105,8 @@ def run_studies(chosen, overrides, options):
         def progress(jobs, total):
             bar.set_postfix_str(f'{jobs}/{total} simulated')
 
-        runner = Runner(options.out, read_table(), overrides, options.jobs, options.scheduler,
-                        progress)
+        runner = Runner(options.out, table or read_table(), overrides, options.jobs,
+                        options.scheduler, progress)
         for study in chosen:
             bar.set_description(study.figure)
             done.append(runner(study))
