@@ -10,8 +10,8 @@ from push_study.study import Finding, Outcome, Parameter, Study
 
 BEHIND = 3
 SPEED = Parameter('speed', 'm/s', 'speed of the push, slow enough that inertia does not count')
-SEEN = ('Places that are white return from no turn, dark ones from a great one; red ticks are the '
-        'borders of the closed form, the cross is the friction centre, the disc the robot. ')
+SEEN = ('White places return from no turn, dark ones roll back from a great one without sliding, '
+        'between the red borders of the closed form; ')
 
 
 def diameters(values):
@@ -86,7 +86,7 @@ STUDIES = (
     _study('2.28', 'Stable pushing regions of a box for growing robot diameter',
            (Parameter('robot_diameters', 'm', 'diameter of the robot in each panel'),),
            compute_diameters, diameters,
-           'The stable share of the perimeter grows with every panel, from {first:.2f} to '
+           'the stable share of the perimeter grows with every panel, from {first:.2f} to '
            '{last:.2f}.',
            'A place is stable while the friction centre is nearer than R_e cos(rho), which grows '
            'with the robot; the borders in the plant are those of the closed form, and tolerances '
@@ -96,7 +96,7 @@ STUDIES = (
                       'middle of the box'),
             Parameter('robot_diameter', 'm', 'diameter of the robot')),
            compute_centers, centers,
-           'As the friction centre comes nearer to the face behind, the stable stretch of that '
+           'as the friction centre comes nearer to the face behind, the stable stretch of that '
            'face first grows, from {start_length:.2f} to {widest_length:.2f} m, then shrinks to '
            '{nearest_length:.2f} m; the greatest turn borne there falls from {start_borne:.2f} '
            'to {nearest_borne:.2f} rad.',
