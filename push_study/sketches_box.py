@@ -169,13 +169,14 @@ def draw_load(figure, outcome, values):
 STUDIES = (
     Study('2.18', 'Case study 1: a box pushed at a corner', SHAPE + (MASS, FRICTION, RADIUS),
           compute_corner, draw_corner,
-          'The corner C moves at a constant angle of {alpha:.0f} degrees to the line from C to the '
-          'friction centre F, {arm:.2f} m away.',
+          'The corner C moves at a constant angle of {alpha:.0f} degrees to the line from C to '
+          'the friction centre F, {arm:.2f} m away.',
           'Seen as a vehicle with C as its steered axle and the point z, which never moves '
           'sideways, as its other axle, the box has a wheelbase of {wheelbase:.2f} m.',
           (6.4, 4.6)),
     Study('2.27', 'Case study 2: a round robot pushes a box on a side',
-          scenes.BOX + (RADIUS, Parameter('offset', 'm', 'contact left of the middle of the face')),
+          scenes.BOX + (RADIUS, Parameter('offset', 'm', 'contact left of the middle of the '
+                                                         'face')),
           compute_side, draw_side,
           'From the contact C the push goes through the friction centre F, {arm:.2f} m away, at '
           '{rho:.0f} degrees to the normal of the side.',

@@ -5,7 +5,7 @@ import numpy as np
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, Support
-from push_study import paper, scenes, sketch, sketch_body
+from push_study import scenes, sketch, sketch_body
 from push_study.study import Finding, Outcome, Parameter, Study
 from scipy.optimize import root
 
@@ -39,7 +39,7 @@ def balanced(values):
 
 def compute(values, batch):
     """
-    Loads and friction of the supports of the balanced box.
+    Compute loads and friction of the supports of the balanced box.
 
     :param values: ``Values``.
     :param batch: not used.
@@ -99,5 +99,5 @@ STUDIES = (Study(
     compute, draw,
     'The feet on the right rub more; with the mass centre G {shift:.3f} m to the left of the middle '
     'all four bear the same friction and the friction centre F is in the middle.',
-    'Loads balance about G, so it takes load off the rough feet; with G in the middle, F would lie '
-    '{before:.3f} m to the right.', (6.4, 4.6)),)
+    'Loads balance about G, so it takes load off the rough feet; with G in the middle, F would '
+    'lie {before:.3f} m to the right.', (6.4, 4.6)),)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 from push_model.contact import find_contact
-from push_study import (sketches_box, sketches_fence, sketches_loads, sketches_model, sketches_rest, sketches_state,
-                        sketches_wheel)
+from push_study import (sketches_box, sketches_fence, sketches_loads, sketches_model,
+                        sketches_rest, sketches_state, sketches_wheel)
 import pytest
 from sketch_checks import collisions, computed, drawn, texts
 
