@@ -122,11 +122,12 @@ def trailing_push(obj, location, turn, speed):
 
     def residual(angle):
         return (steady_turning_rate(obj, point, heading + angle, speed)
-                - float(yaw_rate('differential', location.robot_radius, angle - offset, offset, 0.0,
-                                 speed)))
+                - float(yaw_rate('differential', location.robot_radius, angle - offset, offset,
+                                 0.0, speed)))
 
-    # Straight ahead the object turns towards F; pushed towards F, it does not turn.
-    angle = brentq(residual, 0.0, toward, xtol=1e-12) if toward else 0.0
+    # Pushed straight ahead it turns and the robot does not; towards F, the other way round.
+    more = math.copysign(EXACT, toward)
+    angle = brentq(residual, -more, toward + more, xtol=1e-13)
     push = _steady_push(obj, point, heading + offset, heading, heading + angle, speed,
                         location.robot_radius)
     return push._replace(twist=(push.twist[0], 0.0, push.twist[2]))

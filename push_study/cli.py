@@ -5,7 +5,7 @@ from pathlib import Path
 import sys
 
 from push_scenario.interrupts import Interrupts
-from push_study import catalogue, cli_regions, gallery
+from push_study import catalogue, cli_drive, cli_regions, gallery
 from push_study.run import Runner
 from push_study.values import read_overrides, read_table, refuse_unknown, values_of
 from tqdm import tqdm
@@ -46,7 +46,8 @@ def _parser():
     run.add_argument('--page', type=Path, metavar='FILE',
                      help='Markdown page in which to fill the gallery in')
     regions = cli_regions.register(actions, run_studies)
-    for each in (run, regions):
+    drive = cli_drive.register(actions, run_studies)
+    for each in (run, regions, drive):
         _add_common(each)
     return parser
 

@@ -94,9 +94,13 @@ def test_mirror_symmetry_and_independence_of_mass(robot):
                           v_y + omega * 0.17 * math.cos(lead)) == pytest.approx(0.3)
 
 
-def test_inertia_takes_its_share_at_speed():
-    slow, fast = (curvatures(box(), FACE, HOLONOMIC, speed)[1] for speed in (SLOW, 0.8))
-    assert fast < 0.9 * slow
+def test_inertia_relieves_a_held_contact_and_loads_a_trailing_one():
+    """The pull to the middle of the turn is against the steering force, or on its side."""
+    fast = dataclasses.replace(DIFFERENTIAL, max_speed=5.0)
+    for robot, contact, share in ((dataclasses.replace(fast, drive='holonomic'), FACE, 1.2),
+                                  (fast, CORNER, 0.8)):
+        slow, quick = (curvatures(box(), contact, robot, speed)[1] for speed in (SLOW, 0.8))
+        assert (quick - share * slow) * (share - 1.0) > 0.0
 
 
 @pytest.mark.parametrize('limit', [{'max_yaw_rate': 0.1}, {'max_speed': 0.11}])
@@ -108,14 +112,27 @@ def test_limits_of_the_drive(limit):
         assert abs(push.force_angle) < math.atan(0.5) - 0.01
 
 
-def test_places_where_nothing_holds_or_only_one_side():
+def test_places_where_it_turns_one_way_or_nothing_holds():
     slippery = box(contact_friction_coefficient=0.05)
-    assert steering_range(slippery, Contact('face', 3, 0.19), HOLONOMIC, 0.1)[1].curvature < 0.0
-    assert steering_range(slippery, Contact('face', 3, 0.19), DIFFERENTIAL, 0.1)[1].curvature < 0
-    shaky = box(contact_friction_coefficient=0.5)
-    assert steering_range(shaky, FACE, dataclasses.replace(HOLONOMIC, max_speed=0.05), 0.1) is None
-    with pytest.raises(ValueError, match='robot.radius'):
-        steering_range(shaky, FACE, dataclasses.replace(DIFFERENTIAL, radius=0.0), 0.1)
+    for robot in (HOLONOMIC, DIFFERENTIAL):
+        low, high = curvatures(slippery, Contact('face', 3, 0.05), robot, 0.1)
+        assert low < high < 0.0
+    assert steering_range(slippery, Contact('face', 3, 0.19), HOLONOMIC, 0.1) is None
+    lame = dataclasses.replace(HOLONOMIC, max_speed=0.05)
+    assert steering_range(box(), FACE, lame, 0.1) is None
+    for robot in (dataclasses.replace(DIFFERENTIAL, radius=0.0),
+                  dataclasses.replace(HOLONOMIC, radius=math.inf)):
+        with pytest.raises(ValueError, match='robot.radius'):
+            steering_range(box(), FACE, robot, 0.1)
+
+
+@pytest.mark.parametrize('offset', [0.1, 0.62, 2.0, 4.4])
+def test_round_object_steers_alike_all_round(offset):
+    """On feet all round, and with its friction centre in the middle but for rounding."""
+    found = [curvatures(bin_(feet=24), Contact('round', 0, angle), DIFFERENTIAL, 0.1)
+             for angle in (0.0, offset)]
+    assert found[1] == pytest.approx(found[0], rel=2e-2)
+    assert found[1][0] == pytest.approx(-found[1][1], rel=2e-2)
 
 
 def slipped(obj, robot, push, way=0.3):

@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 from push_scenario.batch import run_batch
-from push_study import (catalogue, cli, flat_object, gallery, object_regions, perimeter_table,
-                        run)
+from push_study import (catalogue, cli, drive_map, flat_object, gallery, object_regions,
+                        perimeter_table, run)
 from push_study.run import Runner
 from push_study.store import stamp_of, StudyFiles
 from push_study.study import Finding, Outcome, Parameter, Study
@@ -81,6 +81,7 @@ def test_every_value_of_the_table_is_used():
     known = {study.figure: {p.name for p in study.parameters if p.caption is None}
              for study in everything}
     known[object_regions.NAME] = {p.name for p in perimeter_table.PARAMETERS}
+    known[drive_map.NAME] = {p.name for p in drive_map.PARAMETERS}
     for figure, section in table.items():
         names = set().union(*known.values()) if figure == 'all' else known[figure]
         assert set(section) <= names, figure
