@@ -11,6 +11,7 @@ from push_study.values import read_overrides, read_table, refuse_unknown, values
 from tqdm import tqdm
 
 DONE, MISUSE, INTERRUPTED = 0, 2, 130
+BAR = '{desc} {percentage:3.0f}% |{bar:30}| {elapsed}, {remaining} left'
 
 
 def main(arguments=None):
@@ -102,16 +103,17 @@ def run_studies(chosen, overrides, options, table=None):
     :return: exit status.
     """
     done = []
-    with tqdm(total=len(chosen), unit='study', file=sys.stderr) as bar, Interrupts() as interrupts:
+    with _bar(len(chosen)) as bar, Interrupts() as interrupts:
         def progress(jobs, total):
-            bar.set_postfix_str(f'{jobs}/{total} simulated')
+            # A batch is a part of its study; the study itself counts when it is drawn.
+            bar.update(len(done) + 0.9 * jobs / total - bar.n if jobs else 0.0)
 
         runner = Runner(options.out, table or read_table(), overrides, options.jobs,
                         options.scheduler, progress)
         for study in chosen:
             bar.set_description(study.figure)
             done.append(runner(study))
-            bar.update()
+            bar.update(len(done) - bar.n)
             interrupts.check()
     for one in done:
         print(f'{one.files.png}{" (kept)" if one.kept else ""}: {one.study.title}')
@@ -122,6 +124,11 @@ def run_studies(chosen, overrides, options, table=None):
                             gallery.page(done, options.page.parent))
         options.page.write_text(text, encoding='utf-8')
     return DONE
+
+
+def _bar(count):
+    period = 0.1 if sys.stderr.isatty() else 5.0
+    return tqdm(total=count, file=sys.stderr, miniters=0, mininterval=period, bar_format=BAR)
 
 
 if __name__ == '__main__':
