@@ -95,9 +95,9 @@ def draw(figure, outcome, values):
 
 STUDIES = (Study(
     '2.30', 'Mass distribution for balanced support friction',
-    scenes.BOX[:4] + (Parameter('friction_right', '', 'friction of the two supports on the right'),),
+    (*scenes.BOX[:4], Parameter('friction_right', '', 'friction of the supports on the right')),
     compute, draw,
-    'The feet on the right rub more; with the mass centre G {shift:.3f} m to the left of the middle '
-    'all four bear the same friction and the friction centre F is in the middle.',
+    'The feet on the right rub more; with the mass centre G {shift:.3f} m to the left of the '
+    'middle all four bear the same friction and the friction centre F is in the middle.',
     'Loads balance about G, so it takes load off the rough feet; with G in the middle, F would '
     'lie {before:.3f} m to the right.', (6.4, 4.6)),)
