@@ -135,7 +135,9 @@ def tolerances(location, equilibrium, contact_friction):
 
     :param location: ``PushingLocation``.
     :param equilibrium: one of its ``equilibria``.
-    :param contact_friction: mu_c; the contact rolls while ``|rho| <= atan(mu_c)``.
+    :param contact_friction: mu_c; the push stays in the cone while ``|rho| <= atan(mu_c)``. An
+        object that turns back tilts the contact force further out: where the cone limits, this
+        is an upper bound, and ``rolling_limits`` has the force itself.
     :return: (``Tolerance`` clockwise, ``Tolerance`` counter-clockwise); both 0 where the
         equilibrium is unstable, or outside the cone.
     """
