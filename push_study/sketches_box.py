@@ -61,7 +61,7 @@ def draw_corner(figure, outcome, values):
                  sketch.PUSH)
     sketch.angle(axes, at, 0.55 * view.arm, view.angle, push, '$\\alpha$')
     sketch.dimension(axes, at, view.flat_point, '$L$', 0.06)
-    sketch_body.point(axes, at, '$C$', -55.0, 12.0, sketch.FORCE)
+    sketch_body.point(axes, at, '$C$', 205.0, 12.0, sketch.FORCE)
     sketch_body.mass_centre(axes, center, '$G, F$', -45.0, 17.0)
     sketch_body.point(axes, view.flat_point, '$z$', -30.0, 10.0)
 
