@@ -109,7 +109,7 @@ def stop(process):
     return process.communicate(timeout=PATIENCE)[0]
 
 
-@pytest.mark.parametrize('name', [*EXECUTABLES, 'replay'])
+@pytest.mark.parametrize('name', [*EXECUTABLES, 'replay', 'study'])
 def test_ros2_run_finds_the_executable(workspace, name):
     """It lies in lib/push_control and may be executed."""
     assert os.access(script(workspace, name), os.X_OK)
@@ -137,6 +137,11 @@ def test_all_data_are_installed(workspace):
         share = prefix / 'push_control'
         assert {path.relative_to(share) for path in (share / folder).rglob('*')
                 if path.is_file()} == wanted
+
+
+def test_installed_study_finds_its_values(workspace, start):
+    process = start(script(workspace, 'study'), 'list', '2.11')
+    assert 'ahead = 0.3 m (caption)' in process.communicate(timeout=PATIENCE)[0]
 
 
 def test_replay_tells_its_usage(workspace, start):
