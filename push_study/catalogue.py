@@ -44,4 +44,7 @@ def select(words):
 
 
 def _order(study):
-    return [(len(part), part) for part in study.figure.split('.')]
+    figure = study.figure.lstrip('T')
+    # The tables of a chapter come after its figures.
+    return study.chapter, figure != study.figure, [(len(part), part)
+                                                   for part in figure.split('.')]
