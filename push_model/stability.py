@@ -112,8 +112,21 @@ def equilibria(location):
     found = set(turns[sides == 0.0].tolist())
     found |= {brentq(aside, turns[i], turns[i + 1], xtol=1e-14)
               for i in np.flatnonzero(sides[:-1] * sides[1:] < 0.0)}
-    return [_equilibrium(location, turn) for turn in sorted(found)
+    return [equilibrium_at(location, turn) for turn in sorted(found)
             if location.friction_center(turn)[0] > 0.0]
+
+
+def equilibrium_at(location, turn):
+    """
+    Describe the equilibrium at a turn where the friction centre is straight ahead.
+
+    :param location: ``PushingLocation``.
+    :param turn: of the object from the location's reference [rad], where alpha is 0.
+    :return: ``Equilibrium``.
+    """
+    effective, rho = location.rolling[1], float(location.rho(turn))
+    arm = float(location.friction_center(turn)[0])
+    return Equilibrium(float(turn), rho, arm, effective * math.cos(rho) - arm, effective * turn)
 
 
 def tolerances(location, equilibrium, contact_friction):
@@ -122,7 +135,9 @@ def tolerances(location, equilibrium, contact_friction):
 
     :param location: ``PushingLocation``.
     :param equilibrium: one of its ``equilibria``.
-    :param contact_friction: mu_c; the contact rolls while ``|rho| <= atan(mu_c)``.
+    :param contact_friction: mu_c; the push stays in the cone while ``|rho| <= atan(mu_c)``. An
+        object that turns back tilts the contact force further out: where the cone limits, this
+        is an upper bound, and ``rolling_limits`` has the force itself.
     :return: (``Tolerance`` clockwise, ``Tolerance`` counter-clockwise); both 0 where the
         equilibrium is unstable, or outside the cone.
     """
@@ -161,12 +176,6 @@ def linear_motion(obj, location, equilibrium, speed):
     return LinearMotion(obj.inertia + obj.mass * lever ** 2,
                         capacity / speed * (arm ** 2 + mean_square(obj, forward)),
                         capacity * equilibrium.margin)
-
-
-def _equilibrium(location, turn):
-    effective, rho = location.rolling[1], float(location.rho(turn))
-    arm = float(location.friction_center(turn)[0])
-    return Equilibrium(float(turn), rho, arm, effective * math.cos(rho) - arm, effective * turn)
 
 
 def _range(location):

@@ -39,11 +39,12 @@ def steady_turning_rate(obj, contact_point, direction, speed):
         return moment_balance(terms, *_steady(contact_point, direction, speed, omega), 0.0, FIXED,
                               SMOOTHING * speed)
 
-    # Inertia only damps the turn, so the quasi-static rate bounds it.
+    # Inertia only damps the turn, so the quasi-static rate bounds it; a little more on both ends,
+    # for rounding, and for the smoothing where the turn is about a support.
     bound = turning_rate(obj, contact_point, speed * math.cos(direction),
                          speed * math.sin(direction))
-    bound += math.copysign(1e-9 * speed, bound)
-    return brentq(residual, 0.0, bound, xtol=1e-13) if residual(0.0) else 0.0
+    more = math.copysign(1e-5 * speed, bound)
+    return brentq(residual, -more, bound + more, xtol=1e-13) if residual(0.0) else 0.0
 
 
 def steady_force(obj, contact_point, direction, speed, normal):

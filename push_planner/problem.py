@@ -1,13 +1,17 @@
 """What is asked of the planner: values that check themselves."""
 
 import dataclasses
+import functools
 import math
+from typing import NamedTuple
 
 from push_model.contact import contact_point, curvature_radius, find_contact, rolling_constants
+from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
-from push_model.quantity import check, quantity
 from push_model.quasi_static import vehicle
+from push_planner.constants import Constants
+from push_planner.settings import PlannerSettings
 
 
 class PlanningFailed(Exception):
@@ -25,36 +29,18 @@ class PlanningFailed(Exception):
         self.report = dict(report or {})
 
 
-@dataclasses.dataclass(frozen=True)
-class PlannerSettings:
-    """How plans are made."""
+class PresentMotion(NamedTuple):
+    """
+    How a push goes on at present, to plan on from it.
 
-    pushing_speed: float = quantity('speed of the contact point along the push', 'm/s', above=0.0,
-                                    high=5.0, default=0.15)
-    segments: int = quantity('least number of segments of constant pushing angle', '', 4, 200,
-                             default=24)
-    segment_length: float = quantity('longest segment of constant pushing angle; longer pushes '
-                                     'get more segments', 'm', 0.05, 2.0, default=0.3)
-    cone_margin: float = quantity('share of the contact friction angle that a plan may use', '',
-                                  0.05, 1.0, default=0.65)
-    friction_discount: float = quantity('factor on the believed contact friction coefficient', '',
-                                        above=0.0, high=1.0, default=0.8)
-    run_in: float = quantity('straight push at the end of a plan, shortened for near goals', 'm',
-                             0.0, 5.0, default=0.4)
-    max_path_length: float = quantity('longest push that is accepted', 'm', above=0.0,
-                                      high=1000.0, default=20.0)
-    contact_tolerance: float = quantity('largest gap or overlap between robot and object at the '
-                                        'start', 'm', 0.0, 1.0, default=0.03)
-    sample_spacing: float = quantity('largest distance between samples of a plan', 'm', 0.001,
-                                     0.2, default=0.015)
-    position_tolerance: float = quantity('largest position error of a re-integrated plan', 'm',
-                                         above=0.0, high=0.1, default=0.002)
-    heading_tolerance: float = quantity('largest heading error of a re-integrated plan', 'rad',
-                                        above=0.0, high=0.2, default=0.0035)
+    :param speed: of the contact [m/s]; 0: nothing moves yet.
+    :param yaw_rate: of the object [rad/s].
+    :param pushing_angle: rho [rad].
+    """
 
-    def __post_init__(self):
-        """Validate the fields."""
-        check(self)
+    speed: float = 0.0
+    yaw_rate: float = 0.0
+    pushing_angle: float = 0.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,11 +51,12 @@ class PushProblem:
     :param obj: the ``PushedObject`` as believed.
     :param robot: the ``RoundRobot``.
     :param contact: where the robot touches.
-    :param start: ``Pose`` of the object in the world, at rest.
+    :param start: ``Pose`` of the object in the world, at rest unless ``motion`` says otherwise.
     :param normal: gamma, world angle of the contact normal at the start [rad].
     :param heading: phi, world heading of the robot at the start [rad].
     :param goal: ``Pose`` of the object in the world.
     :param settings: ``PlannerSettings``.
+    :param motion: ``PresentMotion``, where a push is under way already.
     """
 
     obj: PushedObject
@@ -80,18 +67,48 @@ class PushProblem:
     heading: float
     goal: Pose
     settings: PlannerSettings = PlannerSettings()
+    motion: PresentMotion = PresentMotion()
 
     @property
+    def kind(self):
+        """How the contact goes with the robot, one of ``push_planner.constants.KINDS``."""
+        if self.robot.drive == 'differential':
+            return 'differential'
+        # The normal of a point robot is that of the face: it turns with the object in any case.
+        turns = self.settings.robot_yaw == 'with_object' or self.robot.radius == 0.0
+        return 'held' if turns else 'rolling'
+
+    @functools.cached_property
+    def constants(self):
+        """What the equations need of it, ``push_planner.constants.Constants``."""
+        return Constants.of(self)
+
+    @functools.cached_property
     def contact_point(self):
         """Contact point C in the object frame at the start, (x, y) [m]."""
         return contact_point(self.obj, self.contact)
 
+    @functools.cached_property
+    def friction_center(self):
+        """Friction centre F in the object frame, (x, y) [m]."""
+        return friction_center(self.obj)
+
+    @functools.cached_property
+    def relative_goal(self):
+        """Goal in the object's start frame, ``Pose``."""
+        return self.start.inverse() @ self.goal
+
     @property
+    def start_normal(self):
+        """Normal in the object frame at the start, in [-pi, pi] [rad]."""
+        return wrap_angle(self.normal - self.start.theta)
+
+    @functools.cached_property
     def vehicle(self):
         """View of the object as a vehicle, ``push_model.quasi_static.Vehicle``."""
         return vehicle(self.obj, self.contact_point)
 
-    @property
+    @functools.cached_property
     def rolling(self):
         """Constants (lam, R_e [m]) of the rolling contact."""
         return rolling_constants(self.robot.radius, curvature_radius(self.obj, self.contact))
@@ -143,9 +160,9 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
             raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
-    if not 0.0 < robot.radius < math.inf:
+    if math.isinf(robot.radius):
         raise PlanningFailed(f'the robot has a radius of {robot.radius:g} m: plans are made for '
-                             'round robots, neither points nor fences')
+                             'round robots and points, not for fences')
     contact, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
     if abs(gap) > settings.contact_tolerance:
         kind = 'away from' if gap > 0.0 else 'inside'

@@ -1,84 +1,42 @@
 """
-The push integrated finely, segment by segment, for given pushing angles.
+Functions that integrate a push finely, while a linear law holds it to the planned nodes.
 
-After each switch of the pushing angle w settles within millimetres when slow: steps begin short
-and grow.
+After a switch of the pushing angle w settles within millimetres when slow: parts begin short and
+grow.
 """
 
 import functools
-from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
-from push_planner.stage import collocate, Constants, NODE, POINTS, radau, switch
+from push_planner.constants import Constants
+from push_planner.stage import collocate, touch
+from push_planner.step import Node, Step
 
-NEWTON_STEPS = 5
+POINTS = 3
+NEWTON_STEPS = 4
 GROWTH = 1.6
+STEP_ROWS = 4
 
 
-class Segment(NamedTuple):
+def fractions(length, first, longest):
     """
-    One segment of constant pushing angle, integrated.
+    Divide a step into parts that grow from a first one.
 
-    :param begin: node after the jump, shape (5,), see ``push_planner.stage.NODE``.
-    :param ways: way from the segment's begin to the ends of the steps, shape (k,) [m].
-    :param nodes: nodes at the ends of the steps, shape (k, 5).
-    :param forces: (F_n, F_t) at the Radau points, shape (k * POINTS, 2) [N].
-    :param force_ways: ways of the same points, shape (k * POINTS,) [m].
-    :param impulse: (jump of w [1/m], J_n, J_t [N s]) at its begin.
+    :param length: of the step [m].
+    :param first: about the first part [m].
+    :param longest: the longest part [m].
+    :return: shares of the step, summing to 1.
     """
-
-    begin: np.ndarray
-    ways: np.ndarray
-    nodes: np.ndarray
-    forces: np.ndarray
-    force_ways: np.ndarray
-    impulse: tuple
-
-
-class Rollout:
-    """
-    Integrate segments of a push.
-
-    :param problem: the ``PushProblem``.
-    :param spacing: longest step [m].
-    :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
-    :param first: first step after a switch, or None for one that resolves the settling [m].
-    """
-
-    def __init__(self, problem, spacing, smoothing, first=None):
-        """Take what stays the same."""
-        self._speed = problem.settings.pushing_speed
-        self._constants = Constants.of(problem)
-        self._column = self._constants.column()
-        self._spacing, self._smoothing = spacing, smoothing
-        self._kind = problem.robot.drive, len(problem.obj.supports)
-        self._first = 0.3 * settling_way(problem) if first is None else first
-
-    def segment(self, node, before, angle, length):
-        """
-        Integrate one segment.
-
-        :param node: node at its begin, before the jump, shape (5,).
-        :param before: pushing angle before, or None at the first touch [rad].
-        :param angle: pushing angle of the segment [rad].
-        :param length: way of the contact [m].
-        :return: ``Segment``.
-        """
-        moving = 0.0 if before is None else 1.0
-        jump, j_n, j_t = (float(value) for value in switch(self._constants, node, before or 0.0,
-                                                           angle, moving))
-        begin = np.array(node, dtype=float)
-        begin[NODE.index('w')] += jump
-        steps = graded(length, self._first, self._spacing)
-        nodes, forces = _advance(*self._kind, len(steps))(begin, angle, steps[None, :],
-                                                          self._smoothing, self._column)
-        nodes = np.array(nodes).T
-        ways = np.cumsum(steps)
-        points = (ways - steps)[:, None] + steps[:, None] * radau()[0]
-        return Segment(begin, ways, nodes, np.array(forces).T.reshape(-1, 2), points.ravel(),
-                       (jump, j_n / self._speed, j_t / self._speed))
+    parts = [min(first, longest, length)]
+    while parts[-1] < longest and sum(parts) < length:
+        parts.append(min(longest, GROWTH * parts[-1]))
+    rest = length - sum(parts)
+    if rest > 0.0:
+        pieces = int(np.ceil(rest / longest))
+        parts += [rest / pieces] * pieces
+    return np.array(parts) / sum(parts)
 
 
 def settling_way(problem):
@@ -87,53 +45,84 @@ def settling_way(problem):
 
     :param problem: the ``PushProblem``.
     """
-    vehicle = problem.vehicle
-    obj = problem.obj
+    vehicle, obj = problem.vehicle, problem.obj
     inertia = obj.inertia + obj.mass * vehicle.arm ** 2
     friction = sum(obj.capacities) * vehicle.arm * vehicle.wheelbase
     return problem.settings.pushing_speed ** 2 * inertia / friction
 
 
-def graded(length, first, longest):
+@functools.lru_cache(maxsize=64)
+def advance(kind, supports, jumps, parts, steps):
     """
-    Divide a way into steps that grow to a longest one.
+    Build the rollout over steps of equally many parts.
 
-    :param length: the way [m].
-    :param first: about the first step [m].
-    :param longest: the longest step [m].
-    :return: steps, summing to the way.
+    :param kind: one of ``push_planner.constants.KINDS``.
+    :param supports: number of supports.
+    :param jumps: whether the pushing angle jumps at the begin of a step.
+    :param parts: number of parts of a step.
+    :param steps: number of steps.
+    :return: ``casadi.Function`` of the node at the begin and, one column per step: planned node,
+        change, gains, step and shares of the parts; then the constants. It gives, one column per
+        step: the node at the end, the change, the node after a jump, samples, forces.
     """
-    steps = [min(first, longest, length)]
-    while steps[-1] < longest and sum(steps) < length:
-        steps.append(min(longest, GROWTH * steps[-1]))
-    rest = length - sum(steps)
-    if rest > 0.0:
-        count = int(np.ceil(rest / longest))
-        steps += [rest / count] * count
-    return np.array(steps) * (length / sum(steps))
+    one = one_step(kind, supports, jumps, parts)
+    return one.mapaccum('advance', steps) if steps > 1 else one
 
 
 @functools.lru_cache(maxsize=64)
-def _advance(drive, supports, count):
-    step = _step(drive, supports)
-    return step.mapaccum('advance', count) if count > 1 else step
+def beside(kind, supports, jumps, parts, steps):
+    """Build steps that begin where they are told to; arguments as for ``advance``."""
+    return one_step(kind, supports, jumps, parts).map(steps)
+
+
+@functools.lru_cache(maxsize=32)
+def one_step(kind, supports, jumps, parts):
+    """Build one step; arguments as for ``advance``."""
+    constants, flat = Constants.symbols(supports)
+    node, planned, gains = (ca.SX.sym(name, 6) for name in ('node', 'planned', 'gains'))
+    change, data, shares = ca.SX.sym('change'), ca.SX.sym('data', STEP_ROWS), ca.SX.sym(
+        'shares', parts)
+    length, square, slope, smoothing = ca.vertsplit(data)
+    driven = change - ca.dot(gains, node - planned)
+    begin = Node(*ca.vertsplit(node))
+    if jumps:
+        jump, _, _ = touch(kind, constants, begin, driven)
+        begin = begin._replace(w=begin.w + jump, rho=begin.rho + driven)
+    part = _part(kind, supports)
+    now, way, samples, forces = ca.vertcat(*begin), 0.0, [], []
+    for i in range(parts):
+        h = shares[i] * length
+        along = 0.0 if jumps else driven * shares[i]
+        found, force = part(now, h, along, square + slope * way, slope, smoothing, flat)
+        way, now = way + h, found[:, POINTS - 1]
+        samples.append(found)
+        forces.append(force)
+    return ca.Function('step', [node, planned, change, gains, data, shares, flat], [
+        now, driven, ca.vertcat(*begin), ca.vec(ca.horzcat(*samples)),
+        ca.vec(ca.horzcat(*forces))])
 
 
 @functools.lru_cache(maxsize=16)
-def _step(drive, supports):
+def _part(kind, supports):
+    """One Radau step, solved by Newton's method: samples (6, K) and forces (2, K)."""
     constants, flat = Constants.symbols(supports)
-    node, rates = ca.SX.sym('node', len(NODE)), ca.SX.sym('rates', POINTS)
-    angle, length, smoothing = (ca.SX.sym(name) for name in ('angle', 'length', 'smoothing'))
-    parts = tuple(ca.vertsplit(node))
-    end, residuals, forces = collocate(drive, constants, parts, parts[3], angle, length,
-                                       ca.vertsplit(rates), smoothing)
-    residual = ca.vertcat(*residuals)
-    given = [node, angle, length, smoothing, flat]
+    node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
+    length, change, square, slope, smoothing = (ca.SX.sym(name) for name in (
+        'length', 'change', 'square', 'slope', 'smoothing'))
+    step = Step(length, change, square, slope, False, smoothing)
+    begin = Node(*ca.vertsplit(node))
+    if kind == 'held':
+        begin = begin._replace(phi=begin.theta)
+    out = collocate(kind, constants, begin, step, ca.vertsplit(rates))
+    residual = ca.vertcat(*out.residuals)
+    given = [node, length, change, square, slope, smoothing, flat]
     newton = ca.Function('newton', [rates, *given],
                          [rates - ca.solve(ca.jacobian(residual, rates), residual)])
-    finish = ca.Function('finish', [rates, *given],
-                         [ca.vertcat(*end), ca.vertcat(*[c for force in forces for c in force])])
-    found = ca.repmat(parts[3], POINTS, 1)
+    samples = ca.horzcat(*[ca.vertcat(*sample) for sample in out.samples])
+    forces = ca.horzcat(*[ca.vertcat(*force) for force in out.forces])
+    finish = ca.Function('finish', [rates, *given], [samples, forces])
+    found = ca.repmat(node[0], POINTS, 1)
     for _ in range(NEWTON_STEPS):
         found = newton(found, *given)
-    return ca.Function('step', given, list(finish(found, *given)))
+    results = ca.cse(list(finish(found, *given)))
+    return ca.Function('part', given, results)

@@ -1,108 +1,175 @@
 """From problem to plan."""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from push_model.contact import normal_range
-from push_model.dynamics import SMOOTHING
-from push_model.geometry import wrap_angle
-from push_planner.iterate import Bounds, Ends
+from push_planner.bounds import displacement_bound
+from push_planner.formulation import formulate, Formulation, turn_range
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed
+from push_planner.programme import programme, Solution
 from push_planner.refinement import refine
 from push_planner.refusals import refuse_impossible
+from push_planner.remainder import remainder
 from push_planner.sampling import report_of, switches_of, trajectory_of
-from push_planner.stage import Constants
-from push_planner.transcription import programme
-from push_planner.warm_start import guess, routes
+from push_planner.warm_start import routes, tightest_turns
 
 ROUTES = 12
-VERTEX_RESERVE = 0.02
-SEGMENT_STEP = 8
+NEARLY_BEST = 1.1
+ALIKE = 1.0
 
 
-def plan(problem):
+class _Candidate(NamedTuple):
+    """A route that has been solved."""
+
+    route: Any
+    formulation: Formulation
+    solution: Solution
+    iterations: int
+
+    @property
+    def duration(self):
+        """Time of the push, about [s]."""
+        return float(self.formulation.grid.times(self.solution.way).sum())
+
+    @property
+    def length(self):
+        """Way of the contact, about [m]."""
+        return self.solution.way + self.formulation.grid.fixed
+
+
+def plan(problem, previous=None):
     """
     Find the quickest push to the goal that keeps to the planning cone.
 
+    The programme is solved from the shortest ways of the flat point, and the best is integrated
+    finely and corrected until it reaches the goal.
+
     :param problem: the ``PushProblem``.
-    :return: ``Plan``, re-integrated to the goal.
+    :param previous: ``Plan`` for much the same push, to start from; None for none.
+    :return: ``Plan``.
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
     refuse_impossible(problem)
-    ranked, longest = routes(problem), problem.settings.max_path_length
+    attempts, left = [], _ways(problem)
+    if previous is not None:
+        again = _follow(problem, previous, left[0].cost, attempts)
+        if again is not None:
+            return again
+    for relaxed in (False, True):
+        waiting = left
+        while waiting:
+            solved, waiting = _solve_some(problem, waiting, attempts, relaxed)
+            for candidate in sorted(solved, key=lambda candidate: candidate.duration):
+                found = _finish(problem, candidate, attempts)
+                if found is not None:
+                    return found
+    # The relaxed programme comes last, and says what stands in the way.
+    raise PlanningFailed('no push within the friction cone and the limits of the robot was found '
+                         f'on {len(left)} ways that were tried, the first '
+                         f'{attempts[len(attempts) - len(left)]}', {'attempts': attempts})
+
+
+def _ways(problem):
+    """Routes that are worth a try, the most promising first."""
+    turns = tightest_turns(problem)
+    if turns is None:
+        raise PlanningFailed('the contact cannot steer both ways: in steady turns to one side its '
+                             'force leaves the planning cone; another contact may do')
+    ranked, longest = routes(problem, turns), problem.settings.max_path_length
     if ranked[0].cost > longest:
         raise PlanningFailed(
             f'the shortest way to the goal is a push of {ranked[0].cost:.1f} m, at most '
             f'{longest:g} m is accepted; another contact may be nearer',
             {'path_length': ranked[0].cost})
-    attempts = []
-    for route in [route for route in ranked if route.cost <= longest][:ROUTES]:
-        found, attempt = _try(problem, route)
-        attempts.append(attempt)
-        if found is not None:
-            found.report['attempts'] = attempts
-            return found
-    raise PlanningFailed('no push within the friction cone and the limits of the robot was found '
-                         f'on {len(attempts)} ways that were tried, the first {attempts[0]}',
-                         {'attempts': attempts})
+    low, high = turn_range(problem)
+    fit = [route for route in ranked if route.cost <= longest and low <= route.turned <= high]
+    return (fit or ranked[:1])[:ROUTES]
 
 
-def _try(problem, route):
-    settings = problem.settings
-    segments = max(settings.segments,
-                   SEGMENT_STEP * math.ceil(route.cost / settings.segment_length / SEGMENT_STEP))
-    solver = programme(problem.robot.drive, len(problem.obj.supports), segments)
-    ends = _ends(problem, route)
-    solution, verdict, iterations = solver.solve(Constants.of(problem), _bounds(problem), ends,
-                                                 guess(problem, route, segments))
-    name = f'{route.path.word} of {route.cost:.2f} m'
+def _follow(problem, previous, least, attempts):
+    route = remainder(problem, previous)
+    candidate = None if route is None else _solve(problem, route, attempts, False)
+    if candidate is None or candidate.length > NEARLY_BEST * max(least, route.cost):
+        return None
+    return _finish(problem, candidate, attempts)
+
+
+def _solve_some(problem, ways, attempts, relaxed):
+    """Solve until one is found, and then what may be as good; return the rest as well."""
+    solved, rest = [], []
+    for route in ways:
+        if solved and not _may_be_better(route, solved):
+            rest.append(route)
+            continue
+        candidate = _solve(problem, route, attempts, relaxed)
+        if candidate is not None:
+            solved.append(candidate)
+    return solved, rest
+
+
+def _may_be_better(route, solved):
+    """Whether a route turns otherwise than what is solved (alike: same optimum), at no detour."""
+    return (route.run_in >= solved[0].route.run_in
+            and route.cost <= NEARLY_BEST * min(candidate.length for candidate in solved)
+            and all(abs(route.turned - other.route.turned) > ALIKE for other in solved))
+
+
+def _solve(problem, route, attempts, relaxed):
+    formulation, guess = formulate(problem, route)
+    solver, verdict = programme(formulation.shape), 'not solved'
+    if relaxed:
+        solution, verdict, count = solver.diagnose(formulation.parameters(), formulation.box,
+                                                   guess)
+    else:
+        solution, count = solver.solve(formulation.parameters(), formulation.box, guess)
     if solution is None:
-        return None, f'{name}: {verdict}'
-    driven = refine(problem, solution, ends, SMOOTHING / settings.pushing_speed)
-    switches = switches_of(problem, driven)
-    found = Plan(problem, trajectory_of(problem, driven),
-                 tuple(float(angle) for angle, _, _ in driven),
-                 tuple(np.cumsum([length for _, length, _ in driven]).tolist()),
-                 switches, report_of(problem, driven, switches))
-    found.report.update(word=route.path.word, segments=segments, run_in=route.run_in,
-                        iterations=iterations)
-    check = found.verify()
-    found.report.update(check._asdict())
-    fault = _fault(check, settings)
-    return (None, f'{name}: {fault}') if fault else (found, f'{name}: solved')
+        attempts.append(f'{route.name} of {route.cost:.2f} m: {verdict}')
+        return None
+    return _Candidate(route, formulation, solution, count)
 
 
-def _fault(check, settings):
-    if not check.position_error <= settings.position_tolerance:
-        return f're-integration misses the goal by {1e3 * check.position_error:.2f} mm'
-    if not check.heading_error <= settings.heading_tolerance:
-        return f're-integration misses the goal by {math.degrees(check.heading_error):.2f} deg'
-    if not check.friction_usage <= 1.0:
-        return f'the contact force leaves the friction cone by a factor {check.friction_usage:.2f}'
+def _finish(problem, candidate, attempts):
+    route, formulation, solution, iterations = candidate
+    rollout, way = refine(problem, formulation, solution)
+    found, fault = None, 'the fine integration broke down'
+    if rollout is not None:
+        found = _plan(problem, formulation, rollout, way)
+        found.report.update(word=route.name, segments=formulation.shape.steps,
+                            run_in=route.run_in, iterations=iterations)
+        fault = _fault(found.report, problem)
+    attempts.append(f'{route.name} of {route.cost:.2f} m: {fault or "solved"}')
+    if fault:
+        return None
+    found.report['attempts'] = attempts
+    return found
+
+
+def _plan(problem, formulation, rollout, way):
+    trajectory = trajectory_of(problem, rollout)
+    switches = switches_of(problem, rollout, formulation.shape.jumps)
+    begins = rollout.nodes[:-1, 1] + (rollout.changes if formulation.shape.jumps else 0.0)
+    grid = formulation.grid
+    report = report_of(problem, rollout, trajectory, switches)
+    report['displacement_bound'] = displacement_bound(problem)
+    report['over_displacement_bound'] = trajectory.duration / report['displacement_bound']
+    return Plan(problem, trajectory,
+                tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
+                tuple(np.cumsum(grid.steps(way)).tolist()),
+                tuple(zip(np.sqrt(grid.squares).tolist(), np.sqrt(grid.ends).tolist())),
+                switches, report)
+
+
+def _fault(report, problem):
+    settings = problem.settings
+    if not report['position_error'] <= settings.position_tolerance:
+        return f're-integration misses the goal by {1e3 * report["position_error"]:.2f} mm'
+    if not report['heading_error'] <= settings.heading_tolerance:
+        return ('re-integration misses the goal by '
+                f'{math.degrees(report["heading_error"]):.2f} deg')
+    if settings.angle_limit == 'cone' and not report['friction_usage'] <= 1.0:
+        return ('the contact force leaves the friction cone by a factor '
+                f'{report["friction_usage"]:.2f}')
     return ''
-
-
-def _ends(problem, route):
-    vehicle, drive = problem.vehicle, problem.robot.drive
-    reached = route.path.at(route.path.length)[0].theta - vehicle.angle
-    theta = reached + wrap_angle(problem.goal.theta - reached)
-    offset = problem.heading_offset if drive == 'differential' else problem.normal_offset
-    # The normal's angle is unwrapped from the push direction at the start.
-    start_normal = problem.push_direction + problem.normal_offset
-    return Ends((*problem.start, start_normal), (problem.goal.x, problem.goal.y, theta,
-                                                 theta + vehicle.angle + offset),
-                route.run_in, -offset)
-
-
-def _bounds(problem):
-    settings, robot = problem.settings, problem.robot
-    low, high = -math.inf, math.inf
-    if robot.drive == 'differential':
-        angle = problem.vehicle.angle
-        low, high = (angle + wrap_angle(limit - angle)
-                     for limit in normal_range(problem.obj, problem.contact))
-        low, high = low + VERTEX_RESERVE, high - VERTEX_RESERVE
-    return Bounds(math.tan(problem.planning_angle), robot.max_speed / settings.pushing_speed,
-                  robot.max_yaw_rate / settings.pushing_speed, max(low, -1e6), min(high, 1e6))

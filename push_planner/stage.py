@@ -1,160 +1,139 @@
 """
-One segment of constant pushing angle as algebra: Radau IIA in arc length of the contact.
+One step of a push as algebra: Radau IIA in arc length of the contact.
 
-Scale-free: velocities are per pushing speed v, so w = omega / v [1/m], and inertia carries v^2.
-Nothing divides by v, and v -> 0 is the quasi-static limit.
+Velocities are per pushing speed v, so w = omega / v [1/m], and inertia carries ``V = v^2``.
+Nothing divides by v, and V -> 0 is the quasi-static limit. Poses are in the object's start frame.
 """
 
-from typing import Any, NamedTuple
-
 import casadi as ca
-import numpy as np
-
 from push_model.drive import center_velocity, yaw_rate
 from push_model.dynamics import contact_force, impulse, kinematics, moment_balance
-from push_model.state import Input, ObjectTerms, State
+from push_model.state import Input, State
+from push_planner.constants import place
+from push_planner.step import Node, Outcome, radau
 
-POINTS = 3
-SMOOTHING = 0.005
-NODE = ('x', 'y', 'theta', 'w', 'gamma')
+ZERO = Input(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-class Constants(NamedTuple):
+def touch(kind, constants, node, change=None):
     """
-    What stays the same along a push; numbers or casadi symbols.
+    Jump of w where the velocity imposed at the contact changes at once, and its impulse.
 
-    :param terms: ``ObjectTerms`` with mass and inertia times v^2.
-    :param c_x: contact in the object frame [m].
-    :param c_y: the same, y.
-    :param share: lam of the rolling contact.
-    :param radius: R_p [m].
-    :param heading_offset: D = gamma - phi [rad].
-    """
-
-    terms: ObjectTerms
-    c_x: Any
-    c_y: Any
-    share: Any
-    radius: Any
-    heading_offset: Any
-
-    @classmethod
-    def of(cls, problem):
-        """
-        Take the constants from a problem.
-
-        :param problem: the ``PushProblem``.
-        """
-        terms = ObjectTerms.of(problem.obj)
-        squared = problem.settings.pushing_speed ** 2
-        terms = terms._replace(mass=terms.mass * squared, inertia=terms.inertia * squared)
-        return cls(terms, *problem.contact_point, problem.rolling[0], problem.robot.radius,
-                   problem.heading_offset)
-
-    @classmethod
-    def symbols(cls, supports):
-        """
-        Make symbols for an object on a number of supports.
-
-        :param supports: number of supports.
-        :return: (``Constants`` of symbols, the same as one column).
-        """
-        flat = ca.SX.sym('constants', 9 + 3 * supports)
-        parts = ca.vertsplit(flat)
-        feet = tuple(tuple(parts[9 + 3 * i:12 + 3 * i]) for i in range(supports))
-        return cls(ObjectTerms(*parts[:4], feet), *parts[4:9]), flat
-
-    def column(self):
-        """Return the numbers in the order of ``symbols``, shape (9 + 3 k,)."""
-        feet = [value for support in self.terms.supports for value in support]
-        return np.array([*self.terms[:4], *self[1:], *feet])
-
-
-def radau():
-    """
-    Coefficients of the Radau IIA scheme: points, integration matrix A and its inverse.
-
-    The last point is the end of the step; the last row of A holds the weights.
-    """
-    points = np.array(ca.collocation_points(POINTS, 'radau'))
-    powers = np.arange(POINTS)
-    values = points[:, None] ** powers
-    integrals = points[:, None] ** (powers + 1) / (powers + 1)
-    matrix = integrals @ np.linalg.inv(values)
-    return points, matrix, np.linalg.inv(matrix)
-
-
-def switch(constants, node, before, angle, moving):
-    """
-    Jump of w where the pushing angle changes at once, and the impulse that this takes.
-
+    :param kind: one of ``push_planner.constants.KINDS``.
     :param constants: ``Constants``.
-    :param node: (x, y, theta, w, gamma).
-    :param before: pushing angle before [rad].
-    :param angle: pushing angle after [rad].
-    :param moving: 1 on the way, 0 at the first touch, where nothing moved before.
-    :return: (jump of w [1/m], J_n, J_t [N m]; impulses times v).
+    :param node: ``Node`` before.
+    :param change: jump of the pushing angle [rad]; None: first touch, nothing moved before.
+    :return: (jump of w [1/m], J_n, J_t [m/s per v]; impulses per mass and speed).
     """
-    _, _, theta, w, gamma = node
-    dv_x = ca.cos(gamma + angle) - moving * ca.cos(gamma + before)
-    dv_y = ca.sin(gamma + angle) - moving * ca.sin(gamma + before)
-    state = State(0.0, 0.0, theta, w, gamma, constants.c_x, constants.c_y)
-    return impulse(constants.terms, state, dv_x, dv_y)
+    phi = node.theta if kind == 'held' else node.phi
+    delta, c_x, c_y = place(constants, node.theta, phi)
+    before = delta + node.rho
+    v_x, v_y = ca.cos(before), ca.sin(before)
+    if change is not None:
+        v_x, v_y = ca.cos(before + change) - v_x, ca.sin(before + change) - v_y
+    state = State(0.0, 0.0, 0.0, 0.0, delta, c_x, c_y)
+    jump, j_n, j_t = impulse(constants.terms, state, v_x, v_y)
+    return jump, j_n / constants.terms.mass, j_t / constants.terms.mass
 
 
-def collocate(drive, constants, node, w, angle, length, rates, smoothing=SMOOTHING):
+def collocate(kind, constants, node, step, rates):
     """
-    Write one Radau step of a segment.
+    Write one Radau step.
 
-    :param drive: the robot's drive.
+    :param kind: one of ``push_planner.constants.KINDS``.
     :param constants: ``Constants``.
-    :param node: (x, y, theta, w, gamma) at the beginning; its w is not used.
-    :param w: w at the beginning, after the jump [1/m].
-    :param angle: pushing angle [rad].
-    :param length: h, way of the contact [m].
+    :param node: ``Node`` at the begin.
+    :param step: ``Step``.
     :param rates: w at the points of the step, unknowns [1/m].
-    :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
-    :return: (node at the end, residuals [N m], forces [(F_n, F_t)] at the points).
+    :return: ``Outcome``.
     """
-    _, matrix, inverse = radau()
-    # Vertex or held normal: the contact point does not move in the object, R_e plays no part.
-    rolling = (constants.share, 0.0)
-    yaw = [yaw_rate(drive, constants.radius, angle, constants.heading_offset, rate)
-           for rate in rates]
-    bends = [constants.share * rate + (1 - constants.share) * turn
-             for rate, turn in zip(rates, yaw)]
-    slopes, residuals, forces = [], [], []
-    for i in range(POINTS):
-        theta = node[2] + length * _dot(matrix[i], rates)
-        gamma = node[4] + length * _dot(matrix[i], bends)
-        c, s = ca.cos(gamma + angle), ca.sin(gamma + angle)
-        state = State(0.0, 0.0, theta, rates[i], gamma, constants.c_x, constants.c_y)
-        inputs = Input(c, s, -bends[i] * s, bends[i] * c, yaw[i])
-        change = _dot(inverse[i], [rate - w for rate in rates]) / length
-        residuals.append(moment_balance(constants.terms, state, inputs, change, rolling,
-                                        smoothing))
-        forces.append(contact_force(constants.terms, state, inputs, change, rolling, smoothing))
-        slopes.append(kinematics(state, inputs, change, rolling))
-    weights = matrix[-1]
-    end = (node[0] + length * _dot(weights, [slope.x for slope in slopes]),
-           node[1] + length * _dot(weights, [slope.y for slope in slopes]),
-           node[2] + length * _dot(weights, rates), rates[-1],
-           node[4] + length * _dot(weights, bends))
-    return end, residuals, forces
+    places, matrix, inverse = radau(len(rates))
+    h = step.length
+    w = node.w + (touch(kind, constants, node, step.change)[0] if step.jumps else 0.0)
+    angles = [node.rho + (1.0 if step.jumps else float(c)) * step.change for c in places]
+    bend = 0.0 if step.jumps else step.change / h
+    turns = [robot_turn(kind, constants, angle, rate) for angle, rate in zip(angles, rates)]
+    residuals, forces, turned, ways = [], [], [], []
+    for i, c in enumerate(places):
+        theta = node.theta + h * _dot(matrix[i], rates)
+        phi = _robot_heading(kind, node, theta, h, matrix[i], turns)
+        slope_w = _dot(inverse[i], [rate - w for rate in rates]) / h
+        residual, force, gamma = balance(constants, (theta, phi, rates[i], angles[i], turns[i]),
+                                         bend, slope_w, step, float(c))
+        residuals.append(residual)
+        forces.append(force)
+        turned.append((theta, phi))
+        ways.append((ca.cos(gamma + angles[i]), ca.sin(gamma + angles[i])))
+    samples = [Node(rate, angle, theta, node.q_x + h * _dot(row, [way[0] for way in ways]),
+                    node.q_y + h * _dot(row, [way[1] for way in ways]), phi)
+               for rate, angle, (theta, phi), row in zip(rates, angles, turned, matrix)]
+    return Outcome(samples, residuals, forces)
 
 
-def robot_motion(drive, constants, angle, w):
+def robot_turn(kind, constants, angle, w):
     """
-    Motion of the robot per speed of the contact.
+    Robot's yaw rate over the pushing speed [1/m].
 
-    :param drive: the robot's drive.
+    :param kind: one of ``push_planner.constants.KINDS``.
     :param constants: ``Constants``.
     :param angle: pushing angle [rad].
-    :param w: object's yaw rate per speed [1/m].
-    :return: (velocity of the centre along n, along t [-], yaw rate [1/m]).
+    :param w: the object's yaw rate over the pushing speed [1/m].
     """
-    turn = yaw_rate(drive, constants.radius, angle, constants.heading_offset, w)
-    return (*center_velocity(constants.radius, angle, turn), turn)
+    if kind == 'rolling':
+        return 0.0
+    drive = 'holonomic' if kind == 'held' else 'differential'
+    return yaw_rate(drive, constants.radius, angle, constants.heading_offset, w)
+
+
+def robot_speed(constants, angle, turn):
+    """
+    Square of the speed of the robot's centre over that of the contact.
+
+    :param constants: ``Constants``.
+    :param angle: pushing angle [rad].
+    :param turn: robot's yaw rate over the pushing speed [1/m].
+    """
+    along, across = center_velocity(constants.radius, angle, turn)
+    return along ** 2 + across ** 2
+
+
+def _robot_heading(kind, node, theta, h, row, turns):
+    if kind == 'held':
+        return theta
+    return node.phi + h * _dot(row, turns) if kind == 'differential' else 0.0
+
+
+def balance(constants, point, bend, slope_w, step, c):
+    """
+    Write the equation of motion at one point, in axes of the object.
+
+    :param constants: ``Constants``.
+    :param point: (theta, phi, w, pushing angle, robot's yaw rate over the pushing speed).
+    :param bend: rate of the pushing angle [rad/m].
+    :param slope_w: dw/ds [1/m^2].
+    :param step: ``Step``.
+    :param c: place of the point in the step.
+    :return: (residual of the moment [N m], (F_n, F_t) [N], gamma since the start [rad]).
+    """
+    theta, phi, w, angle, turn = point
+    delta, c_x, c_y = place(constants, theta, phi)
+    rolling = constants.share, constants.effective
+    state = State(0.0, 0.0, 0.0, w, delta, c_x, c_y)
+    u_x, u_y = ca.cos(delta + angle), ca.sin(delta + angle)
+    turned = kinematics(state, ZERO._replace(omega_p=turn), 0.0, rolling).gamma + bend
+    square = step.square + c * step.length * step.slope
+    terms = constants.terms._replace(mass=constants.terms.mass * square,
+                                     inertia=constants.terms.inertia * square)
+    inputs = Input(u_x, u_y, -turned * u_y, turned * u_x, turn)
+    residual = moment_balance(terms, state, inputs, slope_w, rolling, step.smoothing)
+    force = contact_force(terms, state, inputs, slope_w, rolling, step.smoothing)
+    # d(v w)/dt = V w' + V'/2 w, and a_C has V'/2 along the push: inertia without friction.
+    half = 0.5 * step.slope
+    bare, still = constants.terms._replace(supports=()), state._replace(omega=0.0)
+    faster = Input(0.0, 0.0, half * u_x, half * u_y, 0.0)
+    residual += moment_balance(bare, still, faster, half * w, rolling)
+    more = contact_force(bare, still, faster, half * w, rolling)
+    return residual, (force[0] + more[0], force[1] + more[1]), theta + delta
 
 
 def _dot(weights, values):

@@ -1,143 +1,160 @@
 """
-The push as a nonlinear programme.
+The push as a nonlinear programme in stages, as fatrop wants it.
 
-Unknowns: way S of the manoeuvre, pushing angle of each of N equal segments, node states and the
-turning rates w at the Radau points. A straight run-in of given length and pushing angle follows.
-One more unknown, the excess, widens all bounds at a price: where no push exists the programme
-still converges, and tells how far the bounds would have to give way.
-Object, speed, cone, start and goal are parameters, so that a programme is built once.
+States of a stage: way S of the free part and the ``Node``; inputs: change of the pushing angle and
+w at the Radau points. Object, speeds, cone, start and goal are parameters, so that a programme is
+built once per kind.
 """
-
-import functools
 
 import casadi as ca
 import numpy as np
+from push_planner.constants import Constants, place
+from push_planner.shape import Ends, Limits, STEP_FIELDS
+from push_planner.stage import collocate, robot_speed, robot_turn, touch
+from push_planner.step import Node, Step
 
-from push_planner.iterate import RUN_IN_STEPS, Solution
-from push_planner.stage import NODE, POINTS
-from push_planner.stage_functions import EQUALITIES, ROWS, StageFunctions
-
+SMOOTHING = 0.02
 SMOOTHNESS = 1e-3
 PENALTY = 100.0
-NEGLIGIBLE = 1e-5
-SHORTEST_WAY = 0.02
-STEEPEST_ANGLE = 1.3
-OPTIONS = {
-    'print_time': False,
-    'error_on_fail': False,
-    'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 50, 'tol': 1e-7, 'mu_init': 1e-2,
-              'acceptable_iter': 0, 'linear_solver': 'mumps'}}
 
 
-class Programme:
+class Equations:
     """
-    The programme for one drive, number of supports and number of segments.
+    Symbolic rows of a programme.
 
-    :param drive: the robot's drive.
-    :param supports: number of supports of the object.
-    :param segments: N.
+    :param shape: ``Shape``.
     """
 
-    def __init__(self, drive, supports, segments):
-        """Build the programme."""
-        self.segments = segments
-        stage = StageFunctions(drive, supports)
-        steps = segments + RUN_IN_STEPS
-        self._rows = stage.rows
-        self._end_conditions = 4 if drive == 'differential' else 3
-        x = ca.MX.sym('x', 2 + segments + EQUALITIES * steps)
-        p = ca.MX.sym('p', stage.parameters + 10)
-        start, goal = p[-10:-6], p[-6:]
-        way, excess, angles = x[0], x[1], x[2:2 + segments].T
-        stages = ca.reshape(x[2 + segments:], EQUALITIES, steps)
-        nodes, rates = stages[:len(NODE), :], stages[len(NODE):, :]
-        first = ca.vertcat(start[:3], 0.0, start[3])
-        used = ca.horzcat(angles, ca.repmat(goal[5], 1, RUN_IN_STEPS))
-        lengths = ca.horzcat(ca.repmat(way / segments, 1, segments),
-                             ca.repmat(goal[4] / RUN_IN_STEPS, 1, RUN_IN_STEPS))
-        inputs = ca.vertcat(ca.horzcat(first, nodes[:, :-1]),
-                            ca.horzcat(0.0, used[:, :-1]), used, lengths, rates)
-        kept = ca.vertcat(nodes, ca.MX.zeros(POINTS, steps),
-                          ca.repmat(excess, stage.rows - EQUALITIES, steps))
-        reached = (nodes[[0, 1, 2, 4], -1] - goal[:4])[:self._end_conditions]
-        cost = way + PENALTY * excess + SMOOTHNESS * ca.sumsqr(ca.diff(used, 1, 1))
-        self._upper = np.tile(np.repeat([0.0, np.inf], [EQUALITIES, stage.rows - EQUALITIES]),
-                              steps)
-        self._upper = np.append(self._upper, np.zeros(self._end_conditions))
-        nlp, exact = _assemble(stage, steps, x, p, inputs, kept, reached, cost)
-        self._solver = ca.nlpsol('push', 'ipopt', nlp, {**OPTIONS, **exact})
+    def __init__(self, shape):
+        """Write them."""
+        self.shape = shape
+        self.names = []
+        constants, flat = Constants.symbols(shape.supports)
+        limits = ca.SX.sym('limits', len(Limits._fields))
+        ends = ca.SX.sym('ends', len(Ends._fields))
+        self.grid = ca.SX.sym('grid', len(STEP_FIELDS) + shape.states - 1, shape.steps)
+        self.common = ca.vertcat(flat, limits, ends)
+        self.p = ca.vertcat(self.common, ca.vec(self.grid))
+        self.x = ca.SX.sym('x', shape.width * shape.steps + shape.states)
+        stage, first, last = self._functions(constants, limits, ends, flat)
+        self.g, cost = [], 0.0
+        for k in range(shape.steps):
+            begin = shape.width * k
+            here = self.x[begin:begin + shape.width]
+            after = self.x[begin + shape.width:begin + shape.width + shape.states]
+            end, equal, rows = stage(here, self.grid[:, k], self.common)
+            self._add(after - end)
+            if k == 0:
+                equal_first, rows_first = first(here, self.grid[:, 0], self.common)
+                self._add(equal_first)
+                self._add(equal)
+                self._add(rows_first, self.first_names)
+            else:
+                self._add(equal)
+            self._add(rows, self.row_names)
+            cost += SMOOTHNESS * here[shape.states] ** 2
+        final = self.x[shape.width * shape.steps:]
+        self._add(last(final, self.common))
+        self.cost = cost + final[0]
+        self.rows = ca.cse(ca.vertcat(*self.g))
+        self.equality = np.array([not name for name in self.names])
 
-    def solve(self, constants, bounds, ends, guess):
-        """
-        Solve the programme.
+    def _add(self, rows, names=None):
+        self.g.append(rows)
+        self.names += names or [''] * rows.numel()
 
-        :param constants: ``Constants`` of the push.
-        :param bounds: ``Bounds``.
-        :param ends: ``Ends``.
-        :param guess: ``Solution`` to start from.
-        :return: (``Solution`` or None, the solver's own verdict, iterations).
-        """
-        column = guess.column()
-        low, high = np.full(column.size, -np.inf), np.full(column.size, np.inf)
-        low[:2] = SHORTEST_WAY, 0.0
-        angles = slice(2, 2 + self.segments)
-        low[angles], high[angles] = -STEEPEST_ANGLE, STEEPEST_ANGLE
-        parameters = np.concatenate([constants.column(), bounds, ends.start, ends.goal,
-                                     [ends.run_in, ends.last_angle]])
-        answer = self._solver(x0=column, p=parameters, lbx=low, ubx=high, lbg=0.0,
-                              ubg=self._upper)
-        stats = self._solver.stats()
-        found = np.array(answer['x']).ravel()
-        verdict, count = stats['return_status'], int(stats['iter_count'])
-        if not stats['success'] or not np.isfinite(found).all():
-            return None, verdict, count
-        solution = Solution.of(found, self.segments)
-        if solution.excess > NEGLIGIBLE:
-            return None, self._culprit(np.array(answer['lam_g']), solution.excess), count
-        return solution, verdict, count
+    def _node(self, states):
+        w, rho, theta, q_x, q_y = states[1:6]
+        phi = {'held': theta, 'rolling': 0.0}.get(self.shape.kind)
+        return Node(w, rho, theta, q_x, q_y, states[6] if phi is None else phi)
 
-    def _culprit(self, multipliers, excess):
-        prices = multipliers[:multipliers.size - self._end_conditions].reshape(-1, self._rows)
-        worst = np.abs(prices[:, EQUALITIES:]).max(axis=0).argmax()
-        return f'{ROWS[min(worst, len(ROWS) - 1)]} would be exceeded by {excess:.2g}'
+    def _functions(self, constants, limits, ends, flat):
+        shape = self.shape
+        limits, ends = Limits(*ca.vertsplit(limits)), Ends(*ca.vertsplit(ends))
+        z = ca.SX.sym('z', shape.width)
+        parts = ca.vertsplit(z)
+        node, change, rates = self._node(parts), parts[shape.states], parts[shape.states + 1:]
+        grid = ca.SX.sym('step', len(STEP_FIELDS) + shape.states - 1)
+        length, share, square, slope, free, rate, pace = ca.vertsplit(grid[:len(STEP_FIELDS)])
+        step = Step(length + share * parts[0], free * change, square, slope, shape.jumps,
+                    SMOOTHING)
+        out = collocate(shape.kind, constants, node, step, rates)
+        friction = sum(support[2] for support in constants.terms.supports)
+        end = ca.vertcat(parts[0], *out.node[:shape.states - 1])
+        end[1:] += grid[len(STEP_FIELDS):]
+        rows = [row for force in out.forces
+                for row in _cone(limits.slope, limits.slack, *(f / friction for f in force))]
+        names = ['cone'] * len(rows)
+        if not shape.jumps:
+            reach = rate * step.length
+            rows += [reach - change, reach + change]
+            names += ['rate'] * 2
+        rows += self._robot_rows(constants, limits, out.node, pace)
+        names += [] if shape.kind == 'rolling' else ['turn', 'speed']
+        self.row_names = names + ['vertex'] * (len(rows) - len(names))
+        stage = ca.Function('stage', [z, grid, self.common], [
+            end, ca.vertcat(*[residual / friction for residual in out.residuals]),
+            ca.vertcat(*rows)])
+        return stage, self._first((z, grid), node, constants, limits, ends), self._last(
+            constants, ends)
+
+    def _robot_rows(self, constants, limits, end, square):
+        if self.shape.kind == 'rolling':
+            return []
+        turn = robot_turn(self.shape.kind, constants, end.rho, end.w)
+        rows = [limits.turn ** 2 - square * turn ** 2,
+                limits.speed ** 2 - square * robot_speed(constants, end.rho, turn)]
+        if self.shape.kind == 'differential':
+            delta, _, _ = place(constants, end.theta, end.phi)
+            rows += [delta - limits.lowest, limits.highest - delta]
+        return rows
+
+    def _first(self, given, node, constants, limits, ends):
+        jump, j_n, j_t = touch(self.shape.kind, constants, node)
+        equal = [node.w - ends.moving * ends.w - (1.0 - ends.moving) * jump, node.theta,
+                 node.q_x - ends.q_x, node.q_y - ends.q_y]
+        if self.shape.kind == 'differential':
+            equal.append(node.phi)
+        rows = _cone(limits.slope, limits.touch_slack, j_n, j_t)
+        if self.shape.kind != 'rolling':
+            # Of the robot's rows, those of the vertex hold at a start that is taken as it is.
+            rows += self._robot_rows(constants, limits, node, given[1][len(STEP_FIELDS) - 1])[:2]
+        self.first_names = ['touch', 'touch', 'turn', 'speed'][:len(rows)]
+        return ca.Function('first', [*given, self.common], [ca.vertcat(*equal),
+                                                            ca.vertcat(*rows)])
+
+    def _last(self, constants, ends):
+        states = ca.SX.sym('final', self.shape.states)
+        node = self._node(ca.vertsplit(states))
+        x, y = origin(self.shape.kind, constants, node)
+        rows = [x - ends.x, y - ends.y]
+        delta, c_x, c_y = place(constants, node.theta, node.phi)
+        if not self.shape.heading_free:
+            rows.append(node.theta - ends.theta)
+        if self.shape.straight:
+            angle = delta + node.rho
+            rows.append((ends.f_x - c_x) * ca.sin(angle) - (ends.f_y - c_y) * ca.cos(angle))
+            if self.shape.kind == 'differential':
+                rows.append(delta - ends.delta)
+        return ca.Function('last', [states, self.common], [ca.vertcat(*rows)])
 
 
-@functools.lru_cache(maxsize=16)
-def programme(drive, supports, segments):
+def origin(kind, constants, node):
     """
-    Build a programme, or take it from earlier.
+    Find the object's origin from the followed point.
 
-    :param drive: the robot's drive.
-    :param supports: number of supports.
-    :param segments: N.
-    :return: ``Programme``.
+    :param kind: one of ``push_planner.constants.KINDS``.
+    :param constants: ``Constants``.
+    :param node: ``Node``.
+    :return: (x, y) in the object's start frame [m].
     """
-    return Programme(drive, supports, segments)
+    delta, c_x, c_y = place(constants, node.theta, node.phi)
+    out = constants.radius if kind == 'rolling' else 0.0
+    c, s = ca.cos(node.theta), ca.sin(node.theta)
+    gamma = node.theta + delta
+    return (node.q_x + out * ca.cos(gamma) - c * c_x + s * c_y,
+            node.q_y + out * ca.sin(gamma) - s * c_x - c * c_y)
 
 
-def _assemble(stage, steps, x, p, inputs, kept, reached, cost):
-    """Chain the stages' derivatives: far cheaper than differentiating the whole programme."""
-    moving = ca.DM([[0.0] + [1.0] * (steps - 1)])
-    given = (inputs, moving, ca.repmat(p[:stage.parameters], 1, steps))
-    size = stage.rows * steps
-    chain = ca.evalf(ca.jacobian(ca.vec(inputs), x))
-    linear = ca.evalf(ca.jacobian(ca.vertcat(ca.vec(kept), reached), x))
-    fixed = ca.evalf(ca.hessian(cost, x)[0])
-    value = ca.vertcat(ca.vec(kept + stage.value.map(steps)(*given)), reached)
-    out, slopes = stage.slope.map(steps)(*given)
-    rows = ca.vertcat(ca.mtimes(_diagonal(slopes, stage.rows, stage.width, steps), chain),
-                      ca.MX(reached.numel(), x.numel()))
-    again = ca.vertcat(ca.vec(kept + out), reached)
-    lam_f, lam_g = ca.MX.sym('lam_f'), ca.MX.sym('lam_g', size + reached.numel())
-    bends = stage.bend.map(steps)(*given, ca.reshape(lam_g[:size], stage.rows, steps))
-    bend = ca.mtimes([chain.T, _diagonal(bends, stage.width, stage.width, steps), chain])
-    exact = {'jac_g': ca.Function('jac_g', [x, p], [again, rows + linear]),
-             'hess_lag': ca.Function('hess_lag', [x, p, lam_f, lam_g],
-                                     [ca.triu(bend + lam_f * fixed)])}
-    return {'x': x, 'p': p, 'f': cost, 'g': value}, exact
-
-
-def _diagonal(blocks, rows, columns, count):
-    """Set dense blocks, side by side, on the diagonal."""
-    pattern = ca.diagcat(*[ca.Sparsity.dense(rows, columns)] * count)
-    return ca.MX(pattern, ca.vec(blocks))
+def _cone(slope, slack, along, across):
+    return [slope * along - across + slack, slope * along + across + slack]

@@ -1,160 +1,144 @@
 """
-First guesses: the pushed object as a vehicle that follows a Dubins path of its flat point z.
+Where to begin: the pushed object as a vehicle that follows a Dubins path of its flat point z.
 
-The contact steers by ``chi = psi - atan(L kappa)``; along the way of z the contact goes
-``sqrt(1 + (L kappa)^2)`` times as far.
+Turns are steady ones: of a contact that is held, by the supports themselves and with inertia; of
+a differential drive, whose normal follows the turn, by the vehicle view.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-
 from push_model.dubins import DubinsPath, words
 from push_model.geometry import Pose
-from push_planner.iterate import RUN_IN_STEPS, Solution
-from push_planner.stage import NODE, POINTS, radau
+from push_planner.first_guess import guess
+from push_planner.steady_turns import steady_turns, SteadyTurn, TurnKey
 
 FASTEST_TIGHT = 0.5
-SHORTER = (1.0, 0.5, 0.25, 0.1, 0.0)
+GENTLE = 0.7
+SHORTER = (0.5, 0.25, 0.1)
 DETOUR = 1.2
-EXCESS = 0.05
 SHORTEST_RUN_IN = 0.02
+WIDEST = 1.1
 
 
 class Route(NamedTuple):
     """
-    A way for the flat point, with what it costs.
+    A way for the flat point, in the object's start frame, with what it costs.
 
-    :param path: ``DubinsPath`` of z, in the world, up to the run-in.
+    :param path: ``DubinsPath`` of z, up to the run-in.
+    :param turns: ``SteadyTurn`` on each piece of it.
     :param run_in: straight way after it [m].
     :param cost: way of the contact, run-in included [m].
     """
 
     path: DubinsPath
+    turns: tuple
     run_in: float
     cost: float
 
+    @property
+    def turned(self):
+        """Angle by which the object turns [rad]."""
+        return sum(a * b for a, b in zip(self.path.lengths, self.path.curvatures))
 
-def curvature_limits(problem):
+    @property
+    def name(self):
+        """Letters of its pieces."""
+        return self.path.word
+
+    def guess(self, problem, lengths, points):
+        """
+        Follow it; arguments and result as of ``push_planner.first_guess.guess``.
+
+        :param problem: the ``PushProblem``.
+        :param lengths: of the steps [m].
+        :param points: places of the Radau points in a step.
+        """
+        return guess(problem, self, lengths, points)
+
+
+def tightest_turns(problem):
     """
-    Curvatures of z that can be held within the planning cone, by the vehicle view.
-
-    A differential drive: ``(D -+ beta) / (r + R_p)``, since its normal follows the turn; a held
-    normal: ``(-zeta -+ beta) r / c^2``.
+    Find the tightest steady turns.
 
     :param problem: the ``PushProblem``.
-    :return: (lowest, highest) curvature [1/m]; negative is to the right.
+    :return: ``SteadyTurn`` (to the left, to the right), or None where straight ahead is out of
+        bounds itself.
     """
-    vehicle, beta = problem.vehicle, problem.planning_angle
-    if problem.robot.drive == 'differential':
+    settings, vehicle = problem.settings, problem.vehicle
+    offset = problem.normal_offset
+    if problem.kind == 'differential':
         reach = vehicle.arm + problem.robot.radius
-        middle = problem.heading_offset
-    else:
-        reach, middle = vehicle.mean_square / vehicle.arm, -problem.normal_offset
-    return (middle - beta) / reach, (middle + beta) / reach
+        beta = problem.planning_angle if settings.angle_limit == 'cone' else WIDEST
+        return tuple(_vehicle_turn(vehicle, (problem.heading_offset + side * beta) / reach)
+                     for side in (1.0, -1.0))
+    slope, widest = math.inf, WIDEST
+    if settings.angle_limit == 'cone':
+        slope = math.tan(problem.planning_angle)
+    elif settings.angle_limit == 'angle':
+        widest = settings.max_pushing_angle
+    dynamic = settings.motion_model == 'dynamic'
+    key = TurnKey(tuple(problem.constants.column()), offset,
+                  settings.pushing_speed ** 2 if dynamic else 0.0)
+    found = steady_turns(key).limits(slope, widest, offset)
+    if found is None or not (found[0].curvature > 0.0 > found[1].curvature):
+        return None
+    if dynamic and settings.pushing_speed > FASTEST_TIGHT:
+        return tuple(SteadyTurn(GENTLE * turn.steer, GENTLE * turn.w) for turn in found)
+    return found
 
 
-def routes(problem):
+def _vehicle_turn(vehicle, curvature):
+    steer = -math.atan(vehicle.wheelbase * curvature)
+    return SteadyTurn(steer, curvature * math.cos(steer))
+
+
+def routes(problem, turns):
     """
-    Rank the ways to the goal.
+    Rank the ways to the goal, cheapest first.
 
-    Ways that turn alike lead to the same optimum; of those, one is kept per run-in, the longest
-    run-in first that does not force a detour. Turns are ranked by their cheapest way.
+    Run-ins are shortened where the full one forces a detour.
 
     :param problem: the ``PushProblem``.
+    :param turns: ``SteadyTurn`` (to the left, to the right).
     :return: list of ``Route``.
     """
-    alike = {}
-    for share in SHORTER:
-        run_in = max(share * problem.settings.run_in, SHORTEST_RUN_IN)
-        seen = set()
-        for route in _routes(problem, run_in):
-            turn = sum(a * b for a, b in zip(route.path.lengths, route.path.curvatures))
-            turns = round((turn + problem.start.theta - problem.goal.theta) / (2.0 * math.pi))
-            if turns not in seen:
-                seen.add(turns)
-                alike.setdefault(turns, []).append(route)
-    ranked = []
-    for group in sorted(alike.values(), key=lambda group: min(route.cost for route in group)):
-        best = min(route.cost for route in group)
-        ranked += [route for route in group if route.cost <= DETOUR * best]
-    return ranked
+    full = problem.settings.run_in
+    shortest = min(SHORTEST_RUN_IN, full)
+    found, least = _routes(problem, turns, full), _routes(problem, turns, shortest)
+    if found[0].cost > DETOUR * least[0].cost:
+        found = least + [route for share in SHORTER if share * full > shortest
+                         for route in _routes(problem, turns, share * full)]
+        best = min(route.cost for route in found)
+        near = [route for route in found if route.cost <= DETOUR * best]
+        longest = max(route.run_in for route in near)
+        near.sort(key=lambda route: (route.run_in < longest, route.cost))
+        rest = [route for route in found if route.cost > DETOUR * best]
+        return near + sorted(rest, key=lambda route: route.cost)
+    return found + [route for route in least if full > shortest]
 
 
-def guess(problem, route, segments):
-    """
-    Turn a route into an iterate of the programme.
-
-    :param problem: the ``PushProblem``.
-    :param route: the ``Route``.
-    :param segments: N.
-    :return: ``Solution``.
-    """
+def _routes(problem, turns, run_in):
     vehicle = problem.vehicle
-    ways, places = _contact_ways(route, vehicle.wheelbase)
-    way = ways[-1]
-    ends = np.concatenate([np.linspace(0.0, way, segments + 1)[1:],
-                           way + route.run_in * np.arange(1, RUN_IN_STEPS + 1) / RUN_IN_STEPS])
-    begins = np.concatenate([[0.0], ends[:-1]])
-    nodes = np.empty((len(ends), len(NODE)))
-    rates = np.empty((len(ends), POINTS))
-    angles = np.empty(len(ends))
-    gamma = problem.normal
-    for i, (begin, end) in enumerate(zip(begins, ends)):
-        pose, curvature = _at(route, 0.5 * (begin + end), ways, places)
-        direction = pose.theta - math.atan(vehicle.wheelbase * curvature)
-        if problem.robot.drive == 'differential':
-            angles[i], change = _follow(problem, direction, gamma - problem.heading_offset,
-                                        end - begin)
-            gamma += change
-        else:
-            angles[i] = direction - pose.theta - problem.normal_offset
-        points = begin + (end - begin) * radau()[0]
-        for j, point in enumerate(points):
-            pose, curvature = _at(route, point, ways, places)
-            rates[i, j] = curvature / math.sqrt(1.0 + (vehicle.wheelbase * curvature) ** 2)
-        theta = pose.theta - vehicle.angle
-        if problem.robot.drive == 'holonomic':
-            gamma = pose.theta + problem.normal_offset
-        z_x, z_y = Pose(0.0, 0.0, theta).rotate(vehicle.flat_point)
-        nodes[i] = pose.x - z_x, pose.y - z_y, theta, rates[i, -1], gamma
-    return Solution(way, EXCESS, angles[:segments], nodes, rates)
-
-
-def _routes(problem, run_in):
-    vehicle = problem.vehicle
-    lowest, highest = curvature_limits(problem)
-    fast = problem.settings.pushing_speed > FASTEST_TIGHT
-    # Inertia takes a share of the cone where the normal is held and turns are tight.
-    gentle = 0.7 if fast and problem.robot.drive == 'holonomic' else 1.0
-    z_start = problem.start @ Pose(*vehicle.flat_point, vehicle.angle)
-    z_goal = problem.goal @ Pose(*vehicle.flat_point, vehicle.angle) @ Pose(-run_in, 0.0, 0.0)
+    flat = Pose(*vehicle.flat_point, vehicle.angle)
+    goal = problem.relative_goal @ flat
+    left, right = turns
+    kinds = {1.0: left, 0.0: SteadyTurn(0.0, 0.0), -1.0: right}
     found = []
-    for path in words(z_start, z_goal, 1.0 / (gentle * highest), -1.0 / (gentle * lowest)):
-        cost = run_in + sum(length * math.sqrt(1.0 + (vehicle.wheelbase * curvature) ** 2)
-                            for length, curvature in zip(path.lengths, path.curvatures))
-        found.append(Route(path, run_in, cost))
+    for heading in _headings(problem, goal):
+        end = goal._replace(theta=heading) @ Pose(-run_in, 0.0, 0.0)
+        for path in words(flat, end, 1.0 / left.curvature, -1.0 / right.curvature):
+            pieces = tuple(kinds[math.copysign(1.0, c) if c else 0.0] for c in path.curvatures)
+            cost = run_in + sum(length / math.cos(turn.steer)
+                                for length, turn in zip(path.lengths, pieces))
+            found.append(Route(path, pieces, run_in, cost))
     return sorted(found, key=lambda route: route.cost)
 
 
-def _contact_ways(route, wheelbase):
-    ways, places = [0.0], [0.0]
-    for length, curvature in zip(route.path.lengths, route.path.curvatures):
-        places.append(places[-1] + length)
-        ways.append(ways[-1] + length * math.sqrt(1.0 + (wheelbase * curvature) ** 2))
-    return ways, places
-
-
-def _at(route, way, ways, places):
-    if way > ways[-1]:
-        return route.path.at(places[-1] + way - ways[-1])
-    return route.path.at(np.interp(way, ways, places))
-
-
-def _follow(problem, direction, heading, length):
-    """Let a differential drive's heading settle on the direction of the push."""
-    reach = problem.robot.radius * math.cos(problem.heading_offset)
-    change = (direction - heading) * (1.0 - math.exp(-length / reach))
-    steer = max(-0.9, min(0.9, change * reach / length))
-    return math.asin(steer) - problem.heading_offset, change
+def _headings(problem, goal):
+    if not problem.settings.heading_free:
+        return [goal.theta]
+    # Any heading will do: the direction of the goal, and some to either side.
+    bearing = math.atan2(goal.y, goal.x)
+    return [bearing + turn for turn in np.linspace(-math.pi, math.pi, 16, endpoint=False)]

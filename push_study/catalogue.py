@@ -2,7 +2,13 @@
 
 import importlib
 
-MODULES = ('flat_object',)
+MODULES = ('sketches_model', 'sketches_rest', 'sketches_state', 'sketches_wheel', 'sketches_fence',
+           'sketches_box', 'sketches_loads',
+           'flat_object', 'friction_center_distance', 'flat_fence',
+           'round_on_round', 'rho_over_time',
+           'corner_limit', 'corner_rates', 'corner_transients', 'corner_motion',
+           'support_patterns',
+           'stable_regions')
 
 
 def studies():
@@ -38,4 +44,7 @@ def select(words):
 
 
 def _order(study):
-    return [(len(part), part) for part in study.figure.split('.')]
+    figure = study.figure.lstrip('T')
+    # The tables of a chapter come after its figures.
+    return study.chapter, figure != study.figure, [(len(part), part)
+                                                   for part in figure.split('.')]

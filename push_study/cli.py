@@ -5,12 +5,13 @@ from pathlib import Path
 import sys
 
 from push_scenario.interrupts import Interrupts
-from push_study import catalogue, gallery
+from push_study import catalogue, cli_drive, cli_regions, gallery
 from push_study.run import Runner
 from push_study.values import read_overrides, read_table, refuse_unknown, values_of
 from tqdm import tqdm
 
 DONE, MISUSE, INTERRUPTED = 0, 2, 130
+BAR = '{desc} {percentage:3.0f}% |{bar:30}| {elapsed}, {remaining} left'
 
 
 def main(arguments=None):
@@ -45,7 +46,9 @@ def _parser():
                      help='another value for a parameter; may be given more than once')
     run.add_argument('--page', type=Path, metavar='FILE',
                      help='Markdown page in which to fill the gallery in')
-    for each in (run,):
+    regions = cli_regions.register(actions, run_studies)
+    drive = cli_drive.register(actions, run_studies)
+    for each in (run, regions, drive):
         _add_common(each)
     return parser
 
@@ -89,26 +92,28 @@ def _run(options):
     return run_studies(chosen, overrides, options)
 
 
-def run_studies(chosen, overrides, options):
+def run_studies(chosen, overrides, options, table=None):
     """
     Run studies with a bar, and tell what they found.
 
     :param chosen: sequence of ``Study``.
     :param overrides: dict of parameter names to values.
     :param options: with ``out``, ``jobs``, ``scheduler``, and ``page`` or None.
+    :param table: values as of ``read_table``; None for those of ``config/studies.yaml``.
     :return: exit status.
     """
     done = []
-    with tqdm(total=len(chosen), unit='study', file=sys.stderr) as bar, Interrupts() as interrupts:
+    with _bar(len(chosen)) as bar, Interrupts() as interrupts:
         def progress(jobs, total):
-            bar.set_postfix_str(f'{jobs}/{total} simulated')
+            # A batch is a part of its study; the study itself counts when it is drawn.
+            bar.update(len(done) + 0.9 * jobs / total - bar.n if jobs else 0.0)
 
-        runner = Runner(options.out, read_table(), overrides, options.jobs, options.scheduler,
-                        progress)
+        runner = Runner(options.out, table or read_table(), overrides, options.jobs,
+                        options.scheduler, progress)
         for study in chosen:
             bar.set_description(study.figure)
             done.append(runner(study))
-            bar.update()
+            bar.update(len(done) - bar.n)
             interrupts.check()
     for one in done:
         print(f'{one.files.png}{" (kept)" if one.kept else ""}: {one.study.title}')
@@ -119,6 +124,11 @@ def run_studies(chosen, overrides, options):
                             gallery.page(done, options.page.parent))
         options.page.write_text(text, encoding='utf-8')
     return DONE
+
+
+def _bar(count):
+    period = 0.1 if sys.stderr.isatty() else 5.0
+    return tqdm(total=count, file=sys.stderr, miniters=0, mininterval=period, bar_format=BAR)
 
 
 if __name__ == '__main__':

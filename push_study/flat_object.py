@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 from push_model.pushing_location import PushingLocation
-from push_model.stability import equilibria, tolerances
 from push_study import alpha_plot
 from push_study.study import Finding, Outcome, Parameter, Study
 
@@ -16,9 +15,11 @@ WHERE = (('2.11', 0.3, 'stable',
           'The friction centre is nearer to the contact than the centre of the robot, by '
           '{margin:.2f} m: as the face rolls, the contact overtakes it.'),
          ('2.12', 0.5, 'marginal',
-          'Alpha touches 0 at rho = 0 without slope.',
-          'The friction centre is as far from the contact as the centre of the robot (margin '
-          '{margin:.2f} m), so that rolling moves the contact just as far as the centre swings.'),
+          'Alpha passes 0 at rho = 0 without slope (stability margin {margin:.2f} m), and '
+          'further out the arrows lead away.',
+          'The friction centre is as far from the contact as the centre of the robot, so that '
+          'for small turns the contact rolls just as far as the friction centre swings; for '
+          'larger ones it falls behind.'),
          ('2.13', 0.7, 'unstable',
           'The slope at rho = 0 has changed its sign: the arrows lead away from it.',
           'The friction centre lies further away than the centre of the robot, by '
@@ -35,13 +36,14 @@ def compute(values, batch):
     """
     location = PushingLocation(values.robot_radius, math.inf, values.ahead, values.aside)
     rho = np.linspace(-values.largest_rho, values.largest_rho, SAMPLES)
-    middle = min(equilibria(location), key=lambda one: abs(one.rho))
-    basin = min(abs(one.rho) for one in tolerances(location, middle, math.inf))
-    findings = {'margin': Finding(middle.margin, 'm', 'stability margin R_e cos(rho) - h'),
-                'lack': Finding(-middle.margin, 'm', 'friction centre beyond the robot centre'),
-                'basin': Finding(basin, 'rad', 'tolerance of the pushing angle')}
-    return Outcome({'alpha': {'rho_rad': rho,
-                              'alpha_rad': location.alpha(location.turn_at(rho))}}, findings)
+    tables = alpha_plot.tables(location, 'rho_rad', rho, location.turn_at(rho), location.rho,
+                               math.inf)
+    margin = alpha_plot.middle(location).margin
+    basin = min(map(abs, tables['basin']['rho_rad']), default=0.0)
+    return Outcome(tables, {
+        'margin': Finding(margin, 'm', 'stability margin R_e cos(rho) - h'),
+        'lack': Finding(max(0.0, -margin), 'm', 'friction centre beyond the robot centre'),
+        'basin': Finding(basin, 'rad', 'largest pushing angle from which the object returns')})
 
 
 def draw(figure, outcome, values):
@@ -52,9 +54,7 @@ def draw(figure, outcome, values):
     :param outcome: the ``Outcome``.
     :param values: ``Values``.
     """
-    table = outcome.tables['alpha']
-    alpha_plot.draw(figure.subplots(), table['rho_rad'], table['alpha_rad'],
-                    'pushing angle $\\rho$ [rad]')
+    alpha_plot.draw(figure.subplots(), outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
 
 
 def _study(figure, ahead, kind, seen, why):

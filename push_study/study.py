@@ -53,7 +53,7 @@ class Study:
     """
     One figure.
 
-    :param figure: its number in the thesis, or its name.
+    :param figure: its number in the thesis, ``T`` before that of a table; or its name.
     :param title: in a few words.
     :param parameters: tuple of ``Parameter``.
     :param compute: function of (values, batch) that returns the ``Outcome``; values has the
@@ -79,7 +79,7 @@ class Study:
     @property
     def chapter(self):
         """Chapter of the thesis, such as ``chapter2``."""
-        return f'chapter{self.figure.split(".")[0]}'
+        return f'chapter{self.figure.lstrip("T").split(".")[0]}'
 
     def sentences(self, findings):
         """

@@ -11,6 +11,7 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import PlanningFailed, problem_from_placement
+from push_planner.solver import plan
 from push_ros.markers import scene_markers
 from push_scenario.scenario import Placement, Start
 from push_sim_node.simulation import Simulation
@@ -20,11 +21,26 @@ from tapes import straight_plan
 UNUSUAL = pytest.mark.parametrize('radius', [0.0, math.inf])
 
 
+def test_planner_refuses_a_fence_with_the_reason():
+    robot = RoundRobot(math.inf, 'holonomic')
+    with pytest.raises(PlanningFailed, match='not for fences'):
+        problem_from_placement(box(), robot, Pose(0.0, 0.0, 0.0), Pose(-0.2, 0.0, 0.0),
+                               Pose(1.0, 0.0, 0.0))
+
+
+def test_a_point_on_a_face_is_planned_for_and_at_a_vertex_refused():
+    robot, here = RoundRobot(0.0, 'holonomic'), Pose(0.0, 0.0, 0.0)
+    answer = plan(problem_from_placement(box(), robot, here, Pose(-0.2, 0.0, 0.0),
+                                         Pose(1.0, 0.3, 0.4)))
+    assert answer.verify().position_error < 1e-3
+    with pytest.raises(PlanningFailed, match='a point robot needs .* a face or a round'):
+        plan(problem_from_placement(box(), robot, here, Pose(-0.2, -0.2, 0.0),
+                                    Pose(1.0, 0.3, 0.4)))
+
+
 @UNUSUAL
-def test_planner_and_controller_refuse_with_the_reason(radius):
+def test_controller_refuses_with_the_reason(radius):
     robot, start = RoundRobot(radius, 'holonomic'), Pose(-0.2, 0.0, 0.0)
-    with pytest.raises(PlanningFailed, match='neither points nor fences'):
-        problem_from_placement(box(), robot, Pose(0.0, 0.0, 0.0), start, Pose(1.0, 0.0, 0.0))
     controller = make_controller(box(), robot, ControlSettings())
     seen = Observation(0.0, Odometry(0.0, start, STOP), ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
     assert controller.step(straight_plan(), seen, 0.0) == STOP

@@ -1,0 +1,73 @@
+"""
+Plans held against the vehicle bound, in the model where it is exact.
+
+Slow pushes on the ellipsoidal limit surface turn like ones on viscous friction: velocities and
+directions of forces are the same, with c^2 the mean square of the supports' distances from F. The
+planner's programme with friction that is viscous at all speeds is therefore that model.
+"""
+
+import dataclasses
+import math
+from unittest import mock
+
+from planner_programme import QUIET, Rival, solve
+from push_model.dubins import words
+from push_model.friction import mean_square
+from push_model.geometry import Pose
+from push_planner import transcription
+from push_planner.programme import FATROP
+from push_planner.warm_start import routes, tightest_turns
+
+VISCOUS, ACCURACY = 30.0, 1e-7
+TRIED = 12
+
+
+def bounds(problem):
+    """
+    Find the bounds on the time of a push on the ellipsoidal limit surface.
+
+    :param problem: the ``PushProblem``.
+    :return: (least, greatest) time of the quickest push [s].
+    """
+    flat = problem.vehicle
+    square = sum(mean_square(problem.obj, flat.angle + turn) for turn in (0.0, 0.5 * math.pi))
+    ahead = square / flat.arm
+    x, y = problem.friction_center
+    local = Pose(x + ahead * math.cos(flat.angle), y + ahead * math.sin(flat.angle), flat.angle)
+    left, right = (ahead / math.tan(problem.planning_angle + side * problem.normal_offset)
+                   for side in (-1.0, 1.0))
+    paths = words(problem.start @ local, problem.goal @ local, left, right)
+    wheelbase = flat.arm + ahead
+    way = min(sum(length * math.hypot(1.0, wheelbase * curvature)
+                  for length, curvature in zip(path.lengths, path.curvatures)) for path in paths)
+    speed = problem.settings.pushing_speed
+    return paths[0].length / speed, way / speed
+
+
+class Bounded:
+    """The planner's programme on the ellipsoidal limit surface, built once for each shape."""
+
+    def __init__(self):
+        """Begin with no programme."""
+        self._built = {}
+
+    def __call__(self, problem):
+        """
+        Plan, and hold the plan against its bounds.
+
+        :param problem: the ``PushProblem``.
+        :return: (time over the lower bound, time over the upper one), infinite without a plan.
+        """
+        problem = dataclasses.replace(problem, settings=dataclasses.replace(
+            problem.settings, motion_model='quasi_static'))
+        least, greatest = bounds(problem)
+        ways = routes(problem, tightest_turns(problem))[:TRIED]
+        quickest = min(solve(problem, route, self._programme)[0] for route in ways)
+        return quickest / least, quickest / greatest
+
+    def _programme(self, shape):
+        if shape not in self._built:
+            with mock.patch.object(transcription, 'SMOOTHING', VISCOUS):
+                self._built[shape] = Rival(shape, 'fatrop', {
+                    **QUIET, 'fatrop': {**FATROP, 'tol': ACCURACY, 'max_iter': 200}})
+        return self._built[shape]

@@ -1,0 +1,134 @@
+"""What the planner's benchmark found, as tables."""
+
+import collections
+import math
+
+import numpy as np
+
+GAP_AIM = 0.5
+
+
+def table(head, rows):
+    """Write a Markdown table."""
+    return '\n'.join('| ' + ' | '.join(map(str, line)) + ' |'
+                     for line in (head, ['---'] * len(head), *rows))
+
+
+def spread(values, form='{:.1f}', scale=1e3):
+    """Write median, 95th percentile and greatest of some values; empty without any."""
+    if not len(values):
+        return ['', '', '']
+    return [form.format(scale * value) for value in (*np.percentile(values, (50, 95)),
+                                                     np.max(values))]
+
+
+def greatest(values, form, scale=1.0):
+    """Write the greatest of some values; empty without any."""
+    return form.format(scale * max(values)) if values else ''
+
+
+def row(name, answers):
+    """Write one kind of push."""
+    good = [answer for answer in answers if not answer.fault]
+    driven = [answer.replay for answer in answers if answer.replay]
+    over = [answer.duration / answer.bound for answer in good if answer.bound > 0.0]
+    return [name, f'{len(good)}/{len(answers)}', *spread([answer.cpu for answer in answers]),
+            greatest([run.position_error for run in driven], '{:.3f}', 1e3),
+            greatest([math.degrees(run.heading_error) for run in driven], '{:.4f}'),
+            greatest([run.steepest / answer.problem.planning_angle for answer in answers
+                      if (run := answer.replay)], '{:.2f}'),
+            f'{np.median(over):.2f} / {min(over):.2f}' if over else '']
+
+
+HEAD = ['', 'solved', 'CPU ms median', 'p95', 'max', 'position error mm, max',
+        'heading error deg, max', 'force over planning cone, max',
+        'time over displacement bound, median / least']
+
+
+def kind_table(kinds):
+    """Write all kinds of pushes."""
+    return table(HEAD, [row(name, answers) for name, answers in kinds.items()])
+
+
+def speed_table(answers):
+    """Write the pushes of one kind by their speeds."""
+    groups = collections.defaultdict(list)
+    for answer in answers:
+        groups[answer.problem.settings.pushing_speed].append(answer)
+    return table(HEAD, [row(f'{speed:g} m/s', groups[speed]) for speed in sorted(groups)])
+
+
+def faults(kinds):
+    """Write what was not solved, and why, one line each kind and reason."""
+    found = collections.Counter()
+    for name, answers in kinds.items():
+        found.update((name, answer.fault) for answer in answers if answer.fault)
+    lines = [f'* {name}: {count} x {fault}' for (name, fault), count in found.most_common(12)]
+    more = len(found) - len(lines)
+    return '\n'.join(lines + [f'* and {more} other reasons'] * (more > 0)) or 'Nothing.'
+
+
+def shot_table(results):
+    """Write single shooting against the planner on the same goals."""
+    rows = []
+    for segments, pairs in results:
+        if not pairs:
+            continue
+        good = [(answer, shot) for answer, shot in pairs if shot.solved]
+        ours = [answer.cpu for answer, _ in good]
+        theirs = [shot.cpu for _, shot in good]
+        slower = [shot.way / answer.replay.way - 1.0 for answer, shot in good]
+        rows.append([segments, f'{len(good)}/{len(pairs)}', *spread(theirs, '{:.0f}'),
+                     *spread(ours)[:1], *([f'{np.median(theirs) / np.median(ours):.0f}',
+                                           f'{100 * np.median(slower):.2f}',
+                                           f'{100 * max(slower):.1f}'] if good else [''] * 3)])
+    return table(['segments', 'solved', 'CPU ms median', 'p95', 'max', 'planner, median',
+                  'ratio of medians', 'longer than the plan by %, median', 'max'], rows)
+
+
+def again_table(pairs):
+    """Write planning anew against planning on from a plan."""
+    if not pairs:
+        return 'Not measured.'
+    return table(['', 'CPU ms median', 'p95', 'max', 'time of the push over that from nothing'],
+                 [[name, *spread([pair[i][0] for pair in pairs]),
+                   f'{np.median([pair[i][1] / pair[0][1] for pair in pairs]):.4f}']
+                  for i, name in enumerate(('from nothing', 'from the plan before'))])
+
+
+def quality_table(groups):
+    """Write plans against the best of random starts."""
+    rows = []
+    for name, found in groups.items():
+        gaps = [100.0 * item.gap for item in found]
+        rows.append([name, len(found), *spread(gaps, '{:.2f}', 1.0),
+                     sum(gap <= GAP_AIM for gap in gaps),
+                     f'{np.mean([item.converged for item in found]):.0f}' if found else '',
+                     sum(item.below_bound for item in found)])
+    return table(['', 'pushes', 'above the best start by %, median', 'p95', 'max',
+                  f'within {GAP_AIM} %', 'starts that converged, mean', 'below the bound'], rows)
+
+
+def bound_table(groups):
+    """Write plans on the ellipsoidal limit surface against the bounds of the vehicle."""
+    rows = []
+    for name, found in groups.items():
+        good = np.array([pair for pair in found if math.isfinite(pair[0])])
+        if len(good):
+            least, greatest = good.T
+            rows.append([name, f'{len(good)}/{len(found)}', f'{least.min():.4f}',
+                         f'{np.median(least):.3f}', sum(least < 1.0), f'{np.median(greatest):.4f}',
+                         f'{greatest.max():.4f}'])
+    return table(['', 'solved', 'time over the Dubins path of z, least', 'median', 'below 1',
+                  'time over following that path, median', 'greatest'], rows)
+
+
+def solver_table(rows):
+    """Write the solvers on the same programmes."""
+    if not rows:
+        return 'Not measured.'
+    return table(['solver', 'solved', 'CPU ms median', 'p95', 'max', 'iterations, median',
+                  'cost above that of the plan by %, max'],
+                 [[run.name, f'{run.solved}/{run.tried}', *spread(run.cpu),
+                   f'{np.median(run.iterations):.0f}' if run.iterations else '',
+                   greatest(run.gaps, '{:.3f}', 100.0)] for run in rows])

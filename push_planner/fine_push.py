@@ -1,0 +1,193 @@
+"""
+A push integrated finely along its steps.
+
+The open loop runs away from its path by ``exp(s / L)``; so each change of the pushing angle is
+corrected for the deviation so far. What comes out is an open-loop push again.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from push_model.dynamics import SMOOTHING
+from push_planner.rollout import advance, beside, fractions, POINTS, settling_way
+from push_planner.step import radau
+
+FIRST_SHARE = 0.3
+NUDGE = 1e-6
+COARSE = 0.1
+
+
+class Rollout(NamedTuple):
+    """
+    A push integrated finely.
+
+    :param nodes: ``Node`` at the begin of each step, and at the end, shape (n + 1, 6).
+    :param changes: of the pushing angle in each step, shape (n,) [rad].
+    :param ways: way from the begin of the push to each sample, shape (m,) [m].
+    :param squares: V at each sample, shape (m,) [m^2/s^2].
+    :param samples: ``Node`` at each sample, shape (m, 6).
+    :param forces: (F_n, F_t) at each sample, shape (m, 2) [N]; nan at the begins of steps.
+    :param begins: whether a sample is at the begin of a step, after a jump, shape (m,).
+    """
+
+    nodes: np.ndarray
+    changes: np.ndarray
+    ways: np.ndarray
+    squares: np.ndarray
+    samples: np.ndarray
+    forces: np.ndarray
+    begins: np.ndarray
+
+
+class Track(NamedTuple):
+    """
+    What a rollout follows; arrays over the n steps.
+
+    :param nodes: planned ``Node`` at the begin of each step, shape (n, 6).
+    :param changes: planned change of the pushing angle, shape (n,) [rad].
+    :param gains: of the correction for the deviation, shape (n, 6).
+    """
+
+    nodes: np.ndarray
+    changes: np.ndarray
+    gains: np.ndarray
+
+
+class _Group(NamedTuple):
+    """Steps that have equally many parts: which, and the shares of their parts."""
+
+    pick: slice
+    shares: np.ndarray
+
+
+class FinePush:
+    """
+    Integrates one push, again and again.
+
+    :param problem: the ``PushProblem``.
+    :param formulation: its ``Formulation``.
+    :param way: S, about [m].
+    """
+
+    def __init__(self, problem, formulation, way):
+        """Divide the steps into parts."""
+        self._grid, self._shape = formulation.grid, formulation.shape
+        self._inertia = formulation.steps[:, 2:4]
+        self._column = problem.constants.column()
+        # At most half a part lies between two samples.
+        spacing = 2.0 * problem.settings.sample_spacing
+        start = FIRST_SHARE * settling_way(problem)
+        lengths = self._grid.steps(way)
+        count = len(lengths)
+        groups = [range(count)] if self._shape.jumps else [range(1), range(1, count)]
+        self._groups = []
+        for group in groups:
+            rough = group.start == 0
+            shares = [fractions(lengths[k], start, spacing) for k in group] if rough else []
+            parts = max([math.ceil(max(lengths[group.start:]) / spacing),
+                         *(len(share) for share in shares)])
+            self._groups.append(_Group(
+                slice(group.start, group.stop),
+                np.array([_spread(share, parts) for share in shares])
+                if rough else np.full((len(group), parts), 1.0 / parts)))
+        # Derivatives can do with longer parts, except where w settles.
+        few = math.ceil(max(lengths) / COARSE)
+        self._coarse = self._groups if self._shape.jumps else [
+            self._groups[0], _Group(slice(1, count), np.full((count - 1, few), 1.0 / few))]
+
+    def steps(self, way):
+        """
+        Collect (length, V, dV/ds, smoothing) of the steps, shape (n, 4).
+
+        :param way: S [m].
+        """
+        # The friction of the model turns viscous below a speed in m/s, here it is per speed.
+        pace = np.sqrt(np.maximum(self._grid.squares, self._grid.ends))
+        return np.column_stack([self._grid.steps(way), self._inertia, SMOOTHING / pace])
+
+    def run(self, track, way):
+        """
+        Follow a track.
+
+        :param track: ``Track``.
+        :param way: S [m].
+        :return: (nodes, shape (n + 1, 6); changes, shape (n,) [rad]; the rest for ``rollout``).
+        """
+        node, nodes, changes, rest = track.nodes[0], [], [], []
+        steps = self.steps(way)
+        for group in self._groups:
+            pick = group.pick
+            ends, driven, *more = (np.array(part) for part in self._function(advance, group)(
+                node, track.nodes[pick].T, track.changes[pick][None, :], track.gains[pick].T,
+                steps[pick].T, group.shares.T, self._column))
+            nodes += [node[None, :], ends[:, :-1].T]
+            changes.append(driven.ravel())
+            rest.append(more)
+            node = ends[:, -1]
+        return np.vstack([*nodes, node]), np.concatenate(changes), rest
+
+    def linear(self, nodes, changes, way, free):
+        """
+        Differentiate all steps by differences.
+
+        :param nodes: ``Node`` at the begin of each step, shape (n, 6).
+        :param changes: of the pushing angle, shape (n,) [rad].
+        :param way: S [m].
+        :param free: 1 where the pushing angle may change, shape (n,).
+        :return: end of each step and S by its begin, S and change, shape (n, 7, 8).
+        """
+        maps = np.zeros((len(nodes), 7, 8))
+        maps[:, 6, 6] = 1.0
+        for group in self._coarse:
+            pick = group.pick
+            count = len(group.shares)
+            shift = np.repeat(np.eye(9, 8, -1), count, axis=0) * NUDGE
+            steps = np.tile(self.steps(way)[pick], (9, 1))
+            steps[:, 0] += shift[:, 6] * np.tile(self._grid.shares[pick], 9)
+            ends = np.array(self._function(beside, group, 9)(
+                (np.tile(nodes[pick], (9, 1)) + shift[:, :6]).T, 0.0,
+                (np.tile(changes[pick], 9) + shift[:, 7] * np.tile(free[pick], 9))[None, :], 0.0,
+                steps.T, np.tile(group.shares, (9, 1)).T, self._column)[0])
+            ends = ends.T.reshape(9, count, 6)
+            maps[pick, :6] = ((ends[1:] - ends[0]) / NUDGE).transpose(1, 2, 0)
+        return maps
+
+    def rollout(self, nodes, changes, rest, way):
+        """
+        Put together what ``run`` gave.
+
+        :param way: S [m].
+        :return: ``Rollout``.
+        """
+        lengths, places = self._grid.steps(way), radau(POINTS)[0]
+        begins = np.cumsum(lengths) - lengths
+        parts = []
+        for group, (after, samples, forces) in zip(self._groups, rest):
+            pick, count = group.pick, group.shares.shape[1] * POINTS
+            h = group.shares * lengths[pick, None]
+            ways = (np.cumsum(h, axis=1) - h)[:, :, None] + h[:, :, None] * places
+            ways = np.hstack([np.zeros((len(h), 1)), ways.reshape(len(h), count)])
+            squares = self._grid.squares[pick, None] + self._grid.slopes[pick, None] * ways
+            rows = np.concatenate([after.T[:, None, :], samples.T.reshape(-1, count, 6)], axis=1)
+            pressed = np.concatenate([np.full((len(h), 1, 2), np.nan),
+                                      forces.T.reshape(-1, count, 2)], axis=1)
+            parts.append(((begins[pick, None] + ways).ravel(), squares.ravel(),
+                          rows.reshape(-1, 6), pressed.reshape(-1, 2), (ways == 0.0).ravel()))
+        return Rollout(nodes, changes, *(np.concatenate(column) for column in zip(*parts)))
+
+    def _function(self, build, group, times=1):
+        shape = self._shape
+        count, parts = group.shares.shape
+        return build(shape.kind, shape.supports, shape.jumps, parts, times * count)
+
+
+def _spread(shares, parts):
+    """Split the largest shares until there are as many parts as wanted."""
+    shares = list(shares)
+    while len(shares) < parts:
+        widest = int(np.argmax(shares))
+        half = 0.5 * shares[widest]
+        shares[widest:widest + 1] = [half, half]
+    return shares

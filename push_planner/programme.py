@@ -1,0 +1,171 @@
+"""The programme and its solvers: fatrop, and ipopt on a relaxed one where that fails."""
+
+import functools
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from push_planner.shape import POINTS, ROWS_OF
+from push_planner.transcription import Equations, PENALTY
+
+NEGLIGIBLE = 1e-5
+SHORTEST_WAY = 1e-3
+FATROP = {'print_level': 0, 'tol': 1e-4, 'mu_init': 1e-3, 'max_iter': 60}
+IPOPT = {'print_level': 0, 'sb': 'yes', 'max_iter': 100, 'tol': 1e-6, 'mu_init': 1e-2,
+         'acceptable_iter': 0, 'linear_solver': 'mumps'}
+
+
+class Solution(NamedTuple):
+    """
+    Iterate of the programme, in the object's start frame.
+
+    :param way: S [m].
+    :param nodes: (w, rho, theta, q_x, q_y, phi) at the nodes, shape (n + 1, 6).
+    :param changes: of the pushing angle in each step, shape (n,) [rad].
+    :param rates: w at the Radau points, shape (n, K) [1/m].
+    """
+
+    way: float
+    nodes: np.ndarray
+    changes: np.ndarray
+    rates: np.ndarray
+
+    def column(self, shape):
+        """
+        Return the unknowns as one vector.
+
+        :param shape: ``Shape`` of the programme.
+        """
+        n, states = shape.steps, shape.states
+        table = np.zeros((n + 1, shape.width))
+        table[:, 0] = self.way
+        table[:, 1:states] = self.nodes[:, :states - 1]
+        table[:n, states] = self.changes
+        table[:n, states + 1:] = self.rates
+        return table.ravel()[:shape.width * n + states]
+
+    @classmethod
+    def of(cls, column, shape):
+        """
+        Take the unknowns from a vector.
+
+        :param column: the vector.
+        :param shape: ``Shape`` of the programme.
+        """
+        n, states = shape.steps, shape.states
+        table = np.append(column, np.zeros(1 + POINTS)).reshape(n + 1, shape.width)
+        nodes = np.zeros((n + 1, 6))
+        nodes[:, :states - 1] = table[:, 1:states]
+        if shape.kind == 'held':
+            nodes[:, 5] = nodes[:, 2]
+        return cls(float(table[0, 0]), nodes, table[:n, states].copy(),
+                   table[:n, states + 1:].copy())
+
+
+class Box(NamedTuple):
+    """
+    Bounds on unknowns.
+
+    :param angle: largest pushing angle [rad].
+    :param first: (lowest, highest) pushing angle at the start [rad].
+    :param turns: (lowest, highest) turn of the object [rad].
+    """
+
+    angle: float
+    first: tuple
+    turns: tuple
+
+
+class Programme:
+    """
+    The programme of a shape.
+
+    :param shape: ``Shape``.
+    """
+
+    def __init__(self, shape):
+        """Build the programme."""
+        self.shape = shape
+        self._equations = Equations(shape)
+        self._upper = np.where(self._equations.equality, 0.0, np.inf)
+        e = self._equations
+        self._fatrop = ca.nlpsol(
+            'push', 'fatrop', {'x': e.x, 'p': e.p, 'f': e.cost, 'g': e.rows},
+            {'print_time': False, 'error_on_fail': False, 'structure_detection': 'auto',
+             'equality': e.equality.tolist(), 'fatrop': FATROP})
+
+    def solve(self, parameters, box, guess):
+        """
+        Solve the programme.
+
+        :param parameters: numbers of ``Equations.p``.
+        :param box: ``Box``.
+        :param guess: ``Solution`` to start from.
+        :return: (``Solution`` or None, number of iterations).
+        """
+        return self._run(self._fatrop, parameters, box, guess.column(self.shape), self._upper)
+
+    def diagnose(self, parameters, box, guess):
+        """
+        Solve with bounds that give way at a price, more slowly and more surely.
+
+        :param parameters: numbers of ``Equations.p``.
+        :param box: ``Box``.
+        :param guess: ``Solution`` to start from.
+        :return: (``Solution`` or None, what stands in the way, number of iterations).
+        """
+        column = np.append(guess.column(self.shape), 0.05)
+        low, high = self._bounds(box)
+        answer = self._relaxed(x0=column, p=parameters, lbx=np.append(low, 0.0),
+                               ubx=np.append(high, np.inf), lbg=0.0, ubg=self._upper)
+        stats = self._relaxed.stats()
+        found, count = np.array(answer['x']).ravel(), int(stats['iter_count'])
+        if not stats['success'] or not np.isfinite(found).all():
+            return None, stats['return_status'], count
+        if found[-1] > NEGLIGIBLE:
+            prices = np.abs(np.array(answer['lam_g']).ravel())
+            prices[self._equations.equality] = 0.0
+            name = ROWS_OF[self._equations.names[int(prices.argmax())]]
+            return None, f'{name} would be exceeded by {found[-1]:.2g}', count
+        return Solution.of(found[:-1], self.shape), '', count
+
+    @functools.cached_property
+    def _relaxed(self):
+        e = self._equations
+        excess = ca.SX.sym('excess')
+        slack = ca.SX(np.where(e.equality, 0.0, 1.0)) * excess
+        return ca.nlpsol('relaxed', 'ipopt', {
+            'x': ca.vertcat(e.x, excess), 'p': e.p, 'f': e.cost + PENALTY * excess,
+            'g': e.rows + slack}, {'print_time': False, 'error_on_fail': False, 'ipopt': IPOPT})
+
+    def _bounds(self, box):
+        shape = self.shape
+        low = np.full((shape.steps + 1, shape.width), -np.inf)
+        high = -low
+        low[0, 0] = SHORTEST_WAY
+        low[:, 2], high[:, 2] = -box.angle, box.angle
+        low[0, 2], high[0, 2] = box.first
+        low[:, 3], high[:, 3] = box.turns
+        size = shape.width * shape.steps + shape.states
+        return low.ravel()[:size], high.ravel()[:size]
+
+    def _run(self, solver, parameters, box, column, upper):
+        low, high = self._bounds(box)
+        answer = solver(x0=column, p=parameters, lbx=low, ubx=high, lbg=0.0, ubg=upper)
+        stats = solver.stats()
+        found, count = np.array(answer['x']).ravel(), int(stats['iter_count'])
+        if not stats['success'] or not np.isfinite(found).all():
+            return None, count
+        return Solution.of(found, self.shape), count
+
+
+@functools.lru_cache(maxsize=32)
+def programme(shape):
+    """
+    Build a programme, or take it from earlier.
+
+    :param shape: ``Shape``.
+    :return: ``Programme``.
+    """
+    return Programme(shape)
