@@ -26,7 +26,7 @@ class ContactDrive:
         if self._differential and site.kind != 'vertex':
             raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
                              'drive, which cannot steer there, expected a vertex')
-        self._robot, self._settings, self._site = robot, settings, site
+        self._robot, self._settings, self.site = robot, settings, site
         self._supports, self._believed = supports, believed
         self._cone = math.atan(settings.friction_share * obj.contact_friction_coefficient)
 
@@ -41,7 +41,7 @@ class ContactDrive:
         """
         cone = margin * self._cone
         if self._differential:
-            return trailing_limits(flat, self._robot.radius, self._site.lead, cone)
+            return trailing_limits(flat, self._robot.radius, self.site.lead, cone)
         believed = held_limits(self._supports, self._believed, normal, cone)
         return held_limits(self._supports, flat, normal, cone).within(believed)
 
@@ -55,10 +55,22 @@ class ContactDrive:
         """
         zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
         low, high = (min(math.pi, max(-math.pi, zeta + limit - normal))
-                     for limit in self._site.normal_limits)
-        return {'zeta': zeta, 'rest': self._site.lead if self._differential else zeta,
+                     for limit in self.site.normal_limits)
+        return {'zeta': zeta, 'rest': self.site.lead if self._differential else zeta,
                 'zeta_limits': (low, high),
                 'cone': self._settings.feedback_margin * self._cone}
+
+    def approach(self, belief):
+        """
+        Compute the command that closes a gap slowly, along the contact normal.
+
+        :param belief: ``Belief`` one drive lag ahead.
+        :return: ``Twist``.
+        """
+        lead = belief.theta + self.site.at(belief.phi - belief.theta)[2] - belief.phi
+        ahead = 0.0 if self._differential else lead
+        return limited(holonomic_command(self._settings.start_speed, 0.0, ahead, 0.0, 0.0),
+                       self._robot)
 
     def command(self, flat, belief, curvature, speed):
         """
@@ -70,7 +82,7 @@ class ContactDrive:
         :param speed: of the contact [m/s].
         :return: ``Twist``; and why there is none, or an empty text.
         """
-        site, robot = self._site, self._robot
+        site, robot = self.site, self._robot
         normal = site.at(belief.phi - belief.theta)[2]
         alpha = self._supports.push_angle(flat.arm, curvature)
         angle = flat.angle + alpha - normal

@@ -29,6 +29,8 @@ class ControllerStatus:
     :param object_pose: estimated ``Pose`` of the object, one drive lag ahead.
     :param replans: number of new paths.
     :param go_arounds: number of new approaches near the goal.
+    :param slips: number of times that the contact was seen to slide.
+    :param losses: number of times that the object was seen to be out of touch.
     :param rejected_poses: number of measurements that did not fit.
     :param solver_failures: number of times that the closed-form law stood in for the solver.
     :param solver_reason: why it did so last, empty while it did not.
@@ -45,6 +47,8 @@ class ControllerStatus:
     object_pose: Pose = Pose(0.0, 0.0, 0.0)
     replans: int = 0
     go_arounds: int = 0
+    slips: int = 0
+    losses: int = 0
     rejected_poses: int = 0
     solver_failures: int = 0
     solver_reason: str = ''
@@ -126,6 +130,8 @@ class Controller:
             self._phase, self._reason = 'failed', self._push.failure
         elif self._push.finished:
             self._phase = 'done'
+        else:
+            self._reason = self._push.notice
         return command
 
     def _wait(self, odometry):

@@ -106,7 +106,8 @@ class ControllerNode(PushNode):
         if changed or due:
             self._phase = status.phase, status.reason
             text = status.reason or f'is {status.phase}'
-            self.reporter.report(LEVELS.get(status.phase, OK), text, stamp,
+            level = LEVELS.get(status.phase, WARN if status.reason else OK)
+            self.reporter.report(level, text, stamp,
                                  {'time': self._time, **vars(status)})
         if self._marker_rate.due(self._time) and self._markers.get_subscription_count():
             self._draw(status, stamp)

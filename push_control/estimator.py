@@ -9,9 +9,10 @@ import math
 import numpy as np
 
 from push_control.motion import Belief, PushMotion
-from push_model.geometry import wrap_angle
+from push_model.geometry import Pose, wrap_angle
 
 MEMORY = 1.0
+SETTLING_WAY = 0.5
 REJECTIONS_IN_A_ROW = 3
 INFLATION = 25.0
 
@@ -50,6 +51,7 @@ class Estimator:
         self._time = min(pose.time, odometry.time)
         self._inputs = [(self._time, odometry.time, odometry.twist)]
         self._last, self._ahead = odometry, None
+        self._place, self._heading, self._settled = odometry.pose[:2], self._belief.phi, 0.0
         self.rejected = 0
         self._in_a_row = 0
 
@@ -57,6 +59,30 @@ class Estimator:
     def covariance(self):
         """Covariance at the time of the last accepted pose, shape (6, 6)."""
         return self._covariance.copy()
+
+    def beside_contact(self, measured):
+        """
+        See where the robot is, by a pose that has just been added.
+
+        :param measured: ``ObjectPose``.
+        :return: ``push_control.site.Offset`` from where rolling contact has it.
+        """
+        belief, pose = self._belief, measured.pose
+        theta = belief.theta + wrap_angle(pose.theta - belief.theta)
+        return self._motion.site.offset(Pose(pose.x, pose.y, theta), belief.phi, self._place)
+
+    def place_contact(self, site, drift, lost):
+        """
+        Go on with a contact as seen, and with a better place of the robot.
+
+        :param site: the contact ``Site``.
+        :param drift: ``Offset`` by which the place was wrong.
+        :param lost: whether the robot does not touch the object.
+        """
+        belief = self._belief
+        gamma = belief.theta + self._motion.site.at(belief.phi - belief.theta)[2]
+        self._place = Pose(*self._place, gamma).transform((drift.gap, -drift.slid))
+        self._motion, self._ahead = self._motion._replace(site=site, lost=lost), None
 
     def add_odometry(self, odometry):
         """
@@ -151,9 +177,18 @@ class Estimator:
         if after > 0.0:
             yield after, self._last.twist
 
+    def _move_robot(self, twist, duration, way):
+        """Add up odometry along its own heading, with what is lastingly wrong with that."""
+        wrong = self._belief.phi - self._heading
+        self._settled += min(1.0, way / SETTLING_WAY) * (wrong - self._settled)
+        ahead = Pose(*self._place, self._heading + self._settled + 0.5 * duration * twist[2])
+        self._place = ahead.transform((duration * twist[0], duration * twist[1]))
+        self._heading += duration * twist[2]
+
     def _advance(self, time):
         for duration, twist in self._between(self._time, time):
             transition, way = self._motion.jacobian(self._belief, twist, duration)
+            self._move_robot(twist, duration, way)
             self._belief = self._motion.moved(self._belief, twist, duration)
             self._covariance = transition @ self._covariance @ transition.T
             self._covariance[range(6), range(6)] += way * self._walk

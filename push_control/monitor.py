@@ -85,3 +85,30 @@ class FollowMonitor:
         way = travelled - before
         moved = math.hypot(contact[0] - place[0], contact[1] - place[1])
         return way >= self._window and moved < self._ratio * way
+
+
+class OneSidedMonitor:
+    """Finds a contact that can only turn the object one way."""
+
+    def __init__(self, settings):
+        """
+        Begin with a contact that can turn it both ways.
+
+        :param settings: ``ControlSettings``.
+        """
+        self._longest, self._straight = settings.one_sided_way, 0.0
+
+    def trouble(self, limits, travelled):
+        """
+        Say why the push is of no use.
+
+        :param limits: ``CurvatureLimits``.
+        :param travelled: way of the contact since the start [m].
+        :return: the reason, or an empty text.
+        """
+        if limits.low <= 0.0 <= limits.high:
+            self._straight = travelled
+        if travelled - self._straight <= self._longest:
+            return ''
+        return ('the friction centre lies too far aside of this contact: friction does not hold '
+                'a straight push there')

@@ -52,11 +52,13 @@ class PushMotion(NamedTuple):
     :param robot_radius: R_p [m].
     :param site: the contact ``Site``.
     :param supports: the ``SupportTable`` of the contact.
+    :param lost: whether the robot does not touch the object.
     """
 
     robot_radius: float
     site: object
     supports: object
+    lost: bool = False
 
     def rates(self, belief, twist):
         """
@@ -70,7 +72,7 @@ class PushMotion(NamedTuple):
         gamma = belief.theta + normal
         u_x, u_y = contact_velocity(belief.phi, gamma, self.robot_radius, twist)
         lever = c_x - belief.p_x, c_y - belief.p_y
-        if u_x * math.cos(gamma) + u_y * math.sin(gamma) <= 0.0:
+        if self.lost or u_x * math.cos(gamma) + u_y * math.sin(gamma) <= 0.0:
             return Rates(0.0, 0.0, 0.0, lever, (0.0, 0.0))
         cosine, sine = math.cos(belief.theta), math.sin(belief.theta)
         push = cosine * u_x + sine * u_y, cosine * u_y - sine * u_x

@@ -30,7 +30,7 @@ class OpenLoopPush:
         steps = np.diff(target.times) * 0.5 * (speeds[1:] + speeds[:-1])
         self._ways = np.concatenate([[0.0], np.cumsum(steps)])
         self._speeds = speeds
-        self.failure, self.report = '', {}
+        self.failure, self.notice, self.report = '', '', {}
 
     def observe(self, observation):
         """

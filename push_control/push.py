@@ -5,10 +5,11 @@ import math
 import numpy as np
 from push_control.command import mean_motion
 from push_control.contact_drive import ContactDrive
+from push_control.contact_watch import ContactWatch
 from push_control.estimator import Estimator
 from push_control.feedback import contact_speed
 from push_control.guidance import Guidance
-from push_control.monitor import FollowMonitor
+from push_control.monitor import FollowMonitor, OneSidedMonitor
 from push_control.motion import contact_velocity
 from push_control.reference import flat_pose, SampledPath
 from push_control.site import site_of
@@ -43,13 +44,14 @@ class ClosedLoopPush:
         self._guidance = Guidance(SampledPath(believed, target), settings)
         self._estimator = Estimator(robot, site, supports, settings, friction_center(obj),
                                     observation.object_pose, observation.odometry)
-        self._monitor = FollowMonitor(settings)
+        self._monitor, self._one_sided = FollowMonitor(settings), OneSidedMonitor(settings)
+        self._watch = ContactWatch(settings, robot.radius, site)
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
         self._last, self._pose_time = observation.odometry, observation.object_pose.time
         self._command, self._curvature = STOP, None
         law.restart()
         self._flat = self._flat_of = None
-        self._elapsed = self.travelled = self._straight = 0.0
+        self._elapsed = self.travelled = 0.0
         self._belief, self._track = self._estimator.predict(observation.time), None
         self.finished, self.failure = False, ''
 
@@ -64,8 +66,14 @@ class ClosedLoopPush:
         if measured.time > self._pose_time:
             self._pose_time = measured.time
             self._estimator.add_pose(measured)
+            self._look(measured)
             if self._monitor.lost(self.travelled, measured.pose.transform(self._site.point)):
                 self.failure = 'contact is lost: the object does not follow the robot'
+
+    def _look(self, measured):
+        found = self._watch.look(self._estimator.beside_contact(measured), self.travelled)
+        self._site = self._drive.site = self._site.slid(found.slid)
+        self._estimator.place_contact(self._site, found.drift, self._watch.lost)
 
     def roll(self, odometry):
         """
@@ -111,6 +119,9 @@ class ClosedLoopPush:
         if track.remaining <= self._settings.stop_distance:
             track = self._arrive(pose, track, planning)
         self._track = track
+        if self._watch.lost:
+            self._command = self._approach(dt)
+            return self._command
         if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
             self.failure = f'gave up after {self.travelled:.1f} m, planned were ' \
                            f'{self._guidance.budget:.1f} m'
@@ -119,6 +130,11 @@ class ClosedLoopPush:
         if self.finished or self.failure:
             self._command = STOP
         return self._command
+
+    @property
+    def notice(self):
+        """What is out of the ordinary, empty while nothing is."""
+        return self._watch.notice
 
     @property
     def report(self):
@@ -130,7 +146,15 @@ class ClosedLoopPush:
                 'travelled': self.travelled, 'friction_center': belief.center,
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
+                'slips': self._watch.slips, 'losses': self._watch.losses,
                 'rejected_poses': self._estimator.rejected, **self._law.report}
+
+    def _approach(self, dt):
+        """Close a gap; the object lies still meanwhile."""
+        self.failure = self._watch.out_of_reach(self._settings.start_speed * dt)
+        self._elapsed, self._curvature = 0.0, None
+        self._law.restart()
+        return STOP if self.failure else self._drive.approach(self._belief)
 
     def _vehicle(self, point, center):
         if (point, center) != self._flat_of:
@@ -158,11 +182,8 @@ class ClosedLoopPush:
         speed = contact_speed(self._elapsed, track.remaining, self._fastest, settings)
         normal = self._site.at(now.phi - now.theta)[2]
         limits = self._drive.limits(flat, normal, settings.feedback_margin)
-        if limits.low <= 0.0 <= limits.high:
-            self._straight = self.travelled
-        elif self.travelled - self._straight > settings.one_sided_way:
-            self.failure = ('the friction centre lies too far aside of this contact: friction '
-                            'does not hold a straight push there')
+        self.failure = self._one_sided.trouble(limits, self.travelled)
+        if self.failure:
             return STOP
         situation = Situation(
             track, lambda: self._guidance.follow(self._from_goal(flat, now)),

@@ -79,6 +79,14 @@ class ControlSettings:
                                      above=0.0, high=2.0, default=0.25)
     contact_ratio: float = quantity('motion of the contact over that of the robot below which the '
                                     'object does not follow', '', 0.0, 1.0, default=0.3)
+    contact_gap: float = quantity('gap at which robot and object no longer touch', 'm', above=0.0,
+                                  high=0.5, default=0.012)
+    approach_limit: float = quantity('gap that the robot closes by itself', 'm', 0.0, 1.0,
+                                     default=0.06)
+    contact_alarm: float = quantity('sum of deviations, beyond noise, that tells slip or loss of '
+                                    'contact', '', above=0.0, high=100.0, default=5.0)
+    odometry_walk: float = quantity('random walk of the robot beside its odometry per way',
+                                    'm/sqrt(m)', above=0.0, high=1.0, default=0.006)
     one_sided_way: float = quantity('way after which a contact that can only turn the object one '
                                     'way is given up', 'm', 0.0, 10.0, default=0.5)
 

@@ -10,6 +10,18 @@ from push_model.geometry import Pose
 GAP_LIMIT = 0.01
 
 
+class Offset(NamedTuple):
+    """
+    Where the robot's centre is beside the place that rolling contact gives it.
+
+    :param gap: backwards along the contact normal [m].
+    :param slid: along t, the normal turned by +90 degrees [m].
+    """
+
+    gap: float
+    slid: float
+
+
 class Site(NamedTuple):
     """
     The contact in the object frame, for any turn of the robot relative to the object.
@@ -50,6 +62,36 @@ class Site(NamedTuple):
         normal = self.normal + (1.0 - self.share) * turn
         return (-self.object_radius * math.cos(normal), -self.object_radius * math.sin(normal),
                 normal)
+
+    def offset(self, pose, phi, center):
+        """
+        Compare the robot's place with that of a robot that has rolled.
+
+        :param pose: ``Pose`` of the object in the world, its angle not wrapped.
+        :param phi: heading of the robot [rad].
+        :param center: of the robot in the world (x, y) [m].
+        :return: ``Offset``.
+        """
+        c_x, c_y, normal = self.at(phi - pose.theta)
+        place, gamma = pose.transform((c_x, c_y)), pose.theta + normal
+        ahead, aside = Pose(0.0, 0.0, -gamma).rotate((center[0] - place[0], center[1] - place[1]))
+        return Offset(-ahead - self.robot_radius, aside)
+
+    def slid(self, travel):
+        """
+        Find the contact of a robot that has slid along the object.
+
+        :param travel: of the robot's centre along t, the normal turned by +90 degrees [m].
+        :return: ``Site`` that rolls on from there.
+        """
+        if self.kind == 'face':
+            return self._replace(point=(self.point[0] - travel * math.sin(self.normal),
+                                        self.point[1] + travel * math.cos(self.normal)))
+        normal = self.normal - travel / (self.robot_radius + self.object_radius)
+        if self.kind == 'vertex':
+            return self._replace(normal=normal)
+        return self._replace(normal=normal, point=(-self.object_radius * math.cos(normal),
+                                                   -self.object_radius * math.sin(normal)))
 
     @property
     def lead(self):
