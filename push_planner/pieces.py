@@ -47,3 +47,20 @@ def pieces_of(plan, pace=1.0):
     lengths = np.diff(plan.segment_ends, prepend=0.0).tolist()
     return [Piece(angles, (pace * speeds[0], pace * speeds[1]), length)
             for angles, speeds, length in zip(plan.pushing_angles, plan.speeds, lengths)]
+
+
+def joined(pieces):
+    """
+    Join neighbours that push on at the same angle and speed.
+
+    :param pieces: list of ``Piece``.
+    :return: list of ``Piece``, as few as there can be.
+    """
+    found = []
+    for piece in pieces:
+        steady = len({*piece.angles}) == len({*piece.speeds}) == 1
+        if found and steady and found[-1][:2] == piece[:2]:
+            found[-1] = found[-1]._replace(length=found[-1].length + piece.length)
+        else:
+            found.append(piece)
+    return found

@@ -13,7 +13,7 @@ import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.state import STATE
 from push_planner.driven_push import driven_push, integrate
-from push_planner.pieces import pieces_of
+from push_planner.pieces import joined, pieces_of
 
 SIZE = len(STATE)
 
@@ -54,7 +54,7 @@ def replay(plan, obj=None, pace=1.0, blind=False):
     push = driven_push(problem)
     lead = _lead(plan) if blind else push
     led, state, steepest = lead.start(), push.start(), 0.0
-    for piece in pieces_of(plan, pace):
+    for piece in joined(pieces_of(plan, pace)):
         led, jump = lead.enter(led, piece)
         if blind:
             led, state, angle = _side_by_side(lead, push, led, push.struck(state, jump))
