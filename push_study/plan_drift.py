@@ -85,9 +85,9 @@ STUDIES = (Study(
      Parameter('planned_speed', 'm/s', 'speed that the input was planned for'),
      Parameter('slow_speed', 'm/s', 'a very low speed, for comparison')),
     compute, draw,
-    'Played at the speed that it was planned for, the input ends at the goal; at the higher speeds '
-    'the box turns less and misses it by {miss_1:.3f}, {miss_2:.3f} and {miss_3:.3f} m, at a very '
-    'low one by {miss_slow:.3f} m.',
-    'Inertia brakes the turn in proportion to the square of the speed (the distance grows with its '
-    'power {growth:.2f}), so that it fades towards low speeds and pushes become quasi-static.',
-    (6.4, 5.6)),)
+    'Played at the speed that it was planned for, the input ends at the goal; at the higher '
+    'speeds the box turns less and misses it by {miss_1:.3f}, {miss_2:.3f} and {miss_3:.3f} m, at '
+    'a very low one by {miss_slow:.3f} m.',
+    'Inertia brakes the turn about in proportion to the square of the speed (the distance grows '
+    'with its power {growth:.2f}), so that it fades towards low speeds and pushes become '
+    'quasi-static.', (6.4, 5.6)),)

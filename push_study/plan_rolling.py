@@ -24,10 +24,19 @@ def rolling_tables(values, radius):
     """
     found = plan(push_problem(values, values.speed, values.segments, radius))
     path = path_table(found.trajectory)
-    x, y = path['contact_x_m'] - path['x_m'], path['contact_y_m'] - path['y_m']
-    theta = path['theta_rad']
-    path['along_face_m'] = np.cos(theta) * y - np.sin(theta) * x
+    path['along_face_m'] = along_face(path)
     return found, path, input_table(found)
+
+
+def along_face(path):
+    """
+    Tell where the contact is, to the left of the middle of the face [m].
+
+    :param path: table of ``path_table``.
+    :return: array.
+    """
+    x, y = path['contact_x_m'] - path['x_m'], path['contact_y_m'] - path['y_m']
+    return np.cos(path['theta_rad']) * y - np.sin(path['theta_rad']) * x
 
 
 def compute(values, batch):
@@ -83,7 +92,7 @@ def compute_radii(values, batch):
         'large_left': Finding(float(table['most_left_rad'][-1]), 'rad', 'the same on the largest'),
         'worst_radius': Finding(float(table['radius_m'][worst]), 'm', 'radius of the robot that '
                                 'takes longest'),
-        'travel': Finding(MILLIMETRES * float(table['travel_m'].max()), 'mm', 'farthest that a '
+        'travel': Finding(float(table['travel_m'].max()), 'm', 'farthest that a '
                           'contact gets from the middle of the face'),
         'slower': Finding(100.0 * float(table['duration_s'][worst] / table['duration_s'].min()
                                         - 1.0), '%', 'time it takes above that of the fastest')})
@@ -177,14 +186,14 @@ STUDIES = (
           'To get to the same pose, to the left of the start, robots with a radius below '
           '{arm:.2f} m turn the box to the left (the smallest by up to {small_left:.2f} rad), '
           'larger ones not at all ({large_left:.2f} rad): they only turn it to the right.',
-          'Seen from the contact, the friction centre of a box that turns left swings to the left, '
-          'while the contact rolls that way too: beyond a radius of {arm:.2f} m, the distance of '
-          'the friction centre from the face, the contact is ahead, and pushes the box across to '
+          'As a box turns left, its friction centre swings to the left of the contact, but the '
+          'contact rolls that way too: beyond a radius of {arm:.2f} m, the distance of the '
+          'friction centre from the face, it is ahead, and pushes the box across to '
           'the other side.', (6.4, 5.0)),
     Study('3.10', 'Curved fence: inputs for several radii of the robot', RADII,
           compute_radii, draw_angles,
           'Inputs of the two smallest robots and of the two largest begin with small angles of '
-          'opposite signs; those between need large ones, roll up to {travel:.0f} mm from the '
+          'opposite signs; those between need large ones, roll up to {travel:.2f} m from the '
           'middle of the face and take up to {slower:.1f}% longer.',
           'A robot as large as the distance of the friction centre, {arm:.2f} m, has it in the '
           'same direction from its contact however the box turns: what a turn shifts it to the '

@@ -38,7 +38,9 @@ def push_problem(values, speed, segments, radius=0.0, goal=None, obj=None, **set
     """
     fields = {'pushing_angles': 'constant', 'segments': int(segments), 'segment_length': LONGEST,
               'pushing_speed': speed, 'deceleration': 0.0, 'run_in': 0.0, 'robot_yaw': 'fixed',
-              'cone_margin': values.cone_margin, 'friction_discount': 1.0}
+              'friction_discount': 1.0}
+    if 'cone_margin' not in settings:
+        fields['cone_margin'] = values.cone_margin
     return PushProblem(obj or box(values), RoundRobot(radius, **IDEAL), Contact('face', FACE),
                        Pose(0.0, 0.0, 0.0), 0.0, 0.0, Pose(*(goal or values.goal)),
                        PlannerSettings(**{**fields, **settings}))

@@ -126,6 +126,6 @@ STUDIES = (
           'However coarse the input, the middle of the box goes nearly the same way, within '
           '{apart:.0f} mm; two segments take {lost_fewest:.2f}% more time than the most, six '
           '{lost_six:.2f}%.',
-          'Two angles and the length of the push are just as many as a goal pose has numbers; more '
+          'Two angles and the length of the push are as many numbers as a goal pose has; more '
           'angles only approach the smooth best course, each doubling by a smaller gain.',
           (6.4, 5.2)))
