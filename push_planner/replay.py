@@ -26,7 +26,7 @@ class Replay(NamedTuple):
     :param position_error: its distance from the goal [m].
     :param heading_error: its turn from the goal, counter-clockwise [rad].
     :param friction_usage: largest angle of the contact force over the half-angle of the true
-        friction cone; the contact would slide above 1.
+        friction cone, impulses of jumps apart; the contact would slide above 1.
     """
 
     pose: Pose

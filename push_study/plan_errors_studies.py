@@ -103,13 +103,13 @@ WHICH = (
      'Pushed {most:.0%} too fast or too slow, a plan for {high} m/s misses the goal by up to '
      '{fast:.0f} mm, one for {low} m/s by {slow:.1f} mm.',
      'Over the same way friction does the same at any speed, and only inertia grows, with the '
-     'square of the speed: slow plans hold at other speeds.'),
+     'square of the speed: slow plans hold at any slow speed.'),
     ('T3.3', 'friction', 'the friction under the box', ((), _same_as_speed),
      'Friction that is {most:.0%} wrong under all feet costs {fast:.0f} mm at {high} m/s and '
      '{slow:.1f} mm at {low} m/s; at {middle} m/s a blind point misses by {blind:.0f} mm already '
      'for {least:.0%}, a blind wide robot by {wide:.1f} mm.',
      'Slowly, friction in proportion everywhere gives the same motion; fast, friction k times as '
-     'high is the same as speed less by the root of k, here to {law:.3f} mm.'),
+     'high is the same as speed less by the root of k: both end {law:.3f} mm apart.'),
     ('T3.4', 'mass', 'the mass', (('load',), _load),
      'A mass that is {most:.0%} wrong costs {fast:.1f} mm at {high} m/s, {slow:.2f} mm at {low} '
      'm/s, and nothing ({load:.3f} mm) where the moment of inertia is wrong alike.',

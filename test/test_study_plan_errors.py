@@ -1,8 +1,15 @@
 """Plans played with a wrong belief: laws, and findings of the tables."""
 
 import functools
+import math
 
+import numpy as np
 from push_model.friction import friction_center
+from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
+from push_model.signals import Twist
+from push_planner.replay import replay
+from push_sim_node.plant import Plant
 from push_study import plan_errors_studies
 from push_study.plan_errors import BLIND, FELT, PlayedPush, WIDE, worst
 from push_study.plan_errors_truth import truth
@@ -114,6 +121,32 @@ def test_a_blind_point_goes_the_planned_way_at_another_speed_as_far_as_it_feels_
 def test_a_blind_point_loses_the_box_where_the_friction_centre_is_elsewhere():
     assert findings_of('T3.7')['blind_friction'] > 1.0
     assert play('T3.7', 'imbalance', 0.001, robot=BLIND)['friction_usage'] < 1.0
+
+
+def simulated(obj, motion, radius, pace, step=2e-3):
+    """Move a robot along a planned motion in the contact simulation; return where the box is."""
+    robot = RoundRobot(radius, 'holonomic', max_speed=10.0, max_acceleration=100.0,
+                       time_constant=0.0)
+    plant = Plant(obj, robot, Pose(0.0, 0.0, 0.0), Pose(*motion.robot_poses[0]), step)
+    times = np.append(np.arange(0.0, motion.duration, pace * step), motion.duration)
+    places = np.column_stack([np.interp(times, motion.times, column)
+                              for column in motion.robot_poses[:, :2].T])
+    for time, moved in zip(np.diff(times), np.diff(places, axis=0)):
+        plant.advance(time / pace, Twist(*(pace / time * moved), 0.0))
+    return plant.object_pose
+
+
+@pytest.mark.parametrize('kind, error', [('imbalance', 0.1), ('imbalance', -0.4), ('feet', 0.4),
+                                         ('friction', -0.4), ('speed', 0.2)])
+def test_a_blind_wide_robot_leads_the_box_where_the_contact_simulation_has_it(kind, error):
+    """The jumps of the pushing angle may slide there for an instant, which moves it by 1 mm."""
+    push = PlayedPush.of(values_for('T3.7'))
+    answer = push.plan(0.25, WIDE)
+    obj, pace = truth(push.object, kind, error)
+    found = replay(answer, obj, pace, blind=True)
+    box = simulated(obj, answer.trajectory, push.robot_radius, pace)
+    assert math.dist(box[:2], found.pose[:2]) < 2e-3
+    assert box.theta == pytest.approx(found.pose.theta, abs=5e-3)
 
 
 def test_a_narrower_robot_holds_the_box_less():
