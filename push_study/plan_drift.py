@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 from push_model.constant_angles import push_at_angles
 from push_model.geometry import Pose
 from push_planner.solver import plan
@@ -34,18 +33,24 @@ def compute(values, batch):
     turns = [end.theta - problem.goal.theta for end in ends]
     tables['ends'] = {'speed_m_s': [*values.speeds, values.slow_speed], 'position_error_m': misses,
                       'heading_error_rad': turns}
-    findings = {f'miss_{number}': Finding(miss, 'm', f'distance from the goal at {speed:g} m/s')
-                for number, (speed, miss) in enumerate(zip(values.speeds, misses))}
-    squares = np.square(values.speeds[1:3]) - values.planned_speed ** 2
+    faster = sorted((speed ** 2 - values.planned_speed ** 2, miss)
+                    for speed, miss in zip(values.speeds, misses) if speed > values.planned_speed)
     return Outcome(tables, {
-        **findings,
-        'miss_slow': Finding(misses[-1], 'm', f'distance from the goal at {values.slow_speed:g} '
-                             'm/s'),
-        'turn_fastest': Finding(turns[len(values.speeds) - 1], 'rad', 'turn from the goal at the '
-                                'highest speed'),
-        'growth': Finding(float(np.log(misses[2] / misses[1]) / np.log(squares[1] / squares[0])),
-                          '', 'power of the squared speed, beyond the planned one, with which the '
-                          'distance grows between the second and the third speed')})
+        'least': Finding(min(misses[:-1]), 'm', 'least distance from the goal'),
+        'next': Finding(faster[0][1] if faster else 0.0, 'm', 'distance from the goal at the next '
+                        'speed above the planned one'),
+        'fastest': Finding(misses[-2], 'm', 'the same at the last speed'),
+        'slow': Finding(misses[-1], 'm', 'the same at the very low speed'),
+        'turn_fastest': Finding(turns[-2], 'rad', 'turn from the goal at the last speed'),
+        'growth': Finding(_power(faster), '', 'power of what the squared speed has more than the '
+                          'planned one with which the distance grows, at the next two speeds')})
+
+
+def _power(points):
+    if len(points) < 2:
+        return math.nan
+    (x_0, y_0), (x_1, y_1) = points[:2]
+    return math.log(y_1 / y_0) / math.log(x_1 / x_0)
 
 
 def draw(figure, outcome, values):
@@ -85,9 +90,9 @@ STUDIES = (Study(
      Parameter('planned_speed', 'm/s', 'speed that the input was planned for'),
      Parameter('slow_speed', 'm/s', 'a very low speed, for comparison')),
     compute, draw,
-    'Played at the speed that it was planned for, the input ends at the goal; at the higher '
-    'speeds the box turns less and misses it by {miss_1:.3f}, {miss_2:.3f} and {miss_3:.3f} m, at '
-    'a very low one by {miss_slow:.3f} m.',
+    'Played at the speed that it was planned for, the input ends at the goal; at higher speeds '
+    'the box turns less and misses it by {next:.2f} m to {fastest:.2f} m, at a very low one by '
+    'only {slow:.3f} m.',
     'Inertia brakes the turn about in proportion to the square of the speed (the distance grows '
-    'with its power {growth:.2f}), so that it fades towards low speeds and pushes become '
+    'with its power {growth:.1f}), so that it fades towards low speeds and pushes become '
     'quasi-static.', (6.4, 5.6)),)

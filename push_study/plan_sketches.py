@@ -7,13 +7,13 @@ from push_model.geometry import Pose
 from push_planner.solver import plan
 from push_study import paper
 from push_study.plan_rolling import along_face
-from push_study.plan_scene import input_table, path_table, push_problem, SCENE, SEGMENTS, SPEED
+from push_study.plan_scene import input_table, path_table, push_problem, SCENE, SPEED
 from push_study.scenes import box
 from push_study.sketch import angle, arrow, label, line, PUSH, sheet
 from push_study.sketch_body import disc, point, solid
 from push_study.study import Finding, Outcome, Parameter, Study
 
-NORMAL, ARROW, ARC = 0.3, 0.3, 0.22
+SEGMENTS, NORMAL, ARROW, ARC = 3, 0.3, 0.3, 0.22
 
 
 def compute(values, batch):
@@ -24,7 +24,7 @@ def compute(values, batch):
     :param batch: not used.
     :return: ``Outcome``.
     """
-    found = plan(push_problem(values, values.speed, values.segments, values.robot_radius))
+    found = plan(push_problem(values, values.speed, SEGMENTS, values.robot_radius))
     inputs, path = input_table(found), path_table(found.trajectory)
     times = np.append(inputs['begin_s'], inputs['end_s'][-1])
     ends = {name: np.interp(times, path['time_s'], column) for name, column in path.items()}
@@ -86,7 +86,7 @@ def _from(place, direction, length):
     return place[0] + length * math.cos(direction), place[1] + length * math.sin(direction)
 
 
-PARAMETERS = (*SCENE, SPEED, SEGMENTS, Parameter('robot_radius', 'm', 'radius of the robot'))
+PARAMETERS = (*SCENE, SPEED, Parameter('robot_radius', 'm', 'radius of the robot'))
 STUDIES = (
     Study('3.1', 'A box moved from pose to pose by three constant pushing angles', PARAMETERS,
           compute, draw,

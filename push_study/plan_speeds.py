@@ -38,8 +38,9 @@ def compute(values, batch):
                               'contact at the highest speed than at the lowest'),
         'apart': Finding(1e3 * apart[-1], 'mm', 'greatest distance of the ways of the middle at '
                          'the highest and the lowest speed'),
-        'angle_middle': Finding(_furthest(angles[1], angles[0]), 'rad', 'greatest difference of '
-                                'the input at the second speed from that at the lowest'),
+        'angle_middle': Finding(_furthest(angles[len(angles) // 2], angles[0]), 'rad', 'greatest '
+                                'difference of the input at the middle speed from that at the '
+                                'lowest'),
         'angle_fastest': Finding(_furthest(angles[-1], angles[0]), 'rad', 'the same at the '
                                  'highest speed')})
 
