@@ -22,13 +22,16 @@ def found(**changes):
     return outcome.tables['effort'], {name: one.value for name, one in outcome.findings.items()}
 
 
-def test_work_grows_more_slowly_than_the_number_of_segments():
+def test_work_hardly_grows_up_to_the_steps_of_the_programme():
     table, findings = found()
-    assert 0.1 < findings['power'] < 0.6
-    assert table['segments'][-1] == 48
+    counts = np.array(table['segments'])
+    within = counts <= findings['steps']
     for name in plan_effort.GOALS:
-        assert table[f'{name}_relative_work'][table['segments'].index(6)] == 1.0
-        assert table[f'{name}_relative_work'][-1] < 0.7 * table['integrations_relative'][-1]
+        work = table[f'{name}_relative_work']
+        assert work[counts == 6] == [1.0]
+        assert work[within].max() < 2.0 * work[within].min()
+        assert work[-1] < 0.7 * table['integrations_relative'][-1]
+    assert counts[within][-1] == 4 * 6 and counts[-1] == 48
 
 
 def test_work_grows_with_the_steps_once_there_are_more_segments_than_those():
