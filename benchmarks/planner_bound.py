@@ -8,17 +8,16 @@ planner's programme with friction that is viscous at all speeds is therefore tha
 
 import dataclasses
 import math
-from unittest import mock
 
-from planner_programme import QUIET, Rival, solve
+from planner_programme import solve
 from push_model.dubins import words
 from push_model.friction import mean_square
 from push_model.geometry import Pose
-from push_planner import transcription
-from push_planner.programme import FATROP
+from push_planner.programme import Programme
 from push_planner.warm_start import routes, tightest_turns
 
-VISCOUS, ACCURACY = 30.0, 1e-7
+VISCOUS = 30.0
+EXACT = {'fatrop': {'print_level': 0, 'tol': 1e-7, 'mu_init': 1e-3, 'max_iter': 200}}
 TRIED = 12
 
 
@@ -67,7 +66,5 @@ class Bounded:
 
     def _programme(self, shape):
         if shape not in self._built:
-            with mock.patch.object(transcription, 'SMOOTHING', VISCOUS):
-                self._built[shape] = Rival(shape, 'fatrop', {
-                    **QUIET, 'fatrop': {**FATROP, 'tol': ACCURACY, 'max_iter': 200}})
+            self._built[shape] = Programme(shape, options=EXACT, smoothing=VISCOUS)
         return self._built[shape]

@@ -13,13 +13,15 @@ import numpy as np
 from push_model.drive import yaw_rate
 from push_model.dynamics import equation_of_motion, impulse, SMOOTHING
 from push_model.geometry import Pose, wrap_angle
+from push_model.quasi_static import turning_rate
 from push_model.state import ObjectTerms, State
 from scipy.integrate import solve_ivp
 
 STRETCH = 8.0
+LONGEST_PIECE = 1.0
 ACCURACY = 1e-9
 INSTANT = 2e-6
-STRAIGHT = 1e-6
+STRAIGHT = 1e-7
 SLOWER = 1e-3
 
 
@@ -28,7 +30,8 @@ class Replay(NamedTuple):
     How a plan ends when driven.
 
     :param position_error: distance from the goal, with what the stretches miss [m].
-    :param heading_error: the same of the heading [rad].
+    :param heading_error: the same of the heading, and of the contact normal between stretches
+        [rad].
     :param steepest: largest angle of the contact force from the normal [rad].
     :param way: of the contact [m].
     :param stretches: number of stretches.
@@ -51,11 +54,12 @@ class Pieces(NamedTuple):
     breaks: list
 
 
-def pieces(trajectory, slower=1.0):
+def pieces(trajectory, longest, slower=1.0):
     """
     Read speed and pushing angle off a trajectory, and cut it where they bend or jump.
 
     :param trajectory: the ``PushTrajectory``.
+    :param longest: way after which it is cut in any case, for stretches to end there [m].
     :param slower: factor on all speeds.
     :return: ``Pieces``; between breaks the speed is linear in time, the angle along the way.
     """
@@ -74,6 +78,7 @@ def pieces(trajectory, slower=1.0):
     cut = np.zeros(len(times), dtype=bool)
     for slopes in bends:
         cut[1:-1] |= np.abs(np.diff(slopes)) > STRAIGHT * (1.0 + np.abs(slopes[1:]))
+    cut[1:] |= np.diff(ways // longest) > 0.0
     cut[[0, -1]] = True
     return Pieces(times / slower, speeds * slower, angles, ways, np.flatnonzero(cut).tolist())
 
@@ -84,11 +89,12 @@ class Push:
 
     :param problem: the ``PushProblem``.
     :param slower: factor on the speed at which friction under the supports turns viscous.
+    :param slow: whether omega follows from friction alone.
     """
 
-    def __init__(self, problem, slower=1.0):
+    def __init__(self, problem, slower=1.0, slow=False):
         """Build the equation."""
-        self.problem = problem
+        self.problem, self._slow = problem, slow
         self._turns = problem.robot.radius == 0.0 or getattr(
             problem.settings, 'robot_yaw', 'with_object') == 'with_object'
         self.terms = ObjectTerms.of(problem.obj)
@@ -113,16 +119,22 @@ class Push:
         speed += change * passed
         share, (robot, (held, fed, rates, _)) = self.problem.rolling[0], (
             self.problem.robot, self._arrays)
+        held[:] = state[:7]
+        if self._slow:
+            ahead = state[4] + angle - state[2]
+            held[3] = turning_rate(self.problem.obj, state[5:7], speed * math.cos(ahead),
+                                   speed * math.sin(ahead))
         turn = 0.0
         if self._turns or robot.drive == 'differential':
-            turn = float(yaw_rate(robot.drive, robot.radius, angle, state[4] - state[7], state[3],
+            turn = float(yaw_rate(robot.drive, robot.radius, angle, state[4] - state[7], held[3],
                                   speed))
-        bend = share * state[3] + (1.0 - share) * turn + slope * speed
+        bend = share * held[3] + (1.0 - share) * turn + slope * speed
         c, s = math.cos(state[4] + angle), math.sin(state[4] + angle)
-        held[:] = state[:7]
         fed[:] = (speed * c, speed * s, change * c - speed * bend * s,
                   change * s + speed * bend * c, turn)
         self._evaluate()
+        if self._slow:
+            rates[3] = 0.0
         return np.append(rates, turn)
 
     def jump(self, state, before, after):
@@ -151,11 +163,12 @@ def replay(plan, stretch=STRETCH):
     :return: ``Replay``; not finite where the integration fails.
     """
     problem = plan.problem
-    # Without inertia is the limit of slow pushes.
+    # Without inertia is the limit of slow pushes, forces included.
     slow = getattr(problem.settings, 'motion_model', 'dynamic') == 'quasi_static'
     slower = SLOWER if slow else 1.0
-    track, push = pieces(plan.trajectory, slower), Push(problem, slower)
-    longest = stretch * problem.vehicle.wheelbase
+    wheelbase = problem.vehicle.wheelbase
+    track = pieces(plan.trajectory, LONGEST_PIECE * wheelbase, slower)
+    push, longest = Push(problem, slower, slow), stretch * wheelbase
     state = np.array([*problem.start, 0.0, problem.normal, *problem.contact_point,
                       problem.heading])
     state = push.jump(state, (0.0, 0.0), (track.speeds[0], track.angles[0]))
@@ -167,7 +180,7 @@ def replay(plan, stretch=STRETCH):
             continue
         if track.ways[first] > begun and track.ways[last] - begun > longest:
             meant = _planned(plan.trajectory, problem, first, slower)
-            missed += math.hypot(*(state - meant)[:2]), abs(state[2] - meant[2])
+            missed += math.hypot(*(state - meant)[:2]), np.abs(state - meant)[[2, 4]].max()
             state, begun, stretches = meant, track.ways[first], stretches + 1
         push.steer(track.times[first], track.speeds[ends], track.angles[ends], duration)
         answer = solve_ivp(push.rate, track.times[ends], state, method='LSODA', rtol=ACCURACY,

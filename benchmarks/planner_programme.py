@@ -1,7 +1,7 @@
 """
 The planner's programme from other starts and with other solvers.
 
-``starts`` and ``Rival`` are all that knows of the planner's insides.
+``starts`` and ``solve`` are all that knows of the planner's insides.
 """
 
 import dataclasses
@@ -23,8 +23,8 @@ SEED = 48
 REACH, GENTLEST = 2.0, 0.3
 SLACK = 1e-4
 QUIET = {'print_time': False, 'error_on_fail': False}
-SQP = {**QUIET, 'print_header': False, 'print_iteration': False, 'print_status': False,
-       'max_iter': 60, 'convexify_strategy': 'regularize'}
+SQP = {'print_header': False, 'print_iteration': False, 'print_status': False, 'max_iter': 60,
+       'convexify_strategy': 'regularize'}
 FLAGS = {'jit': True, 'compiler': 'shell', 'jit_options': {'flags': ['-O1']}}
 
 
@@ -117,33 +117,12 @@ def solve(problem, route, solver=None):
     return asked.grid.times(found.way).sum() if found else math.inf, cpu, count
 
 
-class Rival(Programme):
-    """
-    The programme with another solver.
-
-    :param shape: ``Shape``.
-    :param plugin: casadi's name of the solver.
-    :param options: for it.
-    """
-
-    def __init__(self, shape, plugin, options):
-        """Build the programme and the solver."""
-        super().__init__(shape)
-        e = self._equations
-        if plugin == 'fatrop':
-            options = {**options, 'structure_detection': 'auto',
-                       'equality': e.equality.tolist()}
-        self._fatrop = ca.nlpsol('rival', plugin, {'x': e.x, 'p': e.p, 'f': e.cost,
-                                                   'g': e.rows}, options)
-
-
 def rivals(compiled):
     """Return name -> (plugin, options)."""
     conics = {'qrqp': {'print_iter': False, 'print_header': False}, 'hpipm': {}, 'daqp': {},
               'osqp': {'osqp': {'verbose': False, 'eps_abs': 1e-7, 'eps_rel': 1e-7,
                                 'max_iter': 20000}}}
-    found = {'fatrop': ('fatrop', {**QUIET, 'fatrop': FATROP}),
-             'ipopt': ('ipopt', {**QUIET, 'ipopt': IPOPT})}
+    found = {'fatrop': ('fatrop', FATROP), 'ipopt': ('ipopt', IPOPT)}
     found.update({f'sqpmethod, {name}': ('sqpmethod', {
         **SQP, 'qpsol': name, 'qpsol_options': {**QUIET, **options}})
         for name, options in conics.items() if ca.has_conic(name)})
@@ -185,7 +164,7 @@ def compare_solvers(problems, collect, compiled):
 
         def made(shape, plugin=plugin, options=options, built=built):
             if shape not in built:
-                built[shape] = Rival(shape, plugin, options)
+                built[shape] = Programme(shape, plugin, options)
             return built[shape]
         if tasks:
             solve(*tasks[0], made)

@@ -94,7 +94,9 @@ def place(constants, theta, phi):
     """
     apart = theta - phi
     delta = constants.delta + (constants.share - 1.0) * apart
-    n_x, n_y = ca.cos(delta), ca.sin(delta)
+    # casadi would take arrays apart.
+    trig = np if isinstance(delta, np.ndarray) else ca
+    n_x, n_y = trig.cos(delta), trig.sin(delta)
     along = constants.roll * apart
     return (delta, constants.base_x - along * n_y - constants.round * n_x,
             constants.base_y + along * n_x - constants.round * n_y)
@@ -102,5 +104,4 @@ def place(constants, theta, phi):
 
 def places(constants, theta, phi):
     """Find the contact at many turns; as ``place``, with arrays of shape (n,)."""
-    return tuple(np.array(value, dtype=float).ravel() + 0.0 * theta
-                 for value in place(constants, theta, phi))
+    return tuple(value + 0.0 * theta for value in place(constants, theta, phi))

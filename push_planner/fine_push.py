@@ -92,7 +92,7 @@ class FinePush:
                 slice(group.start, group.stop),
                 np.array([_spread(share, parts) for share in shares])
                 if rough else np.full((len(group), parts), 1.0 / parts)))
-        # Derivatives can do with longer parts, except where w settles.
+        # A first run and derivatives can do with longer parts, except where w settles.
         few = math.ceil(max(lengths) / COARSE)
         self._coarse = self._groups if self._shape.jumps else [
             self._groups[0], _Group(slice(1, count), np.full((count - 1, few), 1.0 / few))]
@@ -107,25 +107,26 @@ class FinePush:
         pace = np.sqrt(np.maximum(self._grid.squares, self._grid.ends))
         return np.column_stack([self._grid.steps(way), self._inertia, SMOOTHING / pace])
 
-    def run(self, track, way):
+    def run(self, track, way, coarse=False):
         """
         Follow a track.
 
         :param track: ``Track``.
         :param way: S [m].
+        :param coarse: whether in fewer parts, too few samples for a ``rollout``.
         :return: (nodes, shape (n + 1, 6); changes, shape (n,) [rad]; the rest for ``rollout``).
         """
         node, nodes, changes, rest = track.nodes[0], [], [], []
         steps = self.steps(way)
-        for group in self._groups:
+        for group in self._coarse if coarse else self._groups:
             pick = group.pick
-            ends, driven, *more = (np.array(part) for part in self._function(advance, group)(
-                node, track.nodes[pick].T, track.changes[pick][None, :], track.gains[pick].T,
-                steps[pick].T, group.shares.T, self._column))
-            nodes += [node[None, :], ends[:, :-1].T]
+            ends, driven, *more = self._function(advance, group)(
+                node, track.nodes[pick], track.changes[pick, None], track.gains[pick],
+                steps[pick], group.shares, self._column)
+            nodes += [node[None, :], ends[:-1]]
             changes.append(driven.ravel())
             rest.append(more)
-            node = ends[:, -1]
+            node = ends[-1]
         return np.vstack([*nodes, node]), np.concatenate(changes), rest
 
     def linear(self, nodes, changes, way, free):
@@ -146,11 +147,10 @@ class FinePush:
             shift = np.repeat(np.eye(9, 8, -1), count, axis=0) * NUDGE
             steps = np.tile(self.steps(way)[pick], (9, 1))
             steps[:, 0] += shift[:, 6] * np.tile(self._grid.shares[pick], 9)
-            ends = np.array(self._function(beside, group, 9)(
-                (np.tile(nodes[pick], (9, 1)) + shift[:, :6]).T, 0.0,
-                (np.tile(changes[pick], 9) + shift[:, 7] * np.tile(free[pick], 9))[None, :], 0.0,
-                steps.T, np.tile(group.shares, (9, 1)).T, self._column)[0])
-            ends = ends.T.reshape(9, count, 6)
+            bent = np.tile(changes[pick], 9) + shift[:, 7] * np.tile(free[pick], 9)
+            ends = self._function(beside, group, 9)(
+                np.tile(nodes[pick], (9, 1)) + shift[:, :6], 0.0, bent[:, None], 0.0, steps,
+                np.tile(group.shares, (9, 1)), self._column)[0].reshape(9, count, 6)
             maps[pick, :6] = ((ends[1:] - ends[0]) / NUDGE).transpose(1, 2, 0)
         return maps
 
@@ -170,9 +170,9 @@ class FinePush:
             ways = (np.cumsum(h, axis=1) - h)[:, :, None] + h[:, :, None] * places
             ways = np.hstack([np.zeros((len(h), 1)), ways.reshape(len(h), count)])
             squares = self._grid.squares[pick, None] + self._grid.slopes[pick, None] * ways
-            rows = np.concatenate([after.T[:, None, :], samples.T.reshape(-1, count, 6)], axis=1)
+            rows = np.concatenate([after[:, None, :], samples.reshape(-1, count, 6)], axis=1)
             pressed = np.concatenate([np.full((len(h), 1, 2), np.nan),
-                                      forces.T.reshape(-1, count, 2)], axis=1)
+                                      forces.reshape(-1, count, 2)], axis=1)
             parts.append(((begins[pick, None] + ways).ravel(), squares.ravel(),
                           rows.reshape(-1, 6), pressed.reshape(-1, 2), (ways == 0.0).ravel()))
         return Rollout(nodes, changes, *(np.concatenate(column) for column in zip(*parts)))

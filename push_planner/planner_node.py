@@ -2,9 +2,10 @@
 
 import sys
 
+from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
-from push_planner.solver import plan
+from push_planner.problem import PlannerSettings, PlanningFailed
+from push_planner.sites import plan_placement
 from push_ros import qos
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.elements import MessageRefused, nanoseconds
@@ -27,7 +28,9 @@ class PlannerNode(PushNode):
     ``planned_path`` (latched), ``diagnostics``. Everything is in ``world_frame``; the plan starts
     from the newest measurements and has their stamp. A goal that comes before them waits for
     them. A failed plan or a refused message leaves the former plan as it is, and is an error on
-    ``diagnostics`` with its reason. Parameters: ``object.*`` and ``robot.*`` as believed,
+    ``diagnostics`` with its reason. With ``planner.site`` at ``auto`` the plan starts at the
+    quickest site of the object; the diagnostics tell where the robot must stand for it, warn where
+    it does not, and list all sites. Parameters: ``object.*`` and ``robot.*`` as believed,
     ``planner.*``, frames.
     """
 
@@ -71,27 +74,34 @@ class PlannerNode(PushNode):
             return
         goal, self._goal = self._goal, None
         try:
-            answer = self._answer(goal)
+            choice, robot_pose = self._answer(goal)
         except MessageRefused as error:
             self._report(ERROR, str(error))
         except PlanningFailed as failure:
-            self._report(ERROR, failure.reason, failure.report)
+            self._report(ERROR, failure.reason, _told(failure.report))
         else:
-            self._publish(answer)
+            self._publish(choice, robot_pose)
 
     def _answer(self, goal):
         world = self._frames.world_frame
         odometry = from_odometry_message(self._odometry, world)
         measured = from_object_pose_message(self._object_pose, world)
-        return plan(problem_from_placement(self._obj, self._robot, measured.pose, odometry.pose,
-                                           goal, self._planner))
+        return plan_placement(self._obj, self._robot, measured.pose, odometry.pose, goal,
+                              self._planner), odometry.pose
 
-    def _publish(self, answer):
+    def _publish(self, choice, robot_pose):
+        answer = choice.plan
         stamp, world = self._stamp(), self._frames.world_frame
         self._plan.publish(to_plan_message(answer.trajectory, stamp, world))
         self._path.publish(to_path_message(answer.trajectory, stamp, world))
-        self._report(OK, f'has planned a push of {answer.trajectory.duration:.1f} s and '
-                     f'{answer.trajectory.path_length:.2f} m', answer.report)
+        begin = Pose(*answer.trajectory.robot_poses[0].tolist())
+        text = (f'has planned a push of {answer.trajectory.duration:.1f} s and '
+                f'{answer.trajectory.path_length:.2f} m')
+        away = distance(begin, robot_pose) > self._planner.contact_tolerance
+        if away:
+            text += f' for a robot at {begin.x:.3f} m, {begin.y:.3f} m, {begin.theta:.3f} rad'
+        self._report(WARN if away else OK, text, {
+            **answer.report, 'robot_start': tuple(begin), **_told({'sites': choice.table})})
 
     def _report(self, level, text, values=None):
         self.reporter.report(level, text, self._stamp(), values)
@@ -100,6 +110,13 @@ class PlannerNode(PushNode):
         stamps = [message.header.stamp for message in (self._odometry, self._object_pose)
                   if message is not None]
         return max(stamps, key=nanoseconds) if stamps else self.get_clock().now().to_msg()
+
+
+def _told(report):
+    """Give each site a line of its own."""
+    sites = report.get('sites', ())
+    return {**{key: value for key, value in report.items() if key != 'sites'},
+            **{f'site {number}': site for number, site in enumerate(sites, 1)}}
 
 
 def main(arguments=None):

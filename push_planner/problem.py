@@ -160,9 +160,7 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
             raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
-    if math.isinf(robot.radius):
-        raise PlanningFailed(f'the robot has a radius of {robot.radius:g} m: plans are made for '
-                             'round robots and points, not for fences')
+    refuse_fence(robot)
     contact, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
     if abs(gap) > settings.contact_tolerance:
         kind = 'away from' if gap > 0.0 else 'inside'
@@ -171,3 +169,15 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
                              {'gap': gap})
     return PushProblem(obj, robot, contact, Pose(*map(float, object_pose)), float(normal),
                        float(robot_pose[2]), Pose(*map(float, goal)), settings)
+
+
+def refuse_fence(robot):
+    """
+    Refuse a robot that is not round.
+
+    :param robot: the ``RoundRobot``.
+    :raises PlanningFailed: where its radius is infinite.
+    """
+    if math.isinf(robot.radius):
+        raise PlanningFailed(f'the robot has a radius of {robot.radius:g} m: plans are made for '
+                             'round robots and points, not for fences')

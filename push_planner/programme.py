@@ -6,14 +6,17 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
+from push_planner.buffered import Buffered
 from push_planner.shape import POINTS, ROWS_OF
-from push_planner.transcription import Equations, PENALTY
+from push_planner.transcription import Equations, PENALTY, SMOOTHING
 
 NEGLIGIBLE = 1e-5
 SHORTEST_WAY = 1e-3
-FATROP = {'print_level': 0, 'tol': 1e-4, 'mu_init': 1e-3, 'max_iter': 60}
-IPOPT = {'print_level': 0, 'sb': 'yes', 'max_iter': 100, 'tol': 1e-6, 'mu_init': 1e-2,
-         'acceptable_iter': 0, 'linear_solver': 'mumps'}
+QUIET = {'print_time': False, 'error_on_fail': False}
+FATROP = {'fatrop': {'print_level': 0, 'tol': 3e-4, 'mu_init': 3e-5, 'bound_push': 0.1,
+                     'max_iter': 60}}
+IPOPT = {'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 100, 'tol': 1e-6, 'mu_init': 1e-2,
+                   'acceptable_iter': 0, 'linear_solver': 'mumps'}}
 
 
 class Solution(NamedTuple):
@@ -82,35 +85,47 @@ class Programme:
     The programme of a shape.
 
     :param shape: ``Shape``.
+    :param solver: casadi's name of the solver.
+    :param options: for it.
+    :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
     """
 
-    def __init__(self, shape):
+    def __init__(self, shape, solver='fatrop', options=FATROP, smoothing=SMOOTHING):
         """Build the programme."""
         self.shape = shape
-        self._equations = Equations(shape)
-        self._upper = np.where(self._equations.equality, 0.0, np.inf)
-        e = self._equations
-        self._fatrop = ca.nlpsol(
-            'push', 'fatrop', {'x': e.x, 'p': e.p, 'f': e.cost, 'g': e.rows},
-            {'print_time': False, 'error_on_fail': False, 'structure_detection': 'auto',
-             'equality': e.equality.tolist(), 'fatrop': FATROP})
+        self._equations = e = Equations(shape, smoothing)
+        self._upper = np.where(e.equality, 0.0, np.inf)
+        options = {**QUIET, **options}
+        if solver == 'fatrop':
+            options.update(structure_detection='auto', equality=e.equality.tolist(),
+                           cache=e.stages.derivatives())
+        else:
+            options['expand'] = True
+        self._solver = Buffered(ca.nlpsol('push', solver, {
+            'x': e.stages.x, 'p': e.stages.p, 'f': e.stages.cost, 'g': e.stages.rows}, options))
 
     def solve(self, parameters, box, guess):
         """
         Solve the programme.
 
-        :param parameters: numbers of ``Equations.p``.
+        :param parameters: numbers of ``Stages.p``.
         :param box: ``Box``.
         :param guess: ``Solution`` to start from.
         :return: (``Solution`` or None, number of iterations).
         """
-        return self._run(self._fatrop, parameters, box, guess.column(self.shape), self._upper)
+        low, high = self._bounds(box)
+        (found, *_), stats = self._solver.with_stats(guess.column(self.shape), parameters, low,
+                                                     high, 0.0, self._upper)
+        count = int(stats['iter_count'])
+        if not stats['success'] or not np.isfinite(found).all():
+            return None, count
+        return Solution.of(found.ravel(), self.shape), count
 
     def diagnose(self, parameters, box, guess):
         """
         Solve with bounds that give way at a price, more slowly and more surely.
 
-        :param parameters: numbers of ``Equations.p``.
+        :param parameters: numbers of ``Stages.p``.
         :param box: ``Box``.
         :param guess: ``Solution`` to start from.
         :return: (``Solution`` or None, what stands in the way, number of iterations).
@@ -133,11 +148,12 @@ class Programme:
     @functools.cached_property
     def _relaxed(self):
         e = self._equations
-        excess = ca.SX.sym('excess')
-        slack = ca.SX(np.where(e.equality, 0.0, 1.0)) * excess
+        excess, stages = ca.MX.sym('excess'), e.stages
         return ca.nlpsol('relaxed', 'ipopt', {
-            'x': ca.vertcat(e.x, excess), 'p': e.p, 'f': e.cost + PENALTY * excess,
-            'g': e.rows + slack}, {'print_time': False, 'error_on_fail': False, 'ipopt': IPOPT})
+            'x': ca.vertcat(stages.x, excess), 'p': stages.p,
+            'f': stages.cost + PENALTY * excess,
+            'g': stages.rows + ca.DM(np.where(e.equality, 0.0, 1.0)) * excess},
+            {**QUIET, **IPOPT, 'expand': True})
 
     def _bounds(self, box):
         shape = self.shape
@@ -149,15 +165,6 @@ class Programme:
         low[:, 3], high[:, 3] = box.turns
         size = shape.width * shape.steps + shape.states
         return low.ravel()[:size], high.ravel()[:size]
-
-    def _run(self, solver, parameters, box, column, upper):
-        low, high = self._bounds(box)
-        answer = solver(x0=column, p=parameters, lbx=low, ubx=high, lbg=0.0, ubg=upper)
-        stats = solver.stats()
-        found, count = np.array(answer['x']).ravel(), int(stats['iter_count'])
-        if not stats['success'] or not np.isfinite(found).all():
-            return None, count
-        return Solution.of(found, self.shape), count
 
 
 @functools.lru_cache(maxsize=32)

@@ -7,6 +7,7 @@ import casadi as ca
 import numpy as np
 
 from push_model.geometry import wrap_angle
+from push_planner.buffered import Buffered
 from push_planner.constants import Constants, place
 from push_planner.fine_push import FinePush, Track
 from push_planner.shape import POINTS
@@ -43,16 +44,18 @@ def refine(problem, formulation, solution):
     values, gains = _gains(maps, weights)
     nodes, changes, best = _begin(problem, formulation, solution), solution.changes * free, None
     for attempt in range(PASSES):
-        found = push.run(Track(nodes, changes, gains[:, :6]), way)
+        first = attempt == 0
+        found = push.run(Track(nodes, changes, gains[:, :6]), way, coarse=first)
         miss = _miss(problem, formulation, found[0][-1])
         size = float(np.abs(MATTERS * miss).max())
         if not np.isfinite(size) or (best is not None and size > 0.9 * best[0]):
             break
-        best = size, found, way
-        if attempt > 0 and size < CLOSE:
+        if not first:
+            best = size, found, way
+        if not first and size < CLOSE:
             break
         nodes, changes = found[0][:-1], found[1]
-        if attempt > 0:
+        if not first:
             # The programme's steps are too coarse to tell how fine ones change.
             maps = push.linear(nodes, changes, way, free)
             values, gains = _gains(maps, weights)
@@ -98,10 +101,10 @@ def _maps(problem, shape, free, formulation, solution):
     """End of each step by its begin, S and change: one matrix (7, 8) per step."""
     count, grid, steps = len(free), formulation.grid, formulation.steps
     column = problem.constants.column()
-    given = np.column_stack([grid.lengths, grid.shares, steps[:, 2], steps[:, 3], free]).T
-    found = np.array(_linear(shape).map(count)(solution.nodes[:-1].T, solution.way,
-                                               solution.changes, given, solution.rates.T, column))
-    return found.reshape(7, count, 8).transpose(1, 0, 2)
+    given = np.column_stack([grid.lengths, grid.shares, steps[:, 2], steps[:, 3], free])
+    found, = _linear(shape)(solution.nodes[:-1], solution.way, solution.changes[:, None], given,
+                            solution.rates, column)
+    return found.reshape(count, 8, 7).transpose(0, 2, 1)
 
 
 def _gains(maps, weights):
@@ -142,4 +145,5 @@ def _linear(shape):
     rest = ca.vertcat(node, way, change)
     settle = ca.solve(ca.jacobian(residual, rates), ca.jacobian(residual, rest))
     total = ca.jacobian(end, rest) - ca.mtimes(ca.jacobian(end, rates), settle)
-    return ca.Function('linear', [node, way, change, data, rates, flat], [ca.densify(total)])
+    one = ca.Function('linear', [node, way, change, data, rates, flat], [ca.densify(total)])
+    return Buffered(one.map(shape.steps))

@@ -10,12 +10,13 @@ import functools
 import casadi as ca
 import numpy as np
 
+from push_planner.buffered import Buffered
 from push_planner.constants import Constants
 from push_planner.stage import collocate, touch
-from push_planner.step import Node, Step
+from push_planner.step import Node, radau, Step
 
 POINTS = 3
-NEWTON_STEPS = 4
+FIRST_STEPS, NEWTON_STEPS = 4, 2
 GROWTH = 1.6
 STEP_ROWS = 4
 
@@ -61,18 +62,18 @@ def advance(kind, supports, jumps, parts, steps):
     :param jumps: whether the pushing angle jumps at the begin of a step.
     :param parts: number of parts of a step.
     :param steps: number of steps.
-    :return: ``casadi.Function`` of the node at the begin and, one column per step: planned node,
-        change, gains, step and shares of the parts; then the constants. It gives, one column per
+    :return: ``Buffered`` function of the node at the begin and, one row per step: planned node,
+        change, gains, step and shares of the parts; then the constants. It gives, one row per
         step: the node at the end, the change, the node after a jump, samples, forces.
     """
     one = one_step(kind, supports, jumps, parts)
-    return one.mapaccum('advance', steps) if steps > 1 else one
+    return Buffered(one.mapaccum('advance', steps) if steps > 1 else one)
 
 
 @functools.lru_cache(maxsize=64)
 def beside(kind, supports, jumps, parts, steps):
     """Build steps that begin where they are told to; arguments as for ``advance``."""
-    return one_step(kind, supports, jumps, parts).map(steps)
+    return Buffered(one_step(kind, supports, jumps, parts).map(steps))
 
 
 @functools.lru_cache(maxsize=32)
@@ -88,12 +89,16 @@ def one_step(kind, supports, jumps, parts):
     if jumps:
         jump, _, _ = touch(kind, constants, begin, driven)
         begin = begin._replace(w=begin.w + jump, rho=begin.rho + driven)
-    part = _part(kind, supports)
-    now, way, samples, forces = ca.vertcat(*begin), 0.0, [], []
+    places, _, inverse = radau(POINTS)
+    # Within a step w goes on smoothly, and so does the guess.
+    now, way, samples, forces, rise = ca.vertcat(*begin), 0.0, [], [], 0.0
     for i in range(parts):
         h = shares[i] * length
         along = 0.0 if jumps else driven * shares[i]
-        found, force = part(now, h, along, square + slope * way, slope, smoothing, flat)
+        part = _part(kind, supports, NEWTON_STEPS if i else FIRST_STEPS)
+        found, force = part(now[0] + rise * h * ca.DM(places), now, h, along,
+                            square + slope * way, slope, smoothing, flat)
+        rise = ca.dot(ca.DM(inverse[-1]), found[0, :].T - now[0]) / h
         way, now = way + h, found[:, POINTS - 1]
         samples.append(found)
         forces.append(force)
@@ -103,8 +108,8 @@ def one_step(kind, supports, jumps, parts):
 
 
 @functools.lru_cache(maxsize=16)
-def _part(kind, supports):
-    """One Radau step, solved by Newton's method: samples (6, K) and forces (2, K)."""
+def _part(kind, supports, count):
+    """One Radau step, solved by Newton's method from a guess: samples (6, K), forces (2, K)."""
     constants, flat = Constants.symbols(supports)
     node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
     length, change, square, slope, smoothing = (ca.SX.sym(name) for name in (
@@ -121,8 +126,8 @@ def _part(kind, supports):
     samples = ca.horzcat(*[ca.vertcat(*sample) for sample in out.samples])
     forces = ca.horzcat(*[ca.vertcat(*force) for force in out.forces])
     finish = ca.Function('finish', [rates, *given], [samples, forces])
-    found = ca.repmat(node[0], POINTS, 1)
-    for _ in range(NEWTON_STEPS):
+    found = guess = ca.SX.sym('guess', POINTS)
+    for _ in range(count):
         found = newton(found, *given)
     results = ca.cse(list(finish(found, *given)))
-    return ca.Function('part', given, results)
+    return ca.Function('part', [guess, *given], results)

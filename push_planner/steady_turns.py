@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
+from push_planner.buffered import Buffered
 from push_planner.constants import Constants, place
 from push_planner.stage import balance
 from push_planner.step import Step
@@ -95,10 +96,9 @@ def steady_turns(problem_key):
     steers = np.linspace(-STEEPEST, STEEPEST, ANGLES)
     supports = (len(problem_key.column) - 13) // 3
     column = np.array(problem_key.column)
-    table = _table(supports)(steers[None, :] - problem_key.offset, problem_key.square,
-                             column)
-    rates, forces = (np.array(part) for part in table)
-    return SteadyTurns(steers, rates.ravel(), forces.T)
+    rates, forces = _table(supports)(steers[:, None] - problem_key.offset, problem_key.square,
+                                     column)
+    return SteadyTurns(steers, rates.ravel(), forces)
 
 
 class TurnKey(NamedTuple):
@@ -134,4 +134,4 @@ def _table(supports):
         low, high = ca.if_else(above, low, middle), ca.if_else(above, middle, high)
     found = 0.5 * (low + high)
     one = ca.Function('turn', [angle, square, flat], [found, forces(found, angle, square, flat)])
-    return one.map(ANGLES)
+    return Buffered(one.map(ANGLES))

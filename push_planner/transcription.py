@@ -9,8 +9,9 @@ built once per kind.
 import casadi as ca
 import numpy as np
 from push_planner.constants import Constants, place
-from push_planner.shape import Ends, Limits, STEP_FIELDS
+from push_planner.shape import Ends, Limits, POINTS, STEP_FIELDS
 from push_planner.stage import collocate, robot_speed, robot_turn, touch
+from push_planner.stages import Part, Stages
 from push_planner.step import Node, Step
 
 SMOOTHING = 0.02
@@ -20,64 +21,72 @@ PENALTY = 100.0
 
 class Equations:
     """
-    Symbolic rows of a programme.
+    Rows of a programme.
 
     :param shape: ``Shape``.
+    :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
     """
 
-    def __init__(self, shape):
+    def __init__(self, shape, smoothing=SMOOTHING):
         """Write them."""
-        self.shape = shape
-        self.names = []
+        self.shape, self._smoothing = shape, smoothing
         constants, flat = Constants.symbols(shape.supports)
         limits = ca.SX.sym('limits', len(Limits._fields))
         ends = ca.SX.sym('ends', len(Ends._fields))
-        self.grid = ca.SX.sym('grid', len(STEP_FIELDS) + shape.states - 1, shape.steps)
-        self.common = ca.vertcat(flat, limits, ends)
-        self.p = ca.vertcat(self.common, ca.vec(self.grid))
-        self.x = ca.SX.sym('x', shape.width * shape.steps + shape.states)
-        stage, first, last = self._functions(constants, limits, ends, flat)
-        self.g, cost = [], 0.0
-        for k in range(shape.steps):
-            begin = shape.width * k
-            here = self.x[begin:begin + shape.width]
-            after = self.x[begin + shape.width:begin + shape.width + shape.states]
-            end, equal, rows = stage(here, self.grid[:, k], self.common)
-            self._add(after - end)
-            if k == 0:
-                equal_first, rows_first = first(here, self.grid[:, 0], self.common)
-                self._add(equal_first)
-                self._add(equal)
-                self._add(rows_first, self.first_names)
-            else:
-                self._add(equal)
-            self._add(rows, self.row_names)
-            cost += SMOOTHNESS * here[shape.states] ** 2
-        final = self.x[shape.width * shape.steps:]
-        self._add(last(final, self.common))
-        self.cost = cost + final[0]
-        self.rows = ca.cse(ca.vertcat(*self.g))
+        common = ca.vertcat(flat, limits, ends)
+        fields = len(STEP_FIELDS) + shape.states - 1
+        parts = self._parts(constants, limits, ends, common)
+        counts = [part.rows.size1_out(0) for part in parts]
+        order, following = self._order(counts)
+        self.names = [self._names[i] for i in order]
         self.equality = np.array([not name for name in self.names])
+        sizes = shape.steps, shape.width, shape.states, fields, common.numel()
+        changes = shape.states + shape.width * np.arange(shape.steps)
+        self.stages = Stages(parts, sizes, order, following, lambda x: (
+            SMOOTHNESS * ca.sumsqr(x[changes.tolist()]) + x[shape.width * shape.steps]))
 
-    def _add(self, rows, names=None):
-        self.g.append(rows)
-        self.names += names or [''] * rows.numel()
+    def _order(self, counts):
+        """Rows in the order of fatrop: of each stage what follows, what is equal, what is not."""
+        shape, (each, besides, _) = self.shape, counts
+        n, states = shape.steps, shape.states
+        stage, first = np.arange(each), each * n + np.arange(besides)
+        equal = sum(not name for name in self._names[each * n:each * n + besides])
+        order = [stage[:states], first[:equal], stage[states:states + POINTS], first[equal:],
+                 stage[states + POINTS:]]
+        order += [stage + each * k for k in range(1, n)] + [each * n + besides + np.arange(
+            counts[2])]
+        order = np.concatenate(order)
+        place = np.argsort(order)
+        rows = (each * np.arange(n)[:, None] + np.arange(states)).ravel()
+        unknowns = (shape.width * np.arange(1, n + 1)[:, None] + np.arange(states)).ravel()
+        return order, (place[rows], unknowns)
 
     def _node(self, states):
         w, rho, theta, q_x, q_y = states[1:6]
         phi = {'held': theta, 'rolling': 0.0}.get(self.shape.kind)
         return Node(w, rho, theta, q_x, q_y, states[6] if phi is None else phi)
 
-    def _functions(self, constants, limits, ends, flat):
+    def _parts(self, constants, limits, ends, common):
         shape = self.shape
         limits, ends = Limits(*ca.vertsplit(limits)), Ends(*ca.vertsplit(ends))
         z = ca.SX.sym('z', shape.width)
         parts = ca.vertsplit(z)
-        node, change, rates = self._node(parts), parts[shape.states], parts[shape.states + 1:]
+        node, change = self._node(parts), parts[shape.states]
         grid = ca.SX.sym('step', len(STEP_FIELDS) + shape.states - 1)
+        rows, names = self._stage(constants, limits, (parts, node), grid)
+        first, first_names = self._first(grid, node, constants, limits, ends)
+        final = ca.SX.sym('final', shape.states)
+        last = self._last(final, constants, ends)
+        self._names = names * shape.steps + first_names + [''] * last.numel()
+        return (Part.of(z, [grid, common], rows, SMOOTHNESS * change ** 2),
+                Part.of(z, [grid, common], first, 0.0), Part.of(final, [common], last, final[0]))
+
+    def _stage(self, constants, limits, here, grid):
+        shape, (parts, node) = self.shape, here
+        change, rates = parts[shape.states], parts[shape.states + 1:]
         length, share, square, slope, free, rate, pace = ca.vertsplit(grid[:len(STEP_FIELDS)])
         step = Step(length + share * parts[0], free * change, square, slope, shape.jumps,
-                    SMOOTHING)
+                    self._smoothing)
         out = collocate(shape.kind, constants, node, step, rates)
         friction = sum(support[2] for support in constants.terms.supports)
         end = ca.vertcat(parts[0], *out.node[:shape.states - 1])
@@ -91,12 +100,10 @@ class Equations:
             names += ['rate'] * 2
         rows += self._robot_rows(constants, limits, out.node, pace)
         names += [] if shape.kind == 'rolling' else ['turn', 'speed']
-        self.row_names = names + ['vertex'] * (len(rows) - len(names))
-        stage = ca.Function('stage', [z, grid, self.common], [
-            end, ca.vertcat(*[residual / friction for residual in out.residuals]),
-            ca.vertcat(*rows)])
-        return stage, self._first((z, grid), node, constants, limits, ends), self._last(
-            constants, ends)
+        names += ['vertex'] * (len(rows) - len(names))
+        residuals = [residual / friction for residual in out.residuals]
+        return (ca.vertcat(-end, *residuals, *rows),
+                [''] * (shape.states + len(residuals)) + names)
 
     def _robot_rows(self, constants, limits, end, square):
         if self.shape.kind == 'rolling':
@@ -109,7 +116,7 @@ class Equations:
             rows += [delta - limits.lowest, limits.highest - delta]
         return rows
 
-    def _first(self, given, node, constants, limits, ends):
+    def _first(self, grid, node, constants, limits, ends):
         jump, j_n, j_t = touch(self.shape.kind, constants, node)
         equal = [node.w - ends.moving * ends.w - (1.0 - ends.moving) * jump, node.theta,
                  node.q_x - ends.q_x, node.q_y - ends.q_y]
@@ -118,13 +125,11 @@ class Equations:
         rows = _cone(limits.slope, limits.touch_slack, j_n, j_t)
         if self.shape.kind != 'rolling':
             # Of the robot's rows, those of the vertex hold at a start that is taken as it is.
-            rows += self._robot_rows(constants, limits, node, given[1][len(STEP_FIELDS) - 1])[:2]
-        self.first_names = ['touch', 'touch', 'turn', 'speed'][:len(rows)]
-        return ca.Function('first', [*given, self.common], [ca.vertcat(*equal),
-                                                            ca.vertcat(*rows)])
+            rows += self._robot_rows(constants, limits, node, grid[len(STEP_FIELDS) - 1])[:2]
+        names = ['touch', 'touch', 'turn', 'speed'][:len(rows)]
+        return ca.vertcat(*equal, *rows), [''] * len(equal) + names
 
-    def _last(self, constants, ends):
-        states = ca.SX.sym('final', self.shape.states)
+    def _last(self, states, constants, ends):
         node = self._node(ca.vertsplit(states))
         x, y = origin(self.shape.kind, constants, node)
         rows = [x - ends.x, y - ends.y]
@@ -136,7 +141,7 @@ class Equations:
             rows.append((ends.f_x - c_x) * ca.sin(angle) - (ends.f_y - c_y) * ca.cos(angle))
             if self.shape.kind == 'differential':
                 rows.append(delta - ends.delta)
-        return ca.Function('last', [states, self.common], [ca.vertcat(*rows)])
+        return ca.vertcat(*rows)
 
 
 def origin(kind, constants, node):

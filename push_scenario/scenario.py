@@ -1,6 +1,7 @@
 """A scenario: what is pushed, by whom, from where to where, and what must come of it."""
 
 import dataclasses
+import functools
 import math
 
 from push_control.settings import ControlSettings
@@ -8,7 +9,8 @@ from push_model.contact import contact_point, find_contact, normal_range
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.quantity import check, quantity
-from push_planner.problem import PlannerSettings
+from push_planner.problem import PlannerSettings, PlanningFailed
+from push_planner.sites import choose_site
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 
@@ -39,7 +41,8 @@ class Start:
     Where object and robot stand at first, in the world frame.
 
     The robot's place is either ``robot``, or is found from ``contact``, ``gap``, ``normal`` and
-    ``heading``. In both cases ``placement_error`` is then added, in the robot's own frame.
+    ``heading``; with neither, it is the quickest site, which ``planner.site: auto`` must ask for.
+    In all cases ``placement_error`` is then added, in the robot's own frame.
     """
 
     object: Placement = dataclasses.field(default=Placement())
@@ -55,9 +58,14 @@ class Start:
     def __post_init__(self):
         """Validate the fields."""
         check(self)
-        if (self.robot is None) == (self.contact is None):
+        if self.robot is not None and self.contact is not None:
             raise ValueError(f'Start.robot: got robot {self.robot} and contact {self.contact}, '
                              'expected one of the two')
+
+    @property
+    def is_open(self):
+        """Whether it does not say where the robot stands."""
+        return self.robot is None and self.contact is None
 
     def robot_pose(self, obj, radius):
         """
@@ -125,16 +133,23 @@ class Scenario:
     def __post_init__(self):
         """Validate the fields and the robot's place."""
         check(self)
+        if self.start.is_open and self.planner.site != 'auto':
+            raise ValueError('Scenario.start: got neither robot nor contact, expected one of the '
+                             'two, or planner.site auto')
         try:
             pose = self.robot_start
-        except ValueError as error:
+        except (ValueError, PlanningFailed) as error:
             raise ValueError(f'Scenario.start: {error}') from error
         _, _, gap = find_contact(self.truth, self.start.object.pose, pose, self.robot.radius)
         if gap < -1e-6:
             raise ValueError(f'Scenario.start: got a robot that overlaps the object by {-gap:g} m,'
                              ' expected one beside it')
 
-    @property
+    @functools.cached_property
     def robot_start(self):
         """``Pose`` of the robot at first."""
+        if self.start.is_open:
+            choice = choose_site(self.object, self.robot, self.start.object.pose, self.goal.pose,
+                                 self.planner)
+            return choice.table[0].robot_pose @ self.start.placement_error.pose
         return self.start.robot_pose(self.object, self.robot.radius)

@@ -8,7 +8,10 @@ MODULES = ('sketches_model', 'sketches_rest', 'sketches_state', 'sketches_wheel'
            'round_on_round', 'rho_over_time',
            'corner_limit', 'corner_rates', 'corner_transients', 'corner_motion',
            'support_patterns',
-           'stable_regions')
+           'stable_regions',
+           'plan_sketches', 'plan_segments', 'plan_speeds', 'plan_cone', 'plan_rolling',
+           'plan_drift',
+           'plan_effort', 'plan_errors_studies')
 
 
 def studies():

@@ -7,6 +7,7 @@ import numpy as np
 from push_scenario.closed_loop import run
 from push_scenario.metrics import is_as_expected, measure
 from push_scenario.reader import find_scenario, read_scenario, scenario_names
+from push_scenario.scenario import Placement, Start
 import pytest
 
 
@@ -106,3 +107,18 @@ def test_result_does_not_depend_on_the_world_frame(angle):
     turned = dataclasses.replace(case, start=dataclasses.replace(case.start, object=start),
                                  goal=goal)
     assert is_as_expected(run(turned))
+
+
+def test_a_robot_without_a_place_is_put_at_the_quickest_site():
+    """It pushes from there to a goal beside the box, sooner than from its own start."""
+    placed = scenario('holonomic_face')
+    goal = Placement(0.2, -1.2, 0.1)
+    auto = dataclasses.replace(placed, goal=goal, start=Start(),
+                               planner=dataclasses.replace(placed.planner, site='auto'))
+    assert auto.robot_start == pytest.approx((0.0, 0.37, -math.pi / 2), abs=1e-9)
+    result = run(auto)
+    assert is_as_expected(result), result.reason
+    other = run(dataclasses.replace(placed, goal=goal))
+    assert other.plan is None or other.plan.duration > result.plan.duration
+    with pytest.raises(ValueError, match='neither robot nor contact'):
+        dataclasses.replace(placed, start=Start())

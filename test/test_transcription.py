@@ -2,14 +2,17 @@
 
 import math
 
+import casadi as ca
 import numpy as np
 from push_model.geometry import Pose
-from push_planner.constants import Constants
+from push_planner.constants import Constants, KINDS
 from push_planner.formulation import formulate
 from push_planner.programme import programme
 from push_planner.rollout import fractions, one_step, settling_way
+from push_planner.shape import Shape
 from push_planner.stage import touch
 from push_planner.step import Node, radau
+from push_planner.transcription import Equations
 from push_planner.warm_start import routes, tightest_turns
 from push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import pytest
@@ -110,3 +113,23 @@ def test_solvers_agree():
     other, fault, _ = made.diagnose(formulation.parameters(), formulation.box, guess)
     assert not fault
     assert other.way == pytest.approx(one.way, abs=5e-4)
+
+
+@pytest.mark.parametrize('kind', KINDS)
+@pytest.mark.parametrize('jumps', [False, True])
+def test_derivatives_joined_from_stages_are_those_of_the_whole(kind, jumps):
+    """Jacobian and Hessian against casadi's own on one expression, at random places."""
+    stages = Equations(Shape(kind, 4, 5, jumps, True, False)).stages
+    joined = stages.derivatives()
+    x, p = (ca.SX.sym(name, column.numel()) for name, column in (('x', stages.x),
+                                                                 ('p', stages.p)))
+    cost, rows = ca.Function('whole', [stages.x, stages.p], [stages.cost, stages.rows])(x, p)
+    prices, factor = ca.SX.sym('prices', rows.numel()), ca.SX.sym('factor')
+    hessian, gradient = ca.hessian(factor * cost + ca.dot(prices, rows), x)
+    whole = ca.Function('derivatives', [x, p, factor, prices],
+                        [rows, ca.jacobian(rows, x), gradient, hessian])
+    rng = np.random.default_rng(5)
+    at, given, duals = (0.3 * rng.normal(size=column.numel()) for column in (x, p, prices))
+    found = [*joined['nlp_jac_g'](at, given), *joined['nlp_hess_l'](at, given, 0.7, duals)]
+    for one, other in zip(found, whole(at, given, 0.7, duals)):
+        np.testing.assert_allclose(np.array(one), np.array(other), rtol=1e-9, atol=1e-9)

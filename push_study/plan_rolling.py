@@ -1,0 +1,200 @@
+"""Round robots that do not turn: the contact rolls along the face while they push."""
+
+import numpy as np
+from push_model.friction import friction_center
+from push_planner.solver import plan
+from push_study import paper
+from push_study.plan_scene import (draw_center, draw_inputs, draw_outlines, draw_push, input_table,
+                                   path_table, poses_at, push_problem, SCENE, SEGMENTS, SPEED)
+from push_study.scenes import box
+from push_study.sketch_body import disc
+from push_study.study import Finding, Outcome, Parameter, Study
+
+OUTLINES, PUSH, MILLIMETRES = 7, 0.16, 1e3
+
+
+def rolling_tables(values, radius):
+    """
+    Plan the push of a robot, and see how far its contact travels.
+
+    :param values: ``Values`` with ``SCENE``, ``SPEED`` and ``SEGMENTS``.
+    :param radius: of the robot [m].
+    :return: (``Plan``, table of the path with the place of the contact on the face added, table
+        of the inputs).
+    """
+    found = plan(push_problem(values, values.speed, values.segments, radius))
+    path = path_table(found.trajectory)
+    path['along_face_m'] = along_face(path)
+    return found, path, input_table(found)
+
+
+def along_face(path):
+    """
+    Tell where the contact is, to the left of the middle of the face [m].
+
+    :param path: table of ``path_table``.
+    :return: array.
+    """
+    x, y = path['contact_x_m'] - path['x_m'], path['contact_y_m'] - path['y_m']
+    return np.cos(path['theta_rad']) * y - np.sin(path['theta_rad']) * x
+
+
+def compute(values, batch):
+    """
+    Plan the push of one robot.
+
+    :param values: ``Values``.
+    :param batch: not used.
+    :return: ``Outcome``.
+    """
+    found, path, inputs = rolling_tables(values, values.robot_radius)
+    travel = path['along_face_m']
+    return Outcome({'path': path, 'inputs': inputs}, {
+        'duration': Finding(found.trajectory.duration, 's', 'time that the push takes'),
+        'turn': Finding(float(path['theta_rad'][-1]), 'rad', 'turn of the box'),
+        'travel': Finding(MILLIMETRES * float(travel[-1]), 'mm', 'way of the contact along the '
+                          'face, to the left'),
+        'usage': Finding(found.report['cone_usage'], '', 'greatest angle of the contact force, '
+                         'as a share of what the plan may use'),
+        'first': Finding(float(inputs['rho_rad'][0]), 'rad', 'first pushing angle'),
+        'last': Finding(float(inputs['rho_rad'][-1]), 'rad', 'last pushing angle'),
+        'miss': Finding(found.verify().position_error, 'm', 'distance from the goal, integrated '
+                        'anew')})
+
+
+def compute_radii(values, batch):
+    """
+    Plan the push of every robot.
+
+    :param values: ``Values``.
+    :param batch: not used.
+    :return: ``Outcome``.
+    """
+    tables, rows = {}, []
+    for radius in values.radii:
+        found, path, inputs = rolling_tables(values, radius)
+        name = round(MILLIMETRES * radius)
+        tables[f'path_{name}'], tables[f'inputs_{name}'] = path, inputs
+        turns = path['theta_rad']
+        rows.append((radius, found.trajectory.duration, float(turns.max()), float(turns.min()),
+                     float(np.abs(path['along_face_m']).max()), float(inputs['rho_rad'][0])))
+    names = ('radius_m', 'duration_s', 'most_left_rad', 'most_right_rad', 'travel_m', 'first_rad')
+    table = tables['robots'] = dict(zip(names, map(np.array, zip(*rows))))
+    turns = np.maximum(table['most_left_rad'], -table['most_right_rad'])
+    arm = friction_center(box(values))[0] + 0.5 * values.box_length
+    worst = int(np.argmax(table['duration_s']))
+    return Outcome(tables, {
+        'rolls': Finding(float(np.abs(table['travel_m'] / turns / table['radius_m'] - 1.0).max()),
+                         '', 'greatest deviation of travel over turn from the radius'),
+        'arm': Finding(arm, 'm', 'distance of the friction centre from the face'),
+        'small_left': Finding(float(table['most_left_rad'][0]), 'rad', 'greatest turn to the left '
+                              'on the smallest robot'),
+        'large_left': Finding(float(table['most_left_rad'][-1]), 'rad', 'the same on the largest'),
+        'worst_radius': Finding(float(table['radius_m'][worst]), 'm', 'radius of the robot that '
+                                'takes longest'),
+        'travel': Finding(float(table['travel_m'].max()), 'm', 'farthest that a '
+                          'contact gets from the middle of the face'),
+        'slower': Finding(100.0 * float(table['duration_s'][worst] / table['duration_s'].min()
+                                        - 1.0), '%', 'time it takes above that of the fastest')})
+
+
+def draw(figure, outcome, values):
+    """
+    Draw the way of the box with the robot, and the input.
+
+    :param figure: matplotlib figure.
+    :param outcome: the ``Outcome``.
+    :param values: ``Values``.
+    """
+    above, below = figure.subplots(2, 1, height_ratios=(2.0, 1.0))
+    path, inputs = outcome.tables['path'], outcome.tables['inputs']
+    draw_outlines(above, box(values), poses_at(path, np.linspace(0.0, path['time_s'][-1],
+                                                                 OUTLINES)))
+    draw_center(above, path, label='middle of the box', **paper.series(0))
+    above.plot(path['contact_x_m'], path['contact_y_m'], label='contact', **paper.series(1))
+    above.legend(loc='upper left')
+    for time, angle in zip(inputs['begin_s'], inputs['rho_rad']):
+        row = [np.interp(time, path['time_s'], path[name])
+               for name in ('contact_x_m', 'contact_y_m', 'normal_rad')]
+        normal = np.array((np.cos(row[2]), np.sin(row[2])))
+        disc(above, row[:2] - values.robot_radius * normal, values.robot_radius)
+        draw_push(above, path, time, angle, PUSH)
+    draw_inputs(below, inputs, 's', **paper.series(0))
+    below.set_xlim(0.0, path['time_s'][-1])
+
+
+def draw_ways(figure, outcome, values):
+    """
+    Draw the ways of the middle and the turns.
+
+    :param figure: matplotlib figure.
+    :param outcome: the ``Outcome``.
+    :param values: ``Values``.
+    """
+    panels = figure.subplots(2, 1, sharex=True)
+    for number, name in enumerate(_names(values)):
+        path = outcome.tables[f'path_{name}']
+        for axes, column in zip(panels, ('y_m', 'theta_rad')):
+            axes.plot(path['x_m'], path[column], label=f'{name} mm', **paper.series(number))
+    panels[0].set_ylabel('y of the middle [m], stretched')
+    panels[1].set_ylabel('turn $\\theta$ [rad]')
+    panels[1].set_xlabel('x of the middle [m]')
+    _legend(figure, panels[0])
+
+
+def draw_angles(figure, outcome, values):
+    """
+    Draw the inputs, and where they take the contact.
+
+    :param figure: matplotlib figure.
+    :param outcome: the ``Outcome``.
+    :param values: ``Values``.
+    """
+    angles, places = figure.subplots(2, 1, sharex=True)
+    for number, name in enumerate(_names(values)):
+        path, look = outcome.tables[f'path_{name}'], paper.series(number)
+        draw_inputs(angles, outcome.tables[f'inputs_{name}'], label=f'{name} mm', **look)
+        places.plot(path['time_s'] * values.speed, MILLIMETRES * path['along_face_m'], **look)
+    angles.set_xlabel('')
+    places.set_xlabel('way of the contact [m]')
+    places.set_ylabel('contact, to the left [mm]')
+    _legend(figure, angles)
+
+
+def _names(values):
+    return [round(MILLIMETRES * radius) for radius in values.radii]
+
+
+def _legend(figure, axes):
+    figure.legend(*axes.get_legend_handles_labels(), loc='outside right center',
+                  title='$R_p$', handlelength=3.2)
+
+
+RADII = (*SCENE, SPEED, SEGMENTS, Parameter('radii', 'm', 'radii of the robots, R_p',
+                                            [0.05, 0.1, 0.2, 0.3, 0.4, 0.5]))
+STUDIES = (
+    Study('3.8', 'Curved fence: a robot of 50 mm radius', (
+        *SCENE, SPEED, SEGMENTS, Parameter('robot_radius', 'm', 'radius of the robot, R_p', 0.05)),
+        compute, draw,
+        'While the box turns by {turn:.2f} rad, the contact rolls {travel:.1f} mm to the left '
+        'along the face; the input begins at {first:.2f} rad and ends at {last:.2f} rad.',
+        'A robot that does not turn itself rolls its radius along the face for each radian; the '
+        'push leaves the middle of the face, so that at last it takes an angle to the left to '
+        'end the turn.', (6.4, 5.6)),
+    Study('3.9', 'Curved fence: trajectories for several radii of the robot', RADII,
+          compute_radii, draw_ways,
+          'To get to the same pose, to the left of the start, robots with a radius below '
+          '{arm:.2f} m turn the box to the left (the smallest by up to {small_left:.2f} rad), '
+          'larger ones not at all ({large_left:.2f} rad): they only turn it to the right.',
+          'As a box turns left, its friction centre swings to the left of the contact, but the '
+          'contact rolls that way too: beyond a radius of {arm:.2f} m, the distance of the '
+          'friction centre from the face, it is ahead, and pushes the box across to '
+          'the other side.', (6.4, 5.0)),
+    Study('3.10', 'Curved fence: inputs for several radii of the robot', RADII,
+          compute_radii, draw_angles,
+          'Inputs of the two smallest robots and of the two largest begin with small angles of '
+          'opposite signs; those between need large ones, roll up to {travel:.2f} m from the '
+          'middle of the face and take up to {slower:.1f}% longer.',
+          'A robot as large as the distance of the friction centre, {arm:.2f} m, has it in the '
+          'same direction from its contact however the box turns: what a turn shifts it to the '
+          'side is lost again as the box turns back.', (6.4, 5.0)))
