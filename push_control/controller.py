@@ -88,7 +88,8 @@ class Controller:
         """
         Answer a measurement; the same observation again gets the same answer.
 
-        :param target: ``PushTrajectory`` in the world frame, or None; a new one starts anew.
+        :param target: ``PushTrajectory`` in the world frame, or None; a new one starts anew,
+            unless it starts at the push that is under way.
         :param observation: ``Observation``.
         :param dt: time since the last step [s].
         :return: ``Twist`` in the robot's axes.
@@ -97,7 +98,8 @@ class Controller:
         if not 0.0 <= dt < float('inf'):
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
         if target is not self._target:
-            self.reset()
+            if not self._goes_on(target, observation):
+                self.reset()
             self._target = target
         if target is None or self._phase in ('done', 'failed'):
             return STOP
@@ -105,6 +107,15 @@ class Controller:
             self._stamps = observation.stamps
             self._command = self._answer(observation, dt)
         return self._command
+
+    def _goes_on(self, target, observation):
+        if target is None or self._phase != 'pushing':
+            return False
+        try:
+            return self._push.go_on(target, observation)
+        except ValueError:
+            # It is said when the push begins anew.
+            return False
 
     def _answer(self, observation, dt):
         open_loop = self._law is None

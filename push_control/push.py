@@ -1,20 +1,18 @@
 """One push with feedback: estimator, guidance and steering law for one target."""
 
+import functools
 import math
 
 import numpy as np
-from push_control.command import mean_motion
 from push_control.contact_drive import ContactDrive
-from push_control.contact_watch import ContactWatch
-from push_control.estimator import Estimator
 from push_control.feedback import contact_speed
 from push_control.guidance import Guidance
-from push_control.monitor import FollowMonitor, OneSidedMonitor
-from push_control.motion import contact_velocity
+from push_control.monitor import OneSidedMonitor
 from push_control.reference import flat_pose, SampledPath
 from push_control.site import site_of
 from push_control.steering import Situation
 from push_control.supports import SupportTable
+from push_control.tracking import Tracking
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.quasi_static import vehicle
@@ -37,23 +35,43 @@ class ClosedLoopPush:
         :raises ValueError: where this robot cannot push so at the target's contact.
         """
         self._obj, self._robot, self._settings, self._law = obj, robot, settings, law
-        self._site = site = site_of(obj, robot, target)
-        believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
-        self._drive = ContactDrive(obj, robot, settings, site, supports, believed)
-        self._goal = Pose(*target.object_poses[-1].tolist())
-        self._guidance = Guidance(SampledPath(believed, target), settings)
-        self._estimator = Estimator(robot, site, supports, settings, friction_center(obj),
-                                    observation.object_pose, observation.odometry)
-        self._monitor, self._one_sided = FollowMonitor(settings), OneSidedMonitor(settings)
-        self._watch = ContactWatch(settings, robot.radius, site)
-        self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
-        self._last, self._pose_time = observation.odometry, observation.object_pose.time
-        self._command, self._curvature = STOP, None
+        site = site_of(obj, robot, target)
+        self._believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
+        self._drive = ContactDrive(obj, robot, settings, site, supports, self._believed)
+        self._tracking = Tracking(robot, site, supports, settings, friction_center(obj),
+                                  observation)
+        self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
+        self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
+        self._belief = self._tracking.beliefs(observation.time, STOP)[0]
         law.restart()
-        self._flat = self._flat_of = None
-        self._elapsed = self.travelled = 0.0
-        self._belief, self._track = self._estimator.predict(observation.time), None
-        self.finished, self.failure = False, ''
+        self._aim(target)
+
+    def go_on(self, target, observation):
+        """
+        Take up another target without a stop, where it starts at the push that is under way.
+
+        :param target: the ``PushTrajectory``.
+        :param observation: the newest ``Observation``.
+        :return: whether it does.
+        :raises ValueError: where the robot does not touch the object at the target's start.
+        """
+        meant = site_of(self._obj, self._robot, target)
+        shift = self._belief.pose.inverse() @ Pose(*target.object_poses[0].tolist())
+        tracking = self._tracking
+        if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
+            return False
+        settings = self._settings
+        self._elapsed = max(0.0, self._speed - settings.start_speed) / settings.acceleration
+        self._aim(target)
+        return True
+
+    def _aim(self, target):
+        settings = self._settings
+        self._guidance = Guidance(SampledPath(self._believed, target), settings)
+        self._goal = Pose(*target.object_poses[-1].tolist())
+        self._one_sided = OneSidedMonitor(settings)
+        self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
+        self._begin, self._track, self.finished, self.failure = self._tracking.way, None, False, ''
 
     def observe(self, observation):
         """
@@ -61,32 +79,7 @@ class ClosedLoopPush:
 
         :param observation: ``Observation``, usable.
         """
-        measured = observation.object_pose
-        self.roll(observation.odometry)
-        if measured.time > self._pose_time:
-            self._pose_time = measured.time
-            self._estimator.add_pose(measured)
-            self._look(measured)
-            if self._monitor.lost(self.travelled, measured.pose.transform(self._site.point)):
-                self.failure = 'contact is lost: the object does not follow the robot'
-
-    def _look(self, measured):
-        found = self._watch.look(self._estimator.beside_contact(measured), self.travelled)
-        self._site = self._drive.site = self._site.slid(found.slid)
-        self._estimator.place_contact(self._site, found.drift, self._watch.lost)
-
-    def roll(self, odometry):
-        """
-        Take in the robot's motion alone.
-
-        :param odometry: ``Odometry``, finite.
-        """
-        if odometry.time > self._last.time:
-            twist, lead = odometry.twist, self._site.lead
-            speed = math.hypot(*contact_velocity(0.0, lead, self._robot.radius, twist))
-            self.travelled += speed * (odometry.time - self._last.time)
-            self._estimator.add_odometry(odometry)
-            self._last = odometry
+        self.failure = self._tracking.observe(observation)
 
     def pause(self, odometry):
         """
@@ -97,7 +90,7 @@ class ClosedLoopPush:
         self._elapsed, self._command = 0.0, STOP
         self._law.restart()
         if odometry is not None:
-            self.roll(odometry)
+            self._tracking.roll(odometry)
 
     def advance(self, time, dt):
         """
@@ -107,21 +100,21 @@ class ClosedLoopPush:
         :param dt: time since the last call [s].
         :return: ``Twist``; STOP once ``finished`` or ``failure`` is set.
         """
-        now, lag = self._estimator.predict(time), self._robot.time_constant
-        motion = mean_motion(self._last.twist, self._command, lag)
-        self._belief = ahead = self._estimator.carry_on(now, motion, lag)
-        c_x, c_y, normal = self._site.at(ahead.phi - ahead.theta)
+        now, self._belief = self._tracking.beliefs(time, self._command)
+        ahead, site = self._belief, self._tracking.site
+        self._drive.site = site
+        c_x, c_y, normal = site.at(ahead.phi - ahead.theta)
         flat = self._vehicle((c_x, c_y), ahead.center)
         pose = self._from_goal(flat, ahead)
         planning = self._drive.limits(flat, normal, self._settings.plan_margin)
-        track = self._guidance.revise(pose, self._guidance.follow(pose), planning,
-                                      self.travelled, dt)
+        self._track = track = self._guidance.follow(pose)
+        if self._tracking.watch.lost:
+            self._command = self._approach(dt)
+            return self._command
+        track = self._guidance.revise(pose, track, planning, self.travelled, dt)
         if track.remaining <= self._settings.stop_distance:
             track = self._arrive(pose, track, planning)
         self._track = track
-        if self._watch.lost:
-            self._command = self._approach(dt)
-            return self._command
         if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
             self.failure = f'gave up after {self.travelled:.1f} m, planned were ' \
                            f'{self._guidance.budget:.1f} m'
@@ -132,9 +125,14 @@ class ClosedLoopPush:
         return self._command
 
     @property
+    def travelled(self):
+        """Way of the contact since the target was taken up [m]."""
+        return self._tracking.way - self._begin
+
+    @property
     def notice(self):
         """What is out of the ordinary, empty while nothing is."""
-        return self._watch.notice
+        return self._tracking.watch.notice
 
     @property
     def report(self):
@@ -146,21 +144,15 @@ class ClosedLoopPush:
                 'travelled': self.travelled, 'friction_center': belief.center,
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
-                'slips': self._watch.slips, 'losses': self._watch.losses,
-                'rejected_poses': self._estimator.rejected, **self._law.report}
+                **self._tracking.report, **self._law.report}
 
     def _approach(self, dt):
         """Close a gap; the object lies still meanwhile."""
-        self.failure = self._watch.out_of_reach(self._settings.start_speed * dt)
+        way = self._settings.start_speed * dt
+        self.failure = self.failure or self._tracking.watch.out_of_reach(way)
         self._elapsed, self._curvature = 0.0, None
         self._law.restart()
         return STOP if self.failure else self._drive.approach(self._belief)
-
-    def _vehicle(self, point, center):
-        if (point, center) != self._flat_of:
-            self._flat_of = point, center
-            self._flat = vehicle(self._obj, point, center)
-        return self._flat
 
     def _arrive(self, pose, track, planning):
         if not self._guidance.is_off(track):
@@ -180,7 +172,8 @@ class ClosedLoopPush:
         settings = self._settings
         self._elapsed += dt
         speed = contact_speed(self._elapsed, track.remaining, self._fastest, settings)
-        normal = self._site.at(now.phi - now.theta)[2]
+        self._speed = speed
+        normal = self._tracking.site.at(now.phi - now.theta)[2]
         limits = self._drive.limits(flat, normal, settings.feedback_margin)
         self.failure = self._one_sided.trouble(limits, self.travelled)
         if self.failure:

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 from push_model.contact import (contact_point, curvature_radius, find_contact, normal_range,
                                 rolling_constants)
-from push_model.geometry import Pose
+from push_model.geometry import Pose, wrap_angle
 
 GAP_LIMIT = 0.01
+SAME_POINT, NEAR, TURN = 0.02, 0.2, 0.5
 
 
 class Offset(NamedTuple):
@@ -92,6 +93,16 @@ class Site(NamedTuple):
             return self._replace(normal=normal)
         return self._replace(normal=normal, point=(-self.object_radius * math.cos(normal),
                                                    -self.object_radius * math.sin(normal)))
+
+    def is_kept(self, other, shift):
+        """
+        Tell whether a push at another site is this one, only seen a little later or earlier.
+
+        :param other: the other ``Site``.
+        :param shift: ``Pose`` of the object there, relative to where it is now.
+        """
+        return (self.kind == other.kind and math.dist(self.point, other.point) <= SAME_POINT
+                and math.hypot(shift.x, shift.y) <= NEAR and abs(wrap_angle(shift.theta)) <= TURN)
 
     @property
     def lead(self):
