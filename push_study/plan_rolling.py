@@ -140,7 +140,7 @@ def draw_ways(figure, outcome, values):
     panels[0].set_ylabel('y of the middle [m], stretched')
     panels[1].set_ylabel('turn $\\theta$ [rad]')
     panels[1].set_xlabel('x of the middle [m]')
-    _legend(figure, panels[0])
+    _legend(panels[0])
 
 
 def draw_angles(figure, outcome, values):
@@ -159,16 +159,15 @@ def draw_angles(figure, outcome, values):
     angles.set_xlabel('')
     places.set_xlabel('way of the contact [m]')
     places.set_ylabel('contact, to the left [mm]')
-    _legend(figure, angles)
+    _legend(angles)
 
 
 def _names(values):
     return [round(MILLIMETRES * radius) for radius in values.radii]
 
 
-def _legend(figure, axes):
-    figure.legend(*axes.get_legend_handles_labels(), loc='outside right center',
-                  title='$R_p$', handlelength=3.2)
+def _legend(axes):
+    axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0), title='$R_p$', handlelength=3.2)
 
 
 RADII = (*SCENE, SPEED, SEGMENTS, Parameter('radii', 'm', 'radii of the robots, R_p',
