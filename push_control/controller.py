@@ -5,6 +5,7 @@ import dataclasses
 from push_control.monitor import is_finite_odometry, unusable
 from push_control.open_loop import OpenLoopPush
 from push_control.push import FeedbackPush
+from push_control.site import misplaced
 from push_model.geometry import Pose
 from push_model.signals import STOP
 
@@ -73,7 +74,8 @@ class Controller:
         """
         Answer a measurement; the same observation again gets the same answer.
 
-        :param target: ``PushTrajectory`` in the world frame, or None; a new one starts anew.
+        :param target: ``PushTrajectory`` in the world frame, or None; a new one starts anew,
+            unless it starts at the push that is under way.
         :param observation: ``Observation``.
         :param dt: time since the last step [s].
         :return: ``Twist`` in the robot's axes.
@@ -82,7 +84,8 @@ class Controller:
         if not 0.0 <= dt < float('inf'):
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
         if target is not self._target:
-            self.reset()
+            if not self._goes_on(target, observation):
+                self.reset()
             self._target = target
         if target is None or self._phase in ('done', 'failed'):
             return STOP
@@ -90,6 +93,15 @@ class Controller:
             self._stamps = observation.stamps
             self._command = self._answer(observation, dt)
         return self._command
+
+    def _goes_on(self, target, observation):
+        if target is None or self._phase != 'pushing':
+            return False
+        try:
+            return self._push.go_on(target, observation)
+        except ValueError:
+            # It is said when the push begins anew.
+            return False
 
     def _answer(self, observation, dt):
         open_loop = self._parts[2].control_law == 'open_loop'
@@ -105,7 +117,11 @@ class Controller:
                 law = OpenLoopPush if open_loop else FeedbackPush
                 self._push = law(*self._parts, self._target, observation)
             except ValueError as error:
-                self._phase, self._reason = 'failed', str(error)
+                self._reason = str(error)
+            self._reason = self._reason or misplaced(
+                *self._parts[1:], self._target, observation)
+            if self._reason:
+                self._phase = 'failed'
                 return STOP
         self._phase = 'pushing'
         self._push.observe(observation)

@@ -32,6 +32,16 @@ class OpenLoopPush:
         self._speeds = speeds
         self.failure, self.report = '', {}
 
+    def go_on(self, target, observation):
+        """
+        Refuse to take up another target: only its start is known.
+
+        :param target: the ``PushTrajectory``; not used.
+        :param observation: ``Observation``; not used.
+        :return: False.
+        """
+        return False
+
     def observe(self, observation):
         """
         Look away.

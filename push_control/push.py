@@ -1,5 +1,6 @@
-"""One push with feedback: estimator, guidance and law for one target."""
+"""One push with feedback: estimator, guidance and law."""
 
+import functools
 import math
 
 import numpy as np
@@ -8,10 +9,10 @@ from push_control.estimator import Estimator
 from push_control.feedback import contact_speed, held_limits, trailing_limits, wanted_curvature
 from push_control.guidance import Guidance
 from push_control.monitor import FollowMonitor, jackknifed
-from push_control.motion import contact_velocity
 from push_control.reference import flat_pose, SampledPath
 from push_control.site import site_of
 from push_control.supports import SupportTable
+from push_model.contact import contact_velocity
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.quasi_static import vehicle
@@ -37,22 +38,40 @@ class FeedbackPush:
         if robot.drive == 'differential' and site.kind != 'vertex':
             raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
                              'drive, which cannot steer there, expected a vertex')
-        center = friction_center(obj)
-        self._believed = vehicle(obj, site.point)
-        path = SampledPath(self._believed, target)
-        self._goal = Pose(*target.object_poses[-1].tolist())
-        self._guidance = Guidance(path, settings)
-        self._supports = SupportTable(obj, site.point)
-        self._estimator = Estimator(robot, site, self._supports, settings, center,
+        self._believed, self._supports = vehicle(obj, site.point), SupportTable(obj, site.point)
+        self._estimator = Estimator(robot, site, self._supports, settings, friction_center(obj),
                                     observation.object_pose, observation.odometry)
-        self._monitor = FollowMonitor(settings)
-        self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
         self._last, self._pose_time = observation.odometry, observation.object_pose.time
-        self._command, self._curvature = STOP, None
-        self._flat = self._flat_of = None
-        self._elapsed = self.travelled = self._straight = 0.0
-        self._belief, self._track = self._estimator.predict(observation.time), None
-        self.finished, self.failure = False, ''
+        self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
+        self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
+        self._belief = self._estimator.predict(observation.time)
+        self._aim(target)
+
+    def go_on(self, target, observation):
+        """
+        Take up another target without a stop, where it starts at the push that is under way.
+
+        :param target: the ``PushTrajectory``.
+        :param observation: the newest ``Observation``.
+        :return: whether it does.
+        :raises ValueError: where the robot does not touch the object at the target's start.
+        """
+        meant = site_of(self._obj, self._robot, target)
+        shift = self._belief.pose.inverse() @ Pose(*target.object_poses[0].tolist())
+        if observation.time < self._last.time or not self._site.is_kept(meant, shift):
+            return False
+        settings = self._settings
+        self._elapsed = max(0.0, self._speed - settings.start_speed) / settings.acceleration
+        self._aim(target)
+        return True
+
+    def _aim(self, target):
+        self._guidance = Guidance(SampledPath(self._believed, target), self._settings)
+        self._goal = Pose(*target.object_poses[-1].tolist())
+        self._monitor = FollowMonitor(self._settings)
+        self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
+        self.travelled = self._straight = 0.0
+        self._track, self.finished, self.failure = None, False, ''
 
     def observe(self, observation):
         """
@@ -115,10 +134,8 @@ class FeedbackPush:
         if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
             self.failure = f'gave up after {self.travelled:.1f} m, planned were ' \
                            f'{self._guidance.budget:.1f} m'
-        if not (self.finished or self.failure):
-            self._command = self._steer(flat, normal, track, dt)
-        if self.finished or self.failure:
-            self._command = STOP
+        ended = self.finished or self.failure
+        self._command = STOP if ended else self._steer(flat, normal, track, dt)
         return self._command
 
     @property
@@ -132,12 +149,6 @@ class FeedbackPush:
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
                 'rejected_poses': self._estimator.rejected}
-
-    def _vehicle(self, point, center):
-        if (point, center) != self._flat_of:
-            self._flat_of = point, center
-            self._flat = vehicle(self._obj, point, center)
-        return self._flat
 
     def _limits(self, flat, normal, margin):
         settings = self._settings
@@ -174,7 +185,7 @@ class FeedbackPush:
         if self._curvature is not None:
             change = settings.curvature_rate * speed * dt
             curvature = min(self._curvature + change, max(self._curvature - change, curvature))
-        self._curvature = curvature
+        self._curvature, self._speed = curvature, speed
         alpha = self._supports.push_angle(flat.arm, curvature)
         angle = flat.angle + alpha - normal
         self.failure = jackknifed(self._site, normal, angle)
