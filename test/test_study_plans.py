@@ -211,6 +211,7 @@ def test_an_input_drifts_with_the_square_of_the_speed():
     assert (misses[1], misses[3]) == (findings['next'], findings['fastest'])
     assert findings['slow'] < 0.25 * findings['next'] and findings['turn_fastest'] < -0.15
     assert 0.8 < findings['growth'] < 1.0
+    assert 0.1 < findings['friction'] < values('3.11').contact_friction
     # With slower pushes the power goes to one.
     slower = found('3.11', planned_speed=0.01, speeds=[0.03, 0.06], slow_speed=0.005)[1]
     assert slower['growth'] == pytest.approx(1.0, abs=0.02) and slower['fastest'] < 0.006
