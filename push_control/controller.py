@@ -6,6 +6,7 @@ from push_control.monitor import is_finite_odometry, unusable
 from push_control.mpc import PredictiveLaw
 from push_control.open_loop import OpenLoopPush
 from push_control.push import ClosedLoopPush
+from push_control.site import misplaced
 from push_control.steering import ClosedFormLaw
 from push_model.geometry import Pose
 from push_model.signals import STOP
@@ -132,7 +133,11 @@ class Controller:
                               else ClosedLoopPush(*self._parts, self._law, self._target,
                                                   observation))
             except ValueError as error:
-                self._phase, self._reason = 'failed', str(error)
+                self._reason = str(error)
+            self._reason = self._reason or misplaced(
+                *self._parts[1:], self._target, observation)
+            if self._reason:
+                self._phase = 'failed'
                 return STOP
         self._phase = 'pushing'
         self._push.observe(observation)

@@ -35,9 +35,10 @@ class ControllerNode(PushNode):
     ``markers``; serves ``controller/start``, ``controller/stop``. The command is zero before the
     start, without a plan, for a measurement that is refused (not finite, not in ``world_frame``)
     or stale, when the push has ended, when odometry stops for ``watchdog_timeout`` on the node's
-    clock, and at the end of the node. A new plan starts anew; one that is refused stops the push.
-    Parameters: ``object.*`` and ``robot.*`` as believed, ``control.*``, frames, ``autostart``,
-    ``stamped_cmd_vel``.
+    clock, and at the end of the node. A new plan that starts at the push under way is taken up
+    without a stop, any other starts anew, and only where the robot stands at its start; one that
+    is refused stops the push. Parameters: ``object.*`` and ``robot.*`` as believed,
+    ``control.*``, frames, ``autostart``, ``stamped_cmd_vel``.
     """
 
     def __init__(self):
@@ -119,11 +120,12 @@ class ControllerNode(PushNode):
                 status.object_pose, self._odometry.pose, GREY))
 
     def _on_plan(self, message):
-        self._controller.reset()
-        self._target, self._phase = None, None
+        self._phase = None
         try:
             self._target = from_plan_message(message, self._frames.world_frame)
         except MessageRefused as error:
+            self._target = None
+            self._controller.reset()
             self._send(STOP, self._now())
             self.reporter.report(ERROR, f'{error}; stopped', message.header.stamp)
             return

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from push_model.contact import contact_velocity
 from push_model.geometry import Pose
 from push_model.quasi_static import ellipsoid_turning_rate
 
@@ -138,19 +139,3 @@ def push_angle(lever, push):
     """
     return math.atan2(lever[1] * push[0] - lever[0] * push[1],
                       -lever[0] * push[0] - lever[1] * push[1])
-
-
-def contact_velocity(phi, gamma, robot_radius, twist):
-    """
-    Material velocity that the robot imposes at C, ``v_C = v_P + omega_p R_p t``.
-
-    :param phi: robot heading [rad].
-    :param gamma: world angle of the contact normal [rad].
-    :param robot_radius: R_p [m].
-    :param twist: robot (v_x, v_y, omega_p), body axes.
-    :return: (v_x, v_y), world axes [m/s].
-    """
-    cosine, sine = math.cos(phi), math.sin(phi)
-    spin = twist[2] * robot_radius
-    return (cosine * twist[0] - sine * twist[1] - spin * math.sin(gamma),
-            sine * twist[0] + cosine * twist[1] + spin * math.cos(gamma))

@@ -14,6 +14,9 @@ class ControlSettings:
     control_law: str = quantity('feedback: closed form; mpc: predictive; open_loop: play the '
                                 'plan without looking', choices=LAWS, default='feedback')
 
+    placement_tolerance: float = quantity('how far the robot may stand from the start of a plan; '
+                                          'a turn of a differential drive counts at its rim', 'm',
+                                          above=0.0, high=1.0, default=0.05)
     pose_timeout: float = quantity('age at which an object pose is stale; more than latency plus '
                                    'three periods rides out two lost poses in a row', 's',
                                    above=0.0, high=5.0, default=0.25)

@@ -6,7 +6,7 @@ from push_control.command import mean_motion
 from push_control.contact_watch import ContactWatch
 from push_control.estimator import Estimator
 from push_control.monitor import FollowMonitor
-from push_control.motion import contact_velocity
+from push_model.contact import contact_velocity
 
 
 class Tracking:

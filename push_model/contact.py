@@ -144,6 +144,22 @@ def find_contact(obj, object_pose, robot_pose, robot_radius):
     return Contact('face', face, (0.5 - along) * length), gamma, signed - robot_radius
 
 
+def contact_velocity(phi, gamma, robot_radius, twist):
+    """
+    Material velocity that the robot imposes at C, ``v_C = v_P + omega_p R_p t``.
+
+    :param phi: robot heading [rad].
+    :param gamma: world angle of the contact normal [rad].
+    :param robot_radius: R_p [m].
+    :param twist: robot (v_x, v_y, omega_p), body axes.
+    :return: (v_x, v_y), world axes [m/s].
+    """
+    cosine, sine = math.cos(phi), math.sin(phi)
+    spin = twist[2] * robot_radius
+    return (cosine * twist[0] - sine * twist[1] - spin * math.sin(gamma),
+            sine * twist[0] + cosine * twist[1] + spin * math.cos(gamma))
+
+
 def _find_fence_contact(obj, x, y, local, heading):
     n_x, n_y = math.cos(local), math.sin(local)
     contact = Contact('round', 0, local + math.pi)

@@ -5,7 +5,7 @@ import sys
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_planner.problem import PlannerSettings, PlanningFailed
-from push_planner.sites import plan_placement
+from push_planner.under_way import plan_measured
 from push_ros import qos
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.elements import MessageRefused, nanoseconds
@@ -25,24 +25,26 @@ class PlannerNode(PushNode):
     Plans a push for every goal.
 
     Subscribes ``odom``, ``object_pose``, ``goal_pose``; publishes ``push_plan`` and
-    ``planned_path`` (latched), ``diagnostics``. Everything is in ``world_frame``; the plan starts
-    from the newest measurements and has their stamp. A goal that comes before them waits for
-    them. A failed plan or a refused message leaves the former plan as it is, and is an error on
-    ``diagnostics`` with its reason. With ``planner.site`` at ``auto`` the plan starts at the
-    quickest site of the object; the diagnostics tell where the robot must stand for it, warn where
-    it does not, and list all sites. Parameters: ``object.*`` and ``robot.*`` as believed,
-    ``planner.*``, frames.
+    ``planned_path`` (latched), ``diagnostics``; serves ``planner/replan``. Everything is in
+    ``world_frame``; the plan starts from the newest measurements and has their stamp. A goal that
+    comes before them waits for them. While the robot pushes, a new goal and ``planner/replan`` are
+    planned from the present motion, at the site where it pushes. A failed plan or a refused
+    message leaves the former plan as it is, and is an error on ``diagnostics`` with its reason.
+    With ``planner.site`` at ``auto`` the plan of a robot at rest starts at the quickest site of
+    the object; the diagnostics tell where the robot must stand for it, warn where it does not, and
+    list all sites. Parameters: ``object.*`` and ``robot.*`` as believed, ``planner.*``, frames.
     """
 
     def __init__(self):
         super().__init__(PLANNER, SECTIONS)
         self._obj, self._robot, self._planner, self._frames = self.settings
-        self._odometry = self._object_pose = self._goal = None
+        self._odometry = self._object_pose = self._goal = self._last_goal = self._former = None
         self._plan = self.publisher('push_plan')
         self._path = self.publisher('planned_path')
         self.subscribe('odom', self._on_odometry, qos=qos.NEWEST)
         self.subscribe('object_pose', self._on_object_pose, qos=qos.NEWEST)
         self.subscribe('goal_pose', self._on_goal)
+        self.serve('planner/replan', self._replan)
         self._report(OK, 'waits for a goal')
 
     def _on_odometry(self, message):
@@ -63,31 +65,43 @@ class PlannerNode(PushNode):
         self._report(OK, 'plans')
         self._try()
 
+    def _replan(self):
+        if self._last_goal is None:
+            return False, 'has not got a goal yet'
+        if self._missing():
+            return False, f'has not got {self._missing()} yet'
+        self._goal = None
+        return self._plan_to(self._last_goal)
+
+    def _missing(self):
+        return ' and '.join(name for name, message in (('odom', self._odometry),
+                                                       ('object_pose', self._object_pose))
+                            if message is None)
+
     def _try(self):
         if self._goal is None:
             return
-        missing = [name for name, message in (('odom', self._odometry),
-                                              ('object_pose', self._object_pose))
-                   if message is None]
-        if missing:
-            self._report(WARN, f'has a goal and waits for {" and ".join(missing)}')
+        if self._missing():
+            self._report(WARN, f'has a goal and waits for {self._missing()}')
             return
         goal, self._goal = self._goal, None
-        try:
-            choice, robot_pose = self._answer(goal)
-        except MessageRefused as error:
-            self._report(ERROR, str(error))
-        except PlanningFailed as failure:
-            self._report(ERROR, failure.reason, _told(failure.report))
-        else:
-            self._publish(choice, robot_pose)
+        self._last_goal = goal
+        self._plan_to(goal)
 
-    def _answer(self, goal):
+    def _plan_to(self, goal):
+        """Plan and publish; return whether there is a plan, and what was reported."""
         world = self._frames.world_frame
-        odometry = from_odometry_message(self._odometry, world)
-        measured = from_object_pose_message(self._object_pose, world)
-        return plan_placement(self._obj, self._robot, measured.pose, odometry.pose, goal,
-                              self._planner), odometry.pose
+        try:
+            odometry = from_odometry_message(self._odometry, world)
+            measured = from_object_pose_message(self._object_pose, world)
+            choice = plan_measured(self._obj, self._robot, measured, odometry, goal,
+                                   self._planner, self._former)
+        except MessageRefused as error:
+            return False, self._report(ERROR, str(error))
+        except PlanningFailed as failure:
+            return False, self._report(ERROR, failure.reason, _told(failure.report))
+        self._former = choice.plan
+        return True, self._publish(choice, odometry.pose)
 
     def _publish(self, choice, robot_pose):
         answer = choice.plan
@@ -100,11 +114,13 @@ class PlannerNode(PushNode):
         away = distance(begin, robot_pose) > self._planner.contact_tolerance
         if away:
             text += f' for a robot at {begin.x:.3f} m, {begin.y:.3f} m, {begin.theta:.3f} rad'
-        self._report(WARN if away else OK, text, {
-            **answer.report, 'robot_start': tuple(begin), **_told({'sites': choice.table})})
+        return self._report(WARN if away else OK, text, {
+            **answer.report, 'robot_start': tuple(begin),
+            'present_speed': answer.problem.motion.speed, **_told({'sites': choice.table})})
 
     def _report(self, level, text, values=None):
         self.reporter.report(level, text, self._stamp(), values)
+        return text
 
     def _stamp(self):
         stamps = [message.header.stamp for message in (self._odometry, self._object_pose)

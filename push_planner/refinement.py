@@ -61,6 +61,8 @@ def refine(problem, formulation, solution):
             values, gains = _gains(maps, weights)
         lead, ahead = _feed_forward(maps, values, gains, miss)
         changes, way = changes - lead, way + ahead
+        if way <= 0.0:
+            break
     if best is None:
         return None, way
     return push.rollout(*best[1], best[2]), best[2]

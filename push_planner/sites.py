@@ -7,7 +7,7 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact
 from push_planner.bounds import displacement_bound
 from push_planner.plan import Plan
-from push_planner.problem import PlanningFailed, problem_from_placement, PushProblem
+from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.refusals import refuse_impossible
 from push_planner.settings import PlannerSettings
 from push_planner.site_list import robot_start, site_problems
@@ -61,30 +61,6 @@ class _Weighed(NamedTuple):
     problem: PushProblem
     bound: float
     reason: str
-
-
-def plan_placement(obj, robot, object_pose, robot_pose, goal, settings=None):
-    """
-    Plan from where robot and object stand, at the site that the settings ask for.
-
-    :param obj: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
-    :param object_pose: ``Pose`` of the object in the world.
-    :param robot_pose: ``Pose`` of the robot in the world.
-    :param goal: ``Pose`` wanted for the object in the world.
-    :param settings: ``PlannerSettings``, or None for the defaults.
-    :return: ``Choice``; its table is empty where the site is the robot's own.
-    :raises PlanningFailed: with the reason.
-    """
-    settings, here = settings or PlannerSettings(), None
-    try:
-        here = problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings)
-    except PlanningFailed as failure:
-        if settings.site == 'placed' or 'gap' not in failure.report:
-            raise
-    if settings.site == 'placed':
-        return Choice(plan(here), ())
-    return choose_site(obj, robot, object_pose, goal, settings, here)
 
 
 def choose_site(obj, robot, start, goal, settings=None, here=None):

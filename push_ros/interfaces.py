@@ -70,6 +70,7 @@ TOPICS = {
 }
 
 SERVICES = {
+    'planner/replan': (Trigger, PLANNER, 'plan anew to the last goal, from the present motion'),
     'controller/start': (Trigger, CONTROLLER, 'follow the plan from now on'),
     'controller/stop': (Trigger, CONTROLLER, 'stop the robot and stay stopped'),
     'sim/start': (Trigger, SIM, 'let simulated time run'),

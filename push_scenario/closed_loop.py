@@ -9,7 +9,7 @@ from push_control.observation import Observation
 from push_model.geometry import distance
 from push_model.signals import Odometry
 from push_planner.problem import PlanningFailed
-from push_planner.sites import plan_placement
+from push_planner.under_way import plan_measured
 from push_scenario.result import Result
 from push_scenario.tape import Tape
 from push_sim_node.simulation import Simulation
@@ -49,8 +49,8 @@ def run(scenario, control_law=None, progress=None):
     pose, odometry = simulation.next(), simulation.next()
     report(Progress('planning', 0.0, distance(pose.pose, goal)))
     try:
-        answer = plan_placement(scenario.object, scenario.robot, pose.pose, odometry.pose, goal,
-                                scenario.planner).plan
+        answer = plan_measured(scenario.object, scenario.robot, pose, odometry, goal,
+                               scenario.planner).plan
     except PlanningFailed as failure:
         return Result(scenario, settings.control_law, 'refused', failure.reason)
     controller = make_controller(scenario.object, scenario.robot, settings)

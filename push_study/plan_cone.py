@@ -60,8 +60,8 @@ def compute(values, batch):
         'outside': Finding(float(outside[1:].sum()), '', 'switches whose impulse lies outside '
                            'the cone'),
         'switches': Finding(float(len(outside) - 1), '', 'switches of the pushing angle'),
-        'blend': Finding(1e3 * found.report['longest_blend'], 'mm', 'way over which a switch has '
-                         'to be spread for the contact to hold')})
+        'blend': Finding(100.0 * found.report['longest_blend'], 'cm', 'longest way over which a '
+                         'switch has to be spread for the contact to hold')})
 
 
 def draw(figure, outcome, values):
@@ -182,12 +182,12 @@ def draw_speeds(figure, outcome, values):
 STUDIES = (
     Study('3.6', 'Push and contact force in the friction cone', (*MAKING, SPEED),
           compute, draw,
-          'The push stays in the friction cone (sectors), of which it uses {push:.2f}, the '
-          'contact force {force:.2f}; the impulses of {outside:.0f} of the {switches:.0f} '
+          'The push stays in the friction cone (sectors), of which it uses {push:.1f}, the '
+          'contact force {force:.1f}; the impulses of {outside:.0f} of the {switches:.0f} '
           'switches lie outside, that of the first touch inside.',
-          'The force has the direction in which the friction centre moves, which leans less than '
-          'the push at the contact; a jump of the push is a blow to the side that hardly presses '
-          'on the box, and a contact bears it only if it is spread, over {blend:.0f} mm here.',
+          'The force has about the direction in which the friction centre moves, which leans less '
+          'than the push at the contact; a jump of the push is a blow to the side that hardly '
+          'presses on the box, and the contact bears it only spread, over up to {blend:.0f} cm.',
           (6.4, 6.0)),
     Study('3.7', 'Raising the velocity where the pushing angle is not limited',
           (*MAKING, Parameter('speeds', 'm/s', 'speeds of the contact')),

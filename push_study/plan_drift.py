@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 from push_model.constant_angles import push_at_angles
 from push_model.geometry import Pose
 from push_planner.solver import plan
@@ -23,12 +24,13 @@ def compute(values, batch):
     """
     found = plan(push_problem(values, values.planned_speed, values.segments))
     inputs, problem = input_table(found), found.problem
-    tables, ends = {'inputs': inputs}, []
+    tables, ends, steepest = {'inputs': inputs}, [], 0.0
     for speed in [*values.speeds, values.slow_speed]:
         run = push_at_angles(problem.obj, problem.contact, inputs['rho_rad'],
                              inputs['end_m'] - inputs['begin_m'], speed)
         tables[f'path_{speed:g}'] = {'time_s': run.times, **dict(zip(PATH, run.states[:, :3].T))}
         ends.append(run.end)
+        steepest = max(steepest, float(np.abs(run.forces[:, 1] / run.forces[:, 0]).max()))
     misses = [math.hypot(end.x - problem.goal.x, end.y - problem.goal.y) for end in ends]
     turns = [end.theta - problem.goal.theta for end in ends]
     tables['ends'] = {'speed_m_s': [*values.speeds, values.slow_speed], 'position_error_m': misses,
@@ -42,6 +44,7 @@ def compute(values, batch):
         'fastest': Finding(misses[-2], 'm', 'the same at the last speed'),
         'slow': Finding(misses[-1], 'm', 'the same at the very low speed'),
         'turn_fastest': Finding(turns[-2], 'rad', 'turn from the goal at the last speed'),
+        'friction': Finding(steepest, '', 'contact friction that the forces take between jumps'),
         'growth': Finding(_power(faster), '', 'power of what the squared speed has more than the '
                           'planned one with which the distance grows, at the next two speeds')})
 

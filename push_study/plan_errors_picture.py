@@ -31,7 +31,7 @@ def draw(figure, table, kind, label, values):
         _curve(right, table, number, robot if robot != FELT else 'point that feels the object',
                kind, robot, values.blind_speed)
     right.axhline(MILLI * worst(table, [0.0]), color=paper.GREY, linewidth=0.8, zorder=1,
-                  label='all, with the right belief')
+                  label='with the right belief, at most')
     right.set_title(f'all robots at {values.blind_speed:g} m/s', loc='left')
     for axes in (left, right):
         axes.set_xlabel(label)

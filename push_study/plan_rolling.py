@@ -48,6 +48,7 @@ def compute(values, batch):
     :return: ``Outcome``.
     """
     found, path, inputs = rolling_tables(values, values.robot_radius)
+    point = plan(push_problem(values, values.speed, values.segments))
     travel = path['along_face_m']
     return Outcome({'path': path, 'inputs': inputs}, {
         'duration': Finding(found.trajectory.duration, 's', 'time that the push takes'),
@@ -57,7 +58,7 @@ def compute(values, batch):
         'usage': Finding(found.report['cone_usage'], '', 'greatest angle of the contact force, '
                          'as a share of what the plan may use'),
         'first': Finding(float(inputs['rho_rad'][0]), 'rad', 'first pushing angle'),
-        'last': Finding(float(inputs['rho_rad'][-1]), 'rad', 'last pushing angle'),
+        'point': Finding(point.pushing_angles[0][0], 'rad', 'the same of a point robot'),
         'miss': Finding(found.verify().position_error, 'm', 'distance from the goal, integrated '
                         'anew')})
 
@@ -139,7 +140,7 @@ def draw_ways(figure, outcome, values):
     panels[0].set_ylabel('y of the middle [m], stretched')
     panels[1].set_ylabel('turn $\\theta$ [rad]')
     panels[1].set_xlabel('x of the middle [m]')
-    _legend(figure, panels[0])
+    _legend(panels[0])
 
 
 def draw_angles(figure, outcome, values):
@@ -158,16 +159,15 @@ def draw_angles(figure, outcome, values):
     angles.set_xlabel('')
     places.set_xlabel('way of the contact [m]')
     places.set_ylabel('contact, to the left [mm]')
-    _legend(figure, angles)
+    _legend(angles)
 
 
 def _names(values):
     return [round(MILLIMETRES * radius) for radius in values.radii]
 
 
-def _legend(figure, axes):
-    figure.legend(*axes.get_legend_handles_labels(), loc='outside right center',
-                  title='$R_p$', handlelength=3.2)
+def _legend(axes):
+    axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0), title='$R_p$', handlelength=3.2)
 
 
 RADII = (*SCENE, SPEED, SEGMENTS, Parameter('radii', 'm', 'radii of the robots, R_p',
@@ -176,11 +176,12 @@ STUDIES = (
     Study('3.8', 'Curved fence: a robot of 50 mm radius', (
         *SCENE, SPEED, SEGMENTS, Parameter('robot_radius', 'm', 'radius of the robot, R_p', 0.05)),
         compute, draw,
-        'While the box turns by {turn:.2f} rad, the contact rolls {travel:.1f} mm to the left '
-        'along the face; the input begins at {first:.2f} rad and ends at {last:.2f} rad.',
-        'A robot that does not turn itself rolls its radius along the face for each radian; the '
-        'push leaves the middle of the face, so that at last it takes an angle to the left to '
-        'end the turn.', (6.4, 5.6)),
+        'While the box turns by {turn:.2f} rad, the contact rolls {travel:.0f} mm to the left '
+        'along the face; the input begins at {first:.2f} rad, that of a point robot at '
+        '{point:.2f} rad.',
+        'A robot that does not turn itself rolls its radius along the face for each radian; '
+        'there, on the left, a push along the normal would turn the box back, so that it has to '
+        'lean further to the right to turn it on.', (6.4, 5.6)),
     Study('3.9', 'Curved fence: trajectories for several radii of the robot', RADII,
           compute_radii, draw_ways,
           'To get to the same pose, to the left of the start, robots with a radius below '
@@ -188,8 +189,9 @@ STUDIES = (
           'larger ones not at all ({large_left:.2f} rad): they only turn it to the right.',
           'As a box turns left, its friction centre swings to the left of the contact, but the '
           'contact rolls that way too: beyond a radius of {arm:.2f} m, the distance of the '
-          'friction centre from the face, it is ahead, and pushes the box across to '
-          'the other side.', (6.4, 5.0)),
+          'friction centre from the face, the contact is ahead, a push through the friction '
+          'centre leads to the right, and the box has to be turned right to get to the left.',
+          (6.4, 5.0)),
     Study('3.10', 'Curved fence: inputs for several radii of the robot', RADII,
           compute_radii, draw_angles,
           'Inputs of the two smallest robots and of the two largest begin with small angles of '

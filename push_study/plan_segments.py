@@ -60,7 +60,7 @@ def compute_counts(values, batch):
                                'most'),
         'lost_six': Finding(float(np.interp(6.0, values.counts, lost)), '%',
                             'time lost with 6 segments, to the most'),
-        'apart': Finding(1e3 * apart[0], 'mm', 'greatest distance of the way of the middle with '
+        'apart': Finding(100.0 * apart[0], 'cm', 'greatest distance of the way of the middle with '
                          'the fewest segments from that with the most')})
 
 
@@ -124,7 +124,7 @@ STUDIES = (
           (*SCENE, SPEED, Parameter('counts', '', 'numbers of constant pushing angles')),
           compute_counts, draw_counts,
           'However coarse the input, the middle of the box goes nearly the same way, within '
-          '{apart:.0f} mm; two segments take {lost_fewest:.2f}% more time than the most, six '
+          '{apart:.0f} cm; two segments take {lost_fewest:.2f}% more time than the most, six '
           '{lost_six:.2f}%.',
           'Two angles and the length of the push are as many numbers as a goal pose has; more '
           'angles only approach the smooth best course, each doubling by a smaller gain.',

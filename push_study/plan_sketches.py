@@ -90,13 +90,13 @@ PARAMETERS = (*SCENE, SPEED, Parameter('robot_radius', 'm', 'radius of the robot
 STUDIES = (
     Study('3.1', 'A box moved from pose to pose by three constant pushing angles', PARAMETERS,
           compute, draw,
-          'Three pushes over equal ways, at {angle_1:.2f}, {angle_2:.2f} and {angle_3:.2f} rad to '
+          'Three pushes over equal ways, at {angle_1:.1f}, {angle_2:.1f} and {angle_3:.1f} rad to '
           'the normal of the face, take the box to its goal, turned by {turn:.2f} rad.',
           'A push to the right of the friction centre turns the box to the left; the angles and '
           'the length of the way, {way:.2f} m, are chosen so that it arrives with place and turn '
           'right, as soon as possible.', (6.4, 3.8)),
     Study('3.2', 'The same by a round robot that does not turn', PARAMETERS, compute, draw,
-          'The pushes are at {angle_1:.2f}, {angle_2:.2f} and {angle_3:.2f} rad now, and on the '
+          'The pushes are at {angle_1:.1f}, {angle_2:.1f} and {angle_3:.1f} rad now, and on the '
           'way the contact rolls {travel:.0f} mm to the left along the face.',
           'While the box turns by {turn:.2f} rad, the face rolls on the robot by its radius for '
           'each radian, and the plan reckons with where the contact gets to.', (6.4, 3.8)))

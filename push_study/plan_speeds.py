@@ -36,7 +36,7 @@ def compute(values, batch):
         'fastest': Finding(float(ways[-1] / values.speeds[-1]), 's', 'time at the highest speed'),
         'way_growth': Finding(100.0 * float(ways[-1] / ways[0] - 1.0), '%', 'longer way of the '
                               'contact at the highest speed than at the lowest'),
-        'apart': Finding(1e3 * apart[-1], 'mm', 'greatest distance of the ways of the middle at '
+        'apart': Finding(100.0 * apart[-1], 'cm', 'greatest distance of the ways of the middle at '
                          'the highest and the lowest speed'),
         'angle_middle': Finding(_furthest(angles[len(angles) // 2], angles[0]), 'rad', 'greatest '
                                 'difference of the input at the middle speed from that at the '
@@ -80,9 +80,9 @@ STUDIES = (Study(
     (*SCENE, SEGMENTS, Parameter('speeds', 'm/s', 'speeds of the contact', [0.05, 0.25, 0.5])),
     compute, draw,
     'From the lowest to the highest speed the way of the contact grows by {way_growth:.1f}%, so '
-    'that time goes as one over the speed, from {slowest:.1f} to {fastest:.1f} s; the inputs at '
-    'the two lower speeds differ by {angle_middle:.2f} rad, that at the highest by '
+    'that time goes nearly as one over the speed, from {slowest:.1f} to {fastest:.1f} s; the '
+    'inputs at the two lower speeds differ by {angle_middle:.2f} rad, that at the highest by '
     '{angle_fastest:.2f} rad.',
     'A slow push is one of friction alone, in which speed plays no part; inertia, which grows '
     'with its square, makes the box slower to turn, and it takes larger angles for the same way, '
-    'to within {apart:.0f} mm.', (6.4, 5.2)),)
+    'to within {apart:.0f} cm.', (6.4, 5.2)),)

@@ -31,13 +31,21 @@ class Bench:
     :param processes: ``NodeProcesses``.
     :param node: the rclpy node here.
     :param executor: its executor.
+    :param folder: for parameters and output.
     """
 
-    def __init__(self, processes, node, executor):
+    def __init__(self, processes, node, executor, folder):
         self.processes, self.node, self._executor = processes, node, executor
+        self._folder = folder
         self.base = 0.0
         self.heard = {}
         self._publishers = {}
+
+    def start(self, name, module, parameters):
+        """Start a node in a process of its own."""
+        path = self._folder / f'{name}.yaml'
+        path.write_text(yaml.safe_dump({name: {'ros__parameters': parameters}}))
+        self.processes.start(name, module, path)
 
     def listen(self, topic, kind=None):
         """Collect the messages of a topic in ``heard``."""
@@ -108,10 +116,10 @@ class Bench:
         """Set the time."""
         self.speak('clock', Clock(clock=to_stamp(self.base + now)))
 
-    def odometry(self, now, pose, frame='odom'):
-        """Publish odometry of a robot at rest; return the command that answers it."""
+    def odometry(self, now, pose, frame='odom', twist=STOP):
+        """Publish odometry; return the command that answers it."""
         return self._answer('odom', to_odometry_message(
-            Odometry(self.base + now, pose, STOP), frame, 'base_link'))
+            Odometry(self.base + now, pose, twist), frame, 'base_link'))
 
     def object_pose(self, now, pose, frame='odom'):
         """Publish an object pose; return the command that answers it."""
@@ -140,8 +148,6 @@ def bench(folder, name, module, parameters):
     :param module: Python module.
     :param parameters: dict of parameters.
     """
-    path = folder / f'{name}.yaml'
-    path.write_text(yaml.safe_dump({name: {'ros__parameters': parameters}}))
     with private_domain() as domain, NodeProcesses(domain, folder) as processes:
         context = rclpy.Context()
         with local_discovery():
@@ -150,8 +156,9 @@ def bench(folder, name, module, parameters):
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
         try:
-            processes.start(name, module, path)
-            yield Bench(processes, node, executor)
+            b = Bench(processes, node, executor, folder)
+            b.start(name, module, parameters)
+            yield b
         finally:
             executor.shutdown()
             node.destroy_node()

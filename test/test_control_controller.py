@@ -345,3 +345,56 @@ def test_an_object_without_friction_is_refused():
                       ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
     assert controller.step(target, now, 0.0) == STOP
     assert controller.status.phase == 'failed' and 'friction' in controller.status.reason
+
+
+def test_a_target_that_starts_at_the_push_is_taken_up_without_a_stop(recorded):
+    """The rest of the plan as a new one: estimate and speed stay, and the commands go on."""
+    case, steps, commands = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    for now, dt in steps[:400]:
+        controller.step(case.target, now, dt)
+    time = steps[400][0].time
+    begin = int(np.searchsorted(case.target.times, time - 0.3))
+    rest = PushTrajectory(times=case.target.times[begin:] - case.target.times[begin],
+                          **{name: getattr(case.target, name)[begin:] for name in COLUMNS})
+    rejected, center = controller.status.rejected_poses, controller.status.friction_center
+    found = np.array([controller.step(rest, now, dt) for now, dt in steps[400:500]])
+    assert controller.status.phase == 'pushing' and controller.status.travelled < 0.5
+    assert controller.status.rejected_poses - rejected < 5
+    assert controller.status.friction_center == pytest.approx(center, abs=0.02)
+    assert commands[400:500, 0].min() > 0.05
+    assert found[:, 0] == pytest.approx(commands[400:500, 0], rel=0.1)
+    steps_before = np.abs(np.diff(commands[50:400], axis=0)).max(axis=0)
+    assert (np.abs(np.diff(found, axis=0, prepend=commands[399:400])) <= steps_before).all()
+
+
+def test_a_target_that_starts_elsewhere_starts_anew(recorded):
+    """Another contact, or an object elsewhere: the estimate is not kept, nor the speed."""
+    case, steps, _ = recorded
+    away = moved_target(case.target, Pose(1.0, 0.0, 0.0))
+    for target, phase in ((away, 'pushing'), (mirrored_target(case.target), 'failed')):
+        controller = make_controller(case.believed, ROBOT, SETTINGS)
+        pushing = [controller.step(case.target, now, dt) for now, dt in steps[:60]]
+        command = controller.step(target, *steps[60])
+        assert controller.status.phase == phase
+        assert command.v_x < 0.5 * pushing[-1].v_x
+
+
+@pytest.mark.parametrize('law', [SETTINGS, OPEN_LOOP], ids=['feedback', 'open loop'])
+@pytest.mark.parametrize('place, text', [
+    (Pose(-1.5, 0.3, 0.0), 'm away and turned by'), (Pose(0.0, 0.0, 0.0), ''),
+    (Pose(0.0, 0.04, 0.0), ''), (Pose(0.0, 0.0, 0.5), 'turned by 28.6 deg')],
+    ids=['away', 'there', 'beside', 'askew'])
+def test_a_robot_that_is_not_where_the_plan_starts_does_not_move(law, place, text):
+    """It is told where to stand, in the world; near enough is good."""
+    case = random_case(4)
+    start = Pose(*case.target.robot_poses[0].tolist())
+    moved = Pose(start.x + place.x, start.y + place.y, start.theta + place.theta)
+    controller = make_controller(case.believed, ROBOT, law)
+    now = Observation(0.0, Odometry(0.0, moved, STOP),
+                      ObjectPose(0.0, Pose(*case.target.object_poses[0].tolist())))
+    command = controller.step(case.target, now, 0.0)
+    assert (controller.status.phase == 'failed') == (command == STOP) == bool(text)
+    assert text in controller.status.reason
+    meant = f'it must stand at {start.x:.3f} m, {start.y:.3f} m'
+    assert (meant in controller.status.reason) == bool(text)

@@ -7,9 +7,9 @@ from objects import bin_, box
 from push_control.command import (differential_command, holonomic_command, limited, mean_motion)
 from push_control.feedback import (contact_speed, CurvatureLimits, held_limits, trailing_limits,
                                    wanted_curvature)
-from push_control.motion import contact_velocity
 from push_control.settings import ControlSettings
 from push_control.supports import SupportTable
+from push_model.contact import contact_velocity
 from push_model.dynamics import contact_force
 from push_model.parameters import RoundRobot
 from push_model.quasi_static import turning_rate, vehicle

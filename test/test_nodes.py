@@ -1,26 +1,30 @@
 """Single nodes over Fast DDS, with time in the hands of the test."""
 
 import contextlib
+import dataclasses
 import math
 import signal
 import subprocess
 import sys
 
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
+from geometry_msgs.msg import Twist as TwistMessage
 from node_bench import bench
 from push_model.geometry import distance, Pose
-from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_planner.problem import problem_from_placement
 from push_planner.solver import plan
-from push_ros.diagnostics import ERROR
+from push_ros.diagnostics import ERROR, WARN
 from push_ros.elements import check_frame, nanoseconds, seconds, to_pose_message, to_stamp
 from push_ros.interfaces import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
 from push_ros.messages import (from_object_pose_message, to_object_pose_message,
                                to_odometry_message)
 from push_ros.parameter_layout import to_values
 from push_ros.plan_messages import from_plan_message, to_plan_message
+from push_scenario.closed_loop import make_simulation
 from push_scenario.data import config_file
 from push_scenario.reader import find_scenario, read_scenario
+from push_sim_node.sensors import SensorSettings
 import pytest
 
 MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node',
@@ -31,6 +35,7 @@ GOAL = SCENARIO.goal.pose
 PHYSICS = {**to_values(SCENARIO.object, 'object.'), **to_values(SCENARIO.robot, 'robot.')}
 AWAY = {'robot_start': [-2.0, 0.0, 0.0]}
 ZERO = (0.0, 0.0, 0.0)
+LATE = SensorSettings(pose_noise=2e-3, pose_heading_noise=5e-3, pose_latency=0.08)
 STOP_TIME = 0.3
 PERIOD = 0.02
 
@@ -83,10 +88,11 @@ def begin(b, trajectory):
     return b
 
 
-def last_text(b):
-    """Text of the last diagnostics."""
-    messages = b.heard['diagnostics']
-    return messages[-1].status[0].message if messages else ''
+def last_text(b, name=None):
+    """Text of the last diagnostics, of one node or of any."""
+    found = [status.message for message in b.heard['diagnostics'] for status in message.status
+             if name in (None, status.name)]
+    return found[-1] if found else ''
 
 
 def errors(b):
@@ -210,7 +216,7 @@ def test_commands_without_stamp_and_a_start_by_hand(tmp_path, trajectory):
     """Twist for robots that want it; nothing moves before controller/start."""
     parameters = {**PHYSICS, 'stamped_cmd_vel': False, 'autostart': False}
     with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
-        b.listen('cmd_vel', Twist)
+        b.listen('cmd_vel', TwistMessage)
         refused = b.call('controller/start')
         assert not refused.success and 'push_plan' in refused.message
         b.speak('push_plan', to_plan_message(trajectory, to_stamp(0.0), 'odom'))
@@ -274,6 +280,113 @@ def test_the_planner_refuses_a_goal_and_keeps_its_plan(planner, message, text):
     planner.repeat(lambda: measure(planner),
                    lambda: any(text in error for error in errors(planner)[known:]))
     assert len(planner.heard['push_plan']) == plans
+
+
+def push_on(b, shift):
+    """Publish the box and the robot, pushing slowly a little aside, moved by a pose."""
+    pose = shift @ ROBOT
+    b.speak('object_pose', to_object_pose_message(ObjectPose(2.0, shift @ OBJECT), 'odom'))
+    b.speak('odom', to_odometry_message(Odometry(2.0, pose, Twist(0.07, 0.0, 0.04)), 'odom',
+                                        'base_link'))
+
+
+def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
+    """From the present poses and motion; the path ends at the new goal."""
+    shift, wanted = Pose(0.6, 0.1, 0.2), Pose(2.6, 0.7, -0.4)
+    for _ in range(5):
+        push_on(planner, shift)
+        planner.spin(0.1)
+    for topic in ('push_plan', 'planned_path'):
+        planner.heard[topic].clear()
+    planner.speak('goal_pose', goal(wanted))
+    planner.until(lambda: planner.heard['push_plan'] and planner.heard['planned_path'])
+    message = planner.heard['push_plan'][0]
+    assert nanoseconds(message.header.stamp) == 2_000_000_000
+    got = from_plan_message(message, 'odom')
+    assert distance(got.object_poses[0], shift @ OBJECT) < 1e-6
+    speed = math.hypot(0.07, 0.04 * SCENARIO.robot.radius)
+    assert math.hypot(*got.contact_twists[0, :2]) == pytest.approx(speed, rel=1e-3)
+    assert got.robot_twists[0, 2] == pytest.approx(0.04, abs=1e-3)
+    path = planner.heard['planned_path'][0]
+    ends = [from_object_pose_message(path.poses[k], 'odom').pose for k in (0, -1)]
+    assert distance(ends[0], shift @ OBJECT) < 1e-6
+    assert distance(ends[1], wanted) < 2e-3 and abs(ends[1].theta - wanted.theta) < 2e-3
+
+
+def test_a_push_is_planned_again_when_asked(planner):
+    """To the last goal, from where it has come to."""
+    wanted = from_plan_message(planner.heard['push_plan'][-1], 'odom').object_poses[-1]
+    shift = Pose(0.9, 0.15, 0.2)
+    for _ in range(5):
+        push_on(planner, shift)
+        planner.spin(0.1)
+    count = len(planner.heard['push_plan'])
+    answer = planner.call('planner/replan')
+    assert answer.success and answer.message.startswith('has planned a push of ')
+    planner.until(lambda: len(planner.heard['push_plan']) > count)
+    got = from_plan_message(planner.heard['push_plan'][-1], 'odom')
+    assert distance(got.object_poses[0], shift @ OBJECT) < 1e-6
+    assert distance(got.object_poses[-1], wanted) < 2e-3
+
+
+def test_the_planner_says_where_the_robot_must_stand(tmp_path):
+    """With site auto; before a goal there is nothing to plan again."""
+    parameters = {**PHYSICS, 'robot.drive': 'holonomic', 'planner.site': 'auto'}
+    with bench(tmp_path, PLANNER, MODULES[PLANNER], parameters) as b:
+        for topic in ('push_plan', 'diagnostics'):
+            b.listen(topic)
+        refused = b.call('planner/replan')
+        assert not refused.success and refused.message == 'has not got a goal yet'
+        b.speak('goal_pose', goal(OBJECT @ Pose(0.0, 1.0, 0.0)))
+        b.repeat(lambda: measure(b), lambda: b.heard['push_plan'])
+        b.until(lambda: 'has planned' in last_text(b))
+        status = b.heard['diagnostics'][-1].status[0]
+        begin = from_plan_message(b.heard['push_plan'][0], 'odom').robot_poses[0]
+        assert status.level == WARN
+        assert f'for a robot at {begin[0]:.3f} m, {begin[1]:.3f} m' in status.message
+        assert distance(begin, OBJECT @ Pose(0.0, -0.37, 0.0)) < 1e-6
+        values = {item.key: item.value for item in status.values}
+        assert values['site 1'].startswith('face 0 from') and 'site 9' in values
+
+
+def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
+    """Planner and controller over DDS, the plant here: the push goes on to the new goal."""
+    scenario = dataclasses.replace(SCENARIO, sensors=LATE)
+    plant, wanted = make_simulation(scenario), Pose(2.4, 0.5, -0.5)
+    with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], {**PHYSICS, 'autostart': True}) as b:
+        b.start(PLANNER, MODULES[PLANNER], PHYSICS)
+        for topic in ('cmd_vel', 'push_plan', 'planned_path', 'diagnostics'):
+            b.listen(topic)
+        b.until(lambda: last_text(b, PLANNER) and last_text(b, CONTROLLER), 60.0)
+        b.meet(OBJECT, ROBOT)
+        b.speak('goal_pose', goal(GOAL))
+        b.repeat(lambda: (b.object_pose(0.0, OBJECT), b.odometry(0.0, ROBOT)),
+                 lambda: b.heard['push_plan'])
+        assert drive(b, plant, 3.0)[-1] > 0.12
+        b.speak('goal_pose', goal(wanted))
+        assert min(drive(b, plant, 5.0, pause=0.01)) > 0.1
+        assert len(b.heard['push_plan']) == 2
+        end = b.heard['planned_path'][-1].poses[-1]
+        assert distance(from_object_pose_message(end, 'odom').pose, wanted) < 2e-3
+        start = from_plan_message(b.heard['push_plan'][-1], 'odom').object_poses[0]
+        assert 0.2 < distance(start, OBJECT) < distance(plant.truth.object_pose, OBJECT)
+        drive(b, plant, 60.0, lambda: 'is done' in last_text(b, CONTROLLER))
+        assert distance(plant.truth.object_pose, wanted) < 0.02
+
+
+def drive(b, plant, end, done=lambda: False, pause=0.0):
+    """Let the plant run in lockstep with the controller; return the commanded speeds."""
+    speeds = []
+    while plant.time < end and not done():
+        measured = plant.next()
+        if isinstance(measured, Odometry):
+            command = b.odometry(measured.time, measured.pose, twist=measured.twist)
+            speeds.append(command[0])
+            b.spin(pause)
+        else:
+            command = b.object_pose(measured.time, measured.pose)
+        plant.command(Twist(*command))
+    return speeds
 
 
 def test_the_simulator_on_the_wall_clock(tmp_path):

@@ -1,5 +1,6 @@
 """Plans of every kind of contact, input and model: what must hold for each."""
 
+import contextlib
 import dataclasses
 import math
 
@@ -219,3 +220,13 @@ def test_a_push_under_way_is_planned_on_from(model):
     check = answer.verify()
     assert check.position_error < 1e-4 and check.heading_error < 1e-4
     assert time + answer.trajectory.duration == pytest.approx(former.trajectory.duration, rel=0.01)
+
+
+def test_a_correction_that_would_reverse_the_push_ends_a_trial_and_not_the_planner():
+    """Two pieces for 5 m are too few for some ways: they are passed over."""
+    point = RoundRobot(0.0, 'holonomic', max_speed=10.0, max_yaw_rate=50.0, max_acceleration=100.0)
+    problem = face_problem(Pose(1.2, -0.6, 0.4), point, pushing_speed=0.25, deceleration=0.0,
+                           segments=2, segment_length=20.0, run_in=0.0, cone_margin=0.9,
+                           friction_discount=1.0)
+    with contextlib.suppress(PlanningFailed):
+        assert plan(problem).verify().position_error < 1e-3

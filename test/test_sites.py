@@ -7,10 +7,12 @@ import numpy as np
 from objects import bin_, box
 from push_model.geometry import distance, Pose
 from push_model.parameters import Contact, RoundRobot, Support
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
 from push_planner.site_list import robot_start, site_problems
-from push_planner.sites import choose_site, plan_placement
+from push_planner.sites import choose_site
 from push_planner.solver import plan
+from push_planner.under_way import plan_measured
 from push_problems import DIFFERENTIAL, HOLONOMIC
 import pytest
 
@@ -148,16 +150,22 @@ def test_objects_without_friction_and_fences_are_refused():
         choose_site(box(), RoundRobot(radius=math.inf, drive='holonomic'), HOME, FACES[0])
 
 
+def plan_at(place, goal, settings=None):
+    """Plan for a robot that stands there at rest."""
+    return plan_measured(box(), HOLONOMIC, ObjectPose(0.0, HOME), Odometry(0.0, place, STOP), goal,
+                         settings)
+
+
 @pytest.mark.parametrize('place, sites', [(Pose(-0.37, 0.1, 0.0), 9), (Pose(-2.0, 0.0, 0.0), 8)],
                          ids=['beside a face', 'away'])
 def test_the_settings_say_whether_the_robot_stays(place, sites):
     """Where it stands is one more site, if it stands at the object."""
     goal = Pose(0.0, 1.5, 0.0)
-    choice = plan_placement(box(), HOLONOMIC, HOME, place, goal, AUTO)
+    choice = plan_at(place, goal, AUTO)
     assert len(choice.table) == sites
     assert choice.table[0].contact == Contact('face', 0)
     with pytest.raises(PlanningFailed):
-        plan_placement(box(), HOLONOMIC, HOME, place, goal)
+        plan_at(place, goal)
 
 
 def test_a_robot_that_stands_well_stays():
@@ -165,7 +173,7 @@ def test_a_robot_that_stands_well_stays():
     goal = Pose(1.5, 0.3, 0.2)
     place = robot_start(problem_from_placement(box(), HOLONOMIC, HOME, Pose(-0.375, 0.03, 0.0),
                                                goal))
-    stay = plan_placement(box(), HOLONOMIC, HOME, place, goal)
+    stay = plan_at(place, goal)
     assert stay.table == ()
-    auto = plan_placement(box(), HOLONOMIC, HOME, place, goal, AUTO)
+    auto = plan_at(place, goal, AUTO)
     assert auto.table[0].duration <= stay.plan.trajectory.duration
