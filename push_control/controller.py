@@ -28,6 +28,8 @@ class ControllerStatus:
     :param friction_center: estimate in the object frame (x, y) [m].
     :param push_direction: estimated effective robot heading [rad].
     :param object_pose: estimated ``Pose`` of the object, one drive lag ahead.
+    :param robot_pose: ``Pose`` of the robot at that time, as it must be to touch the object.
+    :param replan: why a push has failed that a plan from there may bring to its goal, else empty.
     :param replans: number of new paths.
     :param go_arounds: number of new approaches near the goal.
     :param slips: number of times that the contact was seen to slide.
@@ -46,6 +48,8 @@ class ControllerStatus:
     friction_center: tuple = (0.0, 0.0)
     push_direction: float = 0.0
     object_pose: Pose = Pose(0.0, 0.0, 0.0)
+    robot_pose: Pose = Pose(0.0, 0.0, 0.0)
+    replan: str = ''
     replans: int = 0
     go_arounds: int = 0
     slips: int = 0
@@ -110,13 +114,15 @@ class Controller:
         return self._command
 
     def _goes_on(self, target, observation):
-        if target is None or self._phase != 'pushing':
+        if target is None or not (self._phase == 'pushing' or self.status.replan):
             return False
         try:
-            return self._push.go_on(target, observation)
+            kept = self._push.go_on(target, observation)
         except ValueError:
             # It is said when the push begins anew.
             return False
+        self._phase = 'pushing' if kept else self._phase
+        return kept
 
     def _answer(self, observation, dt):
         open_loop = self._law is None

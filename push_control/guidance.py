@@ -1,8 +1,13 @@
 """Follows the path of z, and draws a new one where the old one no longer serves."""
 
+import math
 from typing import NamedTuple
 
+import numpy as np
+
 from push_control.reference import locate, new_path
+
+LOOKS_AHEAD = np.linspace(0.0, 1.0, 11)
 
 
 class Track(NamedTuple):
@@ -57,13 +62,14 @@ class Guidance:
         """
         return self._path.curvatures(self._way + ways)
 
-    def revise(self, pose, track, limits, travelled, dt):
+    def revise(self, pose, track, limits, firm, travelled, dt):
         """
-        Draw a new path if the errors ask for it and it is worth its length.
+        Draw a new path if errors or limits ask for it and it is worth its length.
 
         :param pose: ``Pose`` of z in the frame of the z-goal.
         :param track: ``Track`` on the present path.
         :param limits: ``CurvatureLimits`` for a new path.
+        :param firm: ``CurvatureLimits`` that no path may exceed.
         :param travelled: way of the contact since the start [m].
         :param dt: time since the last call [s].
         :return: ``Track`` on the path that now holds.
@@ -76,7 +82,8 @@ class Guidance:
             far = self.is_off(track, settings.go_around_share)
             return self.go_around(pose, limits) or track if far else track
         if (abs(track.lateral_error) <= settings.replan_lateral
-                and abs(track.heading_error) <= settings.replan_heading):
+                and abs(track.heading_error) <= settings.replan_heading
+                and not self._is_too_sharp(track, firm)):
             return track
         self._since_new = 0.0
         path = new_path(pose, limits, settings.run_in)
@@ -84,6 +91,10 @@ class Guidance:
             return track
         self.replans += 1
         return self._take(path, pose)
+
+    def _is_too_sharp(self, track, firm):
+        ahead = self.preview(np.minimum(LOOKS_AHEAD, track.remaining))
+        return ahead.max() > firm.high or ahead.min() < firm.low
 
     def is_off(self, track, share=1.0):
         """

@@ -61,7 +61,8 @@ class ClosedLoopPush:
         if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
             return False
         settings = self._settings
-        self._elapsed = max(0.0, self._speed - settings.start_speed) / settings.acceleration
+        speed = 0.0 if self.failure else self._speed
+        self._elapsed = max(0.0, speed - settings.start_speed) / settings.acceleration
         self._aim(target)
         return True
 
@@ -71,6 +72,7 @@ class ClosedLoopPush:
         self._goal = Pose(*target.object_poses[-1].tolist())
         self._one_sided = OneSidedMonitor(settings)
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
+        self._astray = False
         self._begin, self._track, self.finished, self.failure = self._tracking.way, None, False, ''
 
     def observe(self, observation):
@@ -111,13 +113,15 @@ class ClosedLoopPush:
         if self._tracking.watch.lost:
             self._command = self._approach(dt)
             return self._command
-        track = self._guidance.revise(pose, track, planning, self.travelled, dt)
+        firm = self._drive.limits(flat, normal, self._settings.feedback_margin)
+        track = self._guidance.revise(pose, track, planning, firm, self.travelled, dt)
         if track.remaining <= self._settings.stop_distance:
             track = self._arrive(pose, track, planning)
         self._track = track
         if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
-            self.failure = f'gave up after {self.travelled:.1f} m, planned were ' \
-                           f'{self._guidance.budget:.1f} m'
+            self._astray = True
+            self.failure = (f'gave up after {self.travelled:.1f} m, planned were '
+                            f'{self._guidance.budget:.1f} m')
         if not (self.finished or self.failure):
             self._command = self._steer(flat, now, track, dt)
         if self.finished or self.failure:
@@ -143,6 +147,9 @@ class ClosedLoopPush:
                 'remaining': self._track.remaining if self._track else self._guidance.budget,
                 'travelled': self.travelled, 'friction_center': belief.center,
                 'push_direction': belief.phi, 'object_pose': belief.pose,
+                'robot_pose': Pose(*self._tracking.site.robot_center(belief.pose, belief.phi),
+                                   belief.phi),
+                'replan': self.failure if self._astray else '',
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
                 **self._tracking.report, **self._law.report}
 
@@ -160,6 +167,7 @@ class ClosedLoopPush:
             return track
         again = self._guidance.go_around(pose, planning)
         if again is None:
+            self._astray = True
             self.failure = (f'ended {1e3 * track.lateral_error:.0f} mm and '
                             f'{math.degrees(track.heading_error):.1f} deg beside the goal')
         return again or track

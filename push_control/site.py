@@ -73,10 +73,22 @@ class Site(NamedTuple):
         :param center: of the robot in the world (x, y) [m].
         :return: ``Offset``.
         """
-        c_x, c_y, normal = self.at(phi - pose.theta)
-        place, gamma = pose.transform((c_x, c_y)), pose.theta + normal
+        place = self.robot_center(pose, phi)
+        gamma = pose.theta + self.at(phi - pose.theta)[2]
         ahead, aside = Pose(0.0, 0.0, -gamma).rotate((center[0] - place[0], center[1] - place[1]))
-        return Offset(-ahead - self.robot_radius, aside)
+        return Offset(-ahead, aside)
+
+    def robot_center(self, pose, phi):
+        """
+        Place a robot that has rolled.
+
+        :param pose: ``Pose`` of the object in the world, its angle not wrapped.
+        :param phi: heading of the robot [rad].
+        :return: its centre in the world (x, y) [m].
+        """
+        c_x, c_y, normal = self.at(phi - pose.theta)
+        return pose.transform((c_x - self.robot_radius * math.cos(normal),
+                               c_y - self.robot_radius * math.sin(normal)))
 
     def slid(self, travel):
         """

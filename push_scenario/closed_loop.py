@@ -10,6 +10,7 @@ from push_model.geometry import distance
 from push_model.signals import Odometry
 from push_planner.problem import PlanningFailed
 from push_planner.under_way import plan_measured
+from push_scenario.replanning import Replanner
 from push_scenario.result import Result
 from push_scenario.tape import Tape
 from push_sim_node.simulation import Simulation
@@ -55,7 +56,8 @@ def run(scenario, control_law=None, progress=None):
         return Result(scenario, settings.control_law, 'refused', failure.reason)
     controller = make_controller(scenario.object, scenario.robot, settings)
     observation = Observation(simulation.time, odometry, pose)
-    loop = _Loop(simulation, controller, answer.trajectory, observation, goal, report)
+    loop = _Loop(simulation, controller, answer.trajectory, observation, goal,
+                 Replanner(scenario), report)
     outcome, reason, end_time = loop.push(scenario.time_limit)
     loop.settle()
     return Result(scenario, settings.control_law, outcome, reason, answer.trajectory,
@@ -99,17 +101,20 @@ def at_rest(truth):
 class _Loop:
     """The controller answers every measurement with one command."""
 
-    def __init__(self, simulation, controller, target, observation, goal, report):
+    def __init__(self, simulation, controller, target, observation, goal, replanner, report):
         self.simulation, self.controller, self.target = simulation, controller, target
-        self.observation, self.goal, self.report = observation, goal, report
+        self.observation, self.goal = observation, goal
+        self.replanner, self.report = replanner, report
         self._answer(0.0)
 
     def push(self, time_limit):
         """Go on until the controller ends the push, or time is up."""
         while self.simulation.time < time_limit:
             status = self.controller.status
-            if status.phase in ('done', 'failed'):
+            anew = self.replanner.answer(status, self.observation.odometry)
+            if anew is None and status.phase in ('done', 'failed'):
                 return status.phase, status.reason, self.simulation.time
+            self.target = anew or self.target
             self._advance('pushing')
         return 'time_limit', f'not done after {time_limit:g} s', self.simulation.time
 
