@@ -1,6 +1,5 @@
 """Follows the path of z, and draws a new one where the old one no longer serves."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
