@@ -5,7 +5,7 @@ import math
 
 import casadi as ca
 import numpy as np
-from push_case import box, random_case, run, SENSORS
+from push_case import box
 from push_control.feedback import CurvatureLimits
 from push_control.guidance import Track
 from push_control.horizon import (horizon_problem, SCALARS, STATES, straight_step,
@@ -17,7 +17,6 @@ from push_model.parameters import RoundRobot
 from push_model.quasi_static import vehicle
 import pytest
 from scipy.linalg import solve_discrete_are
-from test_control_controller import held_case
 
 SETTINGS = ControlSettings(control_law='mpc')
 ROBOT = RoundRobot(radius=0.17)
@@ -155,44 +154,6 @@ def test_a_broken_problem_is_answered_by_the_closed_form_law():
     fresh = PredictiveLaw(ROBOT, SETTINGS)
     assert law.curvature(good) == fresh.curvature(good)
     assert law.report['solver_failures'] == 1
-
-
-def test_a_push_goes_on_without_a_solver(monkeypatch):
-    """Every call fails, every failure is counted, and the object arrives."""
-    monkeypatch.setattr('push_control.mpc.TOLERANCE', -1.0)
-    outcome = run(random_case(7), SETTINGS, 7)
-    assert outcome.status.phase == 'done'
-    assert outcome.status.solver_failures > 500
-    assert 'stopped' in outcome.status.solver_reason
-    assert outcome.position_error < 0.02 and outcome.heading_error < math.radians(3.0)
-
-
-@pytest.mark.parametrize('seed', [0, 7, 11])
-def test_random_pushes_at_a_corner_succeed(seed):
-    """A differential drive; nothing was left to the closed-form law."""
-    outcome = run(random_case(seed), SETTINGS, seed)
-    assert outcome.status.phase == 'done', outcome.status
-    assert outcome.status.solver_failures == 0
-    assert outcome.position_error < 0.02 and outcome.heading_error < math.radians(3.0)
-
-
-@pytest.mark.parametrize('kind', ['face', 'vertex', 'round'])
-def test_a_holonomic_base_pushes_anywhere(kind):
-    """On a face, at a vertex and on a disc."""
-    outcome = run(held_case(3, kind), SETTINGS, 3)
-    assert outcome.status.phase == 'done', outcome.status
-    assert outcome.position_error < 0.02 and outcome.heading_error < math.radians(3.0)
-
-
-def test_the_limits_of_curvature_keep_the_contact_from_jackknifing(monkeypatch):
-    """Object and floor give the most that the belief allows; without limits the push is lost."""
-    case = random_case(7)
-    kept = run(case, SETTINGS, 7, SENSORS)
-    assert kept.status.phase == 'done'
-    monkeypatch.setattr('push_control.contact_drive.trailing_limits',
-                        lambda *_: CurvatureLimits(-20.0, 20.0))
-    loose = dataclasses.replace(SETTINGS, cone_weight=1e-6)
-    assert run(case, loose, 7, SENSORS).status.phase == 'failed'
 
 
 def test_the_speed_does_not_matter_without_lag():
