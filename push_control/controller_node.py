@@ -31,10 +31,11 @@ class ControllerNode(PushNode):
     Answers every measurement with one command.
 
     Subscribes ``odom``, ``object_pose`` (best effort), ``push_plan`` (latched); publishes
-    ``cmd_vel`` (in ``base_frame``, stamped with the measurement that it answers), ``diagnostics``,
-    ``markers``; serves ``controller/start``, ``controller/stop``. The command is zero before the
-    start, without a plan, for a measurement that is refused (not finite, not in ``world_frame``)
-    or stale, when the push has ended, when odometry stops for ``watchdog_timeout`` on the node's
+    ``cmd_vel`` (in ``base_frame``, stamped with the measurement that it answers),
+    ``diagnostics``, ``markers``; serves ``controller/start``, ``controller/stop``; calls
+    ``planner/replan`` where a push has gone astray. The command is zero before the start,
+    without a plan, for a measurement that is refused (not finite, not in ``world_frame``) or
+    stale, when the push has ended, when odometry stops for ``watchdog_timeout`` on the node's
     clock, and at the end of the node. A new plan that starts at the push under way is taken up
     without a stop, any other starts anew, and only where the robot stands at its start; one that
     is refused stops the push. Parameters: ``object.*`` and ``robot.*`` as believed,
@@ -54,6 +55,7 @@ class ControllerNode(PushNode):
         self.subscribe('push_plan', self._on_plan)
         self.serve('controller/start', self._start)
         self.serve('controller/stop', self._stop)
+        self._replan = self.ask('planner/replan')
         self._watchdog = self.create_timer(WATCHDOG_PERIOD, self._watch)
         self.reporter.report(OK, 'waits for a plan', self._now())
 
@@ -106,6 +108,8 @@ class ControllerNode(PushNode):
         due = self._report_rate.due(self._time)
         if changed or due:
             self._phase = status.phase, status.reason
+            if changed and status.replan:
+                self._replan()
             text = status.reason or f'is {status.phase}'
             level = LEVELS.get(status.phase, WARN if status.reason else OK)
             self.reporter.report(level, text, stamp,

@@ -43,6 +43,7 @@ class ClosedLoopPush:
         self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
         self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
         self._belief = self._tracking.beliefs(observation.time, STOP)[0]
+        self._anew = 0
         law.restart()
         self._aim(target)
 
@@ -61,6 +62,7 @@ class ClosedLoopPush:
         if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
             return False
         settings = self._settings
+        self._anew += bool(self.failure)
         speed = 0.0 if self.failure else self._speed
         self._elapsed = max(0.0, speed - settings.start_speed) / settings.acceleration
         self._aim(target)
@@ -72,7 +74,7 @@ class ClosedLoopPush:
         self._goal = Pose(*target.object_poses[-1].tolist())
         self._one_sided = OneSidedMonitor(settings)
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
-        self._astray = False
+        self._asks = False
         self._begin, self._track, self.finished, self.failure = self._tracking.way, None, False, ''
 
     def observe(self, observation):
@@ -119,7 +121,7 @@ class ClosedLoopPush:
             track = self._arrive(pose, track, planning)
         self._track = track
         if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
-            self._astray = True
+            self._asks = self._anew < self._settings.replan_limit
             self.failure = (f'gave up after {self.travelled:.1f} m, planned were '
                             f'{self._guidance.budget:.1f} m')
         if not (self.finished or self.failure):
@@ -149,7 +151,7 @@ class ClosedLoopPush:
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'robot_pose': Pose(*self._tracking.site.robot_center(belief.pose, belief.phi),
                                    belief.phi),
-                'replan': self.failure if self._astray else '',
+                'replan': self.failure if self._asks else '',
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
                 **self._tracking.report, **self._law.report}
 
@@ -167,7 +169,7 @@ class ClosedLoopPush:
             return track
         again = self._guidance.go_around(pose, planning)
         if again is None:
-            self._astray = True
+            self._asks = self._anew < self._settings.replan_limit
             self.failure = (f'ended {1e3 * track.lateral_error:.0f} mm and '
                             f'{math.degrees(track.heading_error):.1f} deg beside the goal')
         return again or track

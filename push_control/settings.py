@@ -76,6 +76,8 @@ class ControlSettings:
     go_around_share: float = quantity('share of the tolerances that counts as off there', '',
                                       above=0.0, high=10.0, default=0.6)
     go_around_limit: int = quantity('number of further approaches', '', 0, 100, default=3)
+    replan_limit: int = quantity('number of plans that are asked for when a push has gone astray',
+                                 '', 0, 100, default=3)
     overrun: float = quantity('travelled over planned way at which the push is given up', '', 1.0,
                               100.0, default=2.0)
     contact_window: float = quantity('way over which an object that does not follow is lost', 'm',

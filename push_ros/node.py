@@ -102,6 +102,16 @@ class PushNode(Node):
             return response
         return self.create_service(SERVICES[service][0], service, answer)
 
+    def ask(self, service):
+        """
+        Make what calls a Trigger service of another node, and does not wait for its answer.
+
+        :param service: its name.
+        :return: function of nothing.
+        """
+        client = self.create_client(SERVICES[service][0], service)
+        return lambda: client.call_async(SERVICES[service][0].Request())
+
     def close(self):
         """Say good-bye: called once, while publishers still work."""
 

@@ -6,11 +6,9 @@ from push_model.signals import ObjectPose
 from push_planner.problem import PlanningFailed
 from push_planner.under_way import plan_measured
 
-LIMIT = 3
-
 
 class Replanner:
-    """Plans anew from where the controller believes robot and object to be, a few times."""
+    """Plans anew from where the controller believes robot and object to be."""
 
     def __init__(self, scenario):
         """
@@ -20,7 +18,6 @@ class Replanner:
         """
         self._parts, self._goal = (scenario.object, scenario.robot), scenario.goal.pose
         self._settings = dataclasses.replace(scenario.planner, site='placed')
-        self._left = LIMIT
 
     def answer(self, status, odometry):
         """
@@ -30,9 +27,8 @@ class Replanner:
         :param odometry: newest ``Odometry``; only its time and motion count.
         :return: ``PushTrajectory``, or None where nothing is asked or there is no plan.
         """
-        if not status.replan or self._left == 0:
+        if not status.replan:
             return None
-        self._left -= 1
         measured = ObjectPose(odometry.time, status.object_pose)
         try:
             found = plan_measured(*self._parts, measured,
