@@ -110,9 +110,9 @@ class ControlSettings:
     heading_walk: float = quantity('random walk of the heading per way', 'rad/sqrt(m)', 0.0, 1.0,
                                    default=0.02)
     center_spread: float = quantity('standard deviation of the friction centre over its distance '
-                                    'to the contact', '', 0.0, 1.0, default=0.09)
+                                    'to the contact', '', 0.0, 1.0, default=0.11)
     center_limit: float = quantity('largest offset of the friction centre, likewise', '', 0.0,
-                                   1.0, default=0.3)
+                                   1.0, default=0.45)
     center_walk: float = quantity('random walk of the friction centre per way', 'm/sqrt(m)', 0.0,
                                   1.0, default=0.002)
 
