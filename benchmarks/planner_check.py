@@ -95,8 +95,7 @@ class Push:
     def __init__(self, problem, slower=1.0, slow=False):
         """Build the equation."""
         self.problem, self._slow = problem, slow
-        self._turns = problem.robot.radius == 0.0 or getattr(
-            problem.settings, 'robot_yaw', 'with_object') == 'with_object'
+        self._turns = problem.kind != 'rolling'
         self.terms = ObjectTerms.of(problem.obj)
         self._piece = None
         self._arrays = [np.zeros(size) for size in (7, 5, 7, 2)]
@@ -125,7 +124,7 @@ class Push:
             held[3] = turning_rate(self.problem.obj, state[5:7], speed * math.cos(ahead),
                                    speed * math.sin(ahead))
         turn = 0.0
-        if self._turns or robot.drive == 'differential':
+        if self._turns:
             turn = float(yaw_rate(robot.drive, robot.radius, angle, state[4] - state[7], held[3],
                                   speed))
         bend = share * held[3] + (1.0 - share) * turn + slope * speed
@@ -164,7 +163,7 @@ def replay(plan, stretch=STRETCH):
     """
     problem = plan.problem
     # Without inertia is the limit of slow pushes, forces included.
-    slow = getattr(problem.settings, 'motion_model', 'dynamic') == 'quasi_static'
+    slow = problem.settings.motion_model == 'quasi_static'
     slower = SLOWER if slow else 1.0
     wheelbase = problem.vehicle.wheelbase
     track = pieces(plan.trajectory, LONGEST_PIECE * wheelbase, slower)
