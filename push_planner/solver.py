@@ -94,7 +94,7 @@ def _ways(problem):
 def _follow(problem, previous, least, attempts):
     route = remainder(problem, previous)
     candidate = None if route is None else _solve(problem, route, attempts, False)
-    if candidate is None or candidate.length > NEARLY_BEST * max(least, route.cost):
+    if candidate is None or candidate.length > NEARLY_BEST * least:
         return None
     return _finish(problem, candidate, attempts)
 

@@ -230,3 +230,13 @@ def test_a_correction_that_would_reverse_the_push_ends_a_trial_and_not_the_plann
                            friction_discount=1.0)
     with contextlib.suppress(PlanningFailed):
         assert plan(problem).verify().position_error < 1e-3
+
+
+def test_a_former_plan_is_left_where_there_is_a_much_shorter_way():
+    """Where the goal moves so that the loop of the former plan is not needed any more."""
+    behind = face_problem(Pose(-0.4, 0.0, 0.3), IDEAL)
+    former = plan(behind)
+    ahead = dataclasses.replace(behind, goal=Pose(1.5, 0.0, 0.0))
+    anew = plan(ahead, previous=former)
+    assert anew.trajectory.duration <= 1.1 * plan(ahead).trajectory.duration
+    assert anew.report['word'] != 'former plan'
