@@ -21,11 +21,13 @@ from push_ros.messages import (from_object_pose_message, to_object_pose_message,
                                to_odometry_message)
 from push_ros.parameter_layout import to_values
 from push_ros.plan_messages import from_plan_message, to_plan_message
+from push_ros.qos import LATCHED
 from push_scenario.closed_loop import make_simulation
 from push_scenario.data import config_file
 from push_scenario.reader import find_scenario, read_scenario
 from push_sim_node.sensors import SensorSettings
 import pytest
+import yaml
 
 MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node',
            SIM: 'push_sim_node.sim_node'}
@@ -372,6 +374,17 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
         assert 0.2 < distance(start, OBJECT) < distance(plant.truth.object_pose, OBJECT)
         drive(b, plant, 60.0, lambda: 'is done' in last_text(b, CONTROLLER))
         assert distance(plant.truth.object_pose, wanted) < 0.02
+
+
+def test_rviz_gives_the_goal_and_shows_the_path():
+    """On the topics of the planner; the latched path is asked for as such."""
+    manager = yaml.safe_load(config_file('push.rviz').read_text())['Visualization Manager']
+    tools = {tool['Class']: tool.get('Topic', {}).get('Value') for tool in manager['Tools']}
+    assert tools['rviz_default_plugins/SetGoal'] == 'goal_pose' in TOPICS
+    path = next(d for d in manager['Displays'] if d['Class'] == 'rviz_default_plugins/Path')
+    assert path['Enabled'] and path['Topic']['Value'] == 'planned_path' in TOPICS
+    assert path['Topic']['Durability Policy'] == 'Transient Local'
+    assert TOPICS['planned_path'].publish_qos is LATCHED
 
 
 def drive(b, plant, end, done=lambda: False, pause=0.0):
