@@ -329,8 +329,10 @@ def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
 
 def test_a_push_is_planned_again_when_asked(planner):
     """To the last goal, from where it has come to."""
-    wanted = from_plan_message(planner.heard['push_plan'][-1], 'odom').object_poses[-1]
-    shift = Pose(0.9, 0.15, 0.2)
+    wanted, shift = Pose(2.6, 0.7, -0.4), Pose(0.9, 0.15, 0.2)
+    planner.heard['push_plan'].clear()
+    planner.speak('goal_pose', goal(wanted))
+    planner.repeat(lambda: measure(planner), lambda: planner.heard['push_plan'])
     for _ in range(5):
         push_on(planner, shift)
         planner.spin(0.1)
