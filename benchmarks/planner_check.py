@@ -30,8 +30,8 @@ class Replay(NamedTuple):
     How a plan ends when driven.
 
     :param position_error: distance from the goal, with what the stretches miss [m].
-    :param heading_error: the same of the heading, and of the contact normal between stretches
-        [rad].
+    :param heading_error: the same of the heading, unless it is free, and of the contact normal
+        between stretches [rad].
     :param steepest: largest angle of the contact force from the normal [rad].
     :param way: of the contact [m].
     :param stretches: number of stretches.
@@ -189,8 +189,8 @@ def replay(plan, stretch=STRETCH):
         forces = np.array([*map(push.force, answer.t, answer.y.T)])
         steepest = max(steepest, np.abs(np.arctan2(forces[:, 1], forces[:, 0])).max())
         state = answer.y[:, -1]
-    missed += (math.hypot(state[0] - problem.goal.x, state[1] - problem.goal.y),
-               abs(wrap_angle(state[2] - problem.goal.theta)))
+    turned = 0.0 if problem.settings.heading_free else wrap_angle(state[2] - problem.goal.theta)
+    missed += math.hypot(state[0] - problem.goal.x, state[1] - problem.goal.y), abs(turned)
     return Replay(*missed.tolist(), float(steepest), float(track.ways[-1]), stretches)
 
 

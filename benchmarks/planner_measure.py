@@ -59,8 +59,7 @@ def measure(problem):
 def _fault(problem, driven):
     if not driven.position_error <= POSITION_TOLERANCE:
         return f'ends {1e3 * driven.position_error:.1f} mm off when driven'
-    if not (driven.heading_error <= HEADING_TOLERANCE
-            or problem.settings.heading_free):
+    if not driven.heading_error <= HEADING_TOLERANCE:
         return f'ends {math.degrees(driven.heading_error):.2f} deg off when driven'
     if not driven.steepest <= problem.friction_angle:
         return 'leaves the friction cone when driven'

@@ -15,7 +15,7 @@ SHORTEST_WAY = 1e-3
 UNSETTLED = 'the search did not settle'
 QUIET = {'print_time': False, 'error_on_fail': False}
 FATROP = {'fatrop': {'print_level': 0, 'tol': 3e-4, 'mu_init': 3e-5, 'bound_push': 0.1,
-                     'max_iter': 60}}
+                     'max_iter': 40}}
 IPOPT = {'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 80, 'tol': 1e-4, 'mu_init': 1e-2,
                    'acceptable_iter': 0, 'linear_solver': 'mumps'}}
 
