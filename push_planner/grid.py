@@ -121,9 +121,11 @@ def make_grid(problem, way, run_in):
     speeds = ramps(settings, problem.motion, way)
     jumps = settings.pushing_angles == 'constant'
     pieces, longest = settings.segments, settings.segment_length
-    if not jumps and speeds.highest > FAST ** 2:
-        # With inertia it takes finer steering to follow the cone's edge.
-        longest *= FINER
+    if not jumps:
+        # With inertia it takes finer steering to follow the cone's edge; and in a longer piece
+        # than the wheelbase a push runs away from its path.
+        finer = FINER if speeds.highest > FAST ** 2 else 1.0
+        longest = min(finer * longest, problem.vehicle.wheelbase)
     if way > pieces * longest:
         # Few different numbers of pieces: a programme is built for each.
         pieces = COUNT_STEP * math.ceil(way / longest / COUNT_STEP)
