@@ -114,11 +114,8 @@ def _solve_some(problem, ways, attempts, relaxed):
 
 def _may_be_better(route, solved):
     """Whether a route turns otherwise than what is solved (alike: same optimum), at no detour."""
-    # Routes of fast pushes cost far less than they seem, some of them even less than the first.
-    doubt = max(1.0, solved[0].route.cost / solved[0].length)
-    least = min(candidate.length for candidate in solved)
     return (route.run_in >= solved[0].route.run_in
-            and route.cost <= NEARLY_BEST * doubt ** 2 * least
+            and route.cost <= NEARLY_BEST * min(candidate.length for candidate in solved)
             and all(abs(route.turned - other.route.turned) > ALIKE for other in solved))
 
 
