@@ -46,15 +46,16 @@ class Formulation(NamedTuple):
         return np.concatenate([self.common, np.hstack([self.steps, defects]).ravel()])
 
 
-def formulate(problem, route):
+def formulate(problem, route, finer=False):
     """
     Set up the programme for a route.
 
     :param problem: the ``PushProblem``.
     :param route: the ``Route``.
+    :param finer: whether linear pushing angles get twice as many pieces.
     :return: (``Formulation``, ``Solution`` to start from).
     """
-    grid = make_grid(problem, route.cost, route.run_in)
+    grid = make_grid(problem, route.cost, route.run_in, finer)
     settings = problem.settings
     shape = Shape(problem.kind, len(problem.obj.supports), len(grid.lengths),
                   settings.pushing_angles == 'constant', route.run_in > 0.0,

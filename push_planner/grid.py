@@ -108,13 +108,14 @@ def ramps(settings, motion, way):
     return Ramps(first, highest, last, rise * (highest - first), fall * (highest - last))
 
 
-def make_grid(problem, way, run_in):
+def make_grid(problem, way, run_in, finer=False):
     """
     Divide a push into steps.
 
     :param problem: the ``PushProblem``.
     :param way: way of the contact, about, run-in included [m].
     :param run_in: straight push at its end [m]; 0: none.
+    :param finer: whether linear pushing angles get twice as many pieces.
     :return: ``Grid``.
     """
     settings = problem.settings
@@ -124,8 +125,10 @@ def make_grid(problem, way, run_in):
     if not jumps:
         # With inertia it takes finer steering to follow the cone's edge; and in a longer piece
         # than the wheelbase a push runs away from its path.
-        finer = FINER if speeds.highest > FAST ** 2 else 1.0
-        longest = min(finer * longest, problem.vehicle.wheelbase)
+        share = FINER if speeds.highest > FAST ** 2 else 1.0
+        longest = min(share * longest, problem.vehicle.wheelbase)
+        if finer:
+            pieces, longest = 2 * pieces, 0.5 * longest
     if way > pieces * longest:
         # Few different numbers of pieces: a programme is built for each.
         pieces = COUNT_STEP * math.ceil(way / longest / COUNT_STEP)

@@ -64,7 +64,8 @@ def plan(problem, previous=None):
         while waiting:
             solved, waiting = _solve_some(problem, waiting, attempts, relaxed)
             for candidate in sorted(solved, key=lambda candidate: candidate.duration):
-                found = _finish(problem, candidate, attempts)
+                found = _finish(problem, candidate, attempts) or _finish_finer(
+                    problem, candidate.route, attempts)
                 if found is not None:
                     return found
     # The relaxed programme comes last, and mostly says what stands in the way.
@@ -119,8 +120,8 @@ def _may_be_better(route, solved):
             and all(abs(route.turned - other.route.turned) > ALIKE for other in solved))
 
 
-def _solve(problem, route, attempts, relaxed):
-    formulation, guess = formulate(problem, route)
+def _solve(problem, route, attempts, relaxed, finer=False):
+    formulation, guess = formulate(problem, route, finer)
     solver, verdict = programme(formulation.shape), 'not solved'
     if relaxed:
         solution, verdict, count = solver.diagnose(formulation.parameters(), formulation.box,
@@ -131,6 +132,14 @@ def _solve(problem, route, attempts, relaxed):
         attempts.append(f'{route.name} of {route.cost:.2f} m: {verdict}')
         return None
     return _Candidate(route, formulation, solution, count)
+
+
+def _finish_finer(problem, route, attempts):
+    """Where the fine integration was too far from the programme, take twice as many pieces."""
+    if problem.settings.pushing_angles == 'constant':
+        return None
+    candidate = _solve(problem, route, attempts, False, finer=True)
+    return candidate and _finish(problem, candidate, attempts)
 
 
 def _finish(problem, candidate, attempts):

@@ -211,3 +211,12 @@ def test_a_slow_drive_turns_more_gently():
     slow = plan(vertex_problem(goal, RoundRobot(radius=0.17, max_yaw_rate=limit)))
     assert np.abs(slow.trajectory.robot_twists[:, 2]).max() <= limit * (1.0 + 1e-3)
     assert slow.report['path_length'] >= quick.report['path_length'] - 1e-6
+
+
+def test_a_way_that_coarse_pieces_miss_is_followed_in_finer_ones():
+    """Rather than another way of twice the length."""
+    answer = plan(vertex_problem(Pose(2.2, -2.1, 2.1), normal=-0.15))
+    first, second = answer.report['attempts'][:2]
+    assert 'misses the goal' in first and second.endswith('solved')
+    assert answer.report['path_length'] < 8.0
+    assert answer.verify().position_error < 1e-3
