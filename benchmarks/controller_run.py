@@ -1,4 +1,4 @@
-"""One random push under one law, as a record."""
+"""One random push under every law, as a record."""
 
 import math
 import time
@@ -15,26 +15,33 @@ def push(job):
     """
     Push one case.
 
-    :param job: dict of ``kind``, ``seed``, ``stress`` and ``law``.
-    :return: flat dict: outcome and reason, errors at rest, times and ways.
+    :param job: dict of ``kind``, ``seed``, ``stress`` and ``laws``.
+    :return: flat dict: of the plan, and for each law (``feedback.outcome`` ...) outcome and reason,
+        errors at rest, time over that of the plan, way slid at the contact.
     """
     try:
         case, answer = scenario(job['kind'], job['seed'], job['stress'])
     except PlanningFailed as failure:
-        return {'outcome': 'no plan', 'reason': failure.reason}
-    began = time.process_time()
-    result = run(case, job['law'])
-    record = {'outcome': result.outcome, 'reason': result.reason,
-              'cpu': time.process_time() - began, 'planned': answer.trajectory.duration,
+        return {'plan': failure.reason}
+    record = {'plan': '', 'planned': answer.trajectory.duration,
               'detour': answer.report['path_length'] / math.hypot(case.goal.x, case.goal.y)}
-    found = measure(result)
-    if found is not None:
-        record.update(position_error=found.position_error,
-                      heading_error=abs(found.heading_error), time=found.time, slip=found.slip)
+    for law in job['laws']:
+        record.update({f'{law}.{name}': value
+                       for name, value in _run(case, law, record['planned']).items()})
     return record
 
 
-def succeeded(record):
-    """Tell whether the object rests where it should, and the controller says so."""
-    return (record['outcome'] == 'done' and record['position_error'] <= TOLERANCES[0]
-            and record['heading_error'] <= TOLERANCES[1])
+def _run(case, law, planned):
+    began = time.process_time()
+    result = run(case, law)
+    found = measure(result)
+    record = {'outcome': result.outcome, 'reason': result.reason,
+              'cpu': time.process_time() - began, 'success': False}
+    if found is not None:
+        record.update(position_error=found.position_error,
+                      heading_error=abs(found.heading_error),
+                      time_ratio=found.time / planned, slip=found.slip,
+                      success=bool(result.outcome == 'done'
+                                   and found.position_error <= TOLERANCES[0]
+                                   and abs(found.heading_error) <= TOLERANCES[1]))
+    return record
