@@ -76,3 +76,9 @@ def fault(record, law):
     if record[f'{law}.outcome'] == 'done':
         return 'says that it is done, and is not within 20 mm and 3 degrees'
     return re.sub(r'-?\d+(\.\d+)?', '#', record[f'{law}.reason']) or record[f'{law}.outcome']
+
+
+def table(titles, rows):
+    """Write a Markdown table."""
+    lines = [titles, ['---'] * len(titles), *rows]
+    return '\n'.join('| ' + ' | '.join(str(cell) for cell in line) + ' |' for line in lines)
