@@ -28,7 +28,7 @@ INERTIAS = (1.0 / 12.0, 1.0 / 6.0, 0.5)
 FRICTIONS = (0.0, 0.5, 1.0)
 OFFSETS = (-0.4, 0.0, 0.4)
 YAWS = tuple(math.radians(angle) for angle in (-22.5, 0.0, 22.5))
-LAST, CLOSE = 5.0, 0.1
+LAST, CLOSE = 0.5, 0.1
 LAWS = ('force angle', 'dipole', 'feedback', 'mpc')
 
 
