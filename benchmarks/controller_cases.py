@@ -8,12 +8,11 @@ import dataclasses
 import math
 
 import numpy as np
-from push_model.contact import contact_point, normal_range
+from push_model.contact import normal_range
 from push_model.geometry import Pose
-from push_model.parameters import Contact, PushedObject, Support
-from push_model.quasi_static import vehicle
-from push_planner.problem import PlannerSettings, PlanningFailed, PushProblem
-from push_planner.solver import plan
+from push_model.parameters import PushedObject, Support
+from push_planner.settings import PlannerSettings
+from push_planner.sites import choose_site
 from push_scenario import data
 from push_scenario.reader import read_object, read_robot
 from push_scenario.scenario import Placement, Scenario, Start
@@ -23,15 +22,13 @@ from push_sim_node.simulation import SimulationSettings
 SENSORS = SensorSettings(pose_rate=20.0, pose_noise=2e-3, pose_heading_noise=math.radians(0.3),
                          pose_latency=0.08, pose_drop_probability=0.05,
                          odometry_scale_noise=0.02, odometry_heading_drift_noise=0.02)
-KINDS = {'box, vertex, differential': ('box', 'vertex', 'disc_017'),
-         'box, vertex, holonomic': ('box', 'vertex', 'holonomic_017'),
-         'box, face, holonomic': ('box', 'face', 'holonomic_017'),
-         'bin, round side, holonomic': ('bin', 'round', 'holonomic_017'),
-         'table, vertex, differential': ('coffee_table', 'vertex', 'disc_017'),
-         'table, face, holonomic': ('coffee_table', 'face', 'holonomic_017')}
+KINDS = {'box, differential': ('box', 'disc_017'),
+         'box, holonomic': ('box', 'holonomic_017'),
+         'bin, holonomic': ('bin', 'holonomic_017'),
+         'table, differential': ('coffee_table', 'disc_017'),
+         'table, holonomic': ('coffee_table', 'holonomic_017')}
 STRESSES = ('as stated', 'uneven supports', 'contact friction -30 %')
 CONTACT_FRICTION = {'contact friction -30 %': 0.7}
-LEADS = (0.0, 0.5, -0.5, 0.9, -0.9)
 LONGEST = 400.0
 
 
@@ -43,9 +40,9 @@ def scenario(kind, seed, stress):
     :param seed: of all draws.
     :param stress: one of ``STRESSES``.
     :return: (``Scenario``, ``Plan`` by which the start was chosen).
-    :raises PlanningFailed: where no contact of the kind leads to the goal.
+    :raises PlanningFailed: where no contact leads to the goal.
     """
-    name, contact, robot = KINDS[kind]
+    name, robot = KINDS[kind]
     rng = np.random.default_rng(seed)
     robot = read_robot(data.config_file(f'robots/{robot}.yaml'))
     believed, true = _objects(name, rng, stress, seed)
@@ -53,7 +50,7 @@ def scenario(kind, seed, stress):
                                math.radians(rng.uniform(-90.0, 90.0)))
     goal = Pose(distance * math.cos(bearing), distance * math.sin(bearing), turn)
     settings = PlannerSettings(pushing_speed=rng.uniform(0.1, 0.25))
-    answer = quickest(believed, robot, contact, goal, settings)
+    answer = choose_site(believed, robot, Pose(0.0, 0.0, 0.0), goal, settings).plan
     aside, headed = rng.normal(0.0, math.radians(1.5), 2)
     start = _start(answer.problem, aside, headed)
     return Scenario(
@@ -95,57 +92,6 @@ def _box(side):
 def _rubbing(supports, coefficients):
     return tuple(dataclasses.replace(support, friction_coefficient=float(value))
                  for support, value in zip(supports, coefficients))
-
-
-def quickest(obj, robot, contact, goal, settings):
-    """
-    Choose among the contacts of a kind, and the headings of a differential drive.
-
-    :param obj: the ``PushedObject`` as believed, at the origin.
-    :param robot: the ``RoundRobot``.
-    :param contact: ``vertex``, ``face`` or ``round``.
-    :param goal: ``Pose``.
-    :param settings: ``PlannerSettings``.
-    :return: ``Plan``.
-    :raises PlanningFailed: where none leads there; the last reason.
-    """
-    best, reason = None, None
-    for problem in _problems(obj, robot, contact, goal, settings):
-        try:
-            found = plan(problem)
-        except PlanningFailed as failure:
-            reason = failure
-            continue
-        if best is None or found.trajectory.duration < best.trajectory.duration:
-            best = found
-    if best is None:
-        raise reason
-    return best
-
-
-def _problems(obj, robot, kind, goal, settings):
-    start = Pose(0.0, 0.0, 0.0)
-    for contact in _contacts(obj, kind, goal):
-        low, high = normal_range(obj, contact)
-        flat = vehicle(obj, contact_point(obj, contact))
-        middle = low + math.remainder(flat.angle - low, 2.0 * math.pi)
-        normal = min(high, max(low, middle))
-        leads = (0.0,)
-        if robot.drive == 'differential':
-            leads = LEADS
-        cone = settings.cone_margin * math.atan(
-            settings.friction_discount * obj.contact_friction_coefficient)
-        for lead in leads:
-            yield PushProblem(obj, robot, contact, start, normal, normal - lead * cone, goal,
-                              settings)
-
-
-def _contacts(obj, kind, goal):
-    if kind == 'round':
-        bearing = math.atan2(goal.y, goal.x)
-        return [Contact('round', 0, math.remainder(bearing + math.pi + turn, 2.0 * math.pi))
-                for turn in (0.0, 0.5, -0.5, 1.0, -1.0)]
-    return [Contact(kind, index) for index in range(len(obj.outline))]
 
 
 def _start(problem, aside, headed):

@@ -23,7 +23,8 @@ def push(job):
         case, answer = scenario(job['kind'], job['seed'], job['stress'])
     except PlanningFailed as failure:
         return {'plan': failure.reason}
-    record = {'plan': '', 'planned': answer.trajectory.duration,
+    record = {'plan': '', 'contact': answer.problem.contact.kind,
+              'planned': answer.trajectory.duration,
               'detour': answer.report['path_length'] / math.hypot(case.goal.x, case.goal.y)}
     for law in job['laws']:
         record.update({f'{law}.{name}': value

@@ -29,7 +29,7 @@ def success_table(rows):
 
     :param rows: list of (kind, stress, law, records that have a plan).
     """
-    lines = ['| contact and drive | truth | law | n | success | 95 % | mm median, p95 '
+    lines = ['| object and drive | truth | law | n | success | 95 % | mm median, p95 '
              '| deg median, p95 | time over plan |', '|---' * 9 + '|']
     for kind, stress, law, records in rows:
         good = [record for record in records if record[f'{law}.success']]
@@ -57,7 +57,7 @@ def failure_table(rows):
 
     :param rows: list of (kind, stress, law, seeds, records that have a plan).
     """
-    lines = ['| contact and drive | truth | law | class | n | for example |', '|---' * 6 + '|']
+    lines = ['| object and drive | truth | law | class | n | for example |', '|---' * 6 + '|']
     for kind, stress, law, seeds, records in rows:
         found, first = Counter(), {}
         for seed, record in zip(seeds, records):
