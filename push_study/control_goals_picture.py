@@ -26,7 +26,7 @@ def draw_goals(figure, outcome, values):
             draw_center(axes, outcome.tables[f'{law}_{number}'], label=LABELS[law], **LOOKS[law])
         axes.set_title(f'goal {number}: {goal[0]:g} m, {goal[1]:g} m, {goal[2]:g} rad', loc='left')
         axes.label_outer()
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc='outside upper right', ncols=2)
+    panels[0, 0].legend(loc='upper left')
 
 
 def draw_way(figure, outcome, values):

@@ -57,6 +57,8 @@ def compute(values, batch):
                          'distance of the optimiser over that of feedback'),
         'aside': Finding(CENTI * float(deviation(poses, feedback.planned)[0].max()), 'cm',
                          'largest distance of the middle from its planned way, feedback'),
+        'factor': Finding(values.factor, '', 'on the friction of the supports on one side'),
+        'begin': Finding(values.begin, 's', 'when that begins'),
         'arm': Finding(0.5 * values.box_length, 'm', 'distance from the contact to the middle'),
         'radius': Finding(values.robot_radius, 'm', 'radius of the robot'),
         'aim': Finding(float(path['aim_rad'][last].mean()), 'rad', 'angle from the contact to '
@@ -75,7 +77,7 @@ def compute(values, batch):
 def _four(first, kind, parameters, texts):
     """Make the four figures of one disturbance, from their sentences."""
     pictures = (('coefficients over time', draw_coefficients, (6.4, 4.2)),
-                ('trajectory of the centre', draw_centers, (6.4, 3.1)),
+                ('trajectory of the centre', draw_centers, (6.4, 2.9)),
                 ('object trajectory', draw_objects, (6.4, 4.6)),
                 ('input', draw_inputs, (6.4, 3.8)))
     return tuple(Study(f'4.{first + number}', f'A {kind} disturbance: {title}', parameters,
@@ -85,12 +87,14 @@ def _four(first, kind, parameters, texts):
 
 STUDIES = (
     *_four(8, 'temporary', TEMPORARY, (
-        ('For a while the supports on the left rub twice as much, which moves the friction centre '
-         'by {shift:.1f} cm to that side; neither planner nor controller is told.',
-         'The friction centre is the mean of the supports, weighted by what each can bear: two of '
-         'four that bear twice as much move it by a third of the way to their side.'),
+        ('From {begin:.0f} s on the supports on one side rub {factor:.1f} times as much for a '
+         'while, which moves the friction centre by {shift:.1f} cm to the left; neither planner '
+         'nor controller is told.',
+         'The friction centre is the mean of the supports, weighted by what each can bear: k '
+         'times as much under two of four moves it by (k - 1) / (k + 1) of the way to their '
+         'side.'),
         ('The plan played without looking ends {optimiser:.1f} m from the goal; with feedback the '
-         'box is carried aside as well, but comes back and ends within {feedback_cm:.1f} cm.',
+         'box is carried aside as well, but comes back and ends {feedback_cm:.1f} cm from it.',
          'Friction is as believed again long before the goal, but the robot of the optimiser '
          'drives on as planned and does not see what has happened.'),
         ('Played without looking, the box goes on turning to the left after the disturbance, by '
@@ -104,12 +108,12 @@ STUDIES = (
          'The robot of the optimiser drives straight on while the face turns on it; feedback '
          'first pushes beyond the friction centre, which turns the box back.'))),
     *_four(12, 'sustained', PARAMETERS, (
-        ('From then on the supports on the left rub half as much again, which moves the friction '
-         'centre by {shift:.1f} cm to that side for the rest of the way.',
+        ('From {begin:.0f} s on the supports on one side rub {factor:.1f} times as much, which '
+         'moves the friction centre by {shift:.1f} cm to the left for the rest of the way.',
          'The planner still counts on a friction centre in the middle, {arm:.1f} m ahead of the '
          'contact.'),
-        ('The plan played without looking ends {optimiser:.1f} m from the goal, feedback within '
-         '{feedback_cm:.1f} cm, after {aside:.0f} cm aside.',
+        ('The plan played without looking ends {optimiser:.1f} m from the goal, feedback '
+         '{feedback_cm:.1f} cm from it, after having been {aside:.0f} cm aside.',
          'Feedback finds from how the box turns where its friction centre is, and draws a new '
          'path for that.'),
         ('Played without looking the box turns by {turn:.1f} rad and is left behind; with '
