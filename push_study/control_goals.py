@@ -32,9 +32,10 @@ def compute_goals(values, batch):
     return Outcome(tables, {
         'goals': Finding(len(values.goals), '', 'number of goals'),
         'optimiser': _largest(table, OPTIMISER), 'feedback': _largest(table, FEEDBACK),
-        'time': Finding(100.0 * (np.max(times) - 1.0), '%', 'largest time above that of the plan'),
-        'apart': Finding(100.0 * np.abs(times[1] - times[0]).max(), '%', 'largest difference of '
-                         'the times of both, of that of the plan')})
+        'time': Finding(100.0 * float(np.max(times) - 1.0), '%',
+                        'largest time above that of the plan'),
+        'apart': Finding(100.0 * float(np.abs(times[1] - times[0]).max()), '%',
+                         'largest difference of the times of both, of that of the plan')})
 
 
 def _largest(table, law):
@@ -70,8 +71,8 @@ def compute(values, batch):
                          'square within the first quarter of the way'),
         'way': Finding(float(pushes[FEEDBACK].path['way_m'][-1]), 'm',
                        'way of the contact, feedback'),
-        'time': Finding(100.0 * (pushes[FEEDBACK].duration / planned['time_s'][-1] - 1.0), '%',
-                        'time of feedback above that of the plan')})
+        'time': Finding(100.0 * float(pushes[FEEDBACK].duration / planned['time_s'][-1] - 1.0),
+                        '%', 'time of feedback above that of the plan')})
 
 
 def input_distance(path, planned):
@@ -108,7 +109,7 @@ STUDIES = (
           'Both follow the same plan; they set out and stop softly and take up to {time:.0f}% '
           'more time than it does.', (7.2, 5.0)),
     Study('4.2', 'Optimiser and feedback: trajectory of a box that turns', ONE, compute, draw_way,
-          'Arrows are pushes of feedback; it ends {feedback:.1f} mm from the goal, and the plan '
+          'Arrows are pushes of feedback; it ends {feedback:.0f} mm from the goal, and the plan '
           'played without looking {optimiser:.0f} mm.',
           'With the right belief there is next to nothing to correct along the {way:.2f} m of the '
           'contact, and the two ways cover each other.'),
@@ -121,7 +122,7 @@ STUDIES = (
     Study('4.4', 'Optimiser and feedback: trajectory of a box that is moved aside', ONE, compute,
           draw_way,
           'To get to the right and end turned to the left, the box turns right first; feedback '
-          'ends {feedback:.1f} mm from the goal, the plan played without looking {optimiser:.0f} '
+          'ends {feedback:.0f} mm from the goal, the plan played without looking {optimiser:.0f} '
           'mm.',
           'A box that is pushed from behind steers like a car and takes two opposite bends, '
           '{way:.1f} m of way for the contact.', (6.4, 3.6)),
@@ -129,5 +130,4 @@ STUDIES = (
           'The input swings through {span:.1f} rad, and feedback keeps to it within {near:.2f} '
           'rad (root mean square), {share:.0f}% of that.',
           'It does so without optimising, from the planned path and the friction alone; most of '
-          'the difference lies within the first quarter of the way, {early:.0f}% of its '
-          'square.'))
+          'the difference lies within the first quarter of the way.'))

@@ -26,7 +26,7 @@ SCENE = (*BOX, Parameter('robot_radius', 'm', 'radius of the holonomic robot'),
          Parameter('rate', 'Hz', 'rate of odometry, and of commands'),
          Parameter('center_walk', 'm/sqrt(m)', 'random walk of the friction centre per way that '
                    'feedback reckons with'))
-STEP, LONGEST = 5e-3, 120.0
+STEP, LONGEST, NEVER_OFF = 5e-3, 120.0, 1.0
 ANGLE_LABEL = 'pushing angle $\\rho$ [rad]'
 
 
@@ -53,8 +53,8 @@ def push(values, goal, law, changes=()):
     """
     Push the box from the origin, at the middle of the face behind.
 
-    Measurements are exact and of the present; only friction may be other than believed. There is
-    no second approach at the goal, so that what one push leaves is compared.
+    Measurements are exact and of the present; only friction may be other than believed. However
+    far off it ends, feedback takes no second approach, so that what one push leaves is compared.
 
     :param values: ``Values`` with the parameters ``SCENE``.
     :param goal: (x, y, theta) [m, rad].
@@ -68,7 +68,7 @@ def push(values, goal, law, changes=()):
         robot_truth=robot, start=Start(contact=Contact('face', FACE)), goal=Placement(*goal),
         planner=PlannerSettings(pushing_speed=values.speed),
         control=ControlSettings(control_law=law, center_walk=values.center_walk,
-                                go_around_limit=0),
+                                position_tolerance=NEVER_OFF, heading_tolerance=NEVER_OFF),
         sensors=SensorSettings(odometry_rate=values.rate), time_limit=LONGEST,
         simulation=SimulationSettings(step=STEP, friction_changes=tuple(changes))))
 
