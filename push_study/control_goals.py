@@ -118,7 +118,7 @@ STUDIES = (
           'mean square), which is {share:.0f}% of its range of {span:.1f} rad.',
           'Feedback takes the angle from the curvature of the planned path and from friction '
           'alone, so that without optimising it gives what the optimiser gives; both slow down '
-          'before the goal, {time:.0f}% later than planned.'),
+          'before the goal and arrive {time:.0f}% later than planned.'),
     Study('4.4', 'Optimiser and feedback: trajectory of a box that is moved aside', ONE, compute,
           draw_way,
           'To get to the right and end turned to the left, the box turns right first; feedback '

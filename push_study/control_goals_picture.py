@@ -67,5 +67,5 @@ def draw_input(figure, outcome, values):
         below.plot(outcome.tables[law]['time_s'], outcome.tables[law]['speed_m_s'], **LOOKS[law])
     above.legend(loc='best')
     below.set_xlabel('time [s]')
-    below.set_ylabel('speed of the robot [m/s]')
+    below.set_ylabel('robot [m/s]')
     below.set_ylim(bottom=0.0)
