@@ -13,7 +13,6 @@ import math
 from controller_tables import table
 import numpy as np
 from published_laws import dipole_law, force_angle_law
-from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.signals import Twist
 from push_planner.problem import PlannerSettings
@@ -44,10 +43,10 @@ def push(job):
     Push one case.
 
     :param job: a dict of ``cases``.
-    :return: flat dict: outcome, largest distance of the object from the path in the last metres [m].
+    :return: flat dict: outcome, and how far the object is off the path at last [m].
     """
-    box = PushedObject(1.0, job['inertia'], tuple(Support(x, y, 0.25) for x, y in CORNERS), CORNERS,
-                       contact_friction_coefficient=job['friction'])
+    box = PushedObject(1.0, job['inertia'], tuple(Support(x, y, 0.25) for x, y in CORNERS),
+                       CORNERS, contact_friction_coefficient=job['friction'])
     start = Start(contact=Contact('face', 3, -job['along']), object=_placed(job))
     if job['law'] in ('feedback', 'mpc'):
         return _ours(job, box, start)

@@ -16,8 +16,8 @@ def push(job):
     Push one case.
 
     :param job: dict of ``kind``, ``seed``, ``stress`` and ``laws``.
-    :return: flat dict: of the plan, and for each law (``feedback.outcome`` ...) outcome and reason,
-        errors at rest, time over that of the plan, way slid at the contact.
+    :return: flat dict: of the plan, and for each law (``feedback.outcome`` ...) outcome and
+        reason, errors at rest, time over that of the plan, way slid at the contact.
     """
     try:
         case, answer = scenario(job['kind'], job['seed'], job['stress'])

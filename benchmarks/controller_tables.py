@@ -65,8 +65,8 @@ def failure_table(rows):
                 name = fault(record, law)
                 found[name] += 1
                 first.setdefault(name, seed)
-        lines += [f'| {kind} | {stress} | {law} | {name} | {count} | `--kind \'{kind}\' --stress '
-                  f'\'{stress}\' --law {law} --seed {first[name]}` |'
+        lines += [f'| {kind} | {stress} | {law} | {name} | {count} | `--kind "{kind}" --stress '
+                  f'"{stress}" --law {law} --seed {first[name]}` |'
                   for name, count in found.most_common()]
     return '\n'.join(lines)
 

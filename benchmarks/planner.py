@@ -9,7 +9,6 @@ Prints Markdown, and writes it with a picture to a directory if one is given
 
 import argparse
 import dataclasses
-import inspect
 from pathlib import Path
 import time
 from typing import NamedTuple
@@ -83,8 +82,6 @@ def shots(answers, segments):
 
 def again(answers):
     """Plan for a goal that moved a little, from nothing and from the plan before."""
-    if 'previous' not in inspect.signature(plan).parameters:
-        return []
     return collect([answer for answer in answers if not answer.fault], 'moved goals', _again)
 
 
@@ -123,7 +120,7 @@ def options():
     parser.add_argument('--out', type=Path, help='directory for planner.md and planner.png')
     chosen = parser.parse_args()
     if chosen.quick:
-        chosen.goals, chosen.others, chosen.warm, chosen.shots, chosen.fine = 20, 5, 5, 3, 0
+        chosen.goals, chosen.others, chosen.warm, chosen.shots, chosen.fine = 20, 4, 3, 3, 0
         chosen.quality, chosen.bounded, chosen.starts, chosen.solvers = 2, 2, 8, 3
     return chosen
 

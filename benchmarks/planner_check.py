@@ -30,8 +30,8 @@ class Replay(NamedTuple):
     How a plan ends when driven.
 
     :param position_error: distance from the goal, with what the stretches miss [m].
-    :param heading_error: the same of the heading, and of the contact normal between stretches
-        [rad].
+    :param heading_error: the same of the heading, unless it is free, and of the contact normal
+        between stretches [rad].
     :param steepest: largest angle of the contact force from the normal [rad].
     :param way: of the contact [m].
     :param stretches: number of stretches.
@@ -95,8 +95,7 @@ class Push:
     def __init__(self, problem, slower=1.0, slow=False):
         """Build the equation."""
         self.problem, self._slow = problem, slow
-        self._turns = problem.robot.radius == 0.0 or getattr(
-            problem.settings, 'robot_yaw', 'with_object') == 'with_object'
+        self._turns = problem.kind != 'rolling'
         self.terms = ObjectTerms.of(problem.obj)
         self._piece = None
         self._arrays = [np.zeros(size) for size in (7, 5, 7, 2)]
@@ -125,7 +124,7 @@ class Push:
             held[3] = turning_rate(self.problem.obj, state[5:7], speed * math.cos(ahead),
                                    speed * math.sin(ahead))
         turn = 0.0
-        if self._turns or robot.drive == 'differential':
+        if self._turns:
             turn = float(yaw_rate(robot.drive, robot.radius, angle, state[4] - state[7], held[3],
                                   speed))
         bend = share * held[3] + (1.0 - share) * turn + slope * speed
@@ -164,7 +163,7 @@ def replay(plan, stretch=STRETCH):
     """
     problem = plan.problem
     # Without inertia is the limit of slow pushes, forces included.
-    slow = getattr(problem.settings, 'motion_model', 'dynamic') == 'quasi_static'
+    slow = problem.settings.motion_model == 'quasi_static'
     slower = SLOWER if slow else 1.0
     wheelbase = problem.vehicle.wheelbase
     track = pieces(plan.trajectory, LONGEST_PIECE * wheelbase, slower)
@@ -190,8 +189,8 @@ def replay(plan, stretch=STRETCH):
         forces = np.array([*map(push.force, answer.t, answer.y.T)])
         steepest = max(steepest, np.abs(np.arctan2(forces[:, 1], forces[:, 0])).max())
         state = answer.y[:, -1]
-    missed += (math.hypot(state[0] - problem.goal.x, state[1] - problem.goal.y),
-               abs(wrap_angle(state[2] - problem.goal.theta)))
+    turned = 0.0 if problem.settings.heading_free else wrap_angle(state[2] - problem.goal.theta)
+    missed += math.hypot(state[0] - problem.goal.x, state[1] - problem.goal.y), abs(turned)
     return Replay(*missed.tolist(), float(steepest), float(track.ways[-1]), stretches)
 
 

@@ -59,8 +59,7 @@ def measure(problem):
 def _fault(problem, driven):
     if not driven.position_error <= POSITION_TOLERANCE:
         return f'ends {1e3 * driven.position_error:.1f} mm off when driven'
-    if not (driven.heading_error <= HEADING_TOLERANCE
-            or getattr(problem.settings, 'heading_free', False)):
+    if not driven.heading_error <= HEADING_TOLERANCE:
         return f'ends {math.degrees(driven.heading_error):.2f} deg off when driven'
     if not driven.steepest <= problem.friction_angle:
         return 'leaves the friction cone when driven'
@@ -71,13 +70,13 @@ def displacement_bound(problem):
     """Return the least time in which the push can get from its start to its goal [s]."""
     settings, c = problem.settings, problem.contact_point
     begin, speed = problem.start.transform(c), settings.pushing_speed
-    if getattr(problem, 'kind', '') == 'rolling':
+    if problem.kind == 'rolling':
         # The contact travels on the object; the robot's centre ends somewhere about the goal.
         radius, reach = problem.robot.radius, max([problem.obj.radius, *(
             math.hypot(*corner) for corner in problem.obj.outline)])
         center = (begin[0] - radius * math.cos(problem.normal),
                   begin[1] - radius * math.sin(problem.normal))
         return max(0.0, distance(center, problem.goal) - reach - radius) / speed
-    if getattr(settings, 'heading_free', False):
+    if settings.heading_free:
         return max(0.0, distance(begin, problem.goal) - math.hypot(*c)) / speed
     return distance(begin, problem.goal.transform(c)) / speed

@@ -54,24 +54,29 @@ def text(results):
 
 def picture(path, results):
     """Draw the shares of plans made within a CPU time, and within a gap."""
+    from matplotlib import colormaps
     from matplotlib.figure import Figure
-    figure = Figure(figsize=(11, 4.2), layout='constrained')
-    times, gaps = figure.subplots(1, 2, sharey=True)
-    for name, answers in results.kinds.items():
-        _share(times, [1e3 * answer.cpu for answer in answers], name)
+    figure = Figure(figsize=(11, 6), layout='constrained')
+    times, gaps = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
+    for i, (name, answers) in enumerate(results.kinds.items()):
+        # The goals that the aims are set for stand out.
+        _share(times, [1e3 * answer.cpu for answer in answers], name,
+               color='black' if i == 0 else colormaps['tab20'](i - 1), lw=1.2 if i else 2.4)
     for name, found in results.quality.items():
         _share(gaps, [100.0 * max(item.gap, 0.0) for item in found], name)
+    for aim, share in ((MEDIAN_AIM, 0.5), (HIGH_AIM, 0.95)):
+        times.plot(aim, share, 'k+', ms=10, label='aims for the first' if share == 0.5 else None)
     times.set(xlabel='CPU time of a plan [ms]', ylabel='share of the pushes', xscale='log')
-    gaps.set(xlabel='cost above the best of random starts [%]')
-    gaps.axvline(GAP_AIM, color='black', lw=0.8)
-    for axis in (times, gaps):
+    times.xaxis.set_major_formatter('{x:g}')
+    gaps.set(xlabel='time above the best of random starts [%]')
+    gaps.axvline(GAP_AIM, color='black', lw=0.8, ls='--', label='aim')
+    for axis, columns in ((times, 2), (gaps, 1)):
         axis.grid(alpha=0.3)
-        if axis.lines:
-            axis.legend(fontsize=7)
+        axis.legend(fontsize=8, loc='upper left', bbox_to_anchor=(0.0, -0.12), ncols=columns)
     figure.savefig(path, dpi=110)
 
 
-def _share(axis, values, name):
+def _share(axis, values, name, **style):
     if values:
         axis.step(sorted(values), np.arange(1, len(values) + 1) / len(values), where='post',
-                  label=name)
+                  label=name, **style)

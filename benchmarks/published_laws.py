@@ -1,4 +1,4 @@
-"""Laws of pushing that others have published, from their formulas; they ask for a holonomic robot."""
+"""Laws that others have published, from their formulas; they ask for a holonomic robot."""
 
 import math
 

@@ -37,8 +37,8 @@ class ControllerNode(PushNode):
     or stale, when the push has ended, when odometry stops for ``watchdog_timeout`` on the node's
     clock, and at the end of the node. A new plan that starts at the push under way is taken up
     without a stop, any other starts anew, and only where the robot stands at its start; one that
-    is refused stops the push. Parameters: ``object.*`` and ``robot.*`` as believed, ``control.*``, frames, ``autostart``,
-    ``stamped_cmd_vel``.
+    is refused stops the push. Parameters: ``object.*`` and ``robot.*`` as believed, ``control.*``,
+    frames, ``autostart``, ``stamped_cmd_vel``.
     """
 
     def __init__(self):

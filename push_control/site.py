@@ -8,7 +8,7 @@ from push_model.contact import (contact_point, curvature_radius, find_contact, n
 from push_model.geometry import distance, Pose, wrap_angle
 
 GAP_LIMIT = 0.01
-SAME_POINT, NEAR, TURN = 0.02, 0.2, 0.5
+SAME_POINT, NEAR, TURN = 0.02, 0.5, 0.5
 
 
 class Site(NamedTuple):

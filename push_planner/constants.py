@@ -16,6 +16,8 @@ from push_model.state import ObjectTerms
 KINDS = ('held', 'rolling', 'differential')
 VERTEX_RESERVE = 0.02
 UNLIMITED = 1e3
+# Numbers of the constants besides those of the supports.
+COUNT = 13
 
 
 class Constants(NamedTuple):
@@ -72,10 +74,10 @@ class Constants(NamedTuple):
         :param supports: number of supports.
         :return: (``Constants`` of symbols, the same as one column).
         """
-        flat = ca.SX.sym('constants', 13 + 3 * supports)
+        flat = ca.SX.sym('constants', COUNT + 3 * supports)
         parts = ca.vertsplit(flat)
-        feet = tuple(tuple(parts[13 + 3 * i:16 + 3 * i]) for i in range(supports))
-        return cls(ObjectTerms(*parts[:4], feet), *parts[4:13]), flat
+        feet = tuple(tuple(parts[COUNT + 3 * i:COUNT + 3 + 3 * i]) for i in range(supports))
+        return cls(ObjectTerms(*parts[:4], feet), *parts[4:COUNT]), flat
 
     def column(self):
         """Return the numbers in the order of ``symbols``, shape (13 + 3 k,)."""

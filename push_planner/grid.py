@@ -15,6 +15,7 @@ RAMP_STEPS = 3
 RUN_IN_STEPS = 3
 SUB_STEPS = 24
 COUNT_STEP = 8
+FAST, FINER = 0.4, 0.8
 
 
 class Grid(NamedTuple):
@@ -118,11 +119,16 @@ def make_grid(problem, way, run_in):
     """
     settings = problem.settings
     speeds = ramps(settings, problem.motion, way)
-    pieces = settings.segments
-    if way > pieces * settings.segment_length:
-        # Few different numbers of pieces: a programme is built for each.
-        pieces = COUNT_STEP * math.ceil(way / settings.segment_length / COUNT_STEP)
     jumps = settings.pushing_angles == 'constant'
+    pieces, longest = settings.segments, settings.segment_length
+    if not jumps:
+        # With inertia it takes finer steering to follow the cone's edge; and in a longer piece
+        # than the wheelbase a push runs away from its path.
+        finer = FINER if speeds.highest > FAST ** 2 else 1.0
+        longest = min(finer * longest, problem.vehicle.wheelbase)
+    if way > pieces * longest:
+        # Few different numbers of pieces: a programme is built for each.
+        pieces = COUNT_STEP * math.ceil(way / longest / COUNT_STEP)
     per_piece = max(1, SUB_STEPS // pieces) if jumps else 1
     stretches = []
     if speeds.rise > 0.0:

@@ -12,10 +12,11 @@ from push_planner.transcription import Equations, PENALTY, SMOOTHING
 
 NEGLIGIBLE = 1e-5
 SHORTEST_WAY = 1e-3
+UNSETTLED = 'the search did not settle'
 QUIET = {'print_time': False, 'error_on_fail': False}
 FATROP = {'fatrop': {'print_level': 0, 'tol': 3e-4, 'mu_init': 3e-5, 'bound_push': 0.1,
-                     'max_iter': 60}}
-IPOPT = {'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 100, 'tol': 1e-6, 'mu_init': 1e-2,
+                     'max_iter': 40}}
+IPOPT = {'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 80, 'tol': 1e-4, 'mu_init': 1e-2,
                    'acceptable_iter': 0, 'linear_solver': 'mumps'}}
 
 
@@ -137,7 +138,7 @@ class Programme:
         stats = self._relaxed.stats()
         found, count = np.array(answer['x']).ravel(), int(stats['iter_count'])
         if not stats['success'] or not np.isfinite(found).all():
-            return None, stats['return_status'], count
+            return None, UNSETTLED, count
         if found[-1] > NEGLIGIBLE:
             prices = np.abs(np.array(answer['lam_g']).ravel())
             prices[self._equations.equality] = 0.0

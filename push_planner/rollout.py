@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from push_planner.buffered import Buffered
-from push_planner.constants import Constants
+from push_planner.constants import Constants, COUNT
 from push_planner.stage import collocate, touch
 from push_planner.step import Node, radau, Step
 
@@ -76,58 +76,67 @@ def beside(kind, supports, jumps, parts, steps):
     return Buffered(one_step(kind, supports, jumps, parts).map(steps))
 
 
-@functools.lru_cache(maxsize=32)
+@functools.lru_cache(maxsize=64)
 def one_step(kind, supports, jumps, parts):
     """Build one step; arguments as for ``advance``."""
+    node, planned, gains = (ca.MX.sym(name, 6) for name in ('node', 'planned', 'gains'))
+    change, data = ca.MX.sym('change'), ca.MX.sym('data', STEP_ROWS)
+    shares, flat = ca.MX.sym('shares', parts), ca.MX.sym('flat', COUNT + 3 * supports)
+    driven, begin = _begin(kind, supports, jumps)(node, planned, gains, change, flat)
+    along = 0.0 if jumps else driven
+    # Within a step w goes on smoothly, and so does the guess.
+    now, *found = _part(kind, supports, FIRST_STEPS)(ca.vertcat(begin, 0.0, 0.0), shares[0],
+                                                     along, data, flat)
+    if parts > 1:
+        later = _part(kind, supports, NEWTON_STEPS).mapaccum(parts - 1)
+        passed, *more = later(now, shares[1:].T, along, data, flat)
+        now, found = passed[:, -1], [ca.horzcat(*pair) for pair in zip(found, more)]
+    return ca.Function('step', [node, planned, change, gains, data, shares, flat], [
+        now[:6], driven, begin, *(ca.vec(values) for values in found)])
+
+
+@functools.lru_cache(maxsize=16)
+def _begin(kind, supports, jumps):
+    """Begin a step: the change of the pushing angle, corrected, and the node after its jump."""
     constants, flat = Constants.symbols(supports)
     node, planned, gains = (ca.SX.sym(name, 6) for name in ('node', 'planned', 'gains'))
-    change, data, shares = ca.SX.sym('change'), ca.SX.sym('data', STEP_ROWS), ca.SX.sym(
-        'shares', parts)
-    length, square, slope, smoothing = ca.vertsplit(data)
+    change, begin = ca.SX.sym('change'), Node(*ca.vertsplit(node))
     driven = change - ca.dot(gains, node - planned)
-    begin = Node(*ca.vertsplit(node))
     if jumps:
         jump, _, _ = touch(kind, constants, begin, driven)
         begin = begin._replace(w=begin.w + jump, rho=begin.rho + driven)
-    places, _, inverse = radau(POINTS)
-    # Within a step w goes on smoothly, and so does the guess.
-    now, way, samples, forces, rise = ca.vertcat(*begin), 0.0, [], [], 0.0
-    for i in range(parts):
-        h = shares[i] * length
-        along = 0.0 if jumps else driven * shares[i]
-        part = _part(kind, supports, NEWTON_STEPS if i else FIRST_STEPS)
-        found, force = part(now[0] + rise * h * ca.DM(places), now, h, along,
-                            square + slope * way, slope, smoothing, flat)
-        rise = ca.dot(ca.DM(inverse[-1]), found[0, :].T - now[0]) / h
-        way, now = way + h, found[:, POINTS - 1]
-        samples.append(found)
-        forces.append(force)
-    return ca.Function('step', [node, planned, change, gains, data, shares, flat], [
-        now, driven, ca.vertcat(*begin), ca.vec(ca.horzcat(*samples)),
-        ca.vec(ca.horzcat(*forces))])
+    return ca.Function('begin', [node, planned, gains, change, flat], [driven,
+                                                                       ca.vertcat(*begin)])
 
 
 @functools.lru_cache(maxsize=16)
 def _part(kind, supports, count):
-    """One Radau step, solved by Newton's method from a guess: samples (6, K), forces (2, K)."""
+    """
+    Build one Radau step, solved by Newton's method.
+
+    From (node, dw/ds, way in the step), share of the step, change of the pushing angle over the
+    step, its numbers and the constants to the same after it, samples and forces.
+    """
     constants, flat = Constants.symbols(supports)
-    node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
-    length, change, square, slope, smoothing = (ca.SX.sym(name) for name in (
-        'length', 'change', 'square', 'slope', 'smoothing'))
-    step = Step(length, change, square, slope, False, smoothing)
+    before, rates = ca.SX.sym('before', 8), ca.SX.sym('rates', POINTS)
+    share, along, data = ca.SX.sym('share'), ca.SX.sym('along'), ca.SX.sym('data', STEP_ROWS)
+    length, square, slope, smoothing = ca.vertsplit(data)
+    node, (rise, way) = before[:6], ca.vertsplit(before[6:])
+    h, (places, _, inverse) = share * length, radau(POINTS)
+    step = Step(h, along * share, square + slope * way, slope, False, smoothing)
     begin = Node(*ca.vertsplit(node))
     if kind == 'held':
         begin = begin._replace(phi=begin.theta)
     out = collocate(kind, constants, begin, step, ca.vertsplit(rates))
     residual = ca.vertcat(*out.residuals)
-    given = [node, length, change, square, slope, smoothing, flat]
+    given = [before, share, along, data, flat]
     newton = ca.Function('newton', [rates, *given],
                          [rates - ca.solve(ca.jacobian(residual, rates), residual)])
-    samples = ca.horzcat(*[ca.vertcat(*sample) for sample in out.samples])
-    forces = ca.horzcat(*[ca.vertcat(*force) for force in out.forces])
-    finish = ca.Function('finish', [rates, *given], [samples, forces])
-    found = guess = ca.SX.sym('guess', POINTS)
+    after = ca.vertcat(*out.node, ca.dot(ca.DM(inverse[-1]), rates - node[0]) / h, way + h)
+    finish = ca.Function('finish', [rates, *given], [
+        after, ca.vertcat(*[ca.vertcat(*sample) for sample in out.samples]),
+        ca.vertcat(*[ca.vertcat(*force) for force in out.forces])])
+    found = node[0] + rise * h * ca.DM(places)
     for _ in range(count):
         found = newton(found, *given)
-    results = ca.cse(list(finish(found, *given)))
-    return ca.Function('part', [guess, *given], results)
+    return ca.Function('part', given, ca.cse(list(finish(found, *given))))

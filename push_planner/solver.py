@@ -9,7 +9,7 @@ from push_planner.bounds import displacement_bound
 from push_planner.formulation import formulate, Formulation, turn_range
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed
-from push_planner.programme import programme, Solution
+from push_planner.programme import programme, Solution, UNSETTLED
 from push_planner.refinement import refine
 from push_planner.refusals import refuse_impossible
 from push_planner.remainder import remainder
@@ -17,6 +17,7 @@ from push_planner.sampling import report_of, switches_of, trajectory_of
 from push_planner.warm_start import routes, tightest_turns
 
 ROUTES = 12
+RELAXED = 4
 NEARLY_BEST = 1.1
 ALIKE = 1.0
 
@@ -59,17 +60,18 @@ def plan(problem, previous=None):
         if again is not None:
             return again
     for relaxed in (False, True):
-        waiting = left
+        waiting = left[:RELAXED] if relaxed else left
         while waiting:
             solved, waiting = _solve_some(problem, waiting, attempts, relaxed)
             for candidate in sorted(solved, key=lambda candidate: candidate.duration):
                 found = _finish(problem, candidate, attempts)
                 if found is not None:
                     return found
-    # The relaxed programme comes last, and says what stands in the way.
+    # The relaxed programme comes last, and mostly says what stands in the way.
+    nearest = min(attempts[-len(left[:RELAXED]):], key=lambda attempt: UNSETTLED in attempt)
     raise PlanningFailed('no push within the friction cone and the limits of the robot was found '
-                         f'on {len(left)} ways that were tried, the first '
-                         f'{attempts[len(attempts) - len(left)]}', {'attempts': attempts})
+                         f'on {len(left)} ways that were tried, among them {nearest}',
+                         {'attempts': attempts})
 
 
 def _ways(problem):
@@ -92,7 +94,7 @@ def _ways(problem):
 def _follow(problem, previous, least, attempts):
     route = remainder(problem, previous)
     candidate = None if route is None else _solve(problem, route, attempts, False)
-    if candidate is None or candidate.length > NEARLY_BEST * max(least, route.cost):
+    if candidate is None or candidate.length > NEARLY_BEST * least:
         return None
     return _finish(problem, candidate, attempts)
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 from push_planner.buffered import Buffered
-from push_planner.constants import Constants, place
+from push_planner.constants import Constants, COUNT, place
 from push_planner.stage import balance
 from push_planner.step import Step
 
@@ -94,7 +94,7 @@ def steady_turns(problem_key):
     :return: ``SteadyTurns``.
     """
     steers = np.linspace(-STEEPEST, STEEPEST, ANGLES)
-    supports = (len(problem_key.column) - 13) // 3
+    supports = (len(problem_key.column) - COUNT) // 3
     column = np.array(problem_key.column)
     rates, forces = _table(supports)(steers[:, None] - problem_key.offset, problem_key.square,
                                      column)

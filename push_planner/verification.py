@@ -24,7 +24,8 @@ class Verification(NamedTuple):
 
     :param position_error: distance from the goal at the end, mismatches between stretches
         included [m].
-    :param heading_error: the same of the orientation [rad]; 0 where the heading is free.
+    :param heading_error: the same of the orientation, and of the contact normal between stretches
+        [rad]; 0 at a goal where the heading is free.
     :param cone_usage: largest angle of the contact force over the planning cone's half-angle.
     :param friction_usage: the same over the believed friction cone's half-angle.
     :param stretches: number of stretches; 1 is one integration from start to goal.
@@ -55,7 +56,7 @@ def re_integrate(plan):
         if begin > stretch_begin and end - stretch_begin > longest:
             meant = _planned_state(plan, time)
             position += math.hypot(*(state - meant)[:2])
-            heading += abs(state[2] - meant[2])
+            heading += float(np.abs(state - meant)[[2, 4]].max())
             state, stretch_begin, stretches = meant, begin, stretches + 1
         state, angle = push.follow(state)
         steepest = max(steepest, angle)

@@ -15,7 +15,7 @@ from push_planner.first_guess import guess
 from push_planner.steady_turns import steady_turns, SteadyTurn, TurnKey
 
 FASTEST_TIGHT = 0.5
-GENTLE = 0.7
+GENTLE = 0.85
 SHORTER = (0.5, 0.25, 0.1)
 DETOUR = 1.2
 SHORTEST_RUN_IN = 0.02

@@ -9,8 +9,8 @@ MODULES = ('sketches_model', 'sketches_rest', 'sketches_state', 'sketches_wheel'
            'corner_limit', 'corner_rates', 'corner_transients', 'corner_motion',
            'support_patterns',
            'stable_regions',
-           'plan_sketches', 'plan_segments', 'plan_speeds', 'plan_cone', 'plan_rolling',
-           'plan_drift',
+           'plan_sketches', 'plan_segments', 'plan_speeds', 'plan_cone',
+           'plan_raised_speed', 'plan_rolling', 'plan_radii', 'plan_drift',
            'plan_effort', 'plan_errors_studies',
            'control_goals', 'control_noise', 'control_spells')
 

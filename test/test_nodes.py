@@ -21,11 +21,13 @@ from push_ros.messages import (from_object_pose_message, to_object_pose_message,
                                to_odometry_message)
 from push_ros.parameter_layout import to_values
 from push_ros.plan_messages import from_plan_message, to_plan_message
+from push_ros.qos import LATCHED
 from push_scenario.closed_loop import make_simulation
 from push_scenario.data import config_file
 from push_scenario.reader import find_scenario, read_scenario
 from push_sim_node.sensors import SensorSettings
 import pytest
+import yaml
 
 MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node',
            SIM: 'push_sim_node.sim_node'}
@@ -203,6 +205,18 @@ def test_a_plan_that_is_refused_stops_the_push(controller, trajectory):
     assert controller.odometry(0.2, ROBOT) == ZERO
 
 
+def test_a_plan_from_another_site_stops_the_push(controller):
+    """The robot does not set out blindly: it is told where to stand."""
+    opposite = Pose(-ROBOT.x, -ROBOT.y, ROBOT.theta + math.pi)
+    elsewhere = plan(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, opposite,
+                                            Pose(-1.0, 0.0, OBJECT.theta), SCENARIO.planner))
+    controller.speak('push_plan', to_plan_message(elsewhere.trajectory, to_stamp(0.1), 'odom'))
+    controller.until(lambda: 'has a plan' in last_text(controller))
+    assert controller.odometry(0.2, ROBOT) == controller.object_pose(0.22, OBJECT) == ZERO
+    controller.until(lambda: any(f'it must stand at {opposite.x:.3f} m, ' in error
+                                 for error in errors(controller)))
+
+
 def test_time_that_goes_back_ends_the_push(controller):
     """A simulator that was put back to the start needs a new plan."""
     for i in range(10, 75):
@@ -315,8 +329,10 @@ def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
 
 def test_a_push_is_planned_again_when_asked(planner):
     """To the last goal, from where it has come to."""
-    wanted = from_plan_message(planner.heard['push_plan'][-1], 'odom').object_poses[-1]
-    shift = Pose(0.9, 0.15, 0.2)
+    wanted, shift = Pose(2.6, 0.7, -0.4), Pose(0.9, 0.15, 0.2)
+    planner.heard['push_plan'].clear()
+    planner.speak('goal_pose', goal(wanted))
+    planner.repeat(lambda: measure(planner), lambda: planner.heard['push_plan'])
     for _ in range(5):
         push_on(planner, shift)
         planner.spin(0.1)
@@ -353,7 +369,8 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
     """Planner and controller over DDS, the plant here: the push goes on to the new goal."""
     scenario = dataclasses.replace(SCENARIO, sensors=LATE)
     plant, wanted = make_simulation(scenario), Pose(2.4, 0.5, -0.5)
-    with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], {**PHYSICS, 'autostart': True}) as b:
+    parameters = {**PHYSICS, 'autostart': True, 'watchdog_timeout': 5.0}
+    with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.start(PLANNER, MODULES[PLANNER], PHYSICS)
         for topic in ('cmd_vel', 'push_plan', 'planned_path', 'diagnostics'):
             b.listen(topic)
@@ -364,14 +381,25 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
                  lambda: b.heard['push_plan'])
         assert drive(b, plant, 3.0)[-1] > 0.12
         b.speak('goal_pose', goal(wanted))
-        assert min(drive(b, plant, 5.0, pause=0.01)) > 0.1
-        assert len(b.heard['push_plan']) == 2
+        speeds = drive(b, plant, 20.0, lambda: len(b.heard['push_plan']) == 2, pause=PERIOD)
+        assert min(speeds + drive(b, plant, plant.time + 1.5)) > 0.1
         end = b.heard['planned_path'][-1].poses[-1]
         assert distance(from_object_pose_message(end, 'odom').pose, wanted) < 2e-3
         start = from_plan_message(b.heard['push_plan'][-1], 'odom').object_poses[0]
         assert 0.2 < distance(start, OBJECT) < distance(plant.truth.object_pose, OBJECT)
         drive(b, plant, 60.0, lambda: 'is done' in last_text(b, CONTROLLER))
         assert distance(plant.truth.object_pose, wanted) < 0.02
+
+
+def test_rviz_gives_the_goal_and_shows_the_path():
+    """On the topics of the planner; the latched path is asked for as such."""
+    manager = yaml.safe_load(config_file('push.rviz').read_text())['Visualization Manager']
+    tools = {tool['Class']: tool.get('Topic', {}).get('Value') for tool in manager['Tools']}
+    assert tools['rviz_default_plugins/SetGoal'] == 'goal_pose' in TOPICS
+    path = next(d for d in manager['Displays'] if d['Class'] == 'rviz_default_plugins/Path')
+    assert path['Enabled'] and path['Topic']['Value'] == 'planned_path' in TOPICS
+    assert path['Topic']['Durability Policy'] == 'Transient Local'
+    assert TOPICS['planned_path'].publish_qos is LATCHED
 
 
 def drive(b, plant, end, done=lambda: False, pause=0.0):

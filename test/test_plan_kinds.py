@@ -5,6 +5,7 @@ import dataclasses
 import math
 
 import numpy as np
+from objects import box
 from push_model.contact import face_length
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -16,6 +17,8 @@ from push_problems import face_problem, HOLONOMIC, round_problem, vertex_problem
 import pytest
 
 IDEAL = RoundRobot(0.17, 'holonomic', max_speed=5.0, max_yaw_rate=50.0, max_acceleration=100.0)
+QUICK = RoundRobot(0.1, 'differential', max_yaw_rate=50.0, max_acceleration=100.0,
+                   max_yaw_acceleration=1000.0)
 BENT = Pose(1.5, 0.4, 0.5)
 FIXED = {'robot_yaw': 'fixed', 'run_in': 0.0}
 ANSWERED = {
@@ -35,6 +38,8 @@ ANSWERED = {
     '0.05 m/s, behind': face_problem(Pose(-1.0, 0.3, 2.0), IDEAL, pushing_speed=0.05),
     'near': face_problem(Pose(0.1, 0.0, 0.0), IDEAL, pushing_speed=0.5),
     'far': face_problem(Pose(9.0, 4.0, 2.0), IDEAL, pushing_speed=0.5),
+    'small box, far': vertex_problem(Pose(-3.0, -0.6, 1.0), QUICK, obj=box(side=0.1),
+                                     pushing_speed=0.25, run_in=0.0),
     'limited angle': face_problem(BENT, IDEAL, angle_limit='angle', max_pushing_angle=0.2),
     'unlimited': face_problem(BENT, IDEAL, angle_limit='none', pushing_speed=0.1),
 }
@@ -230,3 +235,13 @@ def test_a_correction_that_would_reverse_the_push_ends_a_trial_and_not_the_plann
                            friction_discount=1.0)
     with contextlib.suppress(PlanningFailed):
         assert plan(problem).verify().position_error < 1e-3
+
+
+def test_a_former_plan_is_left_where_there_is_a_much_shorter_way():
+    """Where the goal moves so that the loop of the former plan is not needed any more."""
+    behind = face_problem(Pose(-0.4, 0.0, 0.3), IDEAL)
+    former = plan(behind)
+    ahead = dataclasses.replace(behind, goal=Pose(1.5, 0.0, 0.0))
+    anew = plan(ahead, previous=former)
+    assert anew.trajectory.duration <= 1.1 * plan(ahead).trajectory.duration
+    assert anew.report['word'] != 'former plan'

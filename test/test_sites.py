@@ -9,7 +9,7 @@ from push_model.geometry import distance, Pose
 from push_model.parameters import Contact, RoundRobot, Support
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
-from push_planner.site_list import robot_start, site_problems
+from push_planner.site_list import site_problems
 from push_planner.sites import choose_site
 from push_planner.solver import plan
 from push_planner.under_way import plan_measured
@@ -133,7 +133,7 @@ def test_where_all_sites_are_refused_the_least_bad_is_named(robot, obj, goal, re
 
 
 def test_the_least_bad_site_is_the_one_that_came_nearest():
-    """A face that is merely too far off goes before those that can never be used."""
+    """A vertex that is merely too far off goes before faces that can never be used."""
     with pytest.raises(PlanningFailed) as failure:
         choose_site(box(), DIFFERENTIAL, HOME, Pose(50.0, 50.0, 0.0))
     table = failure.value.report['sites']
@@ -169,11 +169,10 @@ def test_the_settings_say_whether_the_robot_stays(place, sites):
 
 
 def test_a_robot_that_stands_well_stays():
-    """Its own site is the quickest, to the last digit the same plan."""
+    """At the quickest site its own place is as quick, and the plan starts there."""
     goal = Pose(1.5, 0.3, 0.2)
-    place = robot_start(problem_from_placement(box(), HOLONOMIC, HOME, Pose(-0.375, 0.03, 0.0),
-                                               goal))
-    stay = plan_at(place, goal)
-    assert stay.table == ()
-    auto = plan_at(place, goal, AUTO)
-    assert auto.table[0].duration <= stay.plan.trajectory.duration
+    place = choose_site(box(), HOLONOMIC, HOME, goal).table[0].robot_pose
+    stay, auto = (plan_at(place, goal, settings) for settings in (None, AUTO))
+    assert stay.table == () and len(auto.table) == 9
+    assert auto.plan.trajectory.duration == pytest.approx(stay.plan.trajectory.duration, rel=1e-9)
+    assert auto.plan.trajectory.robot_poses[0] == pytest.approx(place, abs=1e-9)

@@ -8,8 +8,8 @@ from push_model.friction import mean_square
 from push_model.rolling_limits import quasi_static_force
 from push_planner.replay import replay
 from push_planner.solver import plan
-from push_study import (plan_cone, plan_drift, plan_rolling, plan_segments, plan_sketches,
-                        plan_speeds)
+from push_study import (plan_cone, plan_drift, plan_radii, plan_raised_speed, plan_rolling,
+                        plan_segments, plan_sketches, plan_speeds)
 from push_study.plan_scene import input_table, push_problem
 from push_study.run import run_here
 from push_study.scenes import box
@@ -17,7 +17,8 @@ from push_study.values import read_table, values_of
 import pytest
 
 pytestmark = pytest.mark.physics
-STUDIES = {study.figure: study for module in (plan_cone, plan_drift, plan_rolling, plan_segments,
+STUDIES = {study.figure: study for module in (plan_cone, plan_drift, plan_radii,
+                                              plan_raised_speed, plan_rolling, plan_segments,
                                               plan_sketches, plan_speeds)
            for study in module.STUDIES}
 
