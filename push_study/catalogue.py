@@ -11,7 +11,8 @@ MODULES = ('sketches_model', 'sketches_rest', 'sketches_state', 'sketches_wheel'
            'stable_regions',
            'plan_sketches', 'plan_segments', 'plan_speeds', 'plan_cone',
            'plan_raised_speed', 'plan_rolling', 'plan_radii', 'plan_drift',
-           'plan_effort', 'plan_errors_studies')
+           'plan_effort', 'plan_errors_studies',
+           'control_goals', 'control_noise', 'control_spells')
 
 
 def studies():
