@@ -8,8 +8,8 @@ from push_model.geometry import Pose
 
 PLAN, GOAL, INK = '#5A5A5A', '#007A5E', '#202020'
 LAW_STYLES = {'open_loop': {'color': '#E58A00', 'linestyle': '-', 'linewidth': 1.8},
-              'feedback': {'color': '#0B3C8C', 'linestyle': '-', 'linewidth': 2.4},
-              'mpc': {'color': '#7A4FBF', 'linestyle': '-', 'linewidth': 1.8}}
+              'feedback': {'color': '#0B3C8C', 'linestyle': '-', 'linewidth': 3.0},
+              'mpc': {'color': '#E0479E', 'linestyle': (0, (5, 1.5, 1, 1.5)), 'linewidth': 2.0}}
 PLAN_STYLE = {'color': PLAN, 'linestyle': (0, (4, 2)), 'linewidth': 1.6}
 DISC_SIDES = 60
 

@@ -29,8 +29,8 @@ def draw_figure(results, path):
     figure = Figure(figsize=SIZE, dpi=DPI, facecolor='white')
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(4, 3, width_ratios=(0.8, 1.75, 1.55), left=0.05, right=0.985,
-                               top=0.92, bottom=0.075, wspace=0.2, hspace=0.34)
-    figure.suptitle(_title(results), x=0.05, y=0.975, ha='left', fontsize=15, color=INK)
+                               top=0.92, bottom=0.075, wspace=0.23, hspace=0.34)
+    figure.suptitle(_title(results), x=0.05, y=0.975, ha='left', fontsize=14, color=INK)
     _trajectories(figure.add_subplot(grid[:3, :2]), results)
     _hidden_truth(figure.add_subplot(grid[3, 0]), results[0].scenario)
     _legend(figure.add_subplot(grid[3, 1]), results)
@@ -50,9 +50,9 @@ def _title(results):
     parts = []
     for result in results:
         metrics = measure(result)
-        parts.append(f'{TITLES[result.control_law]} ends {_millimetres(metrics.position_error)} '
-                     f'and {abs(math.degrees(metrics.heading_error)):.1f}° off')
-    return f'{scenario.name.replace("_", " ")}: ' + ', '.join(parts)
+        parts.append(f'{TITLES[result.control_law]} {_millimetres(metrics.position_error)} '
+                     f'and {abs(math.degrees(metrics.heading_error)):.1f}°')
+    return f'{scenario.name.replace("_", " ")}, ends off the goal: ' + ', '.join(parts)
 
 
 def _millimetres(metres):
@@ -88,12 +88,13 @@ def _moments(axes, result, with_robot):
     rows[-1] = len(tape) - 1
     for row in rows:
         last = row == rows[-1]
-        style = {'edgecolor': color, 'linewidth': 1.8 if last else 0.9, 'zorder': 4 if last else 3}
+        style = {'edgecolor': color, 'linewidth': 1.8 if last else 0.9, 'zorder': 4 if last else 3,
+                 'linestyle': LAW_STYLES[result.control_law]['linestyle']}
         draw_object(axes, scenario.truth, objects[row], facecolor=color + ('30' if last else '0C'),
                     **style)
         if last or with_robot:
             draw_robot(axes, scenario.robot_truth.radius, robots[row],
-                       facecolor=color + ('60' if last else '14'), **style)
+                       facecolor=color + ('38' if last else '14'), **style)
 
 
 def _hidden_truth(axes, scenario):
@@ -123,8 +124,8 @@ def _legend(axes, results):
     axes.set_axis_off()
     handles = [Line2D([], [], **PLAN_STYLE, label='plan')]
     handles += [Line2D([], [], **LAW_STYLES[result.control_law],
-                       label=f'{TITLES[result.control_law]}: path of the box, '
-                       f'box at {MOMENTS} moments') for result in results]
+                       label=f'{TITLES[result.control_law]}: path of the object, '
+                       f'and the object at {MOMENTS} moments') for result in results]
     handles += [
         Line2D([], [], color=GOAL, linestyle=(0, (2, 1)), linewidth=3.0, label='goal'),
         Line2D([], [], color=TRUTH, marker='X', linestyle='none', markersize=9,

@@ -7,7 +7,9 @@ import signal
 
 from mcap.reader import make_reader
 import numpy as np
+from push_control.settings import LAWS
 from push_model.geometry import distance
+from push_model.parameters import CONTACT_KINDS, DRIVES
 from push_ros.dds_replay import run_over_dds
 from push_ros.interfaces import CONTROLLER, PLANNER, SIM
 from push_ros.processes import NodeDied
@@ -16,6 +18,7 @@ from push_scenario import closed_loop
 from push_scenario.closed_loop import SETTLE_TIME
 from push_scenario.metrics import is_as_expected
 from push_scenario.reader import find_scenario, read_scenario
+from push_sim_node.disturbance import change_times
 import pytest
 from rosbags.highlevel import AnyReader
 
@@ -85,6 +88,39 @@ def test_a_sensor_dropout_is_ridden_out(tmp_path):
     start, end = result.scenario.sensors.pose_dropouts[0]
     inside = (result.tape['time'] > start + 0.5) & (result.tape['time'] < end)
     assert inside.any() and not result.tape['command_v_x'][inside].any()
+
+
+DISTURBED = {'friction_noise': 'feedback', 'friction_spell': 'mpc', 'friction_shift': 'mpc',
+             'bin_round': 'feedback'}
+
+
+@pytest.fixture(scope='module')
+def disturbed(tmp_path_factory):
+    """Replay scenarios, two at a time."""
+    folders = {name: tmp_path_factory.mktemp(name) for name in DISTURBED}
+    with ThreadPoolExecutor(2) as pool:
+        runs = {name: pool.submit(run_over_dds, scenario(name), law, folders[name], record=False)
+                for name, law in DISTURBED.items()}
+        return {name: run.result() for name, run in runs.items()}
+
+
+@pytest.mark.parametrize('name', DISTURBED)
+def test_a_disturbed_push_arrives(disturbed, name):
+    """Over DDS too, under the law that is asked for."""
+    result = disturbed[name]
+    assert is_as_expected(result), (result.outcome, result.reason)
+    assert result.control_law == DISTURBED[name]
+
+
+def test_disturbed_pushes_cover_what_there_is(disturbed):
+    """Both drives, all contact kinds, both laws; friction that changes once, twice, always."""
+    scenarios = [result.scenario for result in disturbed.values()]
+    assert {one.robot.drive for one in scenarios} == set(DRIVES)
+    assert {one.start.contact.kind for one in scenarios} == set(CONTACT_KINDS)
+    assert set(DISTURBED.values()) == set(LAWS) - {'open_loop'}
+    times = {len([time for time in change_times(one.simulation.friction_changes)
+                  if time < disturbed[one.name].end_time]) for one in scenarios}
+    assert {0, 1, 2} < times and max(times) > 10
 
 
 def test_a_goal_that_cannot_be_reached_is_refused(tmp_path):

@@ -77,21 +77,38 @@ def test_a_run_that_misses_its_bounds_ends_with_status_1(tmp_path):
     assert replay(tmp_path, str(path), '--no-pictures') == 1
 
 
-def test_feedback_decides_where_laws_are_compared(tmp_path, capsys):
-    laws = ('--law', 'feedback', '--law', 'open_loop')
+def test_closed_loops_decide_where_laws_are_compared(tmp_path, capsys):
+    laws = ('--law', 'mpc', '--law', 'feedback', '--law', 'open_loop')
     assert replay(tmp_path, 'corner_push_mismatch', *laws, '--no-pictures') == 0
     header = capsys.readouterr().out.splitlines()[1]
-    assert header.split() == ['feedback', 'open', 'loop', 'bound']
+    assert header.split() == ['mpc', 'feedback', 'open', 'loop', 'bound']
 
 
-def test_demo_leaves_picture_and_animation(tmp_path):
+def test_open_loop_alone_is_judged(tmp_path):
+    words = ('corner_push_mismatch', '--law', 'open_loop', '--no-pictures')
+    assert replay(tmp_path, *words) == 1
+
+
+@pytest.mark.parametrize('missing', ['feedback', 'mpc'])
+def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
+    def judge(result):
+        return result.control_law != missing
+
+    monkeypatch.setattr('push_scenario.replay.is_as_expected', judge)
+    laws = ('--law', 'feedback', '--law', 'mpc')
+    assert replay(tmp_path, 'straight_push', *laws, '--no-pictures') == 1
+
+
+def test_demo_compares_three_laws_and_leaves_picture_and_animation(tmp_path, capsys):
     assert replay(tmp_path, '--demo') == 0
+    header = capsys.readouterr().out.splitlines()[1]
+    assert header.split() == ['open', 'loop', 'feedback', 'mpc', 'bound']
     with Image.open(tmp_path / 'out' / 'demo.png') as picture:
         assert picture.format == 'PNG' and min(picture.size) > 700
         assert len(picture.convert('RGB').getcolors(1 << 24)) > 100
     with Image.open(tmp_path / 'out' / 'demo.gif') as animation:
         assert animation.format == 'GIF' and animation.n_frames > 30
-    assert (tmp_path / 'out' / 'demo.gif').stat().st_size < 3e6
+    assert (tmp_path / 'out' / 'demo.gif').stat().st_size < 1.5e6
 
 
 @pytest.mark.parametrize('words, message', [

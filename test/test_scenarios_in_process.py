@@ -8,7 +8,11 @@ from push_scenario.closed_loop import run
 from push_scenario.metrics import is_as_expected, measure
 from push_scenario.reader import find_scenario, read_scenario, scenario_names
 from push_scenario.scenario import Placement, Start
+from push_study.control_floor import gaussian
 import pytest
+
+
+CLOSED_LOOPS = ('feedback', 'mpc')
 
 
 def scenario(name):
@@ -16,9 +20,10 @@ def scenario(name):
     return read_scenario(find_scenario(name))
 
 
+@pytest.mark.parametrize('law', CLOSED_LOOPS)
 @pytest.mark.parametrize('name', scenario_names())
-def test_every_scenario_ends_as_expected(name):
-    result = run(scenario(name))
+def test_every_scenario_ends_as_expected(name, law):
+    result = run(scenario(name), law)
     assert is_as_expected(result), result.reason or measure(result)
     if result.outcome == 'refused':
         assert result.tape is None and result.reason
@@ -35,6 +40,25 @@ def test_open_loop_misses_the_demo_by_ten_times_the_bounds():
     metrics = measure(run(demo, 'open_loop'))
     assert metrics.position_error > 10.0 * demo.bounds.position_error
     assert abs(metrics.heading_error) > 10.0 * demo.bounds.heading_error
+
+
+@pytest.mark.parametrize('name', ['friction_noise', 'friction_spell', 'friction_shift'])
+def test_open_loop_misses_where_friction_changes_during_the_push(name):
+    """By more than the bounds; with the friction that is believed it would arrive."""
+    changing = scenario(name)
+    still = dataclasses.replace(changing, simulation=dataclasses.replace(
+        changing.simulation, friction_changes=()))
+    missed, arrived = (measure(run(case, 'open_loop')) for case in (changing, still))
+    assert not missed.within_bounds and missed.position_error > 3.0 * arrived.position_error
+    begins = [change.start for change in changing.simulation.friction_changes]
+    assert max(begins) < missed.time
+
+
+def test_random_friction_is_that_of_the_study():
+    changes = scenario('friction_noise').simulation.friction_changes
+    drawn = gaussian(seed=0, deviation=0.2, period=0.5, duration=12.0)
+    assert [dataclasses.replace(change, factor=round(change.factor, 2)) for change in drawn] == [
+        *changes]
 
 
 def test_open_loop_arrives_where_belief_is_true():
