@@ -31,11 +31,16 @@ LAST, CLOSE = 0.5, 0.1
 LAWS = ('force angle', 'dipole', 'feedback', 'mpc')
 
 
-def cases():
-    """List the jobs: all combinations under every law."""
+def cases(every=1):
+    """
+    List the jobs under every law.
+
+    :param every: of so many combinations one is taken.
+    """
     names = 'inertia', 'friction', 'aside', 'yaw', 'along'
-    return [{**dict(zip(names, values)), 'law': law} for law in LAWS
-            for values in itertools.product(INERTIAS, FRICTIONS, OFFSETS, YAWS, OFFSETS)]
+    values = list(itertools.product(INERTIAS, FRICTIONS, OFFSETS, YAWS, OFFSETS))
+    return [{**dict(zip(names, some)), 'law': law} for law in LAWS
+            for some in values[every // 2::every]]
 
 
 def push(job):
@@ -75,7 +80,7 @@ def _published(job, box, start):
             angle = force_angle_law(truth, 0.0, truth.contact_point[1])
         angle -= truth.robot_pose.theta
         plant.advance(PERIOD, Twist(SPEED * math.cos(angle), SPEED * math.sin(angle), 0.0))
-    return _judged('', np.array(ways))
+    return judged('', np.array(ways))
 
 
 def _ours(job, box, start):
@@ -87,10 +92,17 @@ def _ours(job, box, start):
     if result.tape is None:
         return {'outcome': result.reason, 'off': math.nan, 'converged': False}
     ways = result.tape.poses('object')[:, :2]
-    return _judged('' if result.outcome == 'done' else result.reason, ways)
+    return judged('' if result.outcome == 'done' else result.reason, ways)
 
 
-def _judged(outcome, ways):
+def judged(outcome, ways):
+    """
+    Judge a push by the last half metre of its way.
+
+    :param outcome: why it ended early, or ''.
+    :param ways: places of the object, shape (n, 2).
+    :return: as ``push``.
+    """
     x, y = ways.T
     last = (x >= WAY - LAST) & (x <= WAY)
     arrived = bool(x.max() >= WAY - 0.5)
@@ -101,12 +113,18 @@ def _judged(outcome, ways):
 
 def grid_table(jobs, records):
     """Write how many cases each law converges in."""
-    lines = []
+    rows = []
     for law in LAWS:
-        found = [record for job, record in zip(jobs, records) if job['law'] == law]
-        off = [1e3 * record['off'] for record in found if record['converged']]
-        refused = sum('steer' in record['outcome'] for record in found)
-        lines.append((law, len(found), sum(record['converged'] for record in found), refused,
-                      f'{np.median(off):.1f}, {max(off):.1f}' if off else '-'))
-    return table(['law', 'cases', 'converged', 'refused', 'mm off the path at last: median, max'],
-                 lines)
+        found = [(job, record) for job, record in zip(jobs, records) if job['law'] == law]
+        off = [1e3 * record['off'] for _, record in found if record['converged']]
+        refused = sum('steer' in record['outcome'] for _, record in found)
+        rows.append((law, _share(found), refused, *(
+            _share([pair for pair in found if pair[0]['friction'] == friction])
+            for friction in FRICTIONS), _share([pair for pair in found if not pair[0]['along']]),
+            f'{np.median(off):.1f}, {max(off):.1f}' if off else '-'))
+    return table(['law', 'converged', 'refused', *(f'friction {value:g}' for value in FRICTIONS),
+                  'contact in the middle', 'mm off the path at last: median, max'], rows)
+
+
+def _share(pairs):
+    return f"{sum(record['converged'] for _, record in pairs)} of {len(pairs)}"

@@ -8,6 +8,7 @@ from push_planner.problem import PlanningFailed
 from push_scenario.closed_loop import run
 from push_scenario.metrics import measure
 
+LAWS = ('feedback', 'mpc')
 TOLERANCES = 0.02, math.radians(3.0)
 
 

@@ -3,10 +3,67 @@
 from collections import Counter
 import math
 import re
+from typing import NamedTuple
 
+from controller_cases import KINDS, STRESSES
+from controller_run import LAWS
 import numpy as np
 
 DEVIATE = 1.96
+ALL = 'all'
+TO_DEGREES = math.degrees(1.0)
+
+
+class Group(NamedTuple):
+    """
+    Pushes of one kind under one law.
+
+    :param kind: one of ``KINDS``, or ``ALL``.
+    :param stress: one of ``STRESSES``.
+    :param law: one of ``LAWS``.
+    :param unplanned: number of cases without a contact that leads to the goal.
+    :param refused: number of those refused from where the robot stood, a little misplaced.
+    :param pushes: (job, record) of those that were pushed.
+    """
+
+    kind: str
+    stress: str
+    law: str
+    unplanned: int
+    refused: int
+    pushes: list
+
+    @property
+    def successes(self):
+        """Number of pushes that came to rest within the tolerances."""
+        return sum(record[f'{self.law}.success'] for _, record in self.pushes)
+
+    def values(self, name):
+        """Gather a figure of the pushes that the controller called done."""
+        return np.array([record[f'{self.law}.{name}'] for _, record in self.pushes
+                         if record[f'{self.law}.outcome'] == 'done'])
+
+
+def groups(jobs, records):
+    """
+    Sort pushes by truth, law and kind; all kinds together come first.
+
+    :param jobs: dicts of ``kind``, ``stress`` and ``seed``.
+    :param records: what ``controller_run.push`` gave for them.
+    """
+    pairs = list(zip(jobs, records))
+    found = [_group(kind, stress, law, pairs) for stress in STRESSES for law in LAWS
+             for kind in (ALL, *KINDS)]
+    return [group for group in found if group.pushes]
+
+
+def _group(kind, stress, law, pairs):
+    chosen = [(job, record) for job, record in pairs
+              if job['stress'] == stress and kind in (ALL, job['kind'])]
+    planned = [(job, record) for job, record in chosen if not record['plan']]
+    pushes = [(job, record) for job, record in planned if record[f'{law}.outcome'] != 'refused']
+    return Group(kind, stress, law, len(chosen) - len(planned), len(planned) - len(pushes),
+                 pushes)
 
 
 def wilson(hits, count):
@@ -23,52 +80,55 @@ def wilson(hits, count):
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-def success_table(rows):
+def success_table(found):
     """
     Write successes and errors.
 
-    :param rows: list of (kind, stress, law, records that have a plan).
+    :param found: list of ``Group``.
     """
-    lines = ['| object and drive | truth | law | n | success | 95 % | mm median, p95 '
-             '| deg median, p95 | time over plan |', '|---' * 9 + '|']
-    for kind, stress, law, records in rows:
-        good = [record for record in records if record[f'{law}.success']]
-        low, high = wilson(len(good), len(records))
-        errors = [_pair(good, f'{law}.{name}', scale) for name, scale in (
-            ('position_error', 1e3), ('heading_error', math.degrees(1.0)))]
-        ratio = np.median([record[f'{law}.time_ratio'] for record in good]) if good else math.nan
-        lines.append(f'| {kind} | {stress} | {law} | {len(records)} '
-                     f'| {100.0 * len(good) / len(records):.1f} % '
-                     f'| {100.0 * low:.1f} to {100.0 * high:.1f} | {errors[0]} | {errors[1]} '
-                     f'| {ratio:.2f} |')
-    return '\n'.join(lines)
+    rows = []
+    for group in found:
+        count = len(group.pushes)
+        low, high = wilson(group.successes, count)
+        ratios = group.values('time_ratio')
+        rows.append((group.stress, group.law, group.kind, count, group.unplanned, group.refused,
+                     f'{100.0 * group.successes / count:.1f} %',
+                     f'{100.0 * low:.1f} to {100.0 * high:.1f}',
+                     spread(1e3 * group.values('position_error')),
+                     spread(TO_DEGREES * group.values('heading_error')),
+                     f'{np.median(ratios):.2f}' if len(ratios) else '-'))
+    return table(['truth', 'law', 'object and drive', 'pushed', 'no plan', 'refused', 'success',
+                  '95 % interval', 'mm median, p95', 'deg median, p95', 'time over plan'], rows)
 
 
-def _pair(records, name, scale):
-    if not records:
+def spread(values, form='.1f', high=95):
+    """Write the median and a high percentile of some values."""
+    if not len(values):
         return '-'
-    values = [scale * record[name] for record in records]
-    return f'{np.median(values):.1f}, {np.percentile(values, 95):.1f}'
+    return f'{np.median(values):{form}}, {np.percentile(values, high):{form}}'
 
 
-def failure_table(rows):
+def failure_table(found):
     """
-    List the classes of failures, each with the first seed that shows it.
+    List the classes of failures, each with the first case that shows it.
 
-    :param rows: list of (kind, stress, law, seeds, records that have a plan).
+    :param found: list of ``Group``.
     """
-    lines = ['| object and drive | truth | law | class | n | for example |', '|---' * 6 + '|']
-    for kind, stress, law, seeds, records in rows:
-        found, first = Counter(), {}
-        for seed, record in zip(seeds, records):
-            if not record[f'{law}.success']:
-                name = fault(record, law)
-                found[name] += 1
-                first.setdefault(name, seed)
-        lines += [f'| {kind} | {stress} | {law} | {name} | {count} | `--kind "{kind}" --stress '
-                  f'"{stress}" --law {law} --seed {first[name]}` |'
-                  for name, count in found.most_common()]
-    return '\n'.join(lines)
+    rows = []
+    for group in found:
+        if group.kind == ALL:
+            continue
+        faults, first = Counter(), {}
+        for job, record in group.pushes:
+            if not record[f'{group.law}.success']:
+                name = fault(record, group.law)
+                faults[name] += 1
+                first.setdefault(name, job['seed'])
+        rows += [(group.stress, group.law, group.kind, name, count,
+                  f'`--kind "{group.kind}" --stress "{group.stress}" --law {group.law} '
+                  f'--seed {first[name]}`') for name, count in faults.most_common()]
+    return table(['truth', 'law', 'object and drive', 'class', 'n', 'for example'],
+                 rows) if rows else 'None.'
 
 
 def fault(record, law):
@@ -76,6 +136,19 @@ def fault(record, law):
     if record[f'{law}.outcome'] == 'done':
         return 'says that it is done, and is not within 20 mm and 3 degrees'
     return re.sub(r'-?\d+(\.\d+)?', '#', record[f'{law}.reason']) or record[f'{law}.outcome']
+
+
+def refusals(jobs, records):
+    """List why goals had no plan, or were refused from where the robot stood."""
+    found = Counter()
+    for job, record in zip(jobs, records):
+        if job['stress'] == STRESSES[0]:
+            reason = record['plan'] or (record[f'{LAWS[0]}.outcome'] == 'refused'
+                                        and record[f'{LAWS[0]}.reason'])
+            if reason:
+                found[job['kind'], re.sub(r'-?\d+(\.\d+)?', '#', reason)] += 1
+    return '\n'.join(f'* {kind}: {count} x {reason}'
+                     for (kind, reason), count in found.most_common()) or 'None.'
 
 
 def table(titles, rows):
