@@ -110,14 +110,16 @@ def _hidden_truth(axes, scenario):
     for foot in true.supports:
         axes.annotate(f'{foot.friction_coefficient:.2f}', (foot.x, foot.y), fontsize=9,
                       xytext=(math.copysign(16.0, foot.x), 0.0), textcoords='offset points',
-                      ha='left' if foot.x > 0.0 else 'right', va='center', color=INK)
+                      ha='left' if foot.x > 0.0 else 'right', va='center', color=INK,
+                      bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 0.8})
     axes.plot(*friction_center(believed), '+', color=INK, markersize=12, markeredgewidth=1.8,
               zorder=4)
     axes.plot(*friction_center(true), 'X', color=TRUTH, markersize=9)
     axes.set_aspect('equal', adjustable='datalim')
     axes.margins(0.05)
     axes.set_axis_off()
-    axes.set_title('friction under the feet', fontsize=10, color=INK)
+    changes = ', before it changes' if scenario.simulation.friction_changes else ''
+    axes.set_title(f'friction under the feet{changes}', fontsize=10, color=INK)
 
 
 def _legend(axes, results):
