@@ -75,10 +75,12 @@ def timings(count):
     runs, kinds, seed = {name: [] for name in STEERING}, list(KINDS)[1:] + list(KINDS)[:1], 0
     with tqdm(total=count, desc='times') as bar:
         while bar.n < count:
-            found = [timed(kinds[seed % len(kinds)], seed, name) for name in STEERING]
-            if all(found):
-                for name, run in zip(STEERING, found):
-                    runs[name].append(run)
+            for name in STEERING:
+                run = timed(kinds[seed % len(kinds)], seed, name)
+                if run is None:
+                    break
+                runs[name].append(run)
+            else:
                 bar.update()
             seed += 1
     return runs

@@ -24,6 +24,7 @@ from push_planner.under_way import plan_measured
 from push_scenario.closed_loop import make_simulation
 
 CONVERGED = 'converged ipopt'
+LONGEST_TIMED = 25.0
 STEERING = {'feedback': lambda _, settings: ClosedFormLaw(settings), 'mpc': PredictiveLaw,
             CONVERGED: ConvergedLaw}
 
@@ -106,10 +107,12 @@ def timed(kind, seed, name):
     :param kind: one of ``controller_cases.KINDS``.
     :param seed: of the case.
     :param name: one of ``STEERING``.
-    :return: ``Timed``, or None where there is no plan.
+    :return: ``Timed``, or None where there is no plan, or one that takes long.
     """
     try:
-        case, _ = scenario(kind, seed, STRESSES[0])
+        case, answer = scenario(kind, seed, STRESSES[0])
+        if answer.trajectory.duration > LONGEST_TIMED:
+            return None
         simulation = make_simulation(case)
         pose, odometry = simulation.next(), simulation.next()
         target = plan_measured(case.object, case.robot, pose, odometry, case.goal.pose,
