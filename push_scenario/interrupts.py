@@ -1,4 +1,4 @@
-"""Ctrl-C that is not lost: compiled libraries may swallow the exception that it raises."""
+"""Ctrl-C that is not lost: compiled libraries may swallow or hide the exception that it raises."""
 
 import signal
 import threading
@@ -22,10 +22,19 @@ class Interrupts:
             self._before = signal.signal(signal.SIGINT, self._note)
         return self
 
-    def __exit__(self, *_):
-        """Give the signal back."""
+    def __exit__(self, kind, error, trace):
+        """
+        Give the signal back.
+
+        :param kind: of the error that ends it, None for none.
+        :param error: the error.
+        :param trace: where it was raised.
+        :raises KeyboardInterrupt: where a compiled library has made a SystemError of Ctrl-C.
+        """
         if self._before is not None:
             signal.signal(signal.SIGINT, self._before)
+        if self._seen and isinstance(error, SystemError):
+            raise KeyboardInterrupt from error
 
     def check(self):
         """

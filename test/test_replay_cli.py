@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 from PIL import Image
+from push_scenario.interrupts import Interrupts
 from push_scenario.reader import find_scenario, read_scenario, scenario_names, scenario_text
 from push_scenario.replay import main
 from push_scenario.tape import Tape
@@ -134,6 +135,16 @@ def test_wrong_words_show_the_usage(capsys, words):
         main(words)
     assert error.value.code == 2
     assert 'usage: replay' in capsys.readouterr().err
+
+
+def test_an_interrupt_that_a_compiled_library_hides_is_still_one():
+    with pytest.raises(KeyboardInterrupt), Interrupts():
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt as hidden:
+            raise SystemError('a result with an exception set') from hidden
+    with pytest.raises(SystemError), Interrupts():
+        raise SystemError('nobody pressed Ctrl-C')
 
 
 def test_interrupt_ends_with_status_130_and_keeps_what_is_done(tmp_path):
