@@ -1,5 +1,7 @@
 """
-Choice of the contact site measured: CPU time of ``choose_site``, and of refusing unreachable goals.
+The choice of the contact site measured: CPU time of ``choose_site``.
+
+That of telling that no site reaches a goal as well.
 
 Random goals within 3 m of the 0.4 m box in ``config/objects``, seeds fixed; the programmes have
 been built before. Prints Markdown.
