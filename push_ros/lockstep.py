@@ -8,16 +8,18 @@ class Exchange:
     Matches commands to measurements.
 
     The stamp of a command is that of the measurement that it answers. An object pose and odometry
-    may have the same stamp; so where a measurement was sent twice, its second answer must not
-    count for the next one.
+    may have the same stamp, and commands may have none; so where a measurement was sent twice,
+    its second answer must not count for the next one.
 
     :param answer_timeout: wall time without an answer after which the controller is gone [s].
+    :param stamped: whether commands have stamps.
     """
 
-    def __init__(self, answer_timeout):
-        self._timeout = answer_timeout
+    def __init__(self, answer_timeout, stamped=True):
+        self._timeout, self._stamped = answer_timeout, stamped
         self._stamp = None
         self._copies = self._stale = 0
+        self._ignored = False
         self._first = self._last = 0.0
 
     def sent(self, stamp, now):
@@ -28,8 +30,8 @@ class Exchange:
         :param now: wall time [s].
         """
         leftover = self._stale + max(0, self._copies - 1)
-        self._stale = leftover if stamp == self._stamp else 0
-        self._stamp, self._copies = stamp, 1
+        self._stale = leftover if stamp == self._stamp or not self._stamped else 0
+        self._stamp, self._copies, self._ignored = stamp, 1, False
         self._first = self._last = now
 
     def sent_again(self, now):
@@ -38,7 +40,9 @@ class Exchange:
 
         :param now: wall time [s].
         """
-        self._copies += 1
+        # What was ignored was an answer to the copy before: an older one must have been lost.
+        self._copies += 0 if self._ignored else 1
+        self._ignored = False
         self._last = now
 
     def is_answer(self, stamp):
@@ -51,6 +55,7 @@ class Exchange:
             return False
         if self._stale:
             self._stale -= 1
+            self._ignored = True
             return False
         return True
 

@@ -25,7 +25,7 @@ from rclpy.clock import Clock, ClockType
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
             ('simulation.', SimulationSettings), ('', Frames), ('', SimOptions))
 TICK, REAL_TIME_TICK = 0.05, 0.002
-OFFER_PERIOD, QUIET_TIME = 0.1, 0.2
+OFFER_PERIOD, QUIET_TIME = 0.1, 0.4
 GRACE = 0.005
 
 
@@ -49,7 +49,8 @@ class SimNode(PushNode):
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
                                       Pose(*self._options.robot_start), settings, sensors)
         self._outputs = SimOutputs(self, obj, robot, self._frames, self._options)
-        self._exchange = Exchange(self._options.answer_timeout)
+        self._exchange = Exchange(self._options.answer_timeout,
+                                  self._options.stamped_cmd_vel)
         self._latencies = []
         self._hold(self._options.autostart)
         self.subscribe('cmd_vel', self._on_command, urgent=True,
