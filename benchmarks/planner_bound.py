@@ -10,9 +10,8 @@ import dataclasses
 import math
 
 from planner_programme import solve
-from push_model.dubins import words
 from push_model.friction import mean_square
-from push_model.geometry import Pose
+from push_planner.bounds import flat_ways
 from push_planner.programme import Programme
 from push_planner.warm_start import routes, tightest_turns
 
@@ -30,13 +29,8 @@ def bounds(problem):
     """
     flat = problem.vehicle
     square = sum(mean_square(problem.obj, flat.angle + turn) for turn in (0.0, 0.5 * math.pi))
-    ahead = square / flat.arm
-    x, y = problem.friction_center
-    local = Pose(x + ahead * math.cos(flat.angle), y + ahead * math.sin(flat.angle), flat.angle)
-    left, right = (ahead / math.tan(problem.planning_angle + side * problem.normal_offset)
-                   for side in (-1.0, 1.0))
-    paths = words(problem.start @ local, problem.goal @ local, left, right)
-    wheelbase = flat.arm + ahead
+    paths = flat_ways(problem, square)
+    wheelbase = flat.arm + square / flat.arm
     way = min(sum(length * math.hypot(1.0, wheelbase * curvature)
                   for length, curvature in zip(path.lengths, path.curvatures)) for path in paths)
     speed = problem.settings.pushing_speed

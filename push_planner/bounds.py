@@ -43,14 +43,24 @@ def vehicle_bound(problem):
                          f'{problem.settings.angle_limit!r}, heading_free '
                          f'{problem.settings.heading_free}, expected a held contact in the cone '
                          'and a heading')
-    flat = problem.vehicle
-    ahead = ellipsoid_square(problem.obj) / flat.arm
-    x, y = problem.friction_center
+    shortest = flat_ways(problem, ellipsoid_square(problem.obj))[0]
+    return shortest.length / problem.settings.pushing_speed
+
+
+def flat_ways(problem, square):
+    """
+    Ways of the flat point to the goal in the tightest turns that the planning cone allows.
+
+    :param problem: the ``PushProblem``.
+    :param square: c^2 of a limit surface on which an object is a vehicle exactly [m^2].
+    :return: list of ``DubinsPath`` in the object's start frame, shortest first.
+    """
+    flat, (x, y) = problem.vehicle, problem.friction_center
+    ahead = square / flat.arm
     local = Pose(x + ahead * math.cos(flat.angle), y + ahead * math.sin(flat.angle), flat.angle)
     left, right = (ahead / math.tan(problem.planning_angle + side * problem.normal_offset)
                    for side in (-1.0, 1.0))
-    shortest = words(local, problem.relative_goal @ local, left, right)[0]
-    return shortest.length / problem.settings.pushing_speed
+    return words(local, problem.relative_goal @ local, left, right)
 
 
 def _followed(problem, turn):

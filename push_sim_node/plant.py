@@ -101,11 +101,6 @@ class Plant:
         return at.MODES[int(self._number(at.MODE))]
 
     @property
-    def mean_iterations(self):
-        """Iterations on the friction weights, per step."""
-        return self._number(at.ITERATIONS) / max(1.0, self._number(at.STEPS))
-
-    @property
     def steps(self):
         """Number of steps since the start."""
         return int(self._number(at.STEPS))

@@ -4,7 +4,7 @@ import functools
 
 from push_scenario.reader import read_object, read_robot
 from push_study import drive_map, object_regions
-from push_study.cli_regions import find
+from push_study.cli_regions import find, scene_parser
 from push_study.values import read_overrides, read_table, refuse_unknown
 
 FIXED = ('object', 'robot')
@@ -18,15 +18,10 @@ def register(actions, run_studies):
     :param run_studies: function of (studies, overrides, options, table) that runs studies.
     :return: its parser.
     """
-    parser = actions.add_parser(
-        'drive-map', help='map how sharply a robot can steer an object, contact by contact')
+    parser = scene_parser(
+        actions, 'drive-map', 'map how sharply a robot can steer an object, contact by contact',
+        'speed, heading_offset or contacts')
     parser.set_defaults(action=functools.partial(_run, run_studies), page=None)
-    parser.add_argument('--object', required=True, metavar='NAME',
-                        help='file of an object, or name among config/objects')
-    parser.add_argument('--robot', required=True, metavar='NAME',
-                        help='file of a robot, or name among config/robots')
-    parser.add_argument('--set', action='append', default=[], metavar='NAME=VALUE',
-                        help='another value for speed, heading_offset or contacts')
     return parser
 
 

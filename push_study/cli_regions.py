@@ -19,18 +19,33 @@ def register(actions, run_studies):
     :param run_studies: function of (studies, overrides, options, table) that runs studies.
     :return: its parser.
     """
-    parser = actions.add_parser(
-        'stable-regions', help='map where a robot pushes an object stably, at several speeds')
+    parser = scene_parser(
+        actions, 'stable-regions', 'map where a robot pushes an object stably, at several speeds',
+        'places, distance, duration or accuracy')
     parser.set_defaults(action=functools.partial(_run, run_studies), page=None)
+    parser.add_argument('--speed', type=float, nargs='+', default=(), metavar='V',
+                        help='speeds of the push [m/s] (default: '
+                        f"{object_regions.SLOW:g} and the robot's greatest)")
+    return parser
+
+
+def scene_parser(actions, name, text, names):
+    """
+    Make the parser of a command about an object and a robot.
+
+    :param actions: subparsers of the command line.
+    :param name: of the command.
+    :param text: what it does.
+    :param names: of the values that ``--set`` takes, for the help.
+    :return: the parser.
+    """
+    parser = actions.add_parser(name, help=text)
     parser.add_argument('--object', required=True, metavar='NAME',
                         help='file of an object, or name among config/objects')
     parser.add_argument('--robot', required=True, metavar='NAME',
                         help='file of a robot, or name among config/robots')
-    parser.add_argument('--speed', type=float, nargs='+', default=(), metavar='V',
-                        help='speeds of the push [m/s] (default: '
-                        f"{object_regions.SLOW:g} and the robot's greatest)")
     parser.add_argument('--set', action='append', default=[], metavar='NAME=VALUE',
-                        help='another value for places, distance, duration or accuracy')
+                        help=f'another value for {names}')
     return parser
 
 
