@@ -5,13 +5,15 @@ import math
 from push_model.geometry import wrap_angle
 
 SAME_DIRECTION = 1e-6
+STRAIGHT = 1e-9
 
 
 def leg_limits(leg, limits):
     """
     Speed and acceleration along a leg.
 
-    The yaw rate bounds them on a leg with a turn, the acceleration across on an arc.
+    The yaw rate bounds them on a leg with a turn. Where the velocity turns, in the world or in
+    the robot's own axes, they leave room for each other within the acceleration limit.
 
     :param leg: the ``Leg``, with a length above 0.
     :param limits: ``DriveSettings`` within the limits of the robot.
@@ -19,8 +21,10 @@ def leg_limits(leg, limits):
     """
     speed, acceleration = limits.speed, limits.acceleration
     length, bend, turn = leg.length, abs(leg.bend), abs(leg.turn)
-    if bend > 0.0:
-        speed = min(speed, math.sqrt(acceleration * length / bend))
+    turned = max(bend, abs(leg.bend - leg.turn))
+    if turned > STRAIGHT:
+        acceleration *= math.sqrt(0.5)
+        speed = min(speed, math.sqrt(acceleration * length / turned))
     if turn > 0.0:
         speed = min(speed, limits.yaw_rate * length / turn)
         acceleration = min(acceleration, limits.yaw_acceleration * length / turn)

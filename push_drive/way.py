@@ -112,10 +112,9 @@ def turned_way(start, goal, track, kept=(False, False)):
     bends = [bend for _, _, bend in track]
     lengths = [Leg(*ends).length for ends in zip(places, places[1:], bends)]
     counted = list(lengths)
-    if kept[0]:
-        counted[0] = 0.0
-    if kept[1]:
-        counted[-1] = 0.0
+    for number, is_kept in zip((0, -1), kept):
+        if is_kept:
+            counted[number] = 0.0
     total, turn = sum(counted), wrap_angle(goal.theta - start.theta)
     poses, passed = [start], 0.0
     for place, length, counts in zip(places[1:], lengths, counted):
