@@ -95,8 +95,8 @@ class WayFollower:
     def _wanted(self, ahead):
         while self._stretches:
             stretch = self._stretches[0]
-            wanted = (self._along_run if isinstance(stretch, Run) else self._turned)(stretch,
-                                                                                      ahead)
+            law = self._along_run if isinstance(stretch, Run) else self._turned
+            wanted = law(stretch, ahead)
             if wanted is not None:
                 return wanted
             self._stretches.pop(0)

@@ -5,7 +5,7 @@ import math
 from push_model.geometry import wrap_angle
 
 SAME_DIRECTION = 1e-6
-STRAIGHT = 1e-9
+ACROSS = 0.7
 
 
 def leg_limits(leg, limits):
@@ -21,13 +21,14 @@ def leg_limits(leg, limits):
     """
     speed, acceleration = limits.speed, limits.acceleration
     length, bend, turn = leg.length, abs(leg.bend), abs(leg.turn)
-    turned = max(bend, abs(leg.bend - leg.turn))
-    if turned > STRAIGHT:
-        acceleration *= math.sqrt(0.5)
-        speed = min(speed, math.sqrt(acceleration * length / turned))
     if turn > 0.0:
         speed = min(speed, limits.yaw_rate * length / turn)
         acceleration = min(acceleration, limits.yaw_acceleration * length / turn)
+    turned = max(bend, abs(leg.bend - leg.turn)) / length
+    if turned > 0.0:
+        speed = min(speed, math.sqrt(ACROSS * limits.acceleration / turned))
+        across = speed * speed * turned
+        acceleration = min(acceleration, math.sqrt(limits.acceleration ** 2 - across ** 2))
     return speed, acceleration
 
 
