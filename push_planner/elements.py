@@ -1,0 +1,141 @@
+"""What a chain is made of: at each site a turn to one side, with straight pushes around it."""
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_model.geometry import Pose, wrap_angle
+from push_planner.formulation import turn_range
+from push_planner.problem import PlanningFailed, PushProblem
+from push_planner.refusals import refuse_impossible
+from push_planner.site_list import robot_start, site_problems
+from push_planner.warm_start import tightest_turns
+
+HOME = Pose(0.0, 0.0, 0.0)
+
+
+class Element(NamedTuple):
+    """
+    Pushing at a site, with turns to one side.
+
+    :param problem: ``PushProblem`` of the site, with the object at the origin.
+    :param side: 1 for turns to the left, -1 to the right.
+    :param radius: of the turns of the flat point [m].
+    :param stretch: way of the contact over that of the flat point, in turns.
+    :param widest: most that the push may turn the object [rad].
+    """
+
+    problem: PushProblem
+    side: float
+    radius: float
+    stretch: float
+    widest: float
+
+    @property
+    def robot_pose(self):
+        """``Pose`` of the robot in the object frame, at the start and after a straight end."""
+        return robot_start(self.problem)
+
+    def moved(self, object_pose, goal, settings):
+        """
+        Ask for a push from this site.
+
+        :param object_pose: ``Pose`` of the object in the world.
+        :param goal: ``Pose`` of the object in the world, after the push.
+        :param settings: ``PlannerSettings``.
+        :return: ``PushProblem``.
+        """
+        problem, turn = self.problem, object_pose.theta
+        return PushProblem(problem.obj, problem.robot, problem.contact, object_pose,
+                           problem.normal + turn, problem.heading + turn, goal, settings)
+
+
+class Table(NamedTuple):
+    """
+    Elements as arrays of shape (n,).
+
+    Pushing may go on from one element to another of the same place.
+
+    :param elements: the ``Element`` themselves.
+    :param sides: 1 or -1.
+    :param radii: [m].
+    :param stretches: see ``Element``.
+    :param widest: [rad].
+    :param angles: direction from contact to flat point in the object frame [rad].
+    :param flats: the flat points in the object frame, shape (n, 2) [m].
+    :param numbers: number of the place.
+    :param places: ``Pose`` of the robot in the object frame at each place, at the start of a push
+        and after a straight end.
+    """
+
+    elements: tuple
+    sides: np.ndarray
+    radii: np.ndarray
+    stretches: np.ndarray
+    widest: np.ndarray
+    angles: np.ndarray
+    flats: np.ndarray
+    numbers: np.ndarray
+    places: tuple
+
+
+@functools.lru_cache(maxsize=16)
+def element_table(obj, robot, settings, task, bearing):
+    """
+    List what chains can be made of.
+
+    Of the robot's headings at a contact, that with the tightest turns to the side counts.
+
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param settings: ``PlannerSettings``.
+    :param task: ``TaskSettings``.
+    :param bearing: direction of the goal in the object frame, for a place opposite to it [rad];
+        does not matter for a polygon.
+    :return: ``Table``.
+    :raises PlanningFailed: where there is no site; with the reason of the last one refused.
+    """
+    goal = Pose(math.cos(bearing), math.sin(bearing), 0.0)
+    best, reason = {}, 'none'
+    for problem in site_problems(obj, robot, HOME, goal, settings):
+        try:
+            refuse_impossible(problem)
+        except PlanningFailed as failure:
+            reason = failure.reason
+            continue
+        for element in _elements(problem, task):
+            key = (problem.contact, element.side)
+            if key not in best or element.radius < best[key].radius:
+                best[key] = element
+    if not best:
+        raise PlanningFailed(f'no site will do for a chain of pushes: {reason}')
+    found = tuple(best.values())
+    places = tuple(dict.fromkeys(element.robot_pose for element in found))
+    views = [element.problem.vehicle for element in found]
+    return Table(found, *(np.array(column) for column in zip(*(item[1:] for item in found))),
+                 np.array([view.angle for view in views]),
+                 np.array([view.flat_point for view in views]),
+                 np.array([places.index(element.robot_pose) for element in found]), places)
+
+
+def _elements(problem, task):
+    turns = tightest_turns(problem)
+    if turns is None:
+        return []
+    return [Element(problem, side, task.turn_slack / abs(turn.curvature),
+                    1.0 / math.cos(turn.steer), min(task.widest_turn, limit))
+            for side, turn, limit in zip((1.0, -1.0), turns,
+                                         (turn_range(problem)[1], -turn_range(problem)[0]))]
+
+
+def bearing_of(obj, start, goal):
+    """
+    Direction of the goal in the object frame, where it decides on the sites [rad].
+
+    :param obj: the ``PushedObject``.
+    :param start: ``Pose`` of the object.
+    :param goal: ``Pose`` of the object.
+    """
+    local = start.inverse() @ goal
+    return 0.0 if obj.outline else wrap_angle(math.atan2(local.y, local.x))

@@ -1,0 +1,152 @@
+"""Any goal, short ways: the quickest chain of pushes from here, and the plan of its first."""
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_drive.settings import DriveSettings
+from push_drive.way import Way
+from push_model.geometry import Pose
+from push_planner.approaches import times_between, times_to
+from push_planner.chains import Costs, search
+from push_planner.elements import bearing_of, element_table
+from push_planner.options import ChainOption, SingleOption
+from push_planner.plan import Plan
+from push_planner.problem import PlanningFailed, refuse_fence
+from push_planner.pushes import push_time, steps_of
+from push_planner.settings import PlannerSettings
+from push_planner.site_list import robot_start, site_problems
+from push_planner.sites import weigh_site
+from push_planner.task_settings import TaskSettings
+
+SINGLES = 4
+HOPEFUL = 1.2
+
+
+class TaskPlan(NamedTuple):
+    """
+    How to get the object to the goal, and the first push of it.
+
+    :param pushes: ``PlannedPush`` of the whole chain.
+    :param plan: the ``Plan`` of the first push.
+    :param way: ``Way`` of the robot to where the last straight piece to its contact begins.
+    :param duration: of everything, ways, settling and pushes [s].
+    :param single: the same of the best single push [s]; infinite where there is none. It is
+        solved only where it might be quicker, else about.
+    :param report: what the search came to, a dict of names to numbers and texts.
+    """
+
+    pushes: tuple
+    plan: Plan
+    way: Way
+    duration: float
+    single: float
+    report: dict
+
+
+def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=None, task=None,
+              workspace=None):
+    """
+    Find the quickest chain of pushes to the goal, the robot's ways included.
+
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param object_pose: ``Pose`` of the object in the world.
+    :param robot_pose: ``Pose`` of the robot in the world, anywhere.
+    :param goal: ``Pose`` wanted for the object in the world.
+    :param settings: ``PlannerSettings``, or None for the defaults.
+    :param drive: ``DriveSettings``, or None for the defaults.
+    :param task: ``TaskSettings``, or None for the defaults.
+    :param workspace: ``Workspace`` that robot and object keep to; None for open floor.
+    :return: ``TaskPlan``.
+    :raises PlanningFailed: with the reason.
+    """
+    refuse_fence(robot)
+    poses = {'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal}
+    for name, pose in poses.items():
+        if not Pose(*pose).is_finite():
+            raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
+    return _Task(obj, robot, *(Pose(*map(float, pose)) for pose in poses.values()),
+                 settings or PlannerSettings(), drive or DriveSettings(),
+                 task or TaskSettings(), workspace).answer()
+
+
+class _Task:
+    """One question, and the work on it."""
+
+    def __init__(self, obj, robot, object_pose, robot_pose, goal, settings, drive, task,
+                 workspace):
+        self.obj, self.robot, self.start, self.here = obj, robot, object_pose, robot_pose
+        self.goal, self.settings, self.drive, self.task = goal, settings, drive, task
+        self.workspace = workspace
+        inside = object_pose.inverse()
+        self.local_goal, self.local_robot = inside @ goal, inside @ robot_pose
+        self.report = {'weighed': 0, 'tried': []}
+
+    def answer(self):
+        """Solve the most promising until none that is left can be quicker."""
+        singles = self._singles()
+        limit = HOPEFUL * min((option.about for option in singles), default=math.inf)
+        found = self._best(singles + self._chains(limit))
+        most = math.inf if found is None else found.duration
+        if most > limit:
+            again = self._best(self._chains(most))
+            found = again if again and again.duration < most else found
+        if found is None:
+            raise PlanningFailed(self._reason(), self.report)
+        single = min((option.about for option in singles if not option.reason), default=math.inf)
+        return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report)
+
+    def _best(self, options):
+        best, worth = None, min((option.worth for option in options), default=math.inf)
+        for option in sorted(options, key=lambda option: option.duration):
+            if best is not None and option.duration >= option.sure * best.duration:
+                continue
+            option.solve(self.here, self.drive, worth, self.workspace)
+            self.report['tried'].append(str(option))
+            if not option.reason and (best is None or option.duration < best.duration):
+                best = option
+                worth = min(worth, best.duration)
+        return best
+
+    def _singles(self):
+        problems = site_problems(self.obj, self.robot, self.start, self.goal, self.settings)
+        weighed = [weigh_site(problem) for problem in problems]
+        self.refused = [site.reason for site in weighed if site.reason]
+        places = [self.start.inverse() @ robot_start(site.problem) for site in weighed]
+        ways = times_to(self.robot, self.obj, self.local_robot, tuple(places), self.drive)
+        options = [SingleOption(site.problem, way + self.task.switch_time, site.bound)
+                   for site, way in zip(weighed, ways) if math.isfinite(way + site.bound)]
+        return sorted(options, key=lambda option: option.duration)[:SINGLES]
+
+    def _chains(self, limit):
+        try:
+            table = self._table
+        except PlanningFailed as failure:
+            self.refused.append(failure.reason)
+            return []
+        found = search(table, self._costs, self.local_goal, self.task, limit)
+        self.report['weighed'] += found.weighed
+        return [ChainOption(steps_of(chain, table, self.start, self.goal, self.settings),
+                            chain.duration) for chain in found.chains]
+
+    @functools.cached_property
+    def _table(self):
+        return element_table(self.obj, self.robot, self.settings, self.task,
+                             bearing_of(self.obj, self.start, self.goal))
+
+    @functools.cached_property
+    def _costs(self):
+        table = self._table
+        first = times_to(self.robot, self.obj, self.local_robot, table.places, self.drive)
+        between = times_between(self.robot, self.obj, table.places, self.drive)
+        ramp = push_time(self.settings, 1.0) - 1.0 / self.settings.pushing_speed
+        each, numbers = self.task.switch_time + ramp, table.numbers
+        change = between[np.ix_(numbers, numbers)] + each
+        change[numbers[:, None] == numbers] = 0.0
+        return Costs(first[numbers] + each, change, self.settings.pushing_speed)
+
+    def _reason(self):
+        tried = self.report['tried'] or self.refused or ['the robot cannot get to the object']
+        return f'no chain of pushes to the goal was found: {tried[0]}'
