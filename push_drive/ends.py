@@ -6,7 +6,7 @@ from typing import NamedTuple
 from push_drive.way import driven_way, turned_way
 from push_model.geometry import wrap_angle
 
-SLANT = math.radians(60.0)
+SLANT = math.radians(75.0)
 TOUCHING = 0.005
 REACHED = 1e-7
 

@@ -64,16 +64,19 @@ def joint_speeds(legs, limits):
     return [math.sqrt(square) for square in squares]
 
 
-def total_time(legs, limits):
+def total_time(legs, limits, lag):
     """
     Time that legs take, from rest to rest [s].
 
     :param legs: ``Leg`` sequence.
     :param limits: ``DriveSettings`` within the limits of the robot.
+    :param lag: by which the robot stands still later than it was told to [s].
     """
     speeds = joint_speeds(legs, limits)
     time = 0.0
     for leg, first, last in zip(legs, speeds, speeds[1:]):
+        if last == 0.0 and (leg.length or leg.turn):
+            time += lag
         if leg.length:
             time += _trapezoid(leg.length, first, last, *leg_limits(leg, limits))
         elif leg.turn:

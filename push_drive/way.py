@@ -46,7 +46,7 @@ def travel_time(way, robot, settings):
     :param robot: the ``RoundRobot``.
     :param settings: ``DriveSettings``.
     """
-    return total_time(way.legs, settings.capped(robot))
+    return total_time(way.legs, settings.capped(robot), robot.time_constant)
 
 
 def sampled(way, robot, spacing):
