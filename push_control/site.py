@@ -153,6 +153,29 @@ def site_of(obj, robot, trajectory):
                 phi - pose.theta, (low, high))
 
 
+def robot_at_start(target, pose):
+    """
+    Place the robot for a push of an object that stands elsewhere than planned.
+
+    :param target: the ``PushTrajectory``.
+    :param pose: ``Pose`` of the object.
+    :return: ``Pose`` of the robot.
+    """
+    planned = Pose(*target.object_poses[0].tolist())
+    return pose @ planned.inverse() @ Pose(*target.robot_poses[0].tolist())
+
+
+def contact_at_start(target):
+    """
+    Find where a push begins on the object.
+
+    :param target: the ``PushTrajectory``.
+    :return: contact in the object frame (x, y) [m].
+    """
+    planned = Pose(*target.object_poses[0].tolist())
+    return planned.inverse().transform(target.contact_poses[0][:2].tolist())
+
+
 def misplaced(robot, settings, target, observation):
     """
     Say how far the robot stands from the start of a plan, and where it should.
@@ -166,7 +189,7 @@ def misplaced(robot, settings, target, observation):
     if observation.object_pose is None:
         return ''
     pose, place = observation.object_pose.pose, observation.odometry.pose
-    meant = pose @ Pose(*target.object_poses[0]).inverse() @ Pose(*target.robot_poses[0])
+    meant = robot_at_start(target, pose)
     away, turn = distance(meant, place), wrap_angle(place.theta - meant.theta)
     aside = robot.radius * abs(turn) if robot.drive == 'differential' else 0.0
     if max(away, aside) <= settings.placement_tolerance:

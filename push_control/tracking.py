@@ -79,5 +79,6 @@ class Tracking:
     @property
     def report(self):
         """Counts for the status."""
-        return {'slips': self.watch.slips, 'losses': self.watch.losses,
+        return {'touches': not self.watch.lost, 'slips': self.watch.slips,
+                'losses': self.watch.losses,
                 'rejected_poses': self._estimator.rejected}

@@ -1,0 +1,68 @@
+"""
+The object as learnt from its pushes: its friction centre.
+
+A push tells well on which side of its line the friction centre lies, and badly how far along it;
+pushes from several sides tell both.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+from push_model.friction import friction_center
+
+# Of what one push tells across its line, and how far the centre may wander until the next [m].
+DEVIATION, WALK = 0.004, 0.002
+LEAST_SHARE = 0.1
+
+
+class LearntObject:
+    """A believed object, and where its friction centre has been seen since."""
+
+    def __init__(self, obj, control):
+        """
+        Begin with what is believed.
+
+        :param obj: the ``PushedObject`` as believed.
+        :param control: ``ControlSettings``, for how wrong that may be.
+        """
+        self._believed, self.obj = obj, obj
+        reach = max([obj.radius, *(math.hypot(*point) for point in obj.outline)])
+        self._covariance = (control.center_spread * reach) ** 2 * np.eye(2)
+
+    def learn(self, point, seen):
+        """
+        Take in what a push has told.
+
+        :param point: where it pushed, object frame (x, y) [m].
+        :param seen: friction centre that it saw, object frame (x, y) [m].
+        """
+        center = np.array(friction_center(self.obj))
+        line = center - point
+        across = np.array((-line[1], line[0])) / np.hypot(*line)
+        self._covariance += WALK ** 2 * np.eye(2)
+        told = self._covariance @ across
+        gain = told / (across @ told + DEVIATION ** 2)
+        self._covariance -= np.outer(gain, told)
+        center = center + gain * (across @ (np.array(seen) - center))
+        self.obj = with_friction_center(self._believed, center)
+
+
+def with_friction_center(obj, center):
+    """
+    Let supports rub more on one side and less on the other, as evenly as possible.
+
+    :param obj: the ``PushedObject``.
+    :param center: friction centre wanted, object frame (x, y) [m].
+    :return: ``PushedObject`` with as much friction in all; its centre is nearer where that one
+        would take supports that pull.
+    """
+    offsets = np.array([(foot.x, foot.y) for foot in obj.supports]) - friction_center(obj)
+    capacities = np.array(obj.capacities)
+    second = offsets.T @ (capacities[:, None] * offsets) / capacities.sum()
+    tilt = offsets @ np.linalg.pinv(second, rcond=1e-9) @ (np.array(center) - friction_center(obj))
+    tilt *= min(1.0, (1.0 - LEAST_SHARE) / max(1e-12, -tilt.min()))
+    supports = tuple(
+        dataclasses.replace(foot, friction_coefficient=foot.friction_coefficient * float(share))
+        for foot, share in zip(obj.supports, 1.0 + tilt))
+    return dataclasses.replace(obj, supports=supports)

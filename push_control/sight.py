@@ -1,0 +1,100 @@
+"""What the supervisor of a task sees: the robot's place, and the object at rest."""
+
+from push_control.monitor import is_finite_odometry, unusable
+from push_control.placement import Placement
+from push_control.rest import RestWindow
+from push_model.contact import find_contact
+
+
+class Sight:
+    """Takes in every measurement once."""
+
+    def __init__(self, control, supervision):
+        """
+        Begin with nothing seen.
+
+        :param control: ``ControlSettings``.
+        :param supervision: ``SupervisionSettings``.
+        """
+        self._settings = control
+        self.placement = Placement(supervision)
+        self._window = RestWindow(control, supervision)
+        self._from, self._pose_time, self._observation = 0.0, None, None
+
+    def take(self, observation):
+        """
+        Take in what is new.
+
+        :param observation: ``Observation``, odometry as it comes.
+        """
+        odometry, measured = observation.odometry, observation.object_pose
+        if is_finite_odometry(odometry):
+            self.placement.roll(odometry)
+            odometry = odometry._replace(pose=self.placement.pose)
+        if measured is not None and measured.pose.is_finite():
+            self._pose_time = measured.time
+            if measured.time >= self._from:
+                self._window.add(measured)
+        self._observation = observation._replace(odometry=odometry)
+
+    def gap(self, obj, robot):
+        """
+        Tell how far the robot seems to be from the object at rest.
+
+        :param obj: the ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :return: the gap [m], negative on overlap.
+        """
+        return find_contact(obj, self.rest.pose, self.robot_pose[:2], robot.radius)[2]
+
+    def feel(self, obj, robot, deviation):
+        """
+        Learn where the robot stands from its touching the object, when that was last measured.
+
+        :param obj: the ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param deviation: standard deviation of the gap [m].
+        """
+        measured = self._observation.object_pose
+        there = self.placement.at(measured.time)
+        _, normal, gap = find_contact(obj, measured.pose, there[:2], robot.radius)
+        self.placement.must_touch(gap, normal, deviation)
+
+    def look_anew(self, time):
+        """
+        Forget where the object was.
+
+        :param time: from which on it may be at rest [s].
+        """
+        self._window.clear()
+        self._from = time
+
+    def trouble(self, blind=False):
+        """
+        Say why the measurements cannot be used.
+
+        :param blind: whether the object need not be seen.
+        :return: the reason, or an empty text.
+        """
+        seen = self._observation.time if blind else self._pose_time
+        return unusable(self._observation, seen, self._settings)
+
+    @property
+    def observation(self):
+        """The newest ``Observation``, drift of its odometry taken off."""
+        return self._observation
+
+    @property
+    def time(self):
+        """Time of the newest measurement [s]; 0 before the first."""
+        return 0.0 if self._observation is None else self._observation.time
+
+    @property
+    def robot_pose(self):
+        """``Pose`` of the robot in the world."""
+        return self.placement.pose
+
+    @property
+    def rest(self):
+        """``push_control.rest.Rest`` of the object, or None before it was seen at rest."""
+        return self._window.rest

@@ -1,0 +1,57 @@
+"""How often it has been tried without getting nearer."""
+
+import math
+
+from push_model.geometry import distance, wrap_angle
+
+
+class Tries:
+    """Counts pushes and recoveries since the object last came nearer to its goal."""
+
+    def __init__(self, settings):
+        """
+        Begin with nothing tried.
+
+        :param settings: ``SupervisionSettings``.
+        """
+        self._settings = settings
+        self._least, self._count, self._trouble = math.inf, 0, ''
+
+    def count(self, trouble=''):
+        """
+        Count one more.
+
+        :param trouble: what went wrong, empty where nothing did.
+        """
+        self._count += 1
+        self._trouble = trouble or self._trouble
+
+    def judge(self, rest, goal):
+        """
+        Look where the object has come to rest.
+
+        :param rest: ``push_control.rest.Rest``.
+        :param goal: ``Pose`` wanted.
+        :return: ``'reached'``, ``'off'``, or ``'unsure'`` where a longer look may tell.
+        """
+        settings = self._settings
+        away, turned = distance(rest.pose, goal), abs(wrap_angle(rest.pose.theta - goal.theta))
+        error = max(away / settings.position_tolerance, turned / settings.heading_tolerance)
+        if error < settings.nearer * self._least:
+            self._least, self._count, self._trouble = error, 0, ''
+        slack = (settings.certainty * rest.position_error,
+                 settings.certainty * rest.heading_error)
+        if (away <= settings.position_tolerance - slack[0]
+                and turned <= settings.heading_tolerance - slack[1]):
+            return 'reached'
+        certain = (away > settings.position_tolerance + slack[0]
+                   or turned > settings.heading_tolerance + slack[1])
+        return 'off' if certain or rest.duration >= settings.longest_look else 'unsure'
+
+    @property
+    def exhausted(self):
+        """Why it is to give up, empty while it is not."""
+        if self._count < self._settings.tries:
+            return ''
+        last = f'; last: {self._trouble}' if self._trouble else ''
+        return f'gave up: {self._count} tries brought the object no nearer{last}'
