@@ -77,6 +77,29 @@ def weigh(table, sites, turns, goal, least):
     return Weighed(turns, straights[:, :count], straights[:, count:], ways)
 
 
+def corners(table, sites, turns, before, after):
+    """
+    Find where the object is where pieces of its way meet: before each turn, after it, and last.
+
+    :param table: ``push_planner.elements.Table``.
+    :param sites: numbers of the elements, shape (m, n).
+    :param turns: signed turns [rad], shape (m, n).
+    :param before: straight lengths before the turns [m], shape (m, n).
+    :param after: the same after the turns, shape (m, n).
+    :return: (x, y, theta) in the frame of the object before the first push, shape (m, 3 n, 3).
+    """
+    heading = np.cumsum(turns, axis=1) - turns
+    first = heading + table.angles[sites]
+    second = first + turns
+    arcs = _turned(table, sites, heading, turns, first, second)
+    straights = ((before * np.cos(first), after * np.cos(second)),
+                 (before * np.sin(first), after * np.sin(second)))
+    columns = [np.stack((one, arc, two), axis=2).reshape(len(sites), -1).cumsum(axis=1)
+               for arc, (one, two) in zip(arcs, straights)]
+    headings = np.stack((heading, heading + turns, heading + turns), axis=2)
+    return np.stack((*columns, headings.reshape(len(sites), -1)), axis=2)
+
+
 def _turned(table, sites, heading, turns, first, second):
     """Displacement of the object's origin in the turns alone."""
     radius = table.radii[sites] * table.sides[sites]

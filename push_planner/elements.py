@@ -5,7 +5,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from push_model.contact import normal_range
 from push_model.geometry import Pose, wrap_angle
+from push_planner.constants import VERTEX_RESERVE
 from push_planner.formulation import turn_range
 from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.refusals import refuse_impossible
@@ -13,6 +15,9 @@ from push_planner.site_list import robot_start, site_problems
 from push_planner.warm_start import tightest_turns
 
 HOME = Pose(0.0, 0.0, 0.0)
+# Share of the normals of a vertex that steady turns may use; the rest is for changes of them.
+AGILITY = 0.9
+STRAIGHT = 0.05
 
 
 class Element(NamedTuple):
@@ -123,10 +128,29 @@ def _elements(problem, task):
     turns = tightest_turns(problem)
     if turns is None:
         return []
-    return [Element(problem, side, task.turn_slack / abs(turn.curvature),
-                    1.0 / math.cos(turn.steer), min(task.widest_turn, limit))
-            for side, turn, limit in zip((1.0, -1.0), turns,
-                                         (turn_range(problem)[1], -turn_range(problem)[0]))]
+    low, high = turn_range(problem)
+    found = []
+    for side, turn, limit, sharpest in zip((1.0, -1.0), turns, (high, -low), _sharpest(problem)):
+        curvature = min(abs(turn.curvature) / task.turn_slack, sharpest)
+        if curvature > STRAIGHT:
+            found.append(Element(problem, side, 1.0 / curvature, 1.0 / math.cos(turn.steer),
+                                 min(task.widest_turn, limit)))
+    return found
+
+
+def _sharpest(problem):
+    """Curvatures (left, right) that a vertex allows to a differential drive [1/m]."""
+    if problem.kind != 'differential':
+        return math.inf, math.inf
+    # In steady turns the normal is at D - (L + R_p) kappa off the line from contact to F.
+    low, high = normal_range(problem.obj, problem.contact)
+    settled = problem.vehicle.angle + problem.heading_offset
+    room = high - low - 2.0 * VERTEX_RESERVE
+    right = wrap_angle(0.5 * (low + high) - settled) + 0.5 * room
+    if not 0.0 <= right <= room:
+        return 0.0, 0.0
+    reach = problem.vehicle.wheelbase + problem.robot.radius
+    return tuple(AGILITY * share / reach for share in (room - right, right))
 
 
 def bearing_of(obj, start, goal):

@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 from push_drive.detour import NoWay
+from push_drive.way import travel_time
 from push_model.geometry import Pose
 from push_planner.approaches import way_to
 from push_planner.problem import PlanningFailed
@@ -40,20 +41,23 @@ class Option:
         self.problem, self.duration = problem, duration
         self.plan, self.way, self.reason, self.pushes = None, None, '', ()
 
-    def solve(self, robot_pose, drive, worth=math.inf, workspace=None):
+    def solve(self, robot_pose, drive, worth=math.inf, room=None):
         """
         Find the way to the first push, and plan it.
 
         :param robot_pose: ``Pose`` of the robot.
         :param drive: ``DriveSettings``.
         :param worth: time above which the answer is of no use [s].
-        :param workspace: ``Workspace``, or None for open floor.
+        :param room: ``push_planner.room.Room``, or None for open floor.
         """
         problem = self._limited(worth)
+        workspace = room and room.workspace
         try:
             self.way = way_to(problem.robot, problem.obj, problem.start, robot_pose,
                               robot_start(problem), drive, workspace)
             found = plan(problem)
+            if room is not None:
+                self._fit(found, robot_pose, drive, room)
         except NoWay as failure:
             self.reason = f'no way for the robot, {failure.reason}'
         except PlanningFailed as failure:
@@ -61,6 +65,21 @@ class Option:
         else:
             self._take(found)
             self.plan = found
+
+    def _fit(self, found, robot_pose, drive, room):
+        """Refuse what the map does not allow, and count detours."""
+        if not room.holds(found.trajectory.object_poses, found.trajectory.robot_poses):
+            raise PlanningFailed('the push meets an obstacle or leaves the map')
+        self.duration += self._detour(self.problem.start, robot_pose, robot_start(self.problem),
+                                      drive, room)
+
+    def _detour(self, object_pose, start, contact_pose, drive, room):
+        """Time that a way takes longer in the map [s]."""
+        robot = self.problem.robot
+        open_, kept = (travel_time(way_to(robot, self.problem.obj, object_pose, start,
+                                          contact_pose, drive, workspace), robot, drive)
+                       for workspace in (None, room.workspace))
+        return kept - open_
 
     def _limited(self, worth):
         return self.problem
@@ -91,7 +110,7 @@ class SingleOption(Option):
         :param bound: time of the push at least [s].
         """
         super().__init__(problem, before + bound)
-        self.before, self.about = before, before + bound / SLACK
+        self.before, self.bound, self.about = before, bound, before + bound / SLACK
 
     def _limited(self, worth):
         settings = self.problem.settings
@@ -105,7 +124,8 @@ class SingleOption(Option):
     def _take(self, found):
         problem, poses = self.problem, found.trajectory.robot_poses
         time = found.trajectory.duration
-        self.duration = self.about = self.before + time
+        self.duration += time - self.bound
+        self.about = self.duration
         self.pushes = (PlannedPush(problem.contact, problem.start, problem.goal,
                                    robot_start(problem), Pose(*map(float, poses[-1])), time,
                                    found.report['path_length']),)
@@ -126,6 +146,12 @@ class ChainOption(Option):
         super().__init__(steps[0].problem, duration)
         self.steps, self.worth = steps, duration
         self.pushes = tuple(step.push for step in steps)
+
+    def _fit(self, found, robot_pose, drive, room):
+        super()._fit(found, robot_pose, drive, room)
+        for before, after in zip(self.pushes, self.pushes[1:]):
+            self.duration += self._detour(before.end, before.robot_end, after.robot_start, drive,
+                                          room)
 
     def _take(self, found):
         first, time = self.pushes[0], found.trajectory.duration

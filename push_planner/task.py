@@ -1,5 +1,6 @@
 """Any goal, short ways: the quickest chain of pushes from here, and the plan of its first."""
 
+import dataclasses
 import functools
 import math
 from typing import NamedTuple
@@ -14,7 +15,8 @@ from push_planner.elements import bearing_of, element_table
 from push_planner.options import ChainOption, SingleOption
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, refuse_fence
-from push_planner.pushes import push_time, steps_of
+from push_planner.pushes import push_time, SETTLING, steps_of
+from push_planner.room import Room
 from push_planner.settings import PlannerSettings
 from push_planner.site_list import robot_start, site_problems
 from push_planner.sites import weigh_site
@@ -22,6 +24,7 @@ from push_planner.task_settings import TaskSettings
 
 SINGLES = 4
 HOPEFUL = 1.2
+IN_MAP = 6
 
 
 class TaskPlan(NamedTuple):
@@ -72,14 +75,25 @@ def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=No
                  task or TaskSettings(), workspace).answer()
 
 
+def _with_room_to_settle(task, robot):
+    """A differential drive's contact normal settles over its radius."""
+    if robot.drive != 'differential':
+        return task
+    least = SETTLING * robot.radius
+    return dataclasses.replace(task, shortest_push=max(task.shortest_push, least),
+                               last_run_in=max(task.last_run_in, least))
+
+
 class _Task:
     """One question, and the work on it."""
 
     def __init__(self, obj, robot, object_pose, robot_pose, goal, settings, drive, task,
                  workspace):
         self.obj, self.robot, self.start, self.here = obj, robot, object_pose, robot_pose
-        self.goal, self.settings, self.drive, self.task = goal, settings, drive, task
+        self.goal, self.settings, self.drive = goal, settings, drive
+        self.task = _with_room_to_settle(task, robot)
         self.workspace = workspace
+        self.room = workspace and Room(workspace, obj, robot, object_pose, goal, drive)
         inside = object_pose.inverse()
         self.local_goal, self.local_robot = inside @ goal, inside @ robot_pose
         self.report = {'weighed': 0, 'tried': []}
@@ -103,7 +117,7 @@ class _Task:
         for option in sorted(options, key=lambda option: option.duration):
             if best is not None and option.duration >= option.sure * best.duration:
                 continue
-            option.solve(self.here, self.drive, worth, self.workspace)
+            option.solve(self.here, self.drive, worth, self.room)
             self.report['tried'].append(str(option))
             if not option.reason and (best is None or option.duration < best.duration):
                 best = option
@@ -126,9 +140,20 @@ class _Task:
         except PlanningFailed as failure:
             self.refused.append(failure.reason)
             return []
-        found = search(table, self._costs, self.local_goal, self.task, limit)
+        if self.room is None:
+            return self._laid_out(search(table, self._costs, self.local_goal, self.task, limit))
+        task = dataclasses.replace(self.task, alternatives=IN_MAP * self.task.alternatives)
+        for inner in (False, True):
+            found = self._laid_out(search(table, self._costs, self.local_goal, task, limit,
+                                          self.room.filter(table, inner)))
+            free = [option for option in found if self.room.holds_steps(option.steps)]
+            if free:
+                return free[:self.task.alternatives]
+        return []
+
+    def _laid_out(self, found):
         self.report['weighed'] += found.weighed
-        return [ChainOption(steps_of(chain, table, self.start, self.goal, self.settings),
+        return [ChainOption(steps_of(chain, self._table, self.start, self.goal, self.settings),
                             chain.duration) for chain in found.chains]
 
     @functools.cached_property
@@ -149,4 +174,9 @@ class _Task:
 
     def _reason(self):
         tried = self.report['tried'] or self.refused or ['the robot cannot get to the object']
+        if self.room is not None:
+            self.room = None
+            if self._singles() or self._chains(math.inf):
+                return ('the goal is reached only outside the map or through its obstacles: '
+                        f'{tried[0]}')
         return f'no chain of pushes to the goal was found: {tried[0]}'
