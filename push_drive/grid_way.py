@@ -11,7 +11,8 @@ from scipy.sparse.csgraph import dijkstra
 
 NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
 SPACING = 0.08
-REACH = 2.0
+LINKED = 2.0
+BEYOND = 4.0
 
 
 class Lattice(NamedTuple):
@@ -32,6 +33,8 @@ def grid_track(workspace, room, body, object_pose, start, goal):
     """
     Find the shortest track on a lattice, and pull it straight.
 
+    It is looked for up to 4 m beyond start and goal.
+
     :param workspace: ``Workspace``.
     :param room: distance from obstacles that the robot's centre keeps [m].
     :param body: ``Inflated`` object that it keeps out of.
@@ -42,14 +45,13 @@ def grid_track(workspace, room, body, object_pose, start, goal):
     :raises NoWay: where there is none.
     """
     space = _Space(workspace, room, body, object_pose)
-    lattice = _lattice(workspace, room)
-    edges = lattice.edges[space.object_allows(lattice)]
     ends = np.array([start, goal], dtype=float)
-    if space.sees(*ends):
+    if space.sees(ends[0], ends[1:])[0]:
         return [(*goal, 0.0)]
+    lattice = _lattice(workspace, room, _window(workspace, ends))
     links = [_links(space, lattice, number, place) for number, place in enumerate(ends)]
     points = np.concatenate([lattice.points, ends])
-    edges = np.concatenate([edges, *links])
+    edges = np.concatenate([lattice.edges[space.object_allows(lattice)], *links])
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
     count = len(points)
     graph = csr_matrix((lengths, edges.T), shape=(count, count))
@@ -75,11 +77,12 @@ class _Space:
         """Distance of points from the grown object."""
         return self._body.distances((points - self._shift) @ self._turn)
 
-    def sees(self, first, last):
-        """Tell whether the straight piece between two points is free."""
-        points = _between(first[None, :], last[None, :], self._workspace.resolution / 2)
-        return (np.all(self._workspace.clearance(points) >= self._room - 1e-9)
-                and np.all(self.distances(points) >= -1e-6))
+    def sees(self, place, points):
+        """Tell to which points the straight piece from a place is free."""
+        samples = _between(place[None, :], points, self._workspace.resolution / 2)
+        free = self._workspace.clearance(samples) >= self._room - 1e-9
+        free[free] = self.distances(samples[free]) >= -1e-6
+        return free.reshape(len(points), -1).all(axis=1)
 
     def object_allows(self, lattice):
         """Tell which pieces of a lattice keep out of the object."""
@@ -94,15 +97,22 @@ class _Space:
         return allowed
 
 
+def _window(workspace, ends):
+    # In whole steps, so that ways near each other share their lattice.
+    cells = workspace.to_map(ends) / workspace.resolution
+    step = math.ceil(BEYOND / workspace.resolution)
+    low = (np.floor(cells.min(axis=0) / step).astype(int) - 1) * step
+    high = (np.floor(cells.max(axis=0) / step).astype(int) + 2) * step
+    return tuple(np.clip([low, high], 0, workspace.occupied.shape[::-1]).ravel().tolist())
+
+
 @functools.lru_cache(maxsize=4)
-def _lattice(workspace, room):
+def _lattice(workspace, room, window):
     cells = math.ceil(SPACING / workspace.resolution - 1e-9)
-    spacing = cells * workspace.resolution
-    rows, columns = workspace.occupied.shape
-    ys, xs = np.mgrid[0:rows:cells, 0:columns:cells]
+    left, bottom, right, top = window
+    ys, xs = np.mgrid[bottom:top:cells, left:right:cells]
     local = np.stack((xs, ys), axis=-1).reshape(-1, 2) + 0.5
-    points = np.array([workspace.origin.transform(place)
-                       for place in workspace.resolution * local])
+    points = workspace.from_map(workspace.resolution * local)
     free = workspace.clearance(points) >= room
     numbers = np.arange(len(points)).reshape(xs.shape)
     pairs = []
@@ -114,7 +124,7 @@ def _lattice(workspace, room):
     edges = edges[free[edges].all(axis=1)]
     samples = _between(points[edges[:, 0]], points[edges[:, 1]], workspace.resolution / 2)
     clear = workspace.clearance(samples).reshape(len(edges), -1) >= room
-    return Lattice(points, edges[clear.all(axis=1)], spacing)
+    return Lattice(points, edges[clear.all(axis=1)], cells * workspace.resolution)
 
 
 def _between(first, last, spacing):
@@ -125,9 +135,9 @@ def _between(first, last, spacing):
 
 def _links(space, lattice, number, place):
     away = np.linalg.norm(lattice.points - place, axis=1)
-    near = np.flatnonzero(away <= REACH * lattice.spacing)
-    seen = [i for i in near if space.sees(place, lattice.points[i])]
-    return np.array([(len(lattice.points) + number, i) for i in seen], dtype=int).reshape(-1, 2)
+    near = np.flatnonzero(away <= LINKED * lattice.spacing)
+    seen = near[space.sees(place, lattice.points[near])]
+    return np.stack((np.full_like(seen, len(lattice.points) + number), seen), axis=1)
 
 
 def _straightened(space, path, spacing):
@@ -141,9 +151,7 @@ def _straightened(space, path, spacing):
 def _shortcut(space, path):
     kept, last = [path[0]], 0
     while last < len(path) - 1:
-        following = len(path) - 1
-        while following > last + 1 and not space.sees(path[last], path[following]):
-            following -= 1
-        kept.append(path[following])
-        last = following
+        seen = np.flatnonzero(space.sees(path[last], path[last + 1:]))
+        last += 1 + (int(seen[-1]) if seen.size else 0)
+        kept.append(path[last])
     return np.array(kept)

@@ -68,15 +68,15 @@ class Inflated(NamedTuple):
         :param points: (x, y), shape (n, 2) [m].
         :return: distances [m], negative inside, shape (n,).
         """
-        points = np.asarray(points, dtype=float)[:, None, :]
-        first = np.array(self.core)
-        edges = np.roll(first, -1, axis=0) - first
-        squares = np.maximum(np.sum(edges ** 2, axis=1), 1e-300)
-        offsets = points - first
-        along = np.clip(np.sum(offsets * edges, axis=2) / squares, 0.0, 1.0)
-        away = np.linalg.norm(offsets - along[..., None] * edges, axis=2).min(axis=1)
-        beside = edges[:, 0] * offsets[..., 1] - edges[:, 1] * offsets[..., 0]
-        inside = np.all(beside > 0.0, axis=1)
+        x, y = np.asarray(points, dtype=float).T
+        away, inside = np.full(len(x), np.inf), np.ones(len(x), dtype=bool)
+        for (x0, y0), (x1, y1) in zip(self.core, self.core[1:] + self.core[:1]):
+            along, across = x1 - x0, y1 - y0
+            square = along * along + across * across
+            ahead = (x - x0) * along + (y - y0) * across
+            share = np.clip(ahead / square, 0.0, 1.0) if square else 0.0
+            away = np.minimum(away, np.hypot(x - x0 - share * along, y - y0 - share * across))
+            inside &= along * (y - y0) - across * (x - x0) > 0.0
         return np.where(inside, -away, away) - self.radius
 
     def cone(self, x, y):

@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
 
 NO_LENGTH = 1e-9
@@ -41,22 +42,35 @@ class Leg(NamedTuple):
         chord = math.atan2(self.end.y - self.start.y, self.end.x - self.start.x)
         return chord - 0.5 * self.bend, chord + 0.5 * self.bend
 
-    def at(self, way):
+    def direction(self, way):
         """
-        Find the pose after a way; outside the leg it goes on evenly.
+        Direction of motion after a way [rad].
 
-        :param way: from the beginning [m].
-        :return: (``Pose``, direction of motion [rad]).
+        :param way: from the beginning of a leg that has a length [m].
         """
-        length = self.length
-        share = way / length if length else 1.0
-        bend = share * self.bend
-        first = self.directions[0]
-        half = 0.5 * bend
-        chord = way * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
-        return Pose(self.start.x + chord * math.cos(first + half),
-                    self.start.y + chord * math.sin(first + half),
-                    self.start.theta + share * self.turn), first + bend
+        return self.directions[0] + self.bend * way / self.length
+
+    def heading(self, way):
+        """
+        Heading of the robot after a way [rad].
+
+        :param way: from the beginning of a leg that has a length [m].
+        """
+        return self.start.theta + self.turn * way / self.length
+
+    def poses(self, shares):
+        """
+        Find poses along the leg.
+
+        :param shares: of the leg, 0 at its beginning and 1 at its end, shape (n,).
+        :return: (x, y, theta), shape (n, 3).
+        """
+        half = 0.5 * self.bend * shares
+        chord = self.length * shares * np.sinc(half / np.pi)
+        toward = self.directions[0] + half
+        return np.stack((self.start.x + chord * np.cos(toward),
+                         self.start.y + chord * np.sin(toward),
+                         self.start.theta + shares * self.turn), axis=1)
 
     def project(self, point):
         """

@@ -80,7 +80,7 @@ class Run:
         :param way: from the beginning [m].
         """
         leg, along = self._leg_at(way)
-        return leg.at(along)[1]
+        return leg.direction(along)
 
     def smooth_direction(self, way, speed):
         """
@@ -108,7 +108,7 @@ class Run:
         :return: heading [rad], change per way [rad/m].
         """
         leg, along = self._leg_at(way)
-        return leg.at(along)[0].theta, leg.turn / leg.length
+        return leg.heading(along), leg.turn / leg.length
 
     def _leg_at(self, way):
         way = min(self.length, max(0.0, way))

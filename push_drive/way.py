@@ -60,17 +60,12 @@ def sampled(way, robot, spacing):
     """
     if not (math.isfinite(spacing) and spacing > 0.0):
         raise ValueError(f'spacing: got {spacing!r}, expected a finite distance above 0 [m]')
-    rows = [way.poses[0]]
+    rows = [np.array([way.poses[0]])]
     for leg in way.legs:
         swept = max(leg.length, robot.radius * abs(leg.turn))
         count = max(1, math.ceil(swept / spacing))
-        for i in range(1, count):
-            if leg.length:
-                rows.append(leg.at(leg.length * i / count)[0])
-            else:
-                rows.append(leg.start._replace(theta=leg.start.theta + leg.turn * i / count))
-        rows.append(leg.end)
-    return np.array(rows, dtype=float)
+        rows += [leg.poses(np.arange(1, count) / count), np.array([leg.end])]
+    return np.concatenate(rows)
 
 
 def driven_way(start, goal, track, backwards):

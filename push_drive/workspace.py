@@ -37,7 +37,28 @@ class Workspace:
                              f'{occupied.shape}, expected rows and columns of bool')
         self.resolution, self.origin, self.occupied = float(resolution), Pose(*origin), occupied
         occupied.setflags(write=False)
+        c, s = math.cos(self.origin.theta), math.sin(self.origin.theta)
+        self._axes = np.array([[c, -s], [s, c]])
         self._cells = distance_transform_edt(~np.pad(occupied, 1, constant_values=True))
+
+    def to_map(self, points):
+        """
+        Bring points of the world into the frame of the map.
+
+        :param points: (x, y) in the world, shape (n, 2) [m].
+        :return: along columns and along rows, from the outer corner of the first cell, shape
+            (n, 2) [m].
+        """
+        return (np.asarray(points, dtype=float) - self.origin[:2]) @ self._axes
+
+    def from_map(self, points):
+        """
+        Bring points from the frame of the map into the world.
+
+        :param points: along columns and along rows, shape (n, 2) [m].
+        :return: (x, y), shape (n, 2) [m].
+        """
+        return np.asarray(points, dtype=float) @ self._axes.T + self.origin[:2]
 
     def clearance(self, points):
         """
@@ -46,7 +67,7 @@ class Workspace:
         :param points: (x, y) in the world, shape (n, 2) [m].
         :return: distances [m], negative in obstacles, shape (n,).
         """
-        x, y = self._to_map(points).T / self.resolution
+        x, y = self.to_map(points).T / self.resolution
         cells = map_coordinates(self._cells, (y + 0.5, x + 0.5), order=1, mode='nearest')
         return self.resolution * (cells - CONSERVATIVE)
 
@@ -101,10 +122,6 @@ class Workspace:
         :param margin: distance [m].
         """
         return self.object_hit(obj, poses, margin) is None
-
-    def _to_map(self, points):
-        c, s = math.cos(self.origin.theta), math.sin(self.origin.theta)
-        return (np.asarray(points, dtype=float) - self.origin[:2]) @ np.array([[c, -s], [s, c]])
 
 
 def _first(hits):

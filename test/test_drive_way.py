@@ -46,10 +46,12 @@ def test_a_point_on_an_arc_is_projected_to_where_it_is():
                               start.y + chord * math.sin(toward), start.theta + bend), bend)
         way = rng.uniform(0.0, leg.length)
         aside = rng.uniform(-0.4, 0.4) * min(1.0, leg.length / max(abs(bend), 1e-9))
-        pose, direction = leg.at(way)
-        point = (pose.x - aside * math.sin(direction), pose.y + aside * math.cos(direction))
+        (x, y, heading), end = leg.poses(np.array([way / leg.length, 1.0]))
+        direction = leg.direction(way)
+        point = (x - aside * math.sin(direction), y + aside * math.cos(direction))
         assert leg.project(point) == pytest.approx((way, aside), abs=1e-9)
-        assert distance(leg.at(leg.length)[0], leg.end) < 1e-9
+        assert distance(end, leg.end) < 1e-9
+        assert heading == pytest.approx(leg.heading(way))
 
 
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])
