@@ -10,6 +10,7 @@ from push_model.signals import STOP, Twist
 
 POSITION_TOLERANCE = 0.003
 HEADING_TOLERANCE = math.radians(0.6)
+PATIENCE, DWELL = 0.4, 0.1
 CLOSE, ALIGNED = 0.001, math.radians(0.2)
 
 
@@ -29,7 +30,7 @@ class WayFollower:
         self._robot, self._limits = robot, settings.capped(robot)
         self._goal = way.poses[-1]
         self._stretches = stretches(way, self._limits)
-        self._along = 0.0
+        self._along, self._late, self._stood = 0.0, None, 0.0
         self._command, self._motion = STOP, STOP
         self.finished = False
 
@@ -55,7 +56,7 @@ class WayFollower:
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
         pose = Pose(*pose)
         ahead = self._ahead(pose, dt)
-        wanted = STOP if self._arrived(pose, ahead) else self._wanted(ahead)
+        wanted = STOP if self._arrived(pose, ahead, dt) else self._wanted(ahead, dt)
         self._command = limited_change(self._command, wanted, self._limits, dt)
         return self._command
 
@@ -70,13 +71,12 @@ class WayFollower:
         x, y = pose._replace(theta=pose.theta + 0.5 * turn).rotate(self._motion)
         return Pose(pose.x + lag * x, pose.y + lag * y, pose.theta + turn)
 
-    def _arrived(self, pose, ahead):
-        if self._stretches:
-            return False
-        resting = self._command == STOP
+    def _arrived(self, pose, ahead, dt):
+        resting = self._command == STOP and not self._stretches
+        self._stood = self._stood + dt if resting else 0.0
         self.finished = resting and self._is_there(pose) and self._is_there(ahead)
-        if resting and not self._is_there(ahead):
-            self._stretches = stretches(self._directly(ahead), self._limits)
+        if self._stood > PATIENCE and not self.finished:
+            self._stretches = stretches(self._directly(pose), self._limits)
         return not self._stretches
 
     def _is_there(self, pose):
@@ -92,30 +92,34 @@ class WayFollower:
         toward = math.atan2(self._goal.y - pose.y, self._goal.x - pose.x)
         return driven_way(pose, self._goal, track, [math.cos(toward - pose.theta) < 0.0])
 
-    def _wanted(self, ahead):
+    def _wanted(self, ahead, dt):
         while self._stretches:
             stretch = self._stretches[0]
             law = self._along_run if isinstance(stretch, Run) else self._turned
-            wanted = law(stretch, ahead)
+            wanted = law(stretch, ahead, dt)
             if wanted is not None:
                 return wanted
             self._stretches.pop(0)
-            self._along = 0.0
+            self._along, self._late = 0.0, None
         return STOP
 
-    def _turned(self, leg, ahead):
+    def _turned(self, leg, ahead, dt):
         left = wrap_angle(leg.end.theta - ahead.theta)
-        if abs(left) < ALIGNED:
+        # A run that follows puts the heading right by itself.
+        if self._settled(left, ALIGNED, dt) or len(self._stretches) > 1 and abs(left) < ALIGNED:
             return None
         return Twist(0.0, 0.0, turning(left, self._limits))
 
-    def _along_run(self, run, ahead):
+    def _along_run(self, run, ahead, dt):
         self._along, aside = run.locate(ahead)
         left = run.length - self._along
-        if self._robot.drive == 'holonomic':
-            if math.hypot(max(0.0, left), aside) < CLOSE or left < -CLOSE:
-                return None
-            return held(run, ahead, self._along, aside, self._limits)
-        if left < CLOSE:
+        holonomic = self._robot.drive == 'holonomic'
+        if self._settled(complex(left, aside) if holonomic else left, CLOSE, dt):
             return None
-        return driven(run, ahead, self._along, aside, self._limits)
+        return (held if holonomic else driven)(run, ahead, self._along, aside, self._limits)
+
+    def _settled(self, left, tolerance, dt):
+        # Not while it only passes by: what is left must have been little for a while.
+        late = left if self._late is None else self._late
+        self._late = late - math.expm1(-dt / DWELL) * (left - late)
+        return abs(self._late) < tolerance and abs(left) < 2.0 * tolerance

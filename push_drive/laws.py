@@ -60,7 +60,7 @@ def driven(run, pose, way, aside, limits):
     if abs(off) > ASTRAY:
         return Twist(0.0, 0.0, turning(-off, limits))
     aside = min(RETURN, max(-RETURN, aside))
-    omega = speed * (curvature - aside / RETURN ** 2 - 2.0 * math.sin(off) / RETURN)
+    omega = max(0.0, speed) * (curvature - aside / RETURN ** 2 - 2.0 * math.sin(off) / RETURN)
     share = min(1.0, limits.yaw_rate / abs(omega)) if omega else 1.0
     return Twist(share * (-speed if run.is_backwards else speed), 0.0, share * omega)
 

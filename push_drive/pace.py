@@ -6,6 +6,8 @@ from push_model.geometry import wrap_angle
 
 SAME_DIRECTION = 1e-6
 ACROSS = 0.7
+# What the end of a leg takes longer because speed fades out there.
+SETTLING = 0.15
 
 
 def leg_limits(leg, limits):
@@ -70,13 +72,13 @@ def total_time(legs, limits, lag):
 
     :param legs: ``Leg`` sequence.
     :param limits: ``DriveSettings`` within the limits of the robot.
-    :param lag: by which the robot stands still later than it was told to [s].
+    :param lag: of the drive behind its commands, once at each stop [s].
     """
     speeds = joint_speeds(legs, limits)
     time = 0.0
     for leg, first, last in zip(legs, speeds, speeds[1:]):
         if last == 0.0 and (leg.length or leg.turn):
-            time += lag
+            time += lag + SETTLING
         if leg.length:
             time += _trapezoid(leg.length, first, last, *leg_limits(leg, limits))
         elif leg.turn:

@@ -6,21 +6,21 @@ import math
 from push_drive.pace import goes_on, joint_speeds, leg_limits
 
 BRAKING = 0.9
-SETTLE = 0.12
+SETTLE = 0.15
 
 
 def braked(left, acceleration):
     """
     Speed from which the rest can still be stopped on; it fades out at the end.
 
-    :param left: way or angle left [m or rad].
+    :param left: way or angle left, at least 0 [m or rad].
     :param acceleration: limit [m/s^2 or rad/s^2].
     :return: speed [m/s or rad/s].
     """
     acceleration *= BRAKING
     fading = acceleration * SETTLE ** 2
     if left < fading:
-        return max(0.0, left) / SETTLE
+        return left / SETTLE
     return math.sqrt(acceleration * (2.0 * left - fading))
 
 
@@ -61,7 +61,9 @@ class Run:
 
     def speed(self, way):
         """
-        Greatest speed at a place, such that everything ahead is reached slowly enough [m/s].
+        Speed at a place, such that everything ahead is reached slowly enough [m/s].
+
+        It is below 0 beyond the end.
 
         :param way: from the beginning [m].
         """
@@ -69,7 +71,7 @@ class Run:
         top, braking = leg_limits(self.legs[i], self._limits)
         left = self._begins[i + 1] - way
         if i == len(self.legs) - 1:
-            return min(top, braked(left, braking))
+            return math.copysign(min(top, braked(abs(left), braking)), left)
         return min(top, math.sqrt(self._speeds[i + 1] ** 2
                                   + 2.0 * BRAKING * braking * max(0.0, left)))
 

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 from push_drive.leg import Leg
+from push_drive.pace import SETTLING
 from push_drive.settings import DriveSettings
 from push_drive.way import driven_way, sampled, travel_time, turned_way, Way
 from push_model.geometry import distance, Pose, wrap_angle
@@ -86,11 +87,11 @@ def test_backwards_is_the_same_track_with_the_heading_turned_round():
 
 
 def test_straight_legs_and_turns_take_the_time_of_their_speeds():
-    """Each from rest to rest."""
+    """Each from rest to rest, and a while to settle."""
     start, goal = Pose(0.0, 0.0, 0.3), Pose(1.0, 0.05, 2.0)
     way = driven_way(start, goal, [(1.0, 0.0, 0.0), (1.0, 0.05, 0.0)], [False, False])
     assert travel_time(way, ROBOT, SETTINGS) == pytest.approx(
-        sum(integrated_time(leg, SETTINGS) for leg in way.legs), abs=1e-4)
+        sum(integrated_time(leg, SETTINGS) + SETTLING for leg in way.legs), abs=1e-4)
 
 
 def test_time_is_kept_when_lengths_and_speeds_grow_alike():
