@@ -15,7 +15,7 @@ from push_planner.site_list import robot_start, site_problems
 from push_planner.warm_start import tightest_turns
 
 HOME = Pose(0.0, 0.0, 0.0)
-# Share of the normals of a vertex that steady turns may use; the rest is for changes of them.
+# Share of a vertex or a face that steady turns may use; the rest is for changes of them.
 AGILITY = 0.9
 STRAIGHT = 0.05
 
@@ -134,7 +134,7 @@ def _elements(problem, task):
         curvature = min(abs(turn.curvature) / task.turn_slack, sharpest)
         if curvature > STRAIGHT:
             found.append(Element(problem, side, 1.0 / curvature, 1.0 / math.cos(turn.steer),
-                                 min(task.widest_turn, limit)))
+                                 min(task.widest_turn, AGILITY * limit)))
     return found
 
 

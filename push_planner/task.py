@@ -16,6 +16,7 @@ from push_planner.options import ChainOption, SingleOption
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, refuse_fence
 from push_planner.pushes import push_time, SETTLING, steps_of
+from push_planner.refusals import refuse_arrived
 from push_planner.room import Room
 from push_planner.settings import PlannerSettings
 from push_planner.site_list import robot_start, site_problems
@@ -70,13 +71,15 @@ def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=No
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
             raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
-    return _Task(obj, robot, *(Pose(*map(float, pose)) for pose in poses.values()),
-                 settings or PlannerSettings(), drive or DriveSettings(),
+    settings = settings or PlannerSettings()
+    object_pose, robot_pose, goal = (Pose(*map(float, pose)) for pose in poses.values())
+    refuse_arrived(object_pose, goal, settings)
+    return _Task(obj, robot, object_pose, robot_pose, goal, settings, drive or DriveSettings(),
                  task or TaskSettings(), workspace).answer()
 
 
 def _with_room_to_settle(task, robot):
-    """A differential drive's contact normal settles over its radius."""
+    """Lengthen straight ends: the normal of a differential drive settles over its radius."""
     if robot.drive != 'differential':
         return task
     least = SETTLING * robot.radius
@@ -110,6 +113,8 @@ class _Task:
         if found is None:
             raise PlanningFailed(self._reason(), self.report)
         single = min((option.about for option in singles if not option.reason), default=math.inf)
+        if len(found.pushes) == 1:
+            single = min(single, found.duration)
         return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report)
 
     def _best(self, options):
@@ -153,8 +158,12 @@ class _Task:
 
     def _laid_out(self, found):
         self.report['weighed'] += found.weighed
-        return [ChainOption(steps_of(chain, self._table, self.start, self.goal, self.settings),
-                            chain.duration) for chain in found.chains]
+        options, longest = [], self.settings.max_path_length
+        for chain in found.chains:
+            steps = steps_of(chain, self._table, self.start, self.goal, self.settings)
+            if all(step.push.path_length <= longest for step in steps):
+                options.append(ChainOption(steps, chain.duration))
+        return options
 
     @functools.cached_property
     def _table(self):
@@ -169,7 +178,9 @@ class _Task:
         ramp = push_time(self.settings, 1.0) - 1.0 / self.settings.pushing_speed
         each, numbers = self.task.switch_time + ramp, table.numbers
         change = between[np.ix_(numbers, numbers)] + each
-        change[numbers[:, None] == numbers] = 0.0
+        # A contact that has rolled is not where it was.
+        rolls = table.elements[0].problem.kind == 'rolling'
+        change[numbers[:, None] == numbers] = math.inf if rolls else 0.0
         return Costs(first[numbers] + each, change, self.settings.pushing_speed)
 
     def _reason(self):
