@@ -150,6 +150,19 @@ def test_a_differential_drive_backs_off_without_turning_at_the_object():
     assert abs(wrap_angle(first.directions[0] - start.theta)) == pytest.approx(math.pi)
 
 
+def test_backwards_only_as_far_as_is_allowed():
+    """Short ways behind the robot are gone backwards, longer ones never; turning round costs."""
+    robot, forwards = ROBOTS['differential'], dataclasses.replace(SETTINGS, reverse=0.0)
+    start = Pose(-0.6, 0.0, 0.0)
+    for length, settings, backwards in ((0.3, SETTINGS, True), (0.3, forwards, False),
+                                        (0.7, SETTINGS, False)):
+        way = find_way(robot, box(), Pose(0.0, 0.0, 0.0), start,
+                       Pose(start.x - length, 0.1, 0.0), settings)
+        moving = [leg for leg in way.legs if leg.length]
+        assert all((math.cos(leg.start.theta - leg.directions[0]) < 0.0) == backwards
+                   for leg in moving)
+
+
 def test_more_clearance_never_shortens_the_way():
     """Ways grow with the clearance, and come to the straight line without an object between."""
     robot, obj = ROBOTS['holonomic'], box()

@@ -114,6 +114,19 @@ def test_a_way_takes_as_long_there_as_back():
             travel_time(way, ROBOT, SETTINGS), rel=1e-12)
 
 
+def test_a_corner_is_a_stop():
+    """A holonomic base too: as long as both sides each on its own; not so where it goes on."""
+    first, corner, straight = Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0), Pose(2.0, 0.0, 0.0)
+    for last, stops in ((Pose(1.0, 1.0, 0.0), True), (first, True), (straight, False)):
+        both = travel_time(Way((first, corner, last)), ROBOT, SETTINGS)
+        each = [travel_time(Way(ends), ROBOT, SETTINGS) for ends in ((first, corner),
+                                                                     (corner, last))]
+        if stops:
+            assert both == pytest.approx(sum(each), rel=1e-12)
+        else:
+            assert both < sum(each) - 0.5
+
+
 def test_an_arc_is_quicker_than_the_corner_that_it_cuts():
     """It does not stop, although it is as long as its own corner nearly."""
     start, goal = Pose(0.0, 0.0, 0.0), Pose(1.3, 1.3, 0.5 * math.pi)

@@ -220,6 +220,20 @@ def test_a_free_map_changes_nothing():
             assert find_way(*task, room()) == find_way(*task)
 
 
+@either
+def test_it_does_not_matter_how_the_map_lies_in_the_world(drive):
+    """Everything moved and turned: the same way; also where the robot is on the lattice."""
+    robot, move, plain = ROBOTS[drive], Pose(4.0, -3.0, 2.0), door(0.8)
+    moved = Workspace(RESOLUTION, move @ plain.origin, plain.occupied)
+    goal = Pose(1.5, 0.0, 0.3)
+    for start in (Pose(-1.5, 0.0, 0.0), Pose(-1.475, 0.025, 0.0)):
+        way = find_way(robot, box(), ASIDE, start, goal, SETTINGS, plain)
+        other = find_way(robot, box(), move @ ASIDE, move @ start, move @ goal, SETTINGS, moved)
+        assert len(other.poses) == len(way.poses) > 2
+        for one, two in zip(way.poses, other.poses):
+            assert two[:2] == pytest.approx((move @ one)[:2], abs=1e-6)
+
+
 def test_what_is_no_map_is_refused_by_name():
     """Resolution, origin and cells."""
     cells, origin = np.zeros((3, 4), dtype=bool), Pose(0.0, 0.0, 0.0)
