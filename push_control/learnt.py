@@ -37,15 +37,29 @@ class LearntObject:
         :param point: where it pushed, object frame (x, y) [m].
         :param seen: friction centre that it saw, object frame (x, y) [m].
         """
-        center = np.array(friction_center(self.obj))
-        line = center - point
-        across = np.array((-line[1], line[0])) / np.hypot(*line)
+        center, across, _ = self._line(point)
         self._covariance += WALK ** 2 * np.eye(2)
         told = self._covariance @ across
         gain = told / (across @ told + DEVIATION ** 2)
         self._covariance -= np.outer(gain, told)
         center = center + gain * (across @ (np.array(seen) - center))
         self.obj = with_friction_center(self._believed, center)
+
+    def spread(self, point):
+        """
+        Tell how well it is known from where its centre is, across the line to it.
+
+        :param point: where it is pushed, object frame (x, y) [m].
+        :return: standard deviation over the distance.
+        """
+        _, across, length = self._line(point)
+        return math.sqrt(across @ self._covariance @ across) / length
+
+    def _line(self, point):
+        center = np.array(friction_center(self.obj))
+        line = center - point
+        length = float(np.hypot(*line))
+        return center, np.array((-line[1], line[0])) / length, length
 
 
 def with_friction_center(obj, center):

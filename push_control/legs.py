@@ -1,12 +1,17 @@
 """What the robot does in each state of a task."""
 
 import dataclasses
+import math
 
 from push_control.learnt import LearntObject
 from push_control.retreat import Retreat
+from push_control.site import contact_at_start
 from push_control.supervised_push import SupervisedPush
 from push_control.touch import Touch
 from push_control.travel import Approach
+
+# What is never known better: friction centre over its distance, push direction [rad].
+CENTER_SPREAD, PLACEMENT_SPREAD = 0.03, 0.02
 
 
 class Legs:
@@ -32,22 +37,30 @@ class Legs:
         self._robot, self._drive, self._settings = robot, drive, supervision
         self.learnt, self.workspace = LearntObject(obj, control), None
 
-    def begin(self, state, target, rest):
+    def begin(self, state, target, sight):
         """
         Make the leg of a state.
 
         :param state: one of ``push_control.task_status.STATES``.
         :param target: the ``PushTrajectory``, or None.
-        :param rest: ``push_control.rest.Rest`` of the object, or None.
+        :param sight: ``Sight`` of robot and object.
         :return: the leg, or None where the robot stands.
         """
         obj, robot, drive, settings = self.learnt.obj, self._robot, self._drive, self._settings
         if state == 'approach':
             return Approach(obj, robot, drive, settings, target, self.workspace)
         if state == 'align':
-            return Touch(obj, robot, self._control, drive, settings, target, rest)
+            return Touch(obj, robot, self._control, drive, settings, target,
+                         sight.rest)
         if state == 'push':
-            return SupervisedPush(self.learnt, robot, self._control, target)
+            return SupervisedPush(self.learnt, robot, self._as_known(target, sight), target)
         if state == 'retreat':
             return Retreat(obj, robot, drive, settings, self.workspace)
         return None
+
+    def _as_known(self, target, sight):
+        """Tell the controller how well robot and friction centre are known by now."""
+        spread = self.learnt.spread(contact_at_start(target))
+        return dataclasses.replace(
+            self._control, center_spread=math.hypot(CENTER_SPREAD, spread),
+            placement_spread=math.hypot(PLACEMENT_SPREAD, sight.placement.deviations[2]))

@@ -23,12 +23,12 @@ class SupervisionSettings:
                                 'has moved', '', above=0.0, high=100.0, default=5.0)
 
     tries: int = quantity('pushes and recoveries without getting nearer before it gives up', '',
-                          1, 100, default=8)
+                          1, 100, default=12)
     nearer: float = quantity('share of the least error so far that counts as nearer', '',
                              above=0.0, high=1.0, default=0.9)
     plan_timeout: float = quantity('time to wait for a plan', 's', above=0.0, high=600.0,
                                    default=20.0)
-    stall_time: float = quantity('time without progress on a way after which it is given up', 's',
+    stall_time: float = quantity('time without motion on a way after which it is given up', 's',
                                  above=0.0, high=60.0, default=4.0)
 
     shove_distance: float = quantity('move of the object, not pushed, after which a plan no '

@@ -188,7 +188,7 @@ class Supervisor:
     def _enter(self, state, reason=''):
         status, time = self.status, self._sight.time
         self._wants, self._waiting = None, ''
-        self._leg = self._legs.begin(state, self._target, self._sight.rest)
+        self._leg = self._legs.begin(state, self._target, self._sight)
         if state == 'retreat':
             self._sight.look_anew(time + SETTLING)
         self._status = dataclasses.replace(

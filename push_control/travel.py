@@ -12,6 +12,7 @@ from push_model.signals import STOP
 
 SET_OUT_LIMIT = 3
 OVERLAP = 0.01
+MOTION = 0.005
 
 
 def entry_direction(robot, target, start):
@@ -27,6 +28,11 @@ def entry_direction(robot, target, start):
     return start.theta + (0.0 if robot.drive == 'differential' else lead)
 
 
+def _apart(pose, other, radius):
+    """Distance between two poses of a disc; a turn counts at its rim."""
+    return max(distance(pose, other), radius * abs(wrap_angle(pose.theta - other.theta)))
+
+
 class Travel:
     """One way, with an end and a time by which it must be reached."""
 
@@ -37,10 +43,12 @@ class Travel:
         :param robot: the ``RoundRobot``.
         :param drive: ``DriveSettings``.
         :param way: the ``Way``.
-        :param patience: time beyond twice the expected after which it is given up [s].
+        :param patience: time without motion after which it is given up, or that it may take
+            beyond twice what was expected [s].
         """
-        self._follower = WayFollower(robot, drive, way)
+        self._follower, self._patience = WayFollower(robot, drive, way), patience
         self._left = 2.0 * travel_time(way, robot, drive) + patience
+        self._radius, self._seen, self._still = robot.radius, None, 0.0
         self.finished, self.trouble = False, ''
 
     def step(self, pose, dt):
@@ -52,9 +60,12 @@ class Travel:
         :return: ``Twist``; STOP once there is ``trouble``.
         """
         self._left -= dt
+        self._still += dt
+        if self._seen is None or _apart(self._seen, pose, self._radius) > MOTION:
+            self._seen, self._still = pose, 0.0
         command = self._follower.step(pose, dt)
         self.finished = self._follower.finished
-        if self._left < 0.0 and not self.finished:
+        if (self._left < 0.0 or self._still > self._patience) and not self.finished:
             self.trouble = f'the robot does not get on: {self._follower.remaining:.2f} m are left'
             return STOP
         return command
@@ -127,8 +138,7 @@ class Approach:
 
     def _arrive(self, robot_pose, object_pose):
         stand, robot = self._stand(object_pose), self._parts[1]
-        error = max(distance(robot_pose, stand),
-                    robot.radius * abs(wrap_angle(robot_pose.theta - stand.theta)))
+        error = _apart(robot_pose, stand, robot.radius)
         self._set_out += 1
         self.finished = error <= self._settings.standing_error
         if not self.finished and self._set_out >= SET_OUT_LIMIT:
