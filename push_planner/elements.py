@@ -18,6 +18,8 @@ HOME = Pose(0.0, 0.0, 0.0)
 # Share of a vertex or a face that steady turns may use; the rest is for changes of them.
 AGILITY = 0.9
 STRAIGHT = 0.05
+# Steeper pushes turn an object about one of its feet, which is hard to foretell [rad].
+STEEPEST = 0.8
 
 
 class Element(NamedTuple):
@@ -131,9 +133,11 @@ def _elements(problem, task):
     low, high = turn_range(problem)
     found = []
     for side, turn, limit, sharpest in zip((1.0, -1.0), turns, (high, -low), _sharpest(problem)):
-        curvature = min(abs(turn.curvature) / task.turn_slack, sharpest)
+        steer = min(abs(turn.steer), STEEPEST)
+        tightest = abs(turn.curvature) * math.tan(steer) / math.tan(abs(turn.steer))
+        curvature = min(tightest / task.turn_slack, sharpest)
         if curvature > STRAIGHT:
-            found.append(Element(problem, side, 1.0 / curvature, 1.0 / math.cos(turn.steer),
+            found.append(Element(problem, side, 1.0 / curvature, 1.0 / math.cos(steer),
                                  min(task.widest_turn, AGILITY * limit)))
     return found
 

@@ -135,7 +135,7 @@ class _Task:
         self.refused = [site.reason for site in weighed if site.reason]
         places = [self.start.inverse() @ robot_start(site.problem) for site in weighed]
         ways = times_to(self.robot, self.obj, self.local_robot, tuple(places), self.drive)
-        options = [SingleOption(site.problem, way + self.task.switch_time, site.bound)
+        options = [SingleOption(site.problem, float(way) + self.task.switch_time, site.bound)
                    for site, way in zip(weighed, ways) if math.isfinite(way + site.bound)]
         return sorted(options, key=lambda option: option.duration)[:SINGLES]
 

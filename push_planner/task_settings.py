@@ -16,11 +16,11 @@ class TaskSettings:
     last_run_in: float = quantity('straight end of the last push, at least', 'm', above=0.0,
                                   high=5.0, default=0.35)
     switch_time: float = quantity('settling, touch and retreat, per push', 's', 0.0, 60.0,
-                                  default=3.0)
+                                  default=5.0)
     widest_turn: float = quantity('most that one push of a chain turns the object', 'rad',
                                   above=0.0, high=2.0 * math.pi, default=math.pi)
     turn_slack: float = quantity('radius of turns in a chain over that of the tightest', '', 1.0,
-                                 10.0, default=1.1)
+                                 10.0, default=1.05)
     turn_steps: int = quantity('turns that are tried for each push but the last, at least', '', 3,
                                100, default=7)
     trials: int = quantity('combinations of sites and turns that are tried for each number of '

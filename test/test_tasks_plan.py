@@ -61,7 +61,7 @@ def test_all_pushes_of_a_chain_lead_to_the_goal(obj, robot, goal):
     assert abs(wrap_angle(place[2] - first.robot_start.theta)) < 1e-6
 
 
-@pytest.mark.parametrize('obj, robot, goal', CASES[2:5])
+@pytest.mark.parametrize('obj, robot, goal', CASES[-2:])
 def test_the_duration_is_the_sum_of_its_parts(obj, robot, goal):
     """Ways, settling and pushes."""
     found = plan_task(obj, robot, HOME, HERE, goal)
@@ -72,7 +72,7 @@ def test_the_duration_is_the_sum_of_its_parts(obj, robot, goal):
         way = way_to(robot, obj, before.end, stands, after.robot_start, DRIVE)
         total += travel_time(way, robot, DRIVE)
     total += sum(push.duration + TASK.switch_time for push in found.pushes)
-    assert found.duration == pytest.approx(total, rel=0.01)
+    assert found.duration == pytest.approx(total, rel=1e-3)
 
 
 @pytest.mark.parametrize('obj, robot, goal', [
@@ -115,9 +115,9 @@ def test_the_mirror_image_takes_as_long(goal):
 
 
 def test_a_goal_nearby_takes_several_pushes_of_a_differential_drive():
-    """No more than two thirds of what a single push would take."""
+    """No more than three quarters of what a single push would take."""
     found = plan_task(box(), DIFFERENTIAL, HOME, HERE, NEAR[0])
-    assert len(found.pushes) > 1 and found.duration < found.single / 1.4
+    assert len(found.pushes) > 1 and found.duration < 0.75 * found.single
     alone = plan_task(box(), DIFFERENTIAL, HOME, HERE, NEAR[0], task=TaskSettings(max_pushes=1))
     assert len(alone.pushes) == 1 and alone.duration == alone.single
     assert alone.single == pytest.approx(found.single, rel=0.15)
