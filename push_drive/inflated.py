@@ -8,6 +8,8 @@ import numpy as np
 from push_model.geometry import wrap_angle
 from push_model.outline import closest_on_polygon
 
+ON_IT = 1e-6
+
 
 class Cone(NamedTuple):
     """
@@ -91,7 +93,9 @@ class Inflated(NamedTuple):
         right, left, right_index, left_index = math.inf, -math.inf, 0, 0
         for i, (v_x, v_y) in enumerate(self.core):
             angle = wrap_angle(math.atan2(v_y - y, v_x - x) - ahead)
-            half = math.asin(min(1.0, self.radius / math.hypot(v_x - x, v_y - y)))
+            away = math.hypot(v_x - x, v_y - y)
+            # On the surface the root in the arcsine would make much of rounding.
+            half = math.asin(self.radius / away) if away > self.radius + ON_IT else 0.5 * math.pi
             if angle - half < right:
                 right, right_index = angle - half, i
             if angle + half > left:
@@ -110,9 +114,9 @@ class Inflated(NamedTuple):
         c, s = math.cos(direction), math.sin(direction)
         way = 0.0
         # Newton's method: the distance is convex along the ray, and rises.
-        for _ in range(50):
+        for _ in range(20):
             depth, outward = self.nearest(x + way * c, y + way * s)
-            if abs(depth) < 1e-9:
+            if abs(depth) < 1e-13:
                 break
             way -= depth / max(0.1, math.cos(direction - outward))
         return way

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
 
-NO_LENGTH = 1e-9
+NO_LENGTH = 1e-6
 
 
 class Leg(NamedTuple):

@@ -4,7 +4,7 @@ import math
 
 from push_model.geometry import wrap_angle
 
-SAME_DIRECTION = 1e-6
+SAME_DIRECTION = 1e-3
 ACROSS = 0.7
 # What the end of a leg takes longer because speed fades out there.
 SETTLING = 0.15

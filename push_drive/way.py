@@ -8,7 +8,7 @@ from push_drive.leg import Leg
 from push_drive.pace import total_time
 from push_model.geometry import Pose, wrap_angle
 
-NO_TURN = 1e-9
+NO_TURN = 1e-3
 
 
 class Way(NamedTuple):
@@ -87,7 +87,8 @@ def driven_way(start, goal, track, backwards):
             continue
         first, last = (angle + math.pi * back for angle in leg.directions)
         _turn_to(poses, bends, first)
-        poses.append(Pose(x, y, poses[-1].theta + last - first))
+        before = poses[-1].theta
+        poses.append(Pose(x, y, before + wrap_angle(last - before)))
         bends.append(bend)
     return _ended(poses, bends, goal)
 

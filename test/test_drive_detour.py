@@ -6,6 +6,7 @@ import math
 import numpy as np
 from objects import bin_, box
 from push_drive.detour import find_way, NoWay
+from push_drive.run import Run, stretches
 from push_drive.settings import DriveSettings
 from push_drive.way import sampled, travel_time
 from push_model.contact import find_contact
@@ -138,6 +139,32 @@ def test_from_contact_it_leads_straight_off(name, drive):
             clear = int(np.argmax(away > SETTINGS.clearance - 1e-6))
             assert 0 < clear and np.all(np.diff(away[:clear + 1]) > -1e-9)
             assert away[clear:].min() > SETTINGS.clearance - 1e-6
+
+
+@each
+@either
+def test_it_stops_no_more_than_it_must(name, drive):
+    """Straight off the object, round it in one go, straight on to it, and turns between."""
+    obj, robot, object_pose = OBJECTS[name], ROBOTS[drive], Pose(0.3, 0.4, 1.1)
+    rng, seen = np.random.default_rng(6), set()
+    for _ in range(60):
+        ends = []
+        for gap in rng.choice((0.0, 0.02, SETTINGS.clearance, 0.06, 0.3), 2):
+            toward = rng.uniform(-math.pi, math.pi)
+            far = Pose(object_pose.x + 3.0 * math.cos(toward),
+                       object_pose.y + 3.0 * math.sin(toward), rng.uniform(-4.0, 4.0))
+            _, normal, away = find_contact(obj, object_pose, far, robot.radius)
+            ends.append(far._replace(x=far.x + (away - gap) * math.cos(normal),
+                                     y=far.y + (away - gap) * math.sin(normal)))
+        limits = SETTINGS.capped(robot)
+        pieces = stretches(find_way(robot, obj, object_pose, *ends, SETTINGS), limits)
+        runs = sum(isinstance(piece, Run) for piece in pieces)
+        near = sum(find_contact(obj, object_pose, pose, robot.radius)[2]
+                   < SETTINGS.clearance - 1e-6 for pose in ends)
+        assert runs <= 1 + near
+        assert len(pieces) - runs <= (2 + near if drive == 'differential' else 0)
+        seen.add(runs)
+    assert seen == {1, 2, 3}
 
 
 def test_a_differential_drive_backs_off_without_turning_at_the_object():
