@@ -1,4 +1,4 @@
-"""Search for the quickest chains of pushes: sites on a bounded list, turns on a grid, polished."""
+"""Search for the quickest chains: sequences of sites by their bounds, turns on a grid, polished."""
 
 import itertools
 from typing import NamedTuple
@@ -36,10 +36,10 @@ class Costs(NamedTuple):
 
 class Chain(NamedTuple):
     """
-    A chain of pushes.
+    A chain of moves; those that follow each other at one place are one push.
 
     :param sites: numbers of the elements.
-    :param turns: of the object in each push, signed [rad].
+    :param turns: of the object in each move, signed [rad].
     :param before: straight lengths before the turns [m].
     :param after: the same after the turns [m].
     :param duration: of all together, about [s].
@@ -64,22 +64,22 @@ class Found(NamedTuple):
     weighed: int
 
 
-def search(table, costs, goal, task, limit, open_=None):
+def search(table, costs, goal, task, limit, allowed=None):
     """
-    Find the quickest chains of two pushes and more.
+    Find the quickest chains of two moves and more.
 
     :param table: ``push_planner.elements.Table``.
     :param costs: ``Costs``.
     :param goal: ``Pose`` in the frame of the object as it stands.
     :param task: ``TaskSettings``.
     :param limit: time above which a chain is of no use [s].
-    :param open_: function that tells of chains (sites, ``Weighed``) which are allowed, shape (m,);
-        None: all are.
+    :param allowed: function that tells of chains (sites, ``Weighed``) which are allowed, shape
+        (m,); None: all are.
     :return: ``Found``.
     """
     rows, weighed = [], 0
     for count in range(2, task.max_pushes + 1):
-        hunt = _Hunt(table, costs, goal, task, count, open_)
+        hunt = _Hunt(table, costs, goal, task, count, allowed)
         limit, number = hunt.coarse(limit)
         weighed += number
         rows += hunt.polished()
@@ -97,9 +97,9 @@ def search(table, costs, goal, task, limit, open_=None):
 class _Hunt:
     """The search for chains of one length."""
 
-    def __init__(self, table, costs, goal, task, count, open_):
+    def __init__(self, table, costs, goal, task, count, allowed):
         self.table, self.costs, self.goal, self.task = table, costs, goal, task
-        self.count, self.open = count, open_
+        self.count, self.allowed = count, allowed
         self.best = []
 
     def coarse(self, limit):
@@ -192,6 +192,6 @@ class _Hunt:
             turns = last_turns(self.table, sites, turns, self.goal.theta)
         chains = weigh(self.table, sites, turns, self.goal, self._least(sites))
         times = self.costs.besides(sites) + chains.ways / self.costs.speed
-        if self.open is not None:
-            times = np.where(self.open(sites, chains), times, np.inf)
+        if self.allowed is not None:
+            times = np.where(self.allowed(sites, chains), times, np.inf)
         return chains, times

@@ -22,24 +22,25 @@ class Option:
     """
     A chain whose first push is still to be solved.
 
-    Attributes: ``duration`` of everything [s], about until it is solved; ``plan`` of the first
-    push, None until then; ``way`` to it; ``reason`` why it cannot be, empty while it can;
-    ``sure``: share of the time of another solution above which this one is not worth solving;
-    ``worth``: time that others must beat [s].
+    Attributes: ``pushes``; ``duration`` of everything [s], about until it is solved; ``plan`` of
+    the first push, None until then; ``way`` to it; ``reason`` why it cannot be, empty while it
+    can; ``sure``: share of the time of another solution above which this one is not worth
+    solving; ``worth``: time that others must beat [s].
     """
 
     sure = 1.0
     worth = math.inf
 
-    def __init__(self, problem, duration):
+    def __init__(self, problem, pushes, duration):
         """
-        Take a push as asked for.
+        Take a chain.
 
         :param problem: ``PushProblem`` of the first push.
+        :param pushes: ``PlannedPush`` of all pushes, about.
         :param duration: of everything, about [s].
         """
-        self.problem, self.duration = problem, duration
-        self.plan, self.way, self.reason, self.pushes = None, None, '', ()
+        self.problem, self.pushes, self.duration = problem, tuple(pushes), duration
+        self.plan, self.way, self.reason = None, None, ''
 
     def solve(self, robot_pose, drive, worth=math.inf, room=None):
         """
@@ -51,55 +52,50 @@ class Option:
         :param room: ``push_planner.room.Room``, or None for open floor.
         """
         problem = self._limited(worth)
-        workspace = room and room.workspace
         try:
             self.way = way_to(problem.robot, problem.obj, problem.start, robot_pose,
-                              robot_start(problem), drive, workspace)
+                              robot_start(problem), drive, room and room.workspace)
             found = plan(problem)
             if room is not None:
-                self._fit(found, robot_pose, drive, room)
+                self.duration += self._detours(found.trajectory, robot_pose, drive, room)
         except NoWay as failure:
             self.reason = f'no way for the robot, {failure.reason}'
         except PlanningFailed as failure:
             self.reason = failure.reason
         else:
             self._take(found)
-            self.plan = found
 
-    def _fit(self, found, robot_pose, drive, room):
-        """Refuse what the map does not allow, and count detours."""
-        if not room.holds(found.trajectory.object_poses, found.trajectory.robot_poses):
+    def _take(self, found):
+        first, trajectory = self.pushes[0], found.trajectory
+        self.duration += trajectory.duration - first.duration
+        end = Pose(*map(float, trajectory.robot_poses[-1]))
+        first = first._replace(robot_end=end, duration=trajectory.duration,
+                               path_length=found.report['path_length'])
+        self.plan, self.pushes = found, (first, *self.pushes[1:])
+
+    def _detours(self, trajectory, robot_pose, drive, room):
+        """Time that ways take longer in the map [s]; refuse what it does not allow."""
+        if not room.holds(trajectory.object_poses, trajectory.robot_poses):
             raise PlanningFailed('the push meets an obstacle or leaves the map')
-        self.duration += self._detour(self.problem.start, robot_pose, robot_start(self.problem),
-                                      drive, room)
-
-    def _detour(self, object_pose, start, contact_pose, drive, room):
-        """Time that a way takes longer in the map [s]."""
-        robot = self.problem.robot
-        open_, kept = (travel_time(way_to(robot, self.problem.obj, object_pose, start,
-                                          contact_pose, drive, workspace), robot, drive)
-                       for workspace in (None, room.workspace))
-        return kept - open_
+        robot, obj, first = self.problem.robot, self.problem.obj, self.pushes[0]
+        ends = [(first.start, robot_pose, first.robot_start)]
+        ends += [(before.end, before.robot_end, after.robot_start)
+                 for before, after in zip(self.pushes, self.pushes[1:])]
+        times = [[travel_time(way_to(robot, obj, *end, drive, workspace), robot, drive)
+                  for end in ends] for workspace in (room.workspace, None)]
+        return sum(times[0]) - sum(times[1])
 
     def _limited(self, worth):
         return self.problem
 
-    def _take(self, found):
-        raise NotImplementedError
-
     def __str__(self):
         """Say it in one line."""
         sites = ', '.join(f'{push.contact.kind} {push.contact.index}' for push in self.pushes)
-        name = sites or f'{self.problem.contact.kind} {self.problem.contact.index}'
-        return f'{name}: {self.reason or f"{self.duration:.1f} s"}'
+        return f'{sites}: {self.reason or f"{self.duration:.1f} s"}'
 
 
 class SingleOption(Option):
-    """
-    One push to the goal; until it is solved its duration is a lower bound.
-
-    ``about`` is what is to be expected instead [s].
-    """
+    """One push to the goal; until it is solved its duration is a lower bound."""
 
     def __init__(self, problem, before, bound):
         """
@@ -109,26 +105,23 @@ class SingleOption(Option):
         :param before: time until it begins [s].
         :param bound: time of the push at least [s].
         """
-        super().__init__(problem, before + bound)
-        self.before, self.bound, self.about = before, bound, before + bound / SLACK
+        place = robot_start(problem)
+        push = PlannedPush(problem.contact, problem.start, problem.goal, place,
+                           problem.goal @ problem.start.inverse() @ place, bound,
+                           bound * problem.settings.pushing_speed)
+        super().__init__(problem, (push,), before + bound)
+        self.before, self._expected = before, before + bound / SLACK
+
+    @property
+    def about(self):
+        """Time that is to be expected, or that it takes once it is solved [s]."""
+        return self.duration if self.plan else self._expected
 
     def _limited(self, worth):
         settings = self.problem.settings
-        longest = LONGER * (worth - self.before) * settings.pushing_speed
-        if longest >= settings.max_path_length:
-            return self.problem
-        longest = max(longest, SHORTEST)
+        longest = max(LONGER * (worth - self.before) * settings.pushing_speed, SHORTEST)
         return dataclasses.replace(self.problem, settings=dataclasses.replace(
-            settings, max_path_length=longest))
-
-    def _take(self, found):
-        problem, poses = self.problem, found.trajectory.robot_poses
-        time = found.trajectory.duration
-        self.duration += time - self.bound
-        self.about = self.duration
-        self.pushes = (PlannedPush(problem.contact, problem.start, problem.goal,
-                                   robot_start(problem), Pose(*map(float, poses[-1])), time,
-                                   found.report['path_length']),)
+            settings, max_path_length=min(longest, settings.max_path_length)))
 
 
 class ChainOption(Option):
@@ -143,20 +136,5 @@ class ChainOption(Option):
         :param steps: ``push_planner.pushes.Step`` list.
         :param duration: of everything, about [s].
         """
-        super().__init__(steps[0].problem, duration)
+        super().__init__(steps[0].problem, [step.push for step in steps], duration)
         self.steps, self.worth = steps, duration
-        self.pushes = tuple(step.push for step in steps)
-
-    def _fit(self, found, robot_pose, drive, room):
-        super()._fit(found, robot_pose, drive, room)
-        for before, after in zip(self.pushes, self.pushes[1:]):
-            self.duration += self._detour(before.end, before.robot_end, after.robot_start, drive,
-                                          room)
-
-    def _take(self, found):
-        first, time = self.pushes[0], found.trajectory.duration
-        self.duration += time - first.duration
-        end = Pose(*map(float, found.trajectory.robot_poses[-1]))
-        self.pushes = (first._replace(robot_end=end, duration=time,
-                                      path_length=found.report['path_length']),
-                       *self.pushes[1:])

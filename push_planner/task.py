@@ -23,7 +23,7 @@ from push_planner.site_list import robot_start, site_problems
 from push_planner.sites import weigh_site
 from push_planner.task_settings import TaskSettings
 
-SINGLES = 4
+SINGLES = 3
 HOPEFUL = 1.2
 IN_MAP = 6
 
@@ -95,7 +95,6 @@ class _Task:
         self.obj, self.robot, self.start, self.here = obj, robot, object_pose, robot_pose
         self.goal, self.settings, self.drive = goal, settings, drive
         self.task = _with_room_to_settle(task, robot)
-        self.workspace = workspace
         self.room = workspace and Room(workspace, obj, robot, object_pose, goal, drive)
         inside = object_pose.inverse()
         self.local_goal, self.local_robot = inside @ goal, inside @ robot_pose
@@ -115,6 +114,8 @@ class _Task:
         single = min((option.about for option in singles if not option.reason), default=math.inf)
         if len(found.pushes) == 1:
             single = min(single, found.duration)
+        reasons = [option.reason for option in singles] + self.refused
+        self.report['single'] = reasons[0] if reasons and math.isinf(single) else ''
         return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report)
 
     def _best(self, options):
@@ -135,6 +136,8 @@ class _Task:
         self.refused = [site.reason for site in weighed if site.reason]
         places = [self.start.inverse() @ robot_start(site.problem) for site in weighed]
         ways = times_to(self.robot, self.obj, self.local_robot, tuple(places), self.drive)
+        if not np.any(np.isfinite(ways)):
+            self.refused.insert(0, 'the robot stands where it cannot get round the object')
         options = [SingleOption(site.problem, float(way) + self.task.switch_time, site.bound)
                    for site, way in zip(weighed, ways) if math.isfinite(way + site.bound)]
         return sorted(options, key=lambda option: option.duration)[:SINGLES]
@@ -184,7 +187,7 @@ class _Task:
         return Costs(first[numbers] + each, change, self.settings.pushing_speed)
 
     def _reason(self):
-        tried = self.report['tried'] or self.refused or ['the robot cannot get to the object']
+        tried = self.report['tried'] or self.refused
         if self.room is not None:
             self.room = None
             if self._singles() or self._chains(math.inf):

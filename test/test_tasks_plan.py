@@ -127,8 +127,8 @@ def test_a_goal_nearby_takes_several_pushes_of_a_differential_drive():
     ((HOME, HERE, Pose(math.nan, 0.0, 0.0)), 'the goal is not finite'),
     ((HOME, Pose(0.0, math.inf, 0.0), NEAR[0]), 'the robot pose is not finite'),
     ((HOME, HERE, HOME), 'at the goal already'),
-    ((HOME, HOME, NEAR[0]), 'no chain of pushes to the goal was found'),
-    ((HOME, HERE, Pose(600.0, 0.0, 0.0)), 'no chain of pushes to the goal was found')])
+    ((HOME, HOME, NEAR[0]), 'no chain.*stands where it cannot get round the object'),
+    ((HOME, HERE, Pose(600.0, 0.0, 0.0)), 'no chain.*a push of .* at most 20 m is accepted')])
 def test_what_cannot_be_says_why(poses, reason):
     """One sentence."""
     with pytest.raises(PlanningFailed, match=reason):
