@@ -1,4 +1,4 @@
-"""Search for the quickest chains: sequences of sites by their bounds, turns on a grid, polished."""
+"""Search for the quickest chains: sequences of sites by their bounds, turns on a grid, refined."""
 
 import itertools
 from typing import NamedTuple
