@@ -166,7 +166,7 @@ class Supervisor:
             self._enter('failed', self._tries.exhausted)
         elif verdict == 'off':
             self._wants = Wanted(rest.pose, self._sight.robot_pose, self._goal,
-                                 self._legs.learnt.obj)
+                                 self._legs.learnt.obj, self._tries.boldness)
             self._asked = now
         return STOP
 

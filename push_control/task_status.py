@@ -18,12 +18,15 @@ class Wanted(NamedTuple):
     :param robot_pose: ``Pose`` of the robot, anywhere.
     :param goal: ``Pose`` wanted for the object in the end.
     :param obj: the ``PushedObject`` as known by now.
+    :param boldness: share of the planner's friction cone that the plan should use; below 1 where
+        plans have brought the object no nearer.
     """
 
     object_pose: Pose
     robot_pose: Pose
     goal: Pose
     obj: PushedObject
+    boldness: float = 1.0
 
 
 class Change(NamedTuple):

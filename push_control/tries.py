@@ -4,6 +4,8 @@ import math
 
 from push_model.geometry import distance, wrap_angle
 
+SHYER, SHYEST = 0.8, 0.4
+
 
 class Tries:
     """Counts pushes and recoveries since the object last came nearer to its goal."""
@@ -47,6 +49,11 @@ class Tries:
         certain = (away > settings.position_tolerance + slack[0]
                    or turned > settings.heading_tolerance + slack[1])
         return 'off' if certain or rest.duration >= settings.longest_look else 'unsure'
+
+    @property
+    def boldness(self):
+        """Share of what friction allows that the next plan should use: less every other try."""
+        return max(SHYEST, SHYER ** (self._count // 2))
 
     @property
     def exhausted(self):

@@ -43,7 +43,7 @@ def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False):
 
 
 def check_reached(result):
-    """It says that it is done, it is, and the robot is clear of the object."""
+    """Check that it says it is done, is done, and that the robot is clear of the object."""
     assert result.outcome == 'done', result.reason
     assert result.position_error < SUPERVISION.position_tolerance
     assert abs(result.heading_error) < SUPERVISION.heading_tolerance
