@@ -22,8 +22,7 @@ class Weighed(NamedTuple):
     :param turns: signed turns of the object [rad], shape (m, n).
     :param before: straight lengths before the turns [m], shape (m, n).
     :param after: the same after the turns, shape (m, n).
-    :param ways: way of the contact of all moves together, shape (m,); infinite where the goal
-        is not reached.
+    :param ways: way of the contact [m], shape (m, n); infinite where the goal is not reached.
     """
 
     turns: np.ndarray
@@ -72,9 +71,9 @@ def weigh(table, sites, turns, goal, least):
     straights[:, count:] = least
     for length, column in zip(lengths, which):
         straights[rows, column] += length
-    arcs = np.abs(turns) * table.radii[sites] * table.stretches[sites]
-    ways = np.where(reached, arcs.sum(axis=1) + straights.sum(axis=1), np.inf)
-    return Weighed(turns, straights[:, :count], straights[:, count:], ways)
+    before, after = straights[:, :count], straights[:, count:]
+    ways = np.abs(turns) * table.radii[sites] * table.stretches[sites] + before + after
+    return Weighed(turns, before, after, np.where(reached[:, None], ways, np.inf))
 
 
 def corners(table, sites, turns, before, after):
@@ -94,10 +93,11 @@ def corners(table, sites, turns, before, after):
     arcs = _turned(table, sites, heading, turns, first, second)
     straights = ((before * np.cos(first), after * np.cos(second)),
                  (before * np.sin(first), after * np.sin(second)))
-    columns = [np.stack((one, arc, two), axis=2).reshape(len(sites), -1).cumsum(axis=1)
+    shape = len(sites), 3 * sites.shape[1]
+    columns = [np.stack((one, arc, two), axis=2).reshape(shape).cumsum(axis=1)
                for arc, (one, two) in zip(arcs, straights)]
     headings = np.stack((heading, heading + turns, heading + turns), axis=2)
-    return np.stack((*columns, headings.reshape(len(sites), -1)), axis=2)
+    return np.stack((*columns, headings.reshape(shape)), axis=2)
 
 
 def _turned(table, sites, heading, turns, first, second):

@@ -1,55 +1,9 @@
-"""Search for the quickest chains: sequences of sites by their bounds, turns on a grid, refined."""
+"""Search for the quickest chains of pushes, of any length up to the most."""
 
 import itertools
 from typing import NamedTuple
 
-import numpy as np
-from push_planner.chain_algebra import last_turns, weigh
-
-CHUNK = 8000
-POLISHED = 24
-HALVINGS = 11
-SAME = 1e-9
-
-
-class Costs(NamedTuple):
-    """
-    What chains cost.
-
-    :param first: time until a push with each element begins [s], shape (n,).
-    :param change: time from one element to another [s], shape (n, n); 0 at the same place.
-    :param speed: of the contact [m/s].
-    """
-
-    first: np.ndarray
-    change: np.ndarray
-    speed: float
-
-    def besides(self, sites):
-        """
-        Time of chains but for the pushing [s], shape (m,).
-
-        :param sites: numbers of the elements, shape (m, n).
-        """
-        return self.first[sites[:, 0]] + self.change[sites[:, :-1], sites[:, 1:]].sum(axis=1)
-
-
-class Chain(NamedTuple):
-    """
-    A chain of moves; those that follow each other at one place are one push.
-
-    :param sites: numbers of the elements.
-    :param turns: of the object in each move, signed [rad].
-    :param before: straight lengths before the turns [m].
-    :param after: the same after the turns [m].
-    :param duration: of all together, about [s].
-    """
-
-    sites: tuple
-    turns: tuple
-    before: tuple
-    after: tuple
-    duration: float
+from push_planner.hunt import Hunt
 
 
 class Found(NamedTuple):
@@ -79,7 +33,7 @@ def search(table, costs, goal, task, limit, allowed=None):
     """
     rows, weighed = [], 0
     for count in range(2, task.max_pushes + 1):
-        hunt = _Hunt(table, costs, goal, task, count, allowed)
+        hunt = Hunt(table, costs, goal, task, count, allowed)
         limit, number = hunt.coarse(limit)
         weighed += number
         rows += hunt.polished()
@@ -92,106 +46,3 @@ def search(table, costs, goal, task, limit, allowed=None):
             places.add(key)
             chains.append(chain)
     return Found(chains, weighed)
-
-
-class _Hunt:
-    """The search for chains of one length."""
-
-    def __init__(self, table, costs, goal, task, count, allowed):
-        self.table, self.costs, self.goal, self.task = table, costs, goal, task
-        self.count, self.allowed = count, allowed
-        self.best = []
-
-    def coarse(self, limit):
-        """Go through sequences, the most promising first, until none can be quicker."""
-        sites, bounds = self._sequences(limit)
-        steps = self.task.turn_steps
-        per_sequence = steps ** (self.count - 1)
-        at_once, weighed = max(1, CHUNK // per_sequence), 0
-        for begin in range(0, len(sites), at_once):
-            chunk = sites[begin:begin + at_once]
-            chunk = chunk[bounds[begin:begin + at_once] < limit]
-            if not len(chunk) or weighed >= self.task.trials:
-                break
-            turns = self._grid(chunk, steps)
-            many = np.repeat(chunk, per_sequence, axis=0)
-            times = self._weigh(many, turns.reshape(len(many), -1))[1].reshape(len(chunk), -1)
-            weighed += len(many)
-            index = times.argmin(axis=1)
-            rows = np.arange(len(chunk))
-            quickest, which = times[rows, index], turns[rows, index]
-            self.best += [(time, tuple(row), tuple(turn))
-                          for time, row, turn in zip(quickest, chunk, which) if time < np.inf]
-            limit = min(limit, quickest.min())
-        return limit, weighed
-
-    def polished(self):
-        """Refine the turns of the best, all at once."""
-        if not self.best:
-            return []
-        best = sorted(self.best)[:POLISHED]
-        sites = np.array([row for _, row, _ in best])
-        turns = np.array([turn for _, _, turn in best])
-        moves = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=turns.shape[1])))
-        rows, times = np.arange(len(sites)), np.array([time for time, _, _ in best])
-        sides, widest = self.table.sides[sites[:, :-1]], self.table.widest[sites[:, :-1]]
-        many = np.repeat(sites, len(moves), axis=0)
-        step = widest.max() / (self.task.turn_steps - 1)
-        for _ in range(HALVINGS):
-            step *= 0.5
-            tried = np.abs(turns)[:, None, :] + step * moves
-            tried = sides[:, None, :] * np.clip(tried, 0.0, widest[:, None, :])
-            found = self._weigh(many, tried.reshape(len(many), -1))[1].reshape(len(rows), -1)
-            index = found.argmin(axis=1)
-            better = found[rows, index] < times - SAME
-            turns[better] = tried[rows, index][better]
-            times = np.where(better, found[rows, index], times)
-        chains, times = self._weigh(sites, turns)
-        return [Chain(*(tuple(map(kind, values)) for kind, values in (
-            (int, row), (float, turn), (float, before), (float, after))), float(time))
-            for row, turn, before, after, time in zip(sites, *chains[:3], times)
-            if time < np.inf]
-
-    def _sequences(self, limit):
-        """Sequences of elements with a lower bound of their time, lowest first."""
-        number = len(self.costs.first)
-        sites = np.indices((number,) * self.count).reshape(self.count, -1).T
-        way = self._least(sites).sum(axis=1) + self._least_turn(sites)
-        times = self.costs.besides(sites) + way / self.costs.speed
-        hopeful = np.flatnonzero(times < limit)
-        order = hopeful[np.argsort(times[hopeful], kind='stable')]
-        return sites[order], times[order]
-
-    def _least(self, sites):
-        """Straight lengths after the turns, at least; none where the push goes on."""
-        numbers = self.table.numbers[sites]
-        least = np.full(sites.shape, self.task.last_run_in)
-        least[:, :-1] = np.where(numbers[:, :-1] == numbers[:, 1:], 0.0, self.task.shortest_push)
-        return least
-
-    def _least_turn(self, sites):
-        """Way that the turn of the goal takes at least."""
-        table, left = self.table, self.goal.theta % (2.0 * np.pi)
-        tightest = table.radii * table.stretches
-        ways = []
-        for side, turn in ((1.0, left), (-1.0, 2.0 * np.pi - left)):
-            radii = np.where(table.sides == side, tightest, np.inf)
-            ways.append(radii[sites].min(axis=1) * turn if turn > 0.0 else np.zeros(len(sites)))
-        return np.minimum(*ways)
-
-    def _grid(self, sites, steps):
-        """Lay turns on a grid, shape (sequences, trials, pushes - 1)."""
-        shares = np.array(list(itertools.product(np.linspace(0.0, 1.0, steps),
-                                                 repeat=sites.shape[1] - 1)))
-        most = self.table.sides[sites[:, :-1]] * self.table.widest[sites[:, :-1]]
-        return most[:, None, :] * shares
-
-    def _weigh(self, sites, turns):
-        """Weigh chains and tell their times."""
-        if turns.shape[1] < sites.shape[1]:
-            turns = last_turns(self.table, sites, turns, self.goal.theta)
-        chains = weigh(self.table, sites, turns, self.goal, self._least(sites))
-        times = self.costs.besides(sites) + chains.ways / self.costs.speed
-        if self.allowed is not None:
-            times = np.where(self.allowed(sites, chains), times, np.inf)
-        return chains, times

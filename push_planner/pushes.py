@@ -76,7 +76,7 @@ def steps_of(chain, table, start, goal, settings):
     """
     Lay out a chain.
 
-    :param chain: the ``push_planner.chains.Chain``.
+    :param chain: the ``push_planner.hunt.Chain``.
     :param table: the ``push_planner.elements.Table``.
     :param start: ``Pose`` of the object in the world.
     :param goal: ``Pose`` of the object in the world; the last push is asked to end there.

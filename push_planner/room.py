@@ -48,7 +48,7 @@ class Room:
         behind = np.array(table.places)[table.numbers, :2]
 
         def free(sites, chains):
-            flags = np.isfinite(chains.ways)
+            flags = np.isfinite(chains.ways).all(axis=1)
             poses = corners(table, sites[flags], chains.turns[flags], chains.before[flags],
                             chains.after[flags])
             # The last corner is the goal, which is free.

@@ -10,8 +10,9 @@ from push_drive.settings import DriveSettings
 from push_drive.way import Way
 from push_model.geometry import Pose
 from push_planner.approaches import times_between, times_to
-from push_planner.chains import Costs, search
+from push_planner.chains import search
 from push_planner.elements import bearing_of, element_table
+from push_planner.hunt import Costs
 from push_planner.options import ChainOption, SingleOption
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, refuse_fence
@@ -161,12 +162,8 @@ class _Task:
 
     def _laid_out(self, found):
         self.report['weighed'] += found.weighed
-        options, longest = [], self.settings.max_path_length
-        for chain in found.chains:
-            steps = steps_of(chain, self._table, self.start, self.goal, self.settings)
-            if all(step.push.path_length <= longest for step in steps):
-                options.append(ChainOption(steps, chain.duration))
-        return options
+        return [ChainOption(steps_of(chain, self._table, self.start, self.goal, self.settings),
+                            chain.duration) for chain in found.chains]
 
     @functools.cached_property
     def _table(self):
@@ -184,7 +181,8 @@ class _Task:
         # A contact that has rolled is not where it was.
         rolls = table.elements[0].problem.kind == 'rolling'
         change[numbers[:, None] == numbers] = math.inf if rolls else 0.0
-        return Costs(first[numbers] + each, change, self.settings.pushing_speed)
+        return Costs(first[numbers] + each, change, self.settings.pushing_speed,
+                     self.settings.max_path_length)
 
     def _reason(self):
         tried = self.report['tried'] or self.refused

@@ -6,8 +6,9 @@ import numpy as np
 from objects import bin_, box
 from push_model.geometry import distance, Pose, wrap_angle
 from push_planner.chain_algebra import corners, last_turns, weigh
-from push_planner.chains import Chain, Costs, search
+from push_planner.chains import search
 from push_planner.elements import element_table
+from push_planner.hunt import Chain, Costs
 from push_planner.problem import PlanningFailed
 from push_planner.pushes import push_time, steps_of
 from push_planner.settings import PlannerSettings
@@ -29,10 +30,10 @@ def table_of(obj, robot):
     return element_table(obj, robot, SETTINGS, TASK, 0.3)
 
 
-def costs_of(table, change=9.0):
+def costs_of(table, change=9.0, longest=math.inf):
     """Take 10 s to any first push, and as long for every change of place."""
     apart = table.numbers[:, None] != table.numbers
-    return Costs(np.full(len(apart), 10.0), np.where(apart, change, 0.0), 0.15)
+    return Costs(np.full(len(apart), 10.0), np.where(apart, change, 0.0), 0.15, longest)
 
 
 def random_chains(table, count, goal, seed, number=400):
@@ -43,7 +44,7 @@ def random_chains(table, count, goal, seed, number=400):
     turns = last_turns(table, sites, turns[:, :-1], goal.theta)
     least = rng.uniform(0.0, 0.5, sites.shape)
     chains = weigh(table, sites, turns, goal, least)
-    reached = np.isfinite(chains.ways)
+    reached = np.isfinite(chains.ways).all(axis=1)
     assert 20 < reached.sum()
     return sites[reached], least[reached], [column[reached] for column in chains]
 
@@ -61,10 +62,12 @@ def test_a_chain_laid_out_ends_at_the_goal(obj, robot, count):
     sites, least, weighed = random_chains(table, count, goal, count)
     assert np.all(weighed[1] >= 0.0) and np.all(weighed[2] >= least)
     places = corners(table, sites, *weighed[:3])
+    assert places.shape == (len(sites), 3 * count, 3)
+    assert not len(corners(table, sites[:0], *(part[:0] for part in weighed[:3])))
     for row in range(20):
         chain = as_chain(sites, weighed, row)
         steps = steps_of(chain, table, Pose(0.0, 0.0, 0.0), goal, SETTINGS)
-        assert sum(step.push.path_length for step in steps) == pytest.approx(weighed[3][row])
+        assert sum(step.push.path_length for step in steps) == pytest.approx(weighed[3][row].sum())
         for step, after in zip(steps, steps[1:] + [None]):
             end = step.object_poses(0.1)[-1]
             wanted = after.push.start if after else goal
@@ -106,7 +109,7 @@ def test_no_random_chain_is_quicker(obj, robot, goal):
         least = np.full(sites.shape, TASK.last_run_in)
         least[:, :-1] = np.where(table.numbers[sites[:, :-1]] == table.numbers[sites[:, 1:]],
                                  0.0, TASK.shortest_push)
-        ways = weigh(table, sites, turns, goal, least).ways
+        ways = weigh(table, sites, turns, goal, least).ways.sum(axis=1)
         times = costs.besides(sites) + ways / costs.speed
         assert found.chains[0].duration < 1.01 * times.min()
 
@@ -141,6 +144,17 @@ def test_where_changes_cost_more_there_are_fewer_pushes():
         times.append(chain.duration)
     assert times == sorted(times)
     assert counts == sorted(counts, reverse=True) and counts[0] > 1 and counts[-1] == 1
+
+
+def test_where_long_pushes_are_refused_there_are_more():
+    """The chain gets slower, and none of its pushes is longer than what is accepted."""
+    table, goal, times = table_of(box(), DIFFERENTIAL), GOALS[1], []
+    for longest in (math.inf, 1.8, 1.5):
+        chain = search(table, costs_of(table, longest=longest), goal, TASK, math.inf).chains[0]
+        steps = steps_of(chain, table, Pose(0.0, 0.0, 0.0), goal, SETTINGS)
+        assert max(step.push.path_length for step in steps) <= longest
+        times.append(chain.duration)
+    assert times == sorted(times) and times[0] < times[-1]
 
 
 @pytest.mark.parametrize('settings', [SETTINGS, PlannerSettings(acceleration=0.2),
