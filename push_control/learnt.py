@@ -30,17 +30,18 @@ class LearntObject:
         reach = max([obj.radius, *(math.hypot(*point) for point in obj.outline)])
         self._covariance = (control.center_spread * reach) ** 2 * np.eye(2)
 
-    def learn(self, point, seen):
+    def learn(self, point, seen, unsure=0.0):
         """
         Take in what a push has told.
 
         :param point: where it pushed, object frame (x, y) [m].
         :param seen: friction centre that it saw, object frame (x, y) [m].
+        :param unsure: standard deviation of where it pushed [m].
         """
         center, across, _ = self._line(point)
         self._covariance += WALK ** 2 * np.eye(2)
         told = self._covariance @ across
-        gain = told / (across @ told + DEVIATION ** 2)
+        gain = told / (across @ told + DEVIATION ** 2 + unsure ** 2)
         self._covariance -= np.outer(gain, told)
         center = center + gain * (across @ (np.array(seen) - center))
         self.obj = with_friction_center(self._believed, center)

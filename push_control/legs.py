@@ -12,6 +12,8 @@ from push_control.travel import Approach
 
 # What is never known better: friction centre over its distance, push direction [rad].
 CENTER_SPREAD, PLACEMENT_SPREAD = 0.03, 0.02
+# Gains as for a way of convergence shorter by this, and the share of the friction cone.
+STIFFER, FEEDBACK_MARGIN = 1.5, 0.9
 
 
 class Legs:
@@ -28,12 +30,17 @@ class Legs:
 
         :param obj: the ``PushedObject`` as believed.
         :param robot: the ``RoundRobot``.
-        :param control: ``ControlSettings``; what a push misses its goal by is left to the next.
+        :param control: ``ControlSettings``. What a push misses its goal by is left to the next;
+            as pushes are short and may fail, feedback is stiffer and uses more of the cone.
         :param drive: ``DriveSettings``.
         :param supervision: ``SupervisionSettings``.
         """
-        self._control = dataclasses.replace(control, position_tolerance=1.0, heading_tolerance=1.0,
-                                            go_around_limit=0, replan_limit=0)
+        self._control = dataclasses.replace(
+            control, position_tolerance=1.0, heading_tolerance=1.0, go_around_limit=0,
+            replan_limit=0, feedback_margin=max(control.feedback_margin, FEEDBACK_MARGIN),
+            lateral_gain=min(100.0, STIFFER ** 2 * control.lateral_gain),
+            heading_gain=min(50.0, STIFFER * control.heading_gain),
+            curvature_rate=min(1000.0, STIFFER ** 2 * control.curvature_rate))
         self._robot, self._drive, self._settings = robot, drive, supervision
         self.learnt, self.workspace = LearntObject(obj, control), None
 

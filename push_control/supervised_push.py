@@ -2,7 +2,7 @@
 
 from push_control.command import mean_motion
 from push_control.controller import make_controller
-from push_control.site import contact_at_start
+from push_control.site import contact_at_start, site_of
 from push_model.geometry import Pose, wrap_angle
 
 # Of where the robot is seen to stand at the end of a push: x and y [m], heading [rad].
@@ -26,7 +26,7 @@ class SupervisedPush:
         self._controller = make_controller(learnt.obj, robot, control)
         self._learnt, self._robot, self._target, self._learnt_at = learnt, robot, target, 0.0
         self._tells_place = control.control_law != 'open_loop'
-        self.finished, self.trouble = False, ''
+        self._unsure, self.finished, self.trouble = None, False, ''
 
     @property
     def status(self):
@@ -44,6 +44,8 @@ class SupervisedPush:
         :param dt: time since the last call [s].
         :return: ``Twist``.
         """
+        if self._unsure is None:
+            self._unsure = float(sight.placement.deviations[:2].max())
         command = self._controller.step(self._target, sight.observation, dt)
         status = self.status
         self.finished = status.phase == 'done'
@@ -52,11 +54,16 @@ class SupervisedPush:
         if self._tells_place and status.touches:
             if self.finished:
                 self._place(sight, status.robot_pose, command)
-                self._learnt.learn(contact_at_start(self._target), status.friction_center)
+                self._learn(status.friction_center)
             elif status.travelled - self._learnt_at >= SPACING:
                 self._learnt_at = status.travelled
                 sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION)
         return command
+
+    def _learn(self, seen):
+        # A robot that stands aside touches a vertex all the same, a face or a disc elsewhere.
+        aside = site_of(self._learnt.obj, self._robot, self._target).kind != 'vertex'
+        self._learnt.learn(contact_at_start(self._target), seen, self._unsure if aside else 0.0)
 
     def _place(self, sight, seen, command):
         odometry, lag = sight.observation.odometry, self._robot.time_constant

@@ -143,6 +143,16 @@ def test_pushes_from_two_sides_tell_the_friction_centre():
     assert friction_center(learnt.obj) == pytest.approx(tuple(true), abs=2e-3)
 
 
+def test_a_push_from_an_uncertain_place_tells_less():
+    """What it saw is taken for an error of its place rather than of the friction centre."""
+    shifts = []
+    for unsure in (0.0, 0.03, 0.3):
+        learnt = LearntObject(box(), CONTROL)
+        learnt.learn((-0.2, 0.0), (0.0, 0.03), unsure)
+        shifts.append(friction_center(learnt.obj)[1])
+    assert 0.03 > shifts[0] > shifts[1] > 5.0 * shifts[2] > 0.0
+
+
 def test_it_is_done_only_where_that_is_certain():
     """Near the tolerance a longer look is asked for, but not for ever."""
     inside = SUPERVISION.position_tolerance - 5e-4
