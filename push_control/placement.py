@@ -84,16 +84,28 @@ class Placement:
         self._learn(np.eye(3, 5), np.array([*error[:2], wrap_angle(error[2])]),
                     np.diag(np.square(deviations)))
 
-    def must_touch(self, gap, normal, deviation):
+    def must_touch(self, gap, normal, deviation, sure=True):
         """
         Learn from a robot that touches the object.
 
         :param gap: that it seems to have [m].
         :param normal: world angle of the contact normal, from the robot to the object [rad].
         :param deviation: standard deviation of the gap [m].
+        :param sure: whether it touches; else a gap that no drift explains tells nothing.
         """
         row = np.array([[math.cos(normal), math.sin(normal), 0.0, 0.0, 0.0]])
+        variance = float((row @ self._covariance @ row.T)[0, 0]) + deviation ** 2
+        if not sure and gap ** 2 > GATE ** 2 * variance:
+            return
         self._learn(row, np.array([gap]), np.array([[deviation ** 2]]))
+
+    def doubt(self, distance):
+        """
+        Reckon with a robot that is elsewhere, after it has looked for the object in vain.
+
+        :param distance: standard deviation of that, along x and y [m].
+        """
+        self._covariance[range(2), range(2)] += distance ** 2
 
     def _move(self, step):
         """Carry pose and covariance on by a motion as odometry tells it, in its own axes."""
@@ -113,7 +125,8 @@ class Placement:
         spread = rows @ self._covariance @ rows.T + noise
         if error @ np.linalg.solve(spread, error) > GATE ** 2 * len(error):
             # No drift: the wheels have spun, or the robot was moved.
-            self._covariance += np.diag(np.square(rows.T @ error))
+            jump = rows.T @ error
+            self._covariance += np.outer(jump, jump)
             spread = rows @ self._covariance @ rows.T + noise
         gain = self._covariance @ rows.T @ np.linalg.inv(spread)
         change = (gain @ error).tolist()

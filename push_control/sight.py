@@ -47,18 +47,19 @@ class Sight:
         """
         return find_contact(obj, self.rest.pose, self.robot_pose[:2], robot.radius)[2]
 
-    def feel(self, obj, robot, deviation):
+    def feel(self, obj, robot, deviation, sure=True):
         """
         Learn where the robot stands from its touching the object, when that was last measured.
 
         :param obj: the ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param deviation: standard deviation of the gap [m].
+        :param sure: whether it touches for certain.
         """
         measured = self._observation.object_pose
         there = self.placement.at(measured.time)
         _, normal, gap = find_contact(obj, measured.pose, there[:2], robot.radius)
-        self.placement.must_touch(gap, normal, deviation)
+        self.placement.must_touch(gap, normal, deviation, sure)
 
     def look_anew(self, time):
         """

@@ -57,7 +57,7 @@ class SupervisedPush:
                 self._learn(status.friction_center)
             elif status.travelled - self._learnt_at >= SPACING:
                 self._learnt_at = status.travelled
-                sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION)
+                sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION, sure=False)
         return command
 
     def _learn(self, seen):

@@ -57,6 +57,7 @@ class Touch:
         pose, unsure = placement.pose, float(placement.deviations[:2].max())
         gap = find_contact(obj, self._rest, pose[:2], robot.radius)[2]
         if gap < -self._settings.reach - 2.0 * unsure:
+            placement.doubt(self._settings.reach)
             self.trouble = f'the object is not felt {-1e3 * gap:.0f} mm behind where it was seen'
         if self.trouble:
             return STOP

@@ -104,6 +104,18 @@ def test_a_robot_that_was_carried_off_is_found_again():
     assert np.subtract(placement.pose, before) == pytest.approx((1.0, -0.5, 0.8), abs=0.02)
 
 
+def test_a_touch_that_cannot_be_is_not_learnt_from():
+    """A gap that no drift explains is of an object that was carried off, unless it is sure."""
+    for sure in (False, True):
+        _, placement = driven(1, SUPERVISION, touches=True)
+        before = placement.pose
+        placement.must_touch(0.2, 0.5, 0.005, sure)
+        moved = distance(placement.pose, before)
+        assert moved == pytest.approx(0.2, abs=0.01) if sure else moved == 0.0
+    placement.doubt(0.1)
+    assert min(placement.deviations[:2]) >= 0.1
+
+
 def test_where_the_robot_was_lies_on_its_way():
     """Poses between two odometries are between them, also across the seam of angles."""
     placement = Placement(SUPERVISION)
