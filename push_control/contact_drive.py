@@ -5,6 +5,9 @@ import math
 from push_control.command import differential_command, holonomic_command, limited
 from push_control.feedback import held_limits, trailing_limits
 from push_control.monitor import jackknifed
+from push_control.rolling import centred_turn
+
+ZETA_SHARE = 0.3
 
 
 class ContactDrive:
@@ -42,8 +45,7 @@ class ContactDrive:
         cone = margin * self._cone
         if self._differential:
             return trailing_limits(flat, self._robot.radius, self.site.lead, cone)
-        believed = held_limits(self._supports, self._believed, normal, cone)
-        return held_limits(self._supports, flat, normal, cone).within(believed)
+        return held_limits(self._supports, flat, normal, cone)
 
     def stance(self, flat, normal):
         """
@@ -92,5 +94,6 @@ class ContactDrive:
             return limited(differential_command(speed, angle, lead, robot.radius), robot), trouble
         forward = speed * math.cos(alpha)
         rolled = belief.phi - belief.theta - site.heading
-        omega = forward * curvature - self._settings.normal_gain * speed * rolled
+        wanted = centred_turn(site, belief.center, ZETA_SHARE * self._cone)
+        omega = forward * curvature + self._settings.normal_gain * speed * (wanted - rolled)
         return limited(holonomic_command(speed, angle, lead, robot.radius, omega), robot), trouble
