@@ -6,7 +6,7 @@ EDGE_RESERVE = 0.02
 VERTEX_RESERVE = 0.05
 
 
-def centred_turn(site, center, allowed):
+def centred_turn(site, center, allowed, rolled):
     """
     Turn of the robot in the object, since the start, that centres the contact.
 
@@ -20,6 +20,7 @@ def centred_turn(site, center, allowed):
     :param site: the contact ``Site``.
     :param center: friction centre F in the object frame (x, y) [m].
     :param allowed: zeta that a round contact may keep [rad].
+    :param rolled: the present turn, from which a round contact takes the nearer way [rad].
     :return: the turn, bounded by the ends of the vertex or the face [rad].
     """
     n = site.normal
@@ -36,12 +37,12 @@ def centred_turn(site, center, allowed):
         if math.isfinite(room):
             wanted = middle + min(room, max(-room, wanted - middle))
         return (aside - wanted) / site.robot_radius
-    return _round_turn(site, center, allowed)
+    return rolled + _round_turn(site, center, allowed, site.normal + (1.0 - site.share) * rolled)
 
 
-def _round_turn(site, center, allowed):
+def _round_turn(site, center, allowed, normal):
     distance = math.hypot(*center)
-    from_center = math.remainder(math.atan2(center[1], center[0]) - site.normal, 2.0 * math.pi)
+    from_center = math.remainder(math.atan2(center[1], center[0]) - normal, 2.0 * math.pi)
     share = site.object_radius * math.sin(allowed) / max(distance, 1e-9)
     if share >= 1.0:
         return 0.0
