@@ -3,14 +3,17 @@
 import math
 
 from push_control.command import differential_command, holonomic_command, limited
-from push_control.feedback import held_limits, trailing_limits
+from push_control.feedback import held_limits, staying_limits, trailing_limits
 from push_control.monitor import jackknifed
+from push_control.rolling import centred_turn
+
+ZETA_SHARE = 0.3
 
 
 class ContactDrive:
     """One robot at one contact."""
 
-    def __init__(self, obj, robot, settings, site, supports, believed):
+    def __init__(self, obj, robot, settings, site, supports):
         """
         Look at the contact.
 
@@ -19,7 +22,6 @@ class ContactDrive:
         :param settings: ``ControlSettings``.
         :param site: the contact ``Site``.
         :param supports: the ``SupportTable``.
-        :param believed: the ``Vehicle`` as believed.
         :raises ValueError: where this robot cannot steer at this contact.
         """
         self._differential = robot.drive == 'differential'
@@ -27,7 +29,7 @@ class ContactDrive:
             raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
                              'drive, which cannot steer there, expected a vertex')
         self._robot, self._settings, self.site = robot, settings, site
-        self._supports, self._believed = supports, believed
+        self._supports = supports
         self._cone = math.atan(settings.friction_share * obj.contact_friction_coefficient)
 
     def limits(self, flat, normal, margin):
@@ -41,24 +43,39 @@ class ContactDrive:
         """
         cone = margin * self._cone
         if self._differential:
-            return trailing_limits(flat, self._robot.radius, self.site.lead, cone)
-        believed = held_limits(self._supports, self._believed, normal, cone)
-        return held_limits(self._supports, flat, normal, cone).within(believed)
+            steady = trailing_limits(flat, self._robot.radius, self.site.lead, cone)
+            return steady.within(staying_limits(flat, self._robot.radius, self.site.lead,
+                                                self._room(flat, normal)))
+        return held_limits(self._supports, flat, normal, cone)
 
-    def stance(self, flat, normal):
+    def stance(self, flat, normal, belief):
         """
         Where the normal is, where it rests on a straight way, and where it may be.
 
         :param flat: the ``Vehicle`` as estimated.
         :param normal: angle of the contact normal in the object frame [rad].
+        :param belief: ``Belief`` now.
         :return: dict of the fields of ``Situation`` of these names.
         """
         zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
-        low, high = (min(math.pi, max(-math.pi, zeta + limit - normal))
-                     for limit in self.site.normal_limits)
-        return {'zeta': zeta, 'rest': self.site.lead if self._differential else zeta,
-                'zeta_limits': (low, high),
+        rest = self.site.lead if self._differential else self._centred(belief)[1]
+        return {'zeta': zeta, 'rest': rest,
+                'zeta_limits': self._room(flat, normal),
                 'cone': self._settings.feedback_margin * self._cone}
+
+    def _centred(self, belief):
+        """Turn of the robot that centres the contact, and zeta there."""
+        center, rolled = belief.center, belief.phi - belief.theta - self.site.heading
+        turn = centred_turn(self.site, center, ZETA_SHARE * self._cone, rolled)
+        c_x, c_y, normal = self.site.at(self.site.heading + turn)
+        return turn, math.remainder(normal - math.atan2(center[1] - c_y, center[0] - c_x),
+                                    2.0 * math.pi)
+
+    def _room(self, flat, normal):
+        """Zeta between which the normal stays at this feature."""
+        zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
+        return tuple(min(math.pi, max(-math.pi, zeta + limit - normal))
+                     for limit in self.site.normal_limits)
 
     def approach(self, belief):
         """
@@ -92,5 +109,6 @@ class ContactDrive:
             return limited(differential_command(speed, angle, lead, robot.radius), robot), trouble
         forward = speed * math.cos(alpha)
         rolled = belief.phi - belief.theta - site.heading
-        omega = forward * curvature - self._settings.normal_gain * speed * rolled
+        wanted = self._centred(belief)[0]
+        omega = forward * curvature + self._settings.normal_gain * speed * (wanted - rolled)
         return limited(holonomic_command(speed, angle, lead, robot.radius, omega), robot), trouble

@@ -52,13 +52,17 @@ class Estimator:
         self._inputs = [(self._time, odometry.time, odometry.twist)]
         self._last, self._ahead = odometry, None
         self._place, self._heading, self._settled = odometry.pose[:2], self._belief.phi, 0.0
-        self.rejected = 0
-        self._in_a_row = 0
+        self.rejected = self._in_a_row = 0
 
     @property
     def covariance(self):
         """Covariance at the time of the last accepted pose, shape (6, 6)."""
         return self._covariance.copy()
+
+    @property
+    def contact(self):
+        """Where the contact is at that time, object frame (x, y) [m]."""
+        return self._motion.site.at(self._belief.phi - self._belief.theta)[:2]
 
     def beside_contact(self, measured):
         """

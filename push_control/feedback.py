@@ -3,6 +3,8 @@
 import math
 from typing import NamedTuple
 
+VERTEX_RESERVE = 0.02
+
 
 class CurvatureLimits(NamedTuple):
     """Curvatures of z that the contact survives in a steady turn [1/m]."""
@@ -42,6 +44,23 @@ def trailing_limits(flat, robot_radius, lead, cone):
     """
     length = flat.arm + robot_radius
     return CurvatureLimits((lead - cone) / length, (lead + cone) / length)
+
+
+def staying_limits(flat, robot_radius, lead, room):
+    """
+    Limits where a turn of a differential drive would roll the contact off its vertex.
+
+    In a steady turn the normal comes to rest at ``zeta = D - (L + R_p) kappa``.
+
+    :param flat: the ``Vehicle``.
+    :param robot_radius: R_p [m].
+    :param lead: D, angle from the robot's heading to the normal [rad].
+    :param room: lowest and highest zeta at the vertex [rad].
+    :return: ``CurvatureLimits``.
+    """
+    length = flat.wheelbase + robot_radius
+    return CurvatureLimits((lead - room[1] + VERTEX_RESERVE) / length,
+                           (lead - room[0] - VERTEX_RESERVE) / length)
 
 
 def held_limits(supports, flat, normal, cone):

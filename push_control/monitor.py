@@ -5,6 +5,7 @@ import math
 
 STEEPEST_PUSH = 1.2
 NORMAL_SLACK = 0.15
+ALMOST_STRAIGHT = 0.1
 
 
 def unusable(observation, last_pose_time, settings):
@@ -106,7 +107,7 @@ class OneSidedMonitor:
         :param travelled: way of the contact since the start [m].
         :return: the reason, or an empty text.
         """
-        if limits.low <= 0.0 <= limits.high:
+        if limits.low - ALMOST_STRAIGHT <= 0.0 <= limits.high + ALMOST_STRAIGHT:
             self._straight = travelled
         if travelled - self._straight <= self._longest:
             return ''

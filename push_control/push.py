@@ -37,7 +37,7 @@ class ClosedLoopPush:
         self._obj, self._robot, self._settings, self._law = obj, robot, settings, law
         site = site_of(obj, robot, target)
         self._believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
-        self._drive = ContactDrive(obj, robot, settings, site, supports, self._believed)
+        self._drive = ContactDrive(obj, robot, settings, site, supports)
         self._tracking = Tracking(robot, site, supports, settings, friction_center(obj),
                                   observation)
         self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
@@ -192,7 +192,7 @@ class ClosedLoopPush:
             track, lambda: self._guidance.follow(self._from_goal(flat, now)),
             self._guidance.preview, flat, limits=limits, before=self._curvature,
             change=settings.curvature_rate * speed * dt, moved=speed * dt,
-            lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal))
+            lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
         self._curvature = situation.allowed(self._law.curvature(situation))
         command, self.failure = self._drive.command(flat, self._belief, self._curvature, speed)
         return STOP if self.failure else command

@@ -36,8 +36,9 @@ class ControlSettings:
                                          'harder', 'm', above=0.0, high=1.0, default=0.1)
     curvature_rate: float = quantity('largest change of curvature per way', '1/m^2', above=0.0,
                                      high=1000.0, default=60.0)
-    normal_gain: float = quantity('holonomic base: yaw correction that holds the contact in its '
-                                  'place, per way', '1/m', 0.0, 50.0, default=4.0)
+    normal_gain: float = quantity('holonomic base: yaw per way that rolls the contact to where '
+                                  'its normal runs through the friction centre', '1/m', 0.0,
+                                  50.0, default=4.0)
 
     horizon_steps: int = quantity('mpc: number of steps that it looks ahead', '', 2, 100,
                                   default=20)

@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from push_model.contact import (contact_point, curvature_radius, find_contact, normal_range,
-                                rolling_constants)
+from push_model.contact import (contact_point, curvature_radius, face_normal, find_contact,
+                                normal_range, rolling_constants)
 from push_model.geometry import distance, Pose, wrap_angle
 
 GAP_LIMIT = 0.01
@@ -35,6 +35,7 @@ class Site(NamedTuple):
     :param normal: angle of n at the start, object frame [rad].
     :param heading: robot heading at the start, relative to the object [rad].
     :param normal_limits: angles that n may take at this feature, object frame [rad].
+    :param edges: coordinates along t between which C may lie on a face, object frame [m].
     """
 
     kind: str
@@ -45,6 +46,7 @@ class Site(NamedTuple):
     normal: float
     heading: float
     normal_limits: tuple
+    edges: tuple = (-math.inf, math.inf)
 
     def at(self, heading):
         """
@@ -150,7 +152,15 @@ def site_of(obj, robot, trajectory):
     normal += 2.0 * math.pi * round((0.5 * (low + high) - normal) / (2.0 * math.pi)
                                     if contact.kind == 'vertex' else 0.0)
     return Site(contact.kind, share, robot.radius, curved, contact_point(obj, contact), normal,
-                phi - pose.theta, (low, high))
+                phi - pose.theta, (low, high), _edges(obj, contact))
+
+
+def _edges(obj, contact):
+    if contact.kind != 'face':
+        return -math.inf, math.inf
+    n = face_normal(obj, contact.index)
+    return tuple(sorted(y * math.cos(n) - x * math.sin(n) for x, y in (
+        obj.outline[contact.index], obj.outline[(contact.index + 1) % len(obj.outline)])))
 
 
 def robot_at_start(target, pose):

@@ -47,7 +47,7 @@ class Tracking:
         found = self.watch.look(self._estimator.beside_contact(measured), self.way)
         self.site = self.site.slid(found.slid)
         self._estimator.place_contact(self.site, found.drift, self.watch.lost)
-        if self._monitor.lost(self.way, measured.pose.transform(self.site.point)):
+        if self._monitor.lost(self.way, measured.pose.transform(self._estimator.contact)):
             return 'contact is lost: the object does not follow the robot'
         return ''
 

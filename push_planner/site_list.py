@@ -9,7 +9,8 @@ from push_model.parameters import Contact
 from push_planner.constants import VERTEX_RESERVE
 from push_planner.problem import PlanningFailed, PushProblem, refuse_fence
 
-LEADS = (0.0, -0.4, 0.4, -0.8, 0.8)
+LEADS = (0.0, -0.3, 0.3, -0.6, 0.6)
+MOST_ASIDE = 0.6
 PLACES = 12
 APART = 0.005
 
@@ -65,9 +66,10 @@ def _vertices(obj, robot, center, settings):
         low, high = normal_range(obj, contact)
         ahead = low + (math.atan2(center[1] - y, center[0] - x) - low + math.pi) % (
             2.0 * math.pi) - math.pi
-        for share in leads:
-            normal = min(max(ahead + share * cone, low + VERTEX_RESERVE), high - VERTEX_RESERVE)
-            places.append((contact, normal, share * cone))
+        normal = min(max(ahead, low + VERTEX_RESERVE), high - VERTEX_RESERVE)
+        # Nearer to the edge of the cone, a robot a little misplaced would be refused.
+        if abs(normal - ahead) <= MOST_ASIDE * cone:
+            places += [(contact, normal, share * cone) for share in leads]
     return places
 
 

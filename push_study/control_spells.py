@@ -65,6 +65,8 @@ def compute(values, batch):
                        f'the friction centre, mean over the last {LAST:g} m, feedback'),
         'held': Finding(float(np.nanmean(path['rho_rad'][last])), 'rad',
                         f'mean pushing angle of feedback over the last {LAST:g} m'),
+        'rolled': Finding(CENTI * float(_aside(path)[last].mean()), 'cm',
+                          'contact from the middle of its face to the left, likewise'),
         'last': Finding(LAST, 'm', 'that way'),
         'peak': Finding(float(np.nanmax(np.abs(path['rho_rad']))), 'rad',
                         'largest pushing angle of feedback, either way'),
@@ -72,6 +74,12 @@ def compute(values, batch):
                             'the same of the optimiser'),
         'more': Finding(feedback.duration - optimiser.duration, 's',
                         'time that feedback takes more than the optimiser')})
+
+
+def _aside(path):
+    """Contact in the object frame, to the left [m], shape (n,)."""
+    return (np.cos(path['theta_rad']) * (path['contact_y_m'] - path['y_m'])
+            - np.sin(path['theta_rad']) * (path['contact_x_m'] - path['x_m']))
 
 
 def _four(first, kind, parameters, texts):
@@ -120,8 +128,9 @@ STUDIES = (
          'feedback it gets to the goal within {turned:.2f} rad, moving a little sideways.',
          'Pushed straight towards its friction centre, a box need not turn, whatever way it '
          'faces.'),
-        ('The pushing angle of feedback does not return to zero: it holds {held:.2f} rad over the '
-         'last {last:.1f} m, close to the direction from the contact to the new friction centre, '
-         '{aim:.2f} rad.',
-         'To go straight, the force has to lead through the friction centre; nobody has told '
-         'feedback where that is.'))))
+        ('The pushing angle of feedback comes back to {held:.2f} rad over the last {last:.1f} m, '
+         'as the robot has rolled its contact {rolled:.1f} cm to the left, behind the new '
+         'friction centre.',
+         'To go straight, the force has to lead through the friction centre; along the normal it '
+         'leaves the whole friction cone to either side. Nobody has told feedback where that '
+         'is.'))))

@@ -4,6 +4,7 @@ import functools
 import math
 
 import numpy as np
+from push_control.settings import ControlSettings
 from push_model.friction import friction_center
 from push_study import control_goals, control_noise, control_spells
 from push_study.control_floor import (center_in_sight, changed, friction_table, gaussian, spell,
@@ -18,6 +19,7 @@ STUDIES = {study.figure: study for module in (control_goals, control_noise, cont
            for study in module.STUDIES}
 TEMPORARY, SUSTAINED = [f'4.{number}' for number in range(8, 12)], [
     f'4.{number}' for number in range(12, 16)]
+SETTINGS = ControlSettings()
 COLUMNS = ('y_m', 'theta_rad', 'rho_rad')
 
 
@@ -46,7 +48,8 @@ def test_both_laws_arrive_at_every_goal_where_all_is_as_believed():
     assert found['optimiser'] < 10.0 and found['feedback'] < 5.0
     assert (ends['feedback_position_error_m'] < ends['open_loop_position_error_m']).all()
     for law in (OPTIMISER, FEEDBACK):
-        assert np.abs(ends[f'{law}_heading_error_rad']).max() < 0.005
+        # A fifth of the error with which a push may end.
+        assert np.abs(ends[f'{law}_heading_error_rad']).max() < 0.2 * SETTINGS.heading_tolerance
     assert 0.0 < found['time'] < 8.0 and found['apart'] < 0.5
 
 
@@ -77,8 +80,9 @@ def test_a_mirrored_push_goes_a_mirrored_way(law):
 def test_feedback_bears_what_open_loop_does_not(figure):
     found = findings(figure)
     assert found['optimiser'] > 0.4 and found['turn'] > 1.0
-    assert found['feedback'] < 10.0 and found['turned'] < 0.02
-    assert found['times'] > 50.0 and found['more'] < 2.0
+    assert found['feedback'] < 1000.0 * SETTINGS.position_tolerance and (
+        found['turned'] < SETTINGS.heading_tolerance)
+    assert found['times'] > 30.0 and found['more'] < 2.0
     assert 3.0 < found['aside'] < 20.0 and found['peak'] < 0.9 < found['steepest']
     # Without the disturbance both arrive.
     found = findings(figure, factor=1.0)
@@ -96,16 +100,18 @@ def test_open_loop_errors_grow_with_the_disturbance_and_those_of_feedback_do_not
     found = [findings('4.12', factor=factor) for factor in factors]
     assert (np.diff([one['optimiser'] for one in found]) > 0.05).all()
     assert max(one['feedback'] for one in found) < 10.0
-    assert (np.diff([one['held'] for one in found]) > 0.01).all()
+    assert (np.diff([one['rolled'] for one in found]) > 0.2).all()
 
 
 def test_feedback_ends_its_push_through_the_friction_centre():
+    """It rolls the contact behind the centre, which lies 4 cm aside while friction is changed."""
     sustained, temporary = findings('4.15'), findings('4.11')
     assert sustained['held'] == pytest.approx(sustained['aim'], abs=0.03)
-    assert sustained['aim'] == pytest.approx(math.atan2(0.04, 0.2), abs=0.01)
-    assert abs(temporary['held']) < 0.01 and abs(temporary['aim']) < 0.01
+    assert sustained['rolled'] == pytest.approx(4.0, abs=0.5)
+    assert abs(sustained['aim']) < 0.03 and abs(temporary['aim']) < 0.03
+    assert abs(temporary['held']) < 0.03 and abs(temporary['rolled']) < 0.5
     other = findings('4.15', side='right')
-    assert other['held'] == pytest.approx(-sustained['held'], abs=1e-3)
+    assert other['rolled'] == pytest.approx(-sustained['rolled'], abs=0.01)
 
 
 def test_a_robot_wider_than_the_box_is_deep_is_stable_without_looking():
