@@ -1,7 +1,6 @@
 """A task in one process, without ROS: planner, supervisor and plant until the object is there."""
 
 import dataclasses
-import functools
 
 from push_control.observation import Observation
 from push_control.supervision import SupervisionSettings
@@ -11,13 +10,12 @@ from push_drive.settings import DriveSettings
 from push_model.geometry import distance, wrap_angle
 from push_model.signals import Odometry
 from push_planner.problem import PlanningFailed
-from push_planner.task import plan_task
+from push_planner.wanted_push import plan_wanted
 from push_scenario.closed_loop import make_simulation
 from push_scenario.scenario import Scenario
 from push_scenario.tape import Tape
 
 PLANNING_TIME = 0.3
-SHORT, DETOUR = 1.0, 1.5
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -68,33 +66,6 @@ def run_task(scenario, drive=None, supervision=None, workspace=None, planning_ti
                  workspace, planning_time).run(change or _nothing)
 
 
-def plan_wanted(scenario, wanted, drive, workspace=None):
-    """
-    Answer a supervisor, the more carefully the less bold it is.
-
-    :param scenario: the ``Scenario``, for robot and ``PlannerSettings``.
-    :param wanted: what is ``Wanted``.
-    :param drive: ``DriveSettings``.
-    :param workspace: the ``Workspace``, or None.
-    :return: ``TaskPlan``.
-    :raises PlanningFailed: with the reason.
-    """
-    settings, bold = scenario.planner, wanted.boldness
-    ask = functools.partial(plan_task, wanted.obj, scenario.robot, wanted.object_pose,
-                            wanted.robot_pose, wanted.goal, drive=drive, workspace=workspace)
-    if bold < 1.0:
-        # Long turns miss most: short pushes that come to the same are asked for first.
-        far = distance(wanted.object_pose, wanted.goal)
-        careful = dataclasses.replace(
-            settings, cone_margin=bold * settings.cone_margin,
-            max_path_length=min(settings.max_path_length, SHORT + DETOUR * far))
-        try:
-            return ask(careful)
-        except PlanningFailed:
-            pass
-    return ask(settings)
-
-
 class _Task:
     """Plant, supervisor and planner."""
 
@@ -133,7 +104,8 @@ class _Task:
         if wanted is None or now < self._answer_at:
             return
         try:
-            found = plan_wanted(self._scenario, wanted, self._drive, self._workspace)
+            found = plan_wanted(wanted, self._scenario.robot, self._scenario.planner, self._drive,
+                                workspace=self._workspace)
         except PlanningFailed as failure:
             self._supervisor.refused(failure.reason)
             return
