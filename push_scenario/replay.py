@@ -12,6 +12,9 @@ from push_scenario.metrics import is_as_expected
 from push_scenario.progress_line import ProgressLine
 from push_scenario.reader import find_scenario, read_scenario, scenario_names, scenario_text
 from push_scenario.report import table
+from push_scenario.task_loop import run_task
+from push_scenario.task_metrics import is_task_as_expected
+from push_scenario.task_report import task_table
 
 DEMO = 'corner_push_mismatch'
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
@@ -95,10 +98,11 @@ def _replay(options):
             interrupts.check()
     except KeyboardInterrupt:
         if results:
-            print(table(results))
+            print(_table(results))
         return _complain('interrupted', INTERRUPTED)
     judged = [r for r in results if r.control_law != 'open_loop'] or results
-    return AS_EXPECTED if all(map(is_as_expected, judged)) else NOT_AS_EXPECTED
+    judge = is_as_expected if scenario.task is None else is_task_as_expected
+    return AS_EXPECTED if all(map(judge, judged)) else NOT_AS_EXPECTED
 
 
 def _run(scenario, law, options, interrupts):
@@ -109,7 +113,8 @@ def _run(scenario, law, options, interrupts):
         line(progress)
 
     if options.in_process:
-        result = closed_loop.run(scenario, law, show)
+        run = closed_loop.run if scenario.task is None else run_task
+        result = run(scenario, law, show)
     else:
         run_over_dds = _dds_replay()
         result = run_over_dds(scenario, law, options.out, real_time=options.real_time,
@@ -118,6 +123,10 @@ def _run(scenario, law, options, interrupts):
     if result.tape is not None:
         result.tape.save(options.out / f'{scenario.name}_{law}.csv')
     return result
+
+
+def _table(results):
+    return (table if results[0].scenario.task is None else task_table)(results)
 
 
 def _dds_replay():
@@ -130,7 +139,7 @@ def _dds_replay():
 
 
 def _finish(results, options):
-    print(table(results), flush=True)
+    print(_table(results), flush=True)
     written = [bag for bag in (getattr(result, 'bag', None) for result in results) if bag]
     if not options.no_pictures and all(result.tape for result in results):
         written += _draw(results, options)
