@@ -1,0 +1,118 @@
+"""What the benchmark of tasks found, as text and a picture."""
+
+from pathlib import Path
+
+from controller_tables import ALL, table
+import numpy as np
+from tasks_cases import DISTURBED, IN_MAPS, OPEN, PARTS
+from tasks_tables import (effort_table, failure_table, grouped, kind, legs_table, room_table,
+                          success_table, trouble_table, variety)
+
+TEXT = Path(__file__).with_name('tasks.md.in')
+SUCCESS_AIM, RATIO_AIM = 99.5, 0.5
+PLANNING_AIMS = (50, 0.3), (95, 1.0)
+NOT_MEASURED = 'Not measured in this run.'
+COLOURS = dict(zip(PARTS, ('C0', 'C1', 'C2')))
+
+
+def aim_table(pairs):
+    """
+    Write every aim beside what was measured.
+
+    :param pairs: (job, record) of all tasks.
+    """
+    rows = [row for part in PARTS for group in grouped(pairs, part) for row in _rows(group)]
+    return table(['', 'aim', 'measured', 'met'],
+                 [(*row[:3], 'yes' if row[3] else '**no**') for row in rows])
+
+
+def _rows(group):
+    share = 100.0 * group.successes / len(group.tasks)
+    yield (f'{group.part}: success, %', f'{SUCCESS_AIM:g}',
+           f'{share:.1f} ({group.successes} of {len(group.tasks)})', share >= SUCCESS_AIM)
+    if group.part == IN_MAPS:
+        hits = sum(int((group.values(f'{body}_room', successful=False) < 0.0).sum())
+                   for body in ('robot', 'object'))
+        yield f'{group.part}: collisions', '0', str(hits), hits == 0
+    if group.part != OPEN:
+        return
+    for name, unit in (('duration', 'time'), ('way', 'way')):
+        single = 'single' if name == 'duration' else 'single_way'
+        value = _median(group.ratios(name, single))
+        yield (f'{group.part}: {unit} over that of the best single push, median',
+               f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM)
+    for percent, aim in PLANNING_AIMS:
+        value = np.percentile(group.planning, percent) if len(group.planning) else np.nan
+        yield (f'{group.part}: planning, CPU s, ' + ('median' if percent == 50 else f'p{percent}'),
+               f'{aim:g}', f'{value:.2f}', value <= aim)
+    below = int((group.ratios('duration', 'least') < 1.0).sum())
+    yield f'{group.part}: tasks quicker than the bound', '0', str(below), below == 0
+
+
+def _median(values):
+    return float(np.median(values)) if len(values) else np.nan
+
+
+def text(jobs, records):
+    """
+    Fill the template.
+
+    :param jobs: dicts of ``part``, ``kind`` and ``seed``.
+    :param records: what ``tasks_run.run`` gave for them.
+    """
+    pairs, filled = list(zip(jobs, records)), TEXT.read_text(encoding='utf-8')
+    kinds = grouped(pairs, OPEN, kind)
+    mapped, moved = (grouped(pairs, part, variety) for part in (IN_MAPS, DISTURBED))
+    moved += grouped(pairs, DISTURBED, _moved)[1:]
+    everything = [group for part in PARTS for group in grouped(pairs, part)]
+    for name, value in (
+            ('COUNTS', ', '.join(f'{len(group.tasks)} {group.part}' for group in everything)),
+            ('AIMS', aim_table(pairs)),
+            ('OPEN', success_table(kinds) if kinds else NOT_MEASURED),
+            ('EFFORT', effort_table(kinds) if kinds else NOT_MEASURED),
+            ('LEGS', legs_table(everything)),
+            ('MAPS', success_table(mapped) if mapped else NOT_MEASURED),
+            ('ROOM', room_table(mapped) if mapped else NOT_MEASURED),
+            ('DISTURBED', success_table(moved) if moved else NOT_MEASURED),
+            ('FAILURES', failure_table(pairs)), ('TROUBLES', trouble_table(pairs))):
+        filled = filled.replace(f'@{name}@', value)
+    return filled
+
+
+def _moved(_, record):
+    state = record.get('moved_in', '')
+    return f'while it was in: {state}' if state else 'after the end'
+
+
+def picture(path, jobs, records):
+    """
+    Draw times over those of one push and over the bound, and how many pushes it takes.
+
+    :param path: of the picture.
+    :param jobs: as for ``text``.
+    :param records: likewise.
+    """
+    from matplotlib.figure import Figure
+    pairs = list(zip(jobs, records))
+    figure = Figure(figsize=(11, 4.5), layout='constrained')
+    times, pushes = figure.subplots(1, 2)
+    for group in grouped(pairs, OPEN):
+        for other, label in (('single', 'best single push, as planned; 0: there is none'),
+                             ('least', 'lower bound')):
+            ratios = np.sort(group.ratios('duration', other))
+            times.step(ratios, np.arange(1, len(ratios) + 1) / len(group.tasks), where='post',
+                       label=f'over {label}')
+    times.plot(RATIO_AIM, 0.5, 'k+', ms=10, label='aim as stated')
+    times.set(xlabel='time of the task as driven, over ...', ylabel='share of the tasks',
+              xlim=(0.0, 8.0), ylim=(0.0, 1.01))
+    for group in [group for part in PARTS for group in grouped(pairs, part)
+                  if group.name == ALL and group.successes]:
+        counts = np.bincount(group.values('pushes').astype(int))
+        pushes.plot(np.cumsum(counts) / len(group.tasks), 'o-', color=COLOURS[group.part],
+                    label=group.part)
+    pushes.set(xlabel='pushes', ylabel='share of the tasks done with so many', ylim=(0.0, 1.01))
+    for axis in (times, pushes):
+        axis.grid(alpha=0.3)
+        if axis.get_legend_handles_labels()[0]:
+            axis.legend(fontsize=8, loc='lower right')
+    figure.savefig(path, dpi=110)
