@@ -2,12 +2,13 @@
 Tasks measured: how many random goals are reached, how soon, with how many pushes.
 
 On open floor, in maps, and with the object shoved or turned and poses lost (see
-``tasks_cases.py``). Takes an hour and a half on two cores, ``--quick`` some minutes. Tasks are kept
-in ``--records`` as they come, and the same command goes on after Ctrl-C. ``--seed`` runs one task
-and tells about it.
+``tasks_cases.py``). Takes an hour and a half on two cores, ``--quick`` some minutes. Tasks are
+kept in ``--records`` as they come, and the same command goes on after Ctrl-C. ``--seed`` runs one
+task and tells about it.
 """
 
 import argparse
+import dataclasses
 import math
 from pathlib import Path
 import sys
@@ -58,9 +59,6 @@ def records(chosen, part, count):
 def one(chosen):
     """Run one task and tell about it; write it as a scenario."""
     case = draw(chosen.part, chosen.kind, chosen.seed)
-    chosen.records.mkdir(parents=True, exist_ok=True)
-    path = chosen.records / 'random.yaml'
-    path.write_text(scenario_text(case.scenario), encoding='utf-8')
     result, watch = watched(case)
     for change in result.history:
         print(f'{change.time:7.2f} s {change.state:9} {change.reason}')
@@ -73,7 +71,17 @@ def one(chosen):
     print(f'{result.outcome} after {result.duration:.1f} s {result.reason}: '
           f'{1e3 * result.position_error:.1f} mm, {math.degrees(result.heading_error):.2f} deg; '
           f'planning {", ".join(f"{value:.2f} s" for value in watch.planning)}')
+    chosen.records.mkdir(parents=True, exist_ok=True)
+    path = chosen.records / 'random.yaml'
+    path.write_text(scenario_text(disturbed(case)), encoding='utf-8')
     print(f'written: {path}; replay {path} --in-process')
+
+
+def disturbed(case):
+    """Return the scenario with what the hand has done."""
+    done = case.hand and case.hand.shove
+    return dataclasses.replace(case.scenario, simulation=dataclasses.replace(
+        case.scenario.simulation, shoves=(done,) if done else ()))
 
 
 def main():

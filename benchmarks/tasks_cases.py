@@ -34,7 +34,7 @@ KINDS = {part: tuple(f'{name}, {drive}' for name in names for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part, names in FITTING.items()}
 NEAREST, FARTHEST, ROBOT_WITHIN = 0.05, 3.0, 2.0
-LATEST, LONGEST_LOST = 60.0, 2.0
+LATEST, LONGEST_LOST = 30.0, 2.0
 TIME_LIMIT = 900.0
 
 

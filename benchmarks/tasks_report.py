@@ -5,8 +5,9 @@ from pathlib import Path
 from controller_tables import ALL, table
 import numpy as np
 from tasks_cases import DISTURBED, IN_MAPS, OPEN, PARTS
-from tasks_tables import (effort_table, failure_table, grouped, kind, legs_table, room_table,
-                          success_table, trouble_table, variety)
+from tasks_groups import grouped, kind, variety
+from tasks_tables import (effort_table, failure_table, legs_table, room_table, success_table,
+                          trouble_table)
 
 TEXT = Path(__file__).with_name('tasks.md.in')
 SUCCESS_AIM, RATIO_AIM = 99.5, 0.5

@@ -12,9 +12,9 @@ from push_problems import HOLONOMIC
 import pytest
 from tasks_bound import contact_way, gap, least_time
 from tasks_cases import draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
+from tasks_groups import faults_of, grouped, kind
 from tasks_hand import Hand, MOVES
 from tasks_maps import draw_floor, MAPS, object_room, robot_room, to_rectangles
-from tasks_tables import faults_of, grouped, kind
 
 START = Pose(0.3, -0.2, 0.4)
 
