@@ -25,9 +25,11 @@ class Option:
     Attributes: ``pushes``; ``duration`` of everything [s], about until it is solved; ``plan`` of
     the first push, None until then; ``way`` to it; ``reason`` why it cannot be, empty while it
     can; ``sure``: share of the time of another solution above which this one is not worth
-    solving; ``worth``: time that others must beat [s].
+    solving; ``worth``: time that others must beat [s]; ``later``: ``push_planner.pushes.Step`` of
+    each push but the first.
     """
 
+    later = ()
     sure = 1.0
     worth = math.inf
 
@@ -137,4 +139,4 @@ class ChainOption(Option):
         :param duration: of everything, about [s].
         """
         super().__init__(steps[0].problem, [step.push for step in steps], duration)
-        self.steps, self.worth = steps, duration
+        self.steps, self.later, self.worth = steps, tuple(steps[1:]), duration

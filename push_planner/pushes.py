@@ -72,6 +72,21 @@ class Step(NamedTuple):
         return poses
 
 
+def chain_poses(trajectory, later, spacing):
+    """
+    Sample the way of the object through a chain.
+
+    :param trajectory: ``PushTrajectory`` of the first push.
+    :param later: ``Step`` of each of the others.
+    :param spacing: largest distance between samples of these [m].
+    :return: list of (x, y, theta) in the world.
+    """
+    poses = trajectory.object_poses.tolist()
+    for step in later:
+        poses += step.object_poses(spacing)
+    return poses
+
+
 def steps_of(chain, table, start, goal, settings):
     """
     Lay out a chain.

@@ -40,6 +40,7 @@ class TaskPlan(NamedTuple):
     :param single: the same of the best single push [s]; infinite where there is none. It is
         solved only where it might be quicker, else about.
     :param report: what the search came to, a dict of names to numbers and texts.
+    :param later: ``push_planner.pushes.Step`` of each push but the first.
     """
 
     pushes: tuple
@@ -48,6 +49,7 @@ class TaskPlan(NamedTuple):
     duration: float
     single: float
     report: dict
+    later: tuple
 
 
 def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=None, task=None,
@@ -117,7 +119,8 @@ class _Task:
             single = min(single, found.duration)
         reasons = [option.reason for option in singles] + self.refused
         self.report['single'] = reasons[0] if reasons and math.isinf(single) else ''
-        return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report)
+        return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report,
+                        found.later)
 
     def _best(self, options):
         best, worth = None, min((option.worth for option in options), default=math.inf)
