@@ -5,9 +5,9 @@ First the robot must get to the object: its gap to it, at drive speed at most. T
 be overcome. While it is pushed slowly, the power of the contact force f at the contact velocity u
 is what the supports rub away: f . u = sum q_i |v_i|, of the friction q_i that each support can
 bear and its velocity v_i. And f balances the friction on the supports, so that |f| is at most
-sum q_i. Hence |u| is at least the mean of the |v_i|, weighted by the q_i; over time, the way of the contact
-is at least the mean of how far the supports must go, whatever pushes where and how often. It is
-made at pushing speed at most.
+sum q_i. Hence |u| is at least the mean of the |v_i|, weighted by the q_i; over time, the way of
+the contact is at least the mean of how far the supports must go, whatever pushes where and how
+often. It is made at pushing speed at most.
 
 Left out: turning, touching, retreats, going round. Inertia lets an object slide on for
 v^2 / (2 mu g), some millimetres per push, which is not taken off.
