@@ -1,5 +1,5 @@
 """
-Maps that tasks are set in: two rooms with a door, or with a corridor 1 m wide, and a cluttered one.
+Maps that tasks are set in: two rooms with a door or a corridor between them, a cluttered room.
 
 Walls and things are rectangles of whole cells, so that collisions can be looked for in what the
 map stands for, and not only in its cells.
