@@ -25,8 +25,8 @@ class Floor(NamedTuple):
     What stands on a floor.
 
     :param size: columns and rows of cells.
-    :param blocks: occupied cells, rows of (first column, first row, last column + 1, last row + 1),
-        shape (n, 4).
+    :param blocks: occupied cells, (first column, first row, last column + 1, last row + 1) of each
+        block, shape (n, 4).
     """
 
     size: tuple
@@ -56,8 +56,10 @@ def draw_floor(name, rng):
     """
     if name == 'cluttered room':
         size = 120, 120
-        corners = rng.integers(WALL, 120 - WALL - THINGS[1], (rng.integers(*CLUTTER, endpoint=True), 2))
-        things = np.hstack([corners, corners + rng.integers(*THINGS, corners.shape, endpoint=True)])
+        count = rng.integers(*CLUTTER, endpoint=True)
+        corners = rng.integers(WALL, size[0] - WALL - THINGS[1], (count, 2))
+        sides = rng.integers(*THINGS, (count, 2), endpoint=True)
+        things = np.hstack([corners, corners + sides])
         return Floor(size, np.vstack([_walls(*size), things]))
     width, length = (rng.integers(*DOORS, endpoint=True), WALL) if name == 'door' else CORRIDOR
     room, rows = 60, 64

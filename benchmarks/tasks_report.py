@@ -13,6 +13,7 @@ TEXT = Path(__file__).with_name('tasks.md.in')
 SUCCESS_AIM, RATIO_AIM = 99.5, 0.5
 PLANNING_AIMS = (50, 0.3), (95, 1.0)
 NOT_MEASURED = 'Not measured in this run.'
+LEAST_SHOWN = 0.1
 COLOURS = dict(zip(PARTS, ('C0', 'C1', 'C2')))
 
 
@@ -98,14 +99,15 @@ def picture(path, jobs, records):
     figure = Figure(figsize=(11, 4.5), layout='constrained')
     times, pushes = figure.subplots(1, 2)
     for group in grouped(pairs, OPEN):
-        for other, label in (('single', 'best single push, as planned; 0: there is none'),
+        for other, label in (('single', 'best single push, as planned; at the edge: none'),
                              ('least', 'lower bound')):
-            ratios = np.sort(group.ratios('duration', other))
+            ratios = np.maximum(np.sort(group.ratios('duration', other)), LEAST_SHOWN)
             times.step(ratios, np.arange(1, len(ratios) + 1) / len(group.tasks), where='post',
                        label=f'over {label}')
     times.plot(RATIO_AIM, 0.5, 'k+', ms=10, label='aim as stated')
     times.set(xlabel='time of the task as driven, over ...', ylabel='share of the tasks',
-              xlim=(0.0, 8.0), ylim=(0.0, 1.01))
+              xscale='log', xlim=(LEAST_SHOWN, 100.0), ylim=(0.0, 1.01))
+    times.xaxis.set_major_formatter('{x:g}')
     for group in [group for part in PARTS for group in grouped(pairs, part)
                   if group.name == ALL and group.successes]:
         counts = np.bincount(group.values('pushes').astype(int))
