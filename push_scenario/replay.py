@@ -113,8 +113,9 @@ def _run(scenario, law, options, interrupts):
         line(progress)
 
     if options.in_process:
-        run = closed_loop.run if scenario.task is None else run_task
-        result = run(scenario, law, show)
+        # As over DDS in lockstep, time stands still while a task is planned.
+        result = (closed_loop.run(scenario, law, show) if scenario.task is None else
+                  run_task(scenario, law, show, planning_time=0.0))
     else:
         run_over_dds = _dds_replay()
         result = run_over_dds(scenario, law, options.out, real_time=options.real_time,
@@ -149,18 +150,28 @@ def _finish(results, options):
 
 def _draw(results, options):
     try:
-        from push_scenario.animation import draw_animation
-        from push_scenario.figure import draw_figure
+        pictures = _pictures(results[0].scenario)
     except ModuleNotFoundError as error:
         print(f'replay: no pictures, for want of the module {error.name}', file=sys.stderr)
         return
     name = 'demo' if options.demo else results[0].scenario.name
-    for draw, suffix in ((draw_figure, 'png'), (draw_animation, 'gif')):
+    for draw, suffix in zip(pictures, ('png', 'gif')):
         path = options.out / f'{name}.{suffix}'
         line = ProgressLine(sys.stderr, time.monotonic, str(path))
         draw(results, path)
         line.end('drawn')
         yield path
+
+
+def _pictures(scenario):
+    """Return what draws the picture and the animation; matplotlib may be missing."""
+    if scenario.task is None:
+        from push_scenario.animation import draw_animation
+        from push_scenario.figure import draw_figure
+        return draw_figure, draw_animation
+    from push_scenario.task_animation import draw_task_animation
+    from push_scenario.task_figure import draw_task_figure
+    return draw_task_figure, draw_task_animation
 
 
 if __name__ == '__main__':
