@@ -47,20 +47,20 @@ class ControllerNode(PushNode):
     goal's stamp has come, and asks for plans itself. With ``wait_for_plans`` measurements are not
     answered until the plan is there.
 
-    Parameters: ``object.*`` and ``robot.*`` as believed, ``control.*``, ``drive.*``,
-    ``supervision.*``, frames, ``autostart``, ``task``, ``wait_for_plans``, ``stamped_cmd_vel``.
+    Parameters: ``object.*`` and ``robot.*`` as believed, and what the sections say.
     """
 
     def __init__(self):
         super().__init__(CONTROLLER, SECTIONS)
         *parts, self._frames, self._options = self.settings
-        self._work = self._make_work(parts)
+        self._work = (SupervisedTask if self._options.task else SinglePush)(
+            self, parts, self._frames.world_frame, self._options.autostart)
         self._forget()
         self._command = self.publisher('cmd_vel', self._options.stamped_cmd_vel)
         self.subscribe('odom', self._on_odometry, urgent=True)
         self.subscribe('object_pose', self._on_object_pose, urgent=True)
-        work = self._work
-        self.subscribe('push_plan', lambda message: self._hear(work.take_plan, message, True))
+        work, stops = self._work, not self._options.task
+        self.subscribe('push_plan', lambda message: self._hear(work.take_plan, message, stops))
         self.subscribe('goal_pose', lambda message: self._hear(work.take_goal, message))
         self.subscribe('map', lambda message: self._hear(work.take_map, message))
         self.serve('controller/start', self._start)
@@ -74,12 +74,6 @@ class ControllerNode(PushNode):
         """Stop the robot, and see the command out."""
         self._send(STOP, self._now())
         self._command.wait_for_all_acked(Duration(seconds=FLUSH_TIMEOUT))
-
-    def _make_work(self, parts):
-        frame, running = self._frames.world_frame, self._options.autostart
-        if self._options.task:
-            return SupervisedTask(self, parts, frame, running)
-        return SinglePush(self, *parts[:3], frame, running)
 
     def _forget(self):
         self._odometry = self._object_pose = self._heard = None
@@ -128,35 +122,40 @@ class ControllerNode(PushNode):
             while self._unanswered:
                 self._send(STOP, self._unanswered.pop(0))
 
+    def _follow_up(self):
+        self._answer_late()
+        if self._options.task:
+            self._work.tell(self._now(), self._time)
+
     def _hear(self, take, message, stops=False):
         try:
             take(message)
         except MessageRefused as error:
-            if stops and not self._unanswered:
+            if stops:
                 self._send(STOP, self._now())
             self.reporter.report(ERROR, f'{error}; stopped' if stops else str(error),
                                  message.header.stamp)
-        self._answer_late()
+        self._follow_up()
 
     def _start(self):
-        missing = [name for name, there in (('odom', self._odometry is not None),
-                                            ('object_pose', self._object_pose is not None),
-                                            (self._work.needs, self._work.is_set)) if not there]
+        there = {'odom': self._odometry is not None, 'object_pose': self._object_pose is not None,
+                 self._work.needs: self._work.is_set}
+        missing = [name for name, known in there.items() if not known]
         if missing:
             return False, f'has not got {" and ".join(missing)} yet'
         self._work.start()
-        self._answer_late()
+        self._follow_up()
         return True, 'started'
 
     def _stop(self):
         self._work.stop()
         self._send(STOP, self._now())
-        self._answer_late()
+        self._follow_up()
         return True, 'stopped'
 
     def _obey(self, action):
         answer = action()
-        self._answer_late()
+        self._follow_up()
         return answer
 
     def _begin_anew(self):

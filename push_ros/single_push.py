@@ -20,19 +20,18 @@ class SinglePush:
 
     needs, awaited, awaits_plan = 'push_plan', 'a plan', False
 
-    def __init__(self, node, obj, robot, control, frame, running):
+    def __init__(self, node, parts, frame, running):
         """
         Wait for a plan.
 
         :param node: the ``PushNode``.
-        :param obj: the ``PushedObject`` as believed.
-        :param robot: the ``RoundRobot``.
-        :param control: ``ControlSettings``.
+        :param parts: ``PushedObject`` as believed, ``RoundRobot``, ``ControlSettings``; what comes
+            behind is for tasks.
         :param frame: id of the world frame.
         :param running: whether to follow a plan as soon as it comes.
         """
-        self._parts, self._frame, self._reporter = (obj, robot), frame, node.reporter
-        self._controller = make_controller(obj, robot, control)
+        self._parts, self._frame, self._reporter = parts[:2], frame, node.reporter
+        self._controller = make_controller(*parts[:3])
         self._running, self._target = running, None
         self._markers, self._marker_rate = node.publisher('markers'), Rate(2.0)
         self._replan = node.ask('planner/replan')
