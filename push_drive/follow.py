@@ -4,7 +4,7 @@ import math
 
 from push_drive.laws import driven, held, limited_change, turning
 from push_drive.run import Run, stretches
-from push_drive.way import driven_way, turned_way
+from push_drive.way import driven_way, turned_way, Way
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import STOP, Twist
 
@@ -84,9 +84,9 @@ class WayFollower:
                 and abs(wrap_angle(pose.theta - self._goal.theta)) <= HEADING_TOLERANCE)
 
     def _directly(self, pose):
-        track = [(self._goal.x, self._goal.y, 0.0)]
         if distance(pose, self._goal) <= 0.5 * POSITION_TOLERANCE:
-            track = []
+            return Way((pose, pose._replace(theta=self._goal.theta)))
+        track = [(self._goal.x, self._goal.y, 0.0)]
         if self._robot.drive == 'holonomic':
             return turned_way(pose, self._goal, track)
         toward = math.atan2(self._goal.y - pose.y, self._goal.x - pose.x)

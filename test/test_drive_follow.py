@@ -223,3 +223,12 @@ def test_settings_are_capped_by_the_robot():
     assert dataclasses.replace(
         capped, **{name: getattr(SETTINGS, name) for name in (
             'speed', 'yaw_rate', 'acceleration', 'yaw_acceleration')}) == SETTINGS
+
+
+@either
+@pytest.mark.parametrize('turn', [0.02, -0.08])
+def test_a_robot_that_is_nearly_there_turns_to_its_heading(drive, turn):
+    """Less than a millimetre beside its place it does not drive there, but it does turn."""
+    start, goal = Pose(0.0, 0.0, 3.1), Pose(2e-4, -1e-4, 3.1 + turn)
+    way = find_way(ROBOTS[drive], box(), FAR, start, goal, SETTINGS)
+    assert Drive(ROBOTS[drive], way).arrived(goal)
