@@ -35,7 +35,7 @@ class SupervisedTask:
         """
         self._parts, self._frame = parts, frame
         self._running, self._workspace = running, None
-        self._requests, self._request_stamp = node.publisher('push_request'), 0
+        self._requests = node.publisher('push_request')
         self._report = TaskReport(node, *parts[:2], frame)
         self.forget()
 
@@ -63,7 +63,7 @@ class SupervisedTask:
         self._supervisor = Supervisor(*self._parts)
         self._supervisor.set_workspace(self._workspace)
         self._goal = self._asked = self._observation = None
-        self._later = []
+        self._later, self._request_stamp = [], 0
         self.repeat()
 
     def take_goal(self, message):
