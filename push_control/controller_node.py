@@ -53,6 +53,8 @@ class ControllerNode(PushNode):
     def __init__(self):
         super().__init__(CONTROLLER, SECTIONS)
         *parts, self._frames, self._options = self.settings
+        # Also where nothing is ever asked for: a node has the topics of the list.
+        self.requests = self.publisher('push_request')
         self._work = (SupervisedTask if self._options.task else SinglePush)(
             self, parts, self._frames.world_frame, self._options.autostart)
         self._forget()

@@ -27,7 +27,7 @@ class SupervisedTask:
         """
         Wait for a goal.
 
-        :param node: the ``PushNode``.
+        :param node: the ``ControllerNode``.
         :param parts: what a ``Supervisor`` is made of: ``PushedObject``, ``RoundRobot``,
             ``ControlSettings``, ``DriveSettings``, ``SupervisionSettings``.
         :param frame: id of the world frame.
@@ -35,7 +35,7 @@ class SupervisedTask:
         """
         self._parts, self._frame = parts, frame
         self._running, self._workspace = running, None
-        self._requests = node.publisher('push_request')
+        self._requests = node.requests
         self._report = TaskReport(node, *parts[:2], frame)
         self.forget()
 
