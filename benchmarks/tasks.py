@@ -2,7 +2,7 @@
 Tasks measured: how many random goals are reached, how soon, with how many pushes.
 
 On open floor, in maps, and with the object shoved or turned and poses lost (see
-``tasks_cases.py``). Takes an hour and a half on two cores, ``--quick`` some minutes. Tasks are
+``tasks_cases.py``). Takes about an hour on two cores, ``--quick`` some five minutes. Tasks are
 kept in ``--records`` as they come, and the same command goes on after Ctrl-C. ``--seed`` runs one
 task and tells about it.
 """
