@@ -182,18 +182,18 @@ class ClosedLoopPush:
         return local.inverse() @ self._goal.inverse() @ belief.pose @ local
 
     def _steer(self, flat, now, track, dt):
-        settings = self._settings
         self._elapsed += dt
-        self._speed = speed = contact_speed(self._elapsed, track.remaining, self._fastest, settings)
+        self._speed = speed = contact_speed(self._elapsed, track.remaining, self._fastest,
+                                              self._settings)
         normal = self._tracking.site.at(now.phi - now.theta)[2]
-        limits = self._drive.limits(flat, normal, settings.feedback_margin)
+        limits = self._drive.limits(flat, normal, self._settings.feedback_margin)
         self.failure = self._one_sided.trouble(limits, self.travelled)
         if self.failure:
             return STOP
         situation = Situation(
             track, lambda: self._guidance.follow(self._from_goal(flat, now)),
             self._guidance.preview, flat, limits=limits, before=self._curvature,
-            change=settings.curvature_rate * speed * dt, moved=speed * dt,
+            change=self._settings.curvature_rate * speed * dt, moved=speed * dt,
             lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
         self._curvature = situation.allowed(self._law.curvature(situation))
         command, self.failure = self._drive.command(flat, self._belief, self._curvature, speed)
