@@ -184,7 +184,7 @@ class ClosedLoopPush:
     def _steer(self, flat, now, track, dt):
         self._elapsed += dt
         self._speed = speed = contact_speed(self._elapsed, track.remaining, self._fastest,
-                                              self._settings)
+                                            self._settings)
         normal = self._tracking.site.at(now.phi - now.theta)[2]
         limits = self._drive.limits(flat, normal, self._settings.feedback_margin)
         self.failure = self._one_sided.trouble(limits, self.travelled)
