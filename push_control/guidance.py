@@ -8,7 +8,7 @@ from push_control.reference import locate, new_path
 
 # What is believed of the pose is off by some millimetres itself.
 ARRIVED_SHARE = 0.85
-GENTLER = 0.8
+LEAST_CARE, GENTLER = 0.5, 0.8
 LOOKS_AHEAD = np.linspace(0.0, 1.0, 11)
 
 
@@ -109,10 +109,15 @@ class Guidance:
         return (abs(track.lateral_error) > share * settings.position_tolerance
                 or abs(track.heading_error) > share * settings.heading_tolerance)
 
-    @property
-    def care(self):
-        """Share of the cone for new paths: less with every turn that has missed."""
-        return GENTLER ** self.go_arounds
+    def care(self, wrong):
+        """
+        Share of the cone for new paths.
+
+        :param wrong: how far the friction centre is from where it was believed, over its distance
+            from the contact: supports rub otherwise than believed, and so turn otherwise.
+        :return: less the more that is, and with every turn that has missed.
+        """
+        return max(LEAST_CARE, 1.0 - wrong) * GENTLER ** self.go_arounds
 
     def arrive(self, pose, track, limits):
         """

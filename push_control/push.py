@@ -18,8 +18,6 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.quasi_static import vehicle
 from push_model.signals import STOP
 
-LEAST_CARE = 0.5
-
 
 class ClosedLoopPush:
     """Brings the object along the path of a target, from late and noisy measurements."""
@@ -40,8 +38,8 @@ class ClosedLoopPush:
         site = site_of(obj, robot, target)
         self._believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
         self._drive = ContactDrive(obj, robot, settings, site, supports)
-        self._tracking = Tracking(robot, site, supports, settings, friction_center(obj),
-                                  observation)
+        self._center = friction_center(obj)
+        self._tracking = Tracking(robot, site, supports, settings, self._center, observation)
         self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
         self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
         self._belief = self._tracking.beliefs(observation.time, STOP)[0]
@@ -154,9 +152,9 @@ class ClosedLoopPush:
 
     @property
     def _care(self):
-        """Share of the cone: less where supports rub otherwise than believed."""
-        wrong = math.dist(self._belief.center, friction_center(self._obj)) / self._believed.arm
-        return max(LEAST_CARE, 1.0 - wrong) * self._guidance.care
+        """Share of the cone for new paths: a differential drive has none to spare to one side."""
+        wrong = math.dist(self._belief.center, self._center) / self._believed.arm
+        return 1.0 if self._robot.drive == 'differential' else self._guidance.care(wrong)
 
     def _approach(self, dt):
         """Close a gap; the object lies still meanwhile."""
