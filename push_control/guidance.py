@@ -6,6 +6,9 @@ import numpy as np
 
 from push_control.reference import locate, new_path
 
+# What is believed of the pose is off by some millimetres itself.
+ARRIVED_SHARE = 0.85
+LEAST_CARE, GENTLER = 0.5, 0.8
 LOOKS_AHEAD = np.linspace(0.0, 1.0, 11)
 
 
@@ -105,6 +108,27 @@ class Guidance:
         settings = self._settings
         return (abs(track.lateral_error) > share * settings.position_tolerance
                 or abs(track.heading_error) > share * settings.heading_tolerance)
+
+    def care(self, wrong):
+        """
+        Share of the cone for new paths.
+
+        :param wrong: how far the friction centre is from where it was believed, over its distance
+            from the contact: supports rub otherwise than believed, and so turn otherwise.
+        :return: less the more that is, and with every turn that has missed.
+        """
+        return max(LEAST_CARE, 1.0 - wrong) * GENTLER ** self.go_arounds
+
+    def arrive(self, pose, track, limits):
+        """
+        Approach the goal anew unless the push has come near enough.
+
+        :param pose: ``Pose`` of z in the frame of the z-goal.
+        :param track: ``Track`` at the end of the present path.
+        :param limits: ``CurvatureLimits`` for the new path.
+        :return: ``Track`` on the new path, or None where there is none.
+        """
+        return self.go_around(pose, limits) if self.is_off(track, ARRIVED_SHARE) else None
 
     def go_around(self, pose, limits):
         """

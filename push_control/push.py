@@ -38,8 +38,8 @@ class ClosedLoopPush:
         site = site_of(obj, robot, target)
         self._believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
         self._drive = ContactDrive(obj, robot, settings, site, supports)
-        self._tracking = Tracking(robot, site, supports, settings, friction_center(obj),
-                                  observation)
+        self._center = friction_center(obj)
+        self._tracking = Tracking(robot, site, supports, settings, self._center, observation)
         self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
         self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
         self._belief = self._tracking.beliefs(observation.time, STOP)[0]
@@ -58,12 +58,11 @@ class ClosedLoopPush:
         """
         meant = site_of(self._obj, self._robot, target)
         shift = self._belief.pose.inverse() @ Pose(*target.object_poses[0].tolist())
-        tracking = self._tracking
+        tracking, settings = self._tracking, self._settings
         if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
             return False
-        settings = self._settings
-        self._anew += bool(self.failure)
         speed = 0.0 if self.failure else self._speed
+        self._anew += bool(self.failure)
         self._elapsed = max(0.0, speed - settings.start_speed) / settings.acceleration
         self._aim(target)
         return True
@@ -72,9 +71,8 @@ class ClosedLoopPush:
         settings = self._settings
         self._guidance = Guidance(SampledPath(self._believed, target), settings)
         self._goal = Pose(*target.object_poses[-1].tolist())
-        self._one_sided = OneSidedMonitor(settings)
+        self._one_sided, self._asks = OneSidedMonitor(settings), False
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
-        self._asks = False
         self._begin, self._track, self.finished, self.failure = self._tracking.way, None, False, ''
 
     def observe(self, observation):
@@ -110,24 +108,21 @@ class ClosedLoopPush:
         c_x, c_y, normal = site.at(ahead.phi - ahead.theta)
         flat = self._vehicle((c_x, c_y), ahead.center)
         pose = self._from_goal(flat, ahead)
-        planning = self._drive.limits(flat, normal, self._settings.plan_margin)
+        planning = self._drive.limits(flat, normal, self._settings.plan_margin * self._care)
         self._track = track = self._guidance.follow(pose)
         if self._tracking.watch.lost:
             self._command = self._approach(dt)
             return self._command
         firm = self._drive.limits(flat, normal, self._settings.feedback_margin)
-        track = self._guidance.revise(pose, track, planning, firm, self.travelled, dt)
+        self._track = track = self._guidance.revise(pose, track, planning, firm, self.travelled,
+                                                    dt)
         if track.remaining <= self._settings.stop_distance:
-            track = self._arrive(pose, track, planning)
-        self._track = track
+            self._track = track = self._arrive(pose, track, planning)
         if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
-            self._asks = self._anew < self._settings.replan_limit
-            self.failure = (f'gave up after {self.travelled:.1f} m, planned were '
-                            f'{self._guidance.budget:.1f} m')
-        if not (self.finished or self.failure):
-            self._command = self._steer(flat, now, track, dt)
-        if self.finished or self.failure:
-            self._command = STOP
+            self._ask_anew(f'gave up after {self.travelled:.1f} m, planned were '
+                           f'{self._guidance.budget:.1f} m')
+        over = self.finished or self.failure
+        self._command = STOP if over else self._steer(flat, now, track, dt)
         return self._command
 
     @property
@@ -155,6 +150,12 @@ class ClosedLoopPush:
                 'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
                 **self._tracking.report, **self._law.report}
 
+    @property
+    def _care(self):
+        """Share of the cone for new paths: a differential drive has none to spare to one side."""
+        wrong = math.dist(self._belief.center, self._center) / self._believed.arm
+        return 1.0 if self._robot.drive == 'differential' else self._guidance.care(wrong)
+
     def _approach(self, dt):
         """Close a gap; the object lies still meanwhile."""
         way = self._settings.start_speed * dt
@@ -164,34 +165,33 @@ class ClosedLoopPush:
         return STOP if self.failure else self._drive.approach(self._belief)
 
     def _arrive(self, pose, track, planning):
-        if not self._guidance.is_off(track):
-            self.finished = True
-            return track
-        again = self._guidance.go_around(pose, planning)
-        if again is None:
-            self._asks = self._anew < self._settings.replan_limit
-            self.failure = (f'ended {1e3 * track.lateral_error:.0f} mm and '
-                            f'{math.degrees(track.heading_error):.1f} deg beside the goal')
+        again = self._guidance.arrive(pose, track, planning)
+        self.finished = again is None and not self._guidance.is_off(track)
+        if again is None and not self.finished:
+            self._ask_anew(f'ended {1e3 * track.lateral_error:.0f} mm and '
+                           f'{math.degrees(track.heading_error):.1f} deg beside the goal')
         return again or track
+
+    def _ask_anew(self, failure):
+        self.failure, self._asks = failure, self._anew < self._settings.replan_limit
 
     def _from_goal(self, flat, belief):
         local = flat_pose(flat)
         return local.inverse() @ self._goal.inverse() @ belief.pose @ local
 
     def _steer(self, flat, now, track, dt):
-        settings = self._settings
         self._elapsed += dt
-        speed = contact_speed(self._elapsed, track.remaining, self._fastest, settings)
-        self._speed = speed
+        self._speed = speed = contact_speed(self._elapsed, track.remaining, self._fastest,
+                                            self._settings)
         normal = self._tracking.site.at(now.phi - now.theta)[2]
-        limits = self._drive.limits(flat, normal, settings.feedback_margin)
+        limits = self._drive.limits(flat, normal, self._settings.feedback_margin)
         self.failure = self._one_sided.trouble(limits, self.travelled)
         if self.failure:
             return STOP
         situation = Situation(
             track, lambda: self._guidance.follow(self._from_goal(flat, now)),
             self._guidance.preview, flat, limits=limits, before=self._curvature,
-            change=settings.curvature_rate * speed * dt, moved=speed * dt,
+            change=self._settings.curvature_rate * speed * dt, moved=speed * dt,
             lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
         self._curvature = situation.allowed(self._law.curvature(situation))
         command, self.failure = self._drive.command(flat, self._belief, self._curvature, speed)
