@@ -6,7 +6,7 @@ from push_control.monitor import is_finite_odometry, unusable
 from push_control.mpc import PredictiveLaw
 from push_control.open_loop import OpenLoopPush
 from push_control.push import ClosedLoopPush
-from push_control.site import misplaced
+from push_control.start import misplaced
 from push_control.steering import ClosedFormLaw
 from push_model.geometry import Pose
 from push_model.signals import STOP

@@ -5,7 +5,7 @@ import math
 
 from push_control.learnt import LearntObject
 from push_control.retreat import Retreat
-from push_control.site import contact_at_start
+from push_control.start import contact_at_start
 from push_control.supervised_push import SupervisedPush
 from push_control.touch import Touch
 from push_control.travel import Approach

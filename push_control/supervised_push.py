@@ -2,7 +2,8 @@
 
 from push_control.command import mean_motion
 from push_control.controller import make_controller
-from push_control.site import contact_at_start, site_of
+from push_control.site import site_of
+from push_control.start import contact_at_start
 from push_model.geometry import Pose, wrap_angle
 
 # Of where the robot is seen to stand at the end of a push: x and y [m], heading [rad].

@@ -5,7 +5,7 @@ import math
 from push_control.command import holonomic_command, limited
 from push_control.contact_watch import Alarm
 from push_control.rest import has_moved
-from push_control.site import contact_at_start, robot_at_start
+from push_control.start import contact_at_start, robot_at_start
 from push_control.travel import entry_direction
 from push_model.contact import find_contact
 from push_model.geometry import Pose

@@ -58,7 +58,8 @@ class Tracking:
         :param odometry: ``Odometry``, finite.
         """
         if odometry.time > self.last.time:
-            twist, lead = odometry.twist, self.site.lead
+            twist, last = odometry.twist, self._estimator.predict(self.last.time)
+            lead = last.theta + self.site.at(last.phi - last.theta)[2] - last.phi
             speed = math.hypot(*contact_velocity(0.0, lead, self._robot.radius, twist))
             self.way += speed * (odometry.time - self.last.time)
             self._estimator.add_odometry(odometry)

@@ -3,7 +3,7 @@
 import math
 
 from push_control.rest import has_moved
-from push_control.site import robot_at_start
+from push_control.start import robot_at_start
 from push_drive.detour import find_way
 from push_drive.follow import WayFollower
 from push_drive.way import travel_time
