@@ -76,28 +76,34 @@ def weigh(table, sites, turns, goal, least):
     return Weighed(turns, before, after, np.where(reached[:, None], ways, np.inf))
 
 
-def corners(table, sites, turns, before, after):
+def places_along(table, sites, chains, count):
     """
-    Find where the object is where pieces of its way meet: before each turn, after it, and last.
+    Find where the object is on its way, at equal shares of every piece, up to their ends.
 
     :param table: ``push_planner.elements.Table``.
     :param sites: numbers of the elements, shape (m, n).
-    :param turns: signed turns [rad], shape (m, n).
-    :param before: straight lengths before the turns [m], shape (m, n).
-    :param after: the same after the turns, shape (m, n).
-    :return: (x, y, theta) in the frame of the object before the first push, shape (m, 3 n, 3).
+    :param chains: ``Weighed`` of m chains.
+    :param count: places on each piece; the pieces of a move are straight, a turn, and straight.
+    :return: (x, y, theta) in the frame of the object before the first push, shape
+        (m, n, 3 count, 3).
     """
+    turns, before, after, _ = chains
     heading = np.cumsum(turns, axis=1) - turns
     first = heading + table.angles[sites]
     second = first + turns
     arcs = _turned(table, sites, heading, turns, first, second)
-    straights = ((before * np.cos(first), after * np.cos(second)),
-                 (before * np.sin(first), after * np.sin(second)))
-    shape = len(sites), 3 * sites.shape[1]
-    columns = [np.stack((one, arc, two), axis=2).reshape(shape).cumsum(axis=1)
-               for arc, (one, two) in zip(arcs, straights)]
-    headings = np.stack((heading, heading + turns, heading + turns), axis=2)
-    return np.stack((*columns, headings.reshape(shape)), axis=2)
+    moves = np.stack([np.stack((before * np.cos(first), arcs[0], after * np.cos(second)), axis=2),
+                      np.stack((before * np.sin(first), arcs[1], after * np.sin(second)), axis=2)])
+    pieces = moves.reshape(2, len(sites), 3 * sites.shape[1])
+    begins = (pieces.cumsum(axis=2) - pieces).reshape(moves.shape)
+    found = np.empty((*sites.shape, 3, count, 3))
+    for k in range(count):
+        share = (k + 1) / count
+        parts = share * moves
+        parts[..., 1] = _turned(table, sites, heading, share * turns, first, first + share * turns)
+        found[..., k, :2] = np.moveaxis(begins + parts, 0, -1)
+        found[..., k, 2] = np.stack((heading, heading + share * turns, heading + turns), axis=2)
+    return found.reshape(*sites.shape, 3 * count, 3)
 
 
 def _turned(table, sites, heading, turns, first, second):

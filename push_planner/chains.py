@@ -18,7 +18,7 @@ class Found(NamedTuple):
     weighed: int
 
 
-def search(table, costs, goal, task, limit, allowed=None):
+def search(table, costs, goal, task, limit, excess=None):
     """
     Find the quickest chains of two moves and more.
 
@@ -27,13 +27,12 @@ def search(table, costs, goal, task, limit, allowed=None):
     :param goal: ``Pose`` in the frame of the object as it stands.
     :param task: ``TaskSettings``.
     :param limit: time above which a chain is of no use [s].
-    :param allowed: function that tells of chains (sites, ``Weighed``) which are allowed, shape
-        (m,); None: all are.
+    :param excess: as of ``Hunt``.
     :return: ``Found``.
     """
     rows, weighed = [], 0
     for count in range(2, task.max_pushes + 1):
-        hunt = Hunt(table, costs, goal, task, count, allowed)
+        hunt = Hunt(table, costs, goal, task, count, excess)
         limit, number = hunt.coarse(limit)
         weighed += number
         rows += hunt.polished()

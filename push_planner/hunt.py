@@ -7,7 +7,7 @@ import numpy as np
 from push_planner.chain_algebra import last_turns, weigh
 
 CHUNK = 8000
-POLISHED = 24
+POLISHED, IN_MAP = 24, 32
 HALVINGS = 11
 SAME = 1e-9
 
@@ -63,13 +63,13 @@ class Hunt:
     :param goal: ``Pose`` in the frame of the object as it stands.
     :param task: ``TaskSettings``.
     :param count: number of moves.
-    :param allowed: function that tells of chains (sites, ``Weighed``) which are allowed, shape
-        (m,); None: all are.
+    :param excess: function of chains (sites, ``Weighed``, whether finely) to times by which they
+        count as longer, shape (m,) [s]; None: by nothing.
     """
 
-    def __init__(self, table, costs, goal, task, count, allowed):
+    def __init__(self, table, costs, goal, task, count, excess):
         self.table, self.costs, self.goal, self.task = table, costs, goal, task
-        self.count, self.allowed = count, allowed
+        self.count, self.excess = count, excess
         self.best = []
 
     def coarse(self, limit):
@@ -108,28 +108,39 @@ class Hunt:
         """
         if not self.best:
             return []
-        best = sorted(self.best)[:POLISHED]
+        best = sorted(self.best)[:POLISHED if self.excess is None else IN_MAP]
         sites = np.array([row for _, row, _ in best])
-        turns = np.array([turn for _, _, turn in best])
-        moves = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=turns.shape[1])))
-        rows, times = np.arange(len(sites)), np.array([time for time, _, _ in best])
+        turns, more = np.array([turn for _, _, turn in best]), np.zeros(sites.shape)
+        times = self._weigh(sites, turns, more)[1]
+        moves, least = self._moves()
+        many, rows = np.repeat(sites, len(moves), axis=0), np.arange(len(sites))
         sides, widest = self.table.sides[sites[:, :-1]], self.table.widest[sites[:, :-1]]
-        many = np.repeat(sites, len(moves), axis=0)
-        step = widest.max() / (self.task.turn_steps - 1)
-        for _ in range(HALVINGS):
-            step *= 0.5
-            tried = np.abs(turns)[:, None, :] + step * moves
-            tried = sides[:, None, :] * np.clip(tried, 0.0, widest[:, None, :])
-            found = self._weigh(many, tried.reshape(len(many), -1))[1].reshape(len(rows), -1)
+        step = np.full((len(sites), 1, 1), 0.5 * widest.max() / (self.task.turn_steps - 1))
+        for _ in range(HALVINGS if self.excess is None else 2 * HALVINGS):
+            tried = np.clip(np.abs(turns)[:, None, :] + step * moves, 0.0, widest[:, None, :])
+            tried = sides[:, None, :] * tried
+            longer = np.maximum(more[:, None, :] + step * least, 0.0)
+            found = self._weigh(many, tried.reshape(len(many), -1),
+                                longer.reshape(len(many), -1))[1].reshape(len(rows), -1)
             index = found.argmin(axis=1)
             better = found[rows, index] < times - SAME
-            turns[better] = tried[rows, index][better]
+            turns[better], more[better] = (each[rows, index][better] for each in (tried, longer))
             times = np.where(better, found[rows, index], times)
-        chains, times = self._weigh(sites, turns)
+            step[np.logical_not(better) | (self.excess is None)] *= 0.5
+        chains, times = self._weigh(sites, turns, more)
         return [Chain(*(tuple(map(kind, values)) for kind, values in (
             (int, row), (float, turn), (float, before), (float, after))), float(time))
             for row, turn, before, after, time in zip(sites, *chains[:3], times)
             if time < np.inf]
+
+    def _moves(self):
+        """List changes tried at once: of the turns, and in a map of the straight lengths."""
+        moves = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self.count - 1)))
+        if self.excess is None:
+            return moves, np.zeros((len(moves), self.count))
+        each = np.eye(self.count)
+        least = np.vstack([np.zeros((len(moves), self.count)), each, -each])
+        return np.vstack([moves, np.zeros((2 * self.count, self.count - 1))]), least
 
     def _sequences(self, limit):
         """Sequences of elements with a lower bound of their time, lowest first."""
@@ -165,15 +176,16 @@ class Hunt:
         most = self.table.sides[sites[:, :-1]] * self.table.widest[sites[:, :-1]]
         return most[:, None, :] * shares
 
-    def _weigh(self, sites, turns):
-        """Weigh chains and tell their times."""
+    def _weigh(self, sites, turns, more=None):
+        """Weigh chains and tell their times; finely where straights are given that are longer."""
         if turns.shape[1] < sites.shape[1]:
             turns = last_turns(self.table, sites, turns, self.goal.theta)
-        chains = weigh(self.table, sites, turns, self.goal, self._least(sites))
+        least = self._least(sites) + (0.0 if more is None else more)
+        chains = weigh(self.table, sites, turns, self.goal, least)
         times = self.costs.besides(sites) + chains.ways.sum(axis=1) / self.costs.speed
         times = np.where(self._longest(sites, chains) <= self.costs.longest, times, np.inf)
-        if self.allowed is not None:
-            times = np.where(self.allowed(sites, chains), times, np.inf)
+        if self.excess is not None:
+            times = times + self.excess(sites, chains, more is not None)
         return chains, times
 
     def _longest(self, sites, chains):

@@ -10,6 +10,7 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact
 from push_planner.grid import ramps
 from push_planner.problem import PresentMotion, PushProblem
+from push_planner.warm_start import route_along
 
 # With these, nearly all pushes of random chains are solved, and at the first go.
 SETTLING = 1.5
@@ -52,6 +53,15 @@ class Step(NamedTuple):
     problem: PushProblem
     push: PlannedPush
     pieces: tuple
+
+    def route(self, aside):
+        """
+        Make a route of the pieces.
+
+        :param aside: how far from it along either axis a plan may be [m].
+        :return: ``push_planner.warm_start.Route``.
+        """
+        return route_along(self.problem, self.pieces, aside)
 
     def object_poses(self, spacing):
         """

@@ -4,10 +4,13 @@ import math
 
 import numpy as np
 from push_drive.inflated import inflated
-from push_planner.chain_algebra import corners
+from push_planner.chain_algebra import places_along, Weighed
 from push_planner.problem import PlanningFailed
 
 MARGINS = (1.0, 0.5, 0.0)
+ROUGH, FINE = 4, 8
+# Of room that is lacking [s/m].
+PRICE = 500.0
 
 
 class Room:
@@ -35,31 +38,32 @@ class Room:
         self.margin = next(margin for margin in np.multiply(MARGINS, drive.map_clearance)
                            if workspace.object_is_free(obj, [start, goal], margin))
 
-    def filter(self, table, inner):
+    def excess(self, table):
         """
-        Make a quick test for many chains, of the corners of their ways only.
+        Make what tells of many chains how much they lack room.
 
         :param table: ``push_planner.elements.Table``.
-        :param inner: whether to count the circle inside the object, which all that is free passes,
-            rather than the one round it.
-        :return: function of (sites, ``Weighed``) to flags, shape (m,).
+        :return: function of (sites, ``Weighed``, whether to look at the corners of the object
+            too) to times that are added to those of the chains [s], shape (m,); 0 where they are
+            free, infinite where the goal is not reached.
         """
-        radius, (x, y) = self._circle(inner)
         behind = np.array(table.places)[table.numbers, :2]
+        radius, middle = self._circle()
 
-        def free(sites, chains):
-            flags = np.isfinite(chains.ways).all(axis=1)
-            poses = corners(table, sites[flags], chains.turns[flags], chains.before[flags],
-                            chains.after[flags])
-            # The last corner is the goal, which is free.
-            within = self._clearance(poses[:, :-1], x, y) >= radius + self.margin
-            robots = np.repeat(behind[sites[flags]], 3, axis=1)
-            clear = self._clearance(poses, robots[..., 0], robots[..., 1])
-            flags[flags] = within.all(axis=1) & (
-                clear >= self.robot.radius + self.robot_margin).all(axis=1)
-            return flags
+        def excess(sites, chains, fine):
+            lacking = np.full(len(sites), math.inf)
+            some = np.isfinite(chains.ways).all(axis=1)
+            chains = Weighed(*(values[some] for values in chains))
+            poses = places_along(table, sites[some], chains, FINE if fine else ROUGH)
+            robots = np.moveaxis(behind[sites[some]], -1, 0)[..., None]
+            lacks = [self._lack(poses, *robots, self.robot.radius + self.robot_margin),
+                     self._lack(poses, *middle, radius + self.margin)]
+            if fine:
+                lacks += [self._lack(poses, *corner, self.margin) for corner in self.obj.outline]
+            lacking[some] = PRICE * np.sum(lacks, axis=0)
+            return lacking
 
-        return free
+        return excess
 
     def holds(self, object_poses, robot_poses):
         """
@@ -70,6 +74,15 @@ class Room:
         """
         return (self.workspace.object_is_free(self.obj, object_poses, self.margin)
                 and self.workspace.robot_is_free(self.robot, robot_poses, self.robot_margin))
+
+    def fault(self, trajectory):
+        """
+        Tell what is wrong with a push; empty where nothing is.
+
+        :param trajectory: ``PushTrajectory``.
+        """
+        free = self.holds(trajectory.object_poses, trajectory.robot_poses)
+        return '' if free else 'the push meets an obstacle or leaves the map'
 
     def holds_steps(self, steps):
         """
@@ -84,20 +97,18 @@ class Room:
                 return False
         return True
 
-    def _clearance(self, poses, x, y):
-        """Clearance of points of the object, given in its frame, at poses in its start frame."""
+    def _lack(self, poses, x, y, wanted):
+        """How much too near to obstacles a point of the object, in its frame, comes [m]."""
         c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
         points = np.stack((poses[..., 0] + c * x - s * y, poses[..., 1] + s * x + c * y), axis=-1)
         c, s = math.cos(self.start.theta), math.sin(self.start.theta)
         points = points.reshape(-1, 2) @ np.array([[c, s], [-s, c]]) + self.start[:2]
-        return self.workspace.clearance(points).reshape(poses.shape[:-1])
+        room = self.workspace.clearance(points).reshape(poses.shape[:-1]).min(axis=(1, 2))
+        return np.maximum(wanted - room, 0.0)
 
-    def _circle(self, inner):
-        """Radius and middle of a circle in the object, or of one round it."""
+    def _circle(self):
+        """Radius and middle of a circle in the object."""
         if not self.obj.outline:
             return self.obj.radius, (0.0, 0.0)
-        outline = np.array(self.obj.outline)
-        middle = outline.mean(axis=0)
-        if not inner:
-            return float(np.linalg.norm(outline - middle, axis=1).max()), tuple(middle)
+        middle = np.array(self.obj.outline).mean(axis=0)
         return -float(inflated(self.obj.outline, 0.0, 0.0).distances([middle])[0]), tuple(middle)

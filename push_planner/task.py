@@ -26,7 +26,8 @@ from push_planner.task_settings import TaskSettings
 
 SINGLES = 3
 HOPEFUL = 1.2
-IN_MAP = 6
+# In a map more sequences are tried, with fewer turns each.
+ALTERNATIVES, TRIALS, TURN_STEPS = 6, 2, 5
 
 
 class TaskPlan(NamedTuple):
@@ -106,7 +107,8 @@ class _Task:
     def answer(self):
         """Solve the most promising until none that is left can be quicker."""
         singles = self._singles()
-        limit = HOPEFUL * min((option.about for option in singles), default=math.inf)
+        hopeful = singles if self.room is None else []
+        limit = HOPEFUL * min((option.about for option in hopeful), default=math.inf)
         found = self._best(singles + self._chains(limit))
         most = math.inf if found is None else found.duration
         if most > limit:
@@ -154,13 +156,14 @@ class _Task:
             return []
         if self.room is None:
             return self._laid_out(search(table, self._costs, self.local_goal, self.task, limit))
-        task = dataclasses.replace(self.task, alternatives=IN_MAP * self.task.alternatives)
-        for inner in (False, True):
-            found = self._laid_out(search(table, self._costs, self.local_goal, task, limit,
-                                          self.room.filter(table, inner)))
-            free = [option for option in found if self.room.holds_steps(option.steps)]
-            if free:
-                return free[:self.task.alternatives]
+        excess, asked = self.room.excess(table), self.task
+        for steps in (min(TURN_STEPS, asked.turn_steps), asked.turn_steps):
+            task = dataclasses.replace(asked, turn_steps=steps, trials=TRIALS * asked.trials,
+                                       alternatives=ALTERNATIVES * asked.alternatives)
+            found = search(table, self._costs, self.local_goal, task, limit, excess)
+            if free := [option for option in self._laid_out(found)
+                        if self.room.holds_steps(option.steps)]:
+                return free[:asked.alternatives]
         return []
 
     def _laid_out(self, found):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from objects import bin_, box
 from push_model.geometry import distance, Pose, wrap_angle
-from push_planner.chain_algebra import corners, last_turns, weigh
+from push_planner.chain_algebra import last_turns, places_along, weigh, Weighed
 from push_planner.chains import search
 from push_planner.elements import element_table
 from push_planner.hunt import Chain, Costs
@@ -61,9 +61,8 @@ def test_a_chain_laid_out_ends_at_the_goal(obj, robot, count):
     table, goal = table_of(obj, robot), GOALS[1]
     sites, least, weighed = random_chains(table, count, goal, count)
     assert np.all(weighed[1] >= 0.0) and np.all(weighed[2] >= least)
-    places = corners(table, sites, *weighed[:3])
-    assert places.shape == (len(sites), 3 * count, 3)
-    assert not len(corners(table, sites[:0], *(part[:0] for part in weighed[:3])))
+    places = places_along(table, sites, weighed, 1).reshape(len(sites), 3 * count, 3)
+    assert not len(places_along(table, sites[:0], Weighed(*(part[:0] for part in weighed)), 1))
     for row in range(20):
         chain = as_chain(sites, weighed, row)
         steps = steps_of(chain, table, Pose(0.0, 0.0, 0.0), goal, SETTINGS)
