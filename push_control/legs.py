@@ -60,7 +60,8 @@ class Legs:
             return Touch(obj, robot, self._control, drive, settings, target,
                          sight.rest)
         if state == 'push':
-            return SupervisedPush(self.learnt, robot, self._as_known(target, sight), target)
+            return SupervisedPush(self.learnt, robot, self._as_known(target, sight), settings,
+                                  target)
         if state == 'retreat':
             return Retreat(obj, robot, drive, settings, self.workspace)
         return None

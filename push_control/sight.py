@@ -86,6 +86,12 @@ class Sight:
         return self._observation
 
     @property
+    def placed(self):
+        """The same, with what was learnt of the robot's place since."""
+        odometry = self._observation.odometry._replace(pose=self.placement.pose)
+        return self._observation._replace(odometry=odometry)
+
+    @property
     def time(self):
         """Time of the newest measurement [s]; 0 before the first."""
         return 0.0 if self._observation is None else self._observation.time

@@ -35,6 +35,8 @@ class SupervisionSettings:
                                      'longer holds', 'm', above=0.0, high=1.0, default=0.05)
     shove_angle: float = quantity('turn of the object, likewise', 'rad', above=0.0, high=1.0,
                                   default=0.1)
+    off_path: float = quantity('distance of the object from the path of its plan at which a push '
+                               'ends', 'm', above=0.0, high=10.0, default=0.2)
     standing_error: float = quantity('error with which the robot may stand before the last '
                                      'straight way to the object', 'm', above=0.0, high=0.5,
                                      default=0.01)

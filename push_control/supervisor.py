@@ -73,6 +73,7 @@ class Supervisor:
         :param workspace: the ``Workspace``, or None.
         """
         self._legs.workspace = workspace
+        self._tries.look_anew()
 
     def take(self, trajectory):
         """
@@ -83,6 +84,7 @@ class Supervisor:
         if self._wants is None:
             return
         self._target = trajectory
+        self._tries.look_anew()
         self._enter('approach')
 
     def refused(self, reason):
@@ -93,6 +95,7 @@ class Supervisor:
         """
         if self._wants is not None:
             self._sight.look_anew(self._sight.time)
+            self._tries.refused(self._wants, reason)
             self._recover(f'no plan: {reason}')
 
     def pause(self):

@@ -5,10 +5,10 @@ import math
 from push_control.command import holonomic_command, limited
 from push_control.contact_watch import Alarm
 from push_control.rest import has_moved
-from push_control.start import contact_at_start, robot_at_start
+from push_control.start import contact_at_start, misplaced, robot_at_start
 from push_control.travel import entry_direction
 from push_model.contact import find_contact
-from push_model.geometry import Pose
+from push_model.geometry import distance, Pose
 from push_model.signals import STOP
 
 
@@ -29,6 +29,7 @@ class Touch:
         """
         self._parts, self._settings = (obj, robot, control, drive.capped(robot)), supervision
         self._rest, self._speed, self._time = rest.pose, 0.0, -math.inf
+        self._target, self._begin, self._way, self._time_left = target, None, 0.0, 0.0
         self._angle = entry_direction(robot, target, robot_at_start(target, rest.pose))
         self._place = contact_at_start(target)
         self._normal = float(target.contact_poses[0][2] - target.object_poses[0][2])
@@ -56,9 +57,12 @@ class Touch:
             self._look(sight, measured.pose)
         pose, unsure = placement.pose, float(placement.deviations[:2].max())
         gap = find_contact(obj, self._rest, pose[:2], robot.radius)[2]
-        if gap < -self._settings.reach - 2.0 * unsure:
+        if self._begin is None:
+            self._set_limits(pose, gap, unsure)
+        self._time_left -= dt
+        if self._is_beyond(pose) and not self.finished:
             placement.doubt(self._settings.reach)
-            self.trouble = f'the object is not felt {-1e3 * gap:.0f} mm behind where it was seen'
+            self.trouble = self.trouble or f'the object is not felt within {self._way:.2f} m'
         if self.trouble:
             return STOP
         braking = math.sqrt(control.start_speed ** 2 + 2.0 * drive.acceleration
@@ -66,6 +70,14 @@ class Touch:
         self._speed = min(self._speed + drive.acceleration * dt, braking, drive.speed)
         return limited(holonomic_command(self._speed, 0.0, self._angle_ahead(pose), 0.0, 0.0),
                        robot)
+
+    def _set_limits(self, pose, gap, unsure):
+        settings, slowest = self._settings, self._parts[2].start_speed
+        self._begin, self._way = pose, max(0.0, gap) + settings.reach + 2.0 * unsure
+        self._time_left = self._way / slowest + settings.stall_time
+
+    def _is_beyond(self, pose):
+        return self._time_left < 0.0 or distance(self._begin, pose) > self._way
 
     def _angle_ahead(self, pose):
         robot = self._parts[1]
@@ -82,4 +94,5 @@ class Touch:
         moved = (now[0] - before[0]) * n_x + (now[1] - before[1]) * n_y
         if self._alarm.raised(moved / self._noise) > 0:
             sight.feel(*self._parts[:2], self._noise)
-            self.finished = True
+            self.trouble = misplaced(*self._parts[1:3], self._target, sight.placed)
+            self.finished = not self.trouble

@@ -129,8 +129,13 @@ class Approach:
             sight.feel(obj, robot, OVERLAP)
         pose = sight.rest.pose
         self._first = self._first or pose
-        if gap < OVERLAP + 3.0 * unsure and distance(pose, self._first) > OVERLAP:
-            sight.feel(obj, robot, OVERLAP)
+        far = gap > OVERLAP + 3.0 * unsure
+        near = gap < self._settings.reach + 3.0 * unsure
+        if near and distance(pose, self._first) > OVERLAP:
+            if far:
+                # Either it is misplaced by that, or somebody else has moved the object.
+                sight.placement.doubt(gap)
+            sight.feel(obj, robot, 0.5 * gap if far else OVERLAP)
             self.trouble = 'the robot has run into the object'
         elif has_moved(Pose(*self._target.object_poses[0].tolist()), pose, self._settings):
             self.trouble = 'the object has been moved'

@@ -1,7 +1,9 @@
 """How often it has been tried without getting nearer."""
 
 import math
+import re
 
+from push_control.rest import has_moved
 from push_model.geometry import distance, wrap_angle
 
 SHYER, SHYEST = 0.8, 0.4
@@ -18,6 +20,7 @@ class Tries:
         """
         self._settings = settings
         self._least, self._count, self._trouble = math.inf, 0, ''
+        self._refusal, self._hopeless = None, ''
 
     def count(self, trouble=''):
         """
@@ -27,6 +30,28 @@ class Tries:
         """
         self._count += 1
         self._trouble = trouble or self._trouble
+
+    def refused(self, wanted, reason):
+        """
+        Hear that there is no plan: no use to ask again where all is as it was.
+
+        :param wanted: the plan that was ``push_control.task_status.Wanted``.
+        :param reason: why there is none.
+        """
+        # Noise of the poses shows in the numbers.
+        text = re.sub(r'\d+', '', reason)
+        if self._refusal is not None:
+            before, text_before = self._refusal
+            if text == text_before and not any(
+                    has_moved(then, now, self._settings)
+                    for then, now in ((before.object_pose, wanted.object_pose),
+                                      (before.robot_pose, wanted.robot_pose))):
+                self._hopeless = f'gave up: twice no plan from here: {reason}'
+        self._refusal = wanted, text
+
+    def look_anew(self):
+        """Forget what was refused, as there may be a plan now."""
+        self._refusal, self._hopeless = None, ''
 
     def judge(self, rest, goal):
         """
@@ -59,6 +84,6 @@ class Tries:
     def exhausted(self):
         """Why it is to give up, empty while it is not."""
         if self._count < self._settings.tries:
-            return ''
+            return self._hopeless
         last = f'; last: {self._trouble}' if self._trouble else ''
         return f'gave up: {self._count} tries brought the object no nearer{last}'

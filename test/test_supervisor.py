@@ -205,20 +205,36 @@ def test_a_plan_is_wanted_from_what_is_seen():
     assert wanted.object_pose == pytest.approx((0.0, 0.0, 0.0))
 
 
-def test_it_gives_up_where_no_plan_is_found():
-    """After the tries that are allowed it says why, and has not moved."""
+@pytest.mark.parametrize('reasons, tries', [
+    (['a wall 1.03 m wide', 'a wall 1.02 m wide'], 2), (['a wall', 'a door'], SUPERVISION.tries)])
+def test_it_gives_up_where_no_plan_is_found(reasons, tries):
+    """Refused the same twice from the same place, or as often as allowed: it has not moved."""
     bench, refusals = Bench(), 0
     bench.supervisor.set_goal(GOAL.pose)
     while bench.supervisor.status.state == 'plan':
         assert set(bench.run(0.1)) == {STOP}
         if bench.supervisor.wants is not None:
-            bench.supervisor.refused('the goal is behind a wall')
+            bench.supervisor.refused(f'the goal is behind {reasons[refusals % 2]}')
             refusals += 1
     status = bench.supervisor.status
-    assert status.state == 'failed' and 'behind a wall' in status.reason
-    assert refusals == status.recoveries == SUPERVISION.tries
+    assert status.state == 'failed' and f'behind {reasons[1]}' in status.reason
+    assert refusals == status.recoveries == tries
     bench.supervisor.set_goal(GOAL.pose)
     assert bench.supervisor.status.state == 'plan'
+
+
+def test_what_was_refused_is_asked_for_again_where_something_has_changed():
+    """The robot was carried off, or there is another map."""
+    changes = [lambda bench: setattr(bench, 'robot', Pose(bench.robot.x + 0.2, 0.0, 0.0)),
+               lambda bench: bench.supervisor.set_workspace(None)]
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    for change in changes * 3:
+        bench.run(1.0)
+        bench.supervisor.refused('the goal is behind a wall')
+        change(bench)
+    bench.run(1.0)
+    assert bench.supervisor.wants is not None
 
 
 def test_a_plan_that_does_not_come_is_asked_for_again():
