@@ -11,7 +11,7 @@ from push_model.signals import STOP
 # Of where the robot is seen to stand at the end of a push: x and y [m], heading [rad]. Every slip
 # and every loss of contact adds as much; along a face or a disc it is told by the friction centre.
 DEVIATIONS, ALONG = (0.01, 0.01, 0.03), 1
-GAP_DEVIATION = 0.005
+GAP_DEVIATION, TURNED = 0.005, 0.2
 
 
 class SupervisedPush:
@@ -89,5 +89,8 @@ class SupervisedPush:
         ahead = Pose(x, y, heading + 0.5 * lag * motion.omega).transform(
             (lag * motion.v_x, lag * motion.v_y))
         turn = wrap_angle(seen.theta - heading - lag * motion.omega)
+        if abs(turn) > TURNED + 4.0 * sight.placement.deviations[2]:
+            # Somebody has turned the object: what it tells of the robot is wrong.
+            return
         sight.placement.must_be((seen.x - ahead[0], seen.y - ahead[1], turn),
                                 [doubts * value for value in DEVIATIONS])
