@@ -16,7 +16,8 @@ class Situation(NamedTuple):
     :param preview: gives the curvatures of the path at ways beyond the present place.
     :param flat: the ``Vehicle``.
     :param zeta: angle from C->F to the contact normal now [rad].
-    :param rest: where zeta rests on a straight way: D of a differential drive [rad].
+    :param rest: where zeta rests on a straight way: D of a differential drive, else where the
+        contact is rolled to [rad].
     :param zeta_limits: (lowest, highest) zeta at which the contact stays in its place [rad].
     :param limits: ``CurvatureLimits``.
     :param cone: half angle of the friction cone that may be used [rad].

@@ -19,8 +19,9 @@ def site_problems(obj, robot, start, goal, settings):
     """
     List the pushes from all sites: vertices, faces, or places round a disc.
 
-    At a vertex a differential drive looks along the push, with its contact straight ahead or
-    aside, which lets it turn more sharply to one side; any other robot looks along the normal.
+    At a vertex the normal runs through the friction centre, as far as the vertex has such a
+    normal. A robot looks along it; a differential drive also somewhat aside, which lets it turn
+    more sharply to one side.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
