@@ -46,6 +46,18 @@ class LearntObject:
         center = center + gain * (across @ (np.array(seen) - center))
         self.obj = with_friction_center(self._believed, center)
 
+    def beside(self, seen, direction):
+        """
+        Compare a friction centre as a push sees it with what is known.
+
+        :param seen: friction centre, object frame (x, y) [m].
+        :param direction: along which to compare, object frame [rad].
+        :return: (how much further it is seen, standard deviation of what is known) [m].
+        """
+        along = np.array((math.cos(direction), math.sin(direction)))
+        return (float(along @ (np.array(seen) - friction_center(self.obj))),
+                math.sqrt(along @ self._covariance @ along))
+
     def spread(self, point):
         """
         Tell how well it is known from where its centre is, across the line to it.

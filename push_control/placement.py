@@ -74,15 +74,14 @@ class Placement:
         return Pose(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y),
                     a.theta + share * wrap_angle(b.theta - a.theta))
 
-    def must_be(self, error, deviations):
+    def must_be(self, error, covariance):
         """
         Learn from a robot that is seen to be elsewhere.
 
         :param error: true pose less that believed, (x, y, heading) [m, m, rad].
-        :param deviations: standard deviations of these [m, m, rad].
+        :param covariance: of these, shape (3, 3).
         """
-        self._learn(np.eye(3, 5), np.array([*error[:2], wrap_angle(error[2])]),
-                    np.diag(np.square(deviations)))
+        self._learn(np.eye(3, 5), np.array([*error[:2], wrap_angle(error[2])]), covariance)
 
     def must_touch(self, gap, normal, deviation, sure=True):
         """

@@ -1,16 +1,19 @@
 """One push of a task, and what it tells of where the robot stands."""
 
+import math
+
 import numpy as np
 from push_control.command import mean_motion
 from push_control.controller import make_controller
 from push_control.site import site_of
 from push_control.start import contact_at_start
+from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import STOP
 
-# Of where the robot is seen to stand at the end of a push: x and y [m], heading [rad]. Every slip
-# and every loss of contact adds as much; along a face or a disc it is told by the friction centre.
-DEVIATIONS, ALONG = (0.01, 0.01, 0.03), 1
+# Of where the robot is seen to stand at the end of a push [m], and of its heading [rad]; and how
+# many times as much for every slip and every loss of contact.
+PLACE, HEADING, DOUBT = 0.01, 0.01, 2
 GAP_DEVIATION, TURNED = 0.005, 0.2
 
 
@@ -82,7 +85,7 @@ class SupervisedPush:
         return site_of(self._learnt.obj, self._robot, self._target).kind != 'vertex'
 
     def _place(self, sight, status, command):
-        seen, doubts = status.robot_pose, 1 + status.slips + status.losses + ALONG * self._aside
+        seen = status.robot_pose
         odometry, lag = sight.observation.odometry, self._robot.time_constant
         motion = mean_motion(odometry.twist, command, lag)
         x, y, heading = odometry.pose
@@ -92,5 +95,28 @@ class SupervisedPush:
         if abs(turn) > TURNED + 4.0 * sight.placement.deviations[2]:
             # Somebody has turned the object: what it tells of the robot is wrong.
             return
-        sight.placement.must_be((seen.x - ahead[0], seen.y - ahead[1], turn),
-                                [doubts * value for value in DEVIATIONS])
+        tangent, shift, unsure = self._along(status)
+        x, y = math.cos(tangent), math.sin(tangent)
+        axes = np.array([(x, -y, 0.0), (y, x, 0.0), (0.0, 0.0, 1.0)])
+        doubt = 1 + DOUBT * (status.slips + status.losses)
+        spread = doubt * np.array((math.hypot(PLACE, unsure), PLACE, HEADING))
+        sight.placement.must_be((seen.x - shift * x - ahead[0], seen.y - shift * y - ahead[1],
+                                 turn), axes @ np.diag(spread ** 2) @ axes.T)
+
+    def _along(self, status):
+        """
+        See by the friction centre how far off along the object the push has been.
+
+        Returns the direction along the object in the world, how far off, and how unsure that is.
+        """
+        obj, theta = self._learnt.obj, status.object_pose.theta
+        seen = status.robot_pose[:2]
+        tangent = find_contact(obj, status.object_pose, seen, self._robot.radius)[1] + math.pi / 2.0
+        if not self._aside:
+            return tangent, 0.0, 0.0
+        shift, unsure = self._learnt.beside(status.friction_center, tangent - theta)
+        if not obj.outline:
+            # The contact on a round side is off by less than the robot.
+            around = 1.0 + self._robot.radius / obj.radius
+            shift, unsure = around * shift, around * unsure
+        return tangent, shift, unsure

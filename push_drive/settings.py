@@ -10,12 +10,12 @@ from push_model.quantity import check, quantity
 class DriveSettings:
     """Speeds and distances of a robot on its way; the robot's own limits hold besides."""
 
-    speed: float = quantity('speed on the way', 'm/s', above=0.0, high=10.0, default=0.3)
-    yaw_rate: float = quantity('yaw rate on the way', 'rad/s', above=0.0, high=50.0, default=1.0)
+    speed: float = quantity('speed on the way', 'm/s', above=0.0, high=10.0, default=0.4)
+    yaw_rate: float = quantity('yaw rate on the way', 'rad/s', above=0.0, high=50.0, default=1.8)
     acceleration: float = quantity('acceleration on the way', 'm/s^2', above=0.0, high=100.0,
-                                   default=0.3)
+                                   default=0.6)
     yaw_acceleration: float = quantity('yaw acceleration on the way', 'rad/s^2', above=0.0,
-                                       high=1000.0, default=2.0)
+                                       high=1000.0, default=4.0)
     clearance: float = quantity('distance that the robot keeps from the object', 'm', above=0.0,
                                 high=1.0, default=0.05)
     map_clearance: float = quantity('distance that robot and object keep from obstacles', 'm',

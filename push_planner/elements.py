@@ -71,6 +71,7 @@ class Table(NamedTuple):
     :param widest: [rad].
     :param angles: direction from contact to flat point in the object frame [rad].
     :param flats: the flat points in the object frame, shape (n, 2) [m].
+    :param faces: whether it is a place on a face.
     :param numbers: number of the place.
     :param places: ``Pose`` of the robot in the object frame at each place, at the start of a push
         and after a straight end.
@@ -83,6 +84,7 @@ class Table(NamedTuple):
     widest: np.ndarray
     angles: np.ndarray
     flats: np.ndarray
+    faces: np.ndarray
     numbers: np.ndarray
     places: tuple
 
@@ -123,6 +125,7 @@ def element_table(obj, robot, settings, task, bearing):
     return Table(found, *(np.array(column) for column in zip(*(item[1:] for item in found))),
                  np.array([view.angle for view in views]),
                  np.array([view.flat_point for view in views]),
+                 np.array([element.problem.contact.kind == 'face' for element in found]),
                  np.array([places.index(element.robot_pose) for element in found]), places)
 
 

@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 from push_planner.chain_algebra import last_turns, weigh
+from push_planner.chain_pushes import last_pushes, longest_ways
+from push_planner.misses import chance_of_missing
 
 CHUNK = 8000
 POLISHED, IN_MAP = 24, 32
@@ -44,7 +46,8 @@ class Chain(NamedTuple):
     :param turns: of the object in each move, signed [rad].
     :param before: straight lengths before the turns [m].
     :param after: the same after the turns [m].
-    :param duration: of all together, about [s].
+    :param duration: of all together, and of mending a miss of the last push times its chance,
+        about [s].
     """
 
     sites: tuple
@@ -183,16 +186,12 @@ class Hunt:
         least = self._least(sites) + (0.0 if more is None else more)
         chains = weigh(self.table, sites, turns, self.goal, least)
         times = self.costs.besides(sites) + chains.ways.sum(axis=1) / self.costs.speed
-        times = np.where(self._longest(sites, chains) <= self.costs.longest, times, np.inf)
+        numbers, faces = self.table.numbers[sites], self.table.faces[sites[:, -1]]
+        turned, way = last_pushes(numbers, chains)
+        missing = chance_of_missing(turned, chains.after[:, -1], way, faces)
+        within = longest_ways(numbers, chains.ways) <= self.costs.longest
+        times = np.where(within & np.isfinite(times), times + self.task.mending_time * missing,
+                         np.inf)
         if self.excess is not None:
             times = times + self.excess(sites, chains, more is not None)
         return chains, times
-
-    def _longest(self, sites, chains):
-        """Way of the longest push of each chain."""
-        numbers, ways = self.table.numbers[sites], chains.ways
-        way = longest = ways[:, 0]
-        for i in range(1, self.count):
-            way = ways[:, i] + np.where(numbers[:, i] == numbers[:, i - 1], way, 0.0)
-            longest = np.maximum(longest, way)
-        return longest

@@ -108,12 +108,13 @@ class _Task:
         """Solve the most promising until none that is left can be quicker."""
         singles = self._singles()
         hopeful = singles if self.room is None else []
-        limit = HOPEFUL * min((option.about for option in hopeful), default=math.inf)
+        limit = HOPEFUL * min((option.about + option.hazard for option in hopeful),
+                              default=math.inf)
         found = self._best(singles + self._chains(limit))
-        most = math.inf if found is None else found.duration
+        most = math.inf if found is None else found.expected
         if most > limit:
             again = self._best(self._chains(most))
-            found = again if again and again.duration < most else found
+            found = again if again and again.expected < most else found
         if found is None:
             raise PlanningFailed(self._reason(), self.report)
         single = min((option.about for option in singles if not option.reason), default=math.inf)
@@ -126,14 +127,14 @@ class _Task:
 
     def _best(self, options):
         best, worth = None, min((option.worth for option in options), default=math.inf)
-        for option in sorted(options, key=lambda option: option.duration):
-            if best is not None and option.duration >= option.sure * best.duration:
+        for option in sorted(options, key=lambda option: option.expected):
+            if best is not None and option.expected >= option.sure * best.expected:
                 continue
             option.solve(self.here, self.drive, worth, self.room)
             self.report['tried'].append(str(option))
-            if not option.reason and (best is None or option.duration < best.duration):
+            if not option.reason and (best is None or option.expected < best.expected):
                 best = option
-                worth = min(worth, best.duration)
+                worth = min(worth, best.expected)
         return best
 
     def _singles(self):
@@ -144,9 +145,10 @@ class _Task:
         ways = times_to(self.robot, self.obj, self.local_robot, tuple(places), self.drive)
         if not np.any(np.isfinite(ways)):
             self.refused.insert(0, 'the robot stands where it cannot get round the object')
-        options = [SingleOption(site.problem, float(way) + self.task.switch_time, site.bound)
+        options = [SingleOption(site.problem, float(way) + self.task.switch_time, site.bound,
+                                self.task.mending_time)
                    for site, way in zip(weighed, ways) if math.isfinite(way + site.bound)]
-        return sorted(options, key=lambda option: option.duration)[:SINGLES]
+        return sorted(options, key=lambda option: option.expected)[:SINGLES]
 
     def _chains(self, limit):
         try:
@@ -169,7 +171,7 @@ class _Task:
     def _laid_out(self, found):
         self.report['weighed'] += found.weighed
         return [ChainOption(steps_of(chain, self._table, self.start, self.goal, self.settings),
-                            chain.duration) for chain in found.chains]
+                            chain.duration, self.task.mending_time) for chain in found.chains]
 
     @functools.cached_property
     def _table(self):

@@ -14,9 +14,11 @@ class TaskSettings:
     shortest_push: float = quantity('straight end of every push, at least', 'm', above=0.0,
                                     high=5.0, default=0.25)
     last_run_in: float = quantity('straight end of the last push, at least', 'm', above=0.0,
-                                  high=5.0, default=0.35)
+                                  high=5.0, default=0.6)
     switch_time: float = quantity('settling, touch and retreat, per push', 's', 0.0, 60.0,
                                   default=5.0)
+    mending_time: float = quantity('time of the pushes that mend a miss of the last one; weighed '
+                                   'with how likely that is', 's', 0.0, 600.0, default=16.0)
     widest_turn: float = quantity('most that one push of a chain turns the object', 'rad',
                                   above=0.0, high=2.0 * math.pi, default=math.pi)
     turn_slack: float = quantity('radius of turns in a chain over that of the tightest', '', 1.0,

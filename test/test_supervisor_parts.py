@@ -100,7 +100,7 @@ def test_a_robot_that_was_carried_off_is_found_again():
     """An error far beyond all drift is taken as it is, not averaged with a pose that is gone."""
     _, placement = driven(1, SUPERVISION, touches=True)
     before = placement.pose
-    placement.must_be((1.0, -0.5, 0.8), (0.01, 0.01, 0.03))
+    placement.must_be((1.0, -0.5, 0.8), np.diag(np.square((0.01, 0.01, 0.03))))
     assert np.subtract(placement.pose, before) == pytest.approx((1.0, -0.5, 0.8), abs=0.02)
 
 
