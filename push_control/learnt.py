@@ -46,17 +46,18 @@ class LearntObject:
         center = center + gain * (across @ (np.array(seen) - center))
         self.obj = with_friction_center(self._believed, center)
 
-    def beside(self, seen, direction):
+    def beside(self, point, seen):
         """
-        Compare a friction centre as a push sees it with what is known.
+        Compare a friction centre as a push sees it with what is known, across the push.
 
-        :param seen: friction centre, object frame (x, y) [m].
-        :param direction: along which to compare, object frame [rad].
-        :return: (how much further it is seen, standard deviation of what is known) [m].
+        :param point: where it pushes, object frame (x, y) [m].
+        :param seen: friction centre that it sees, object frame (x, y) [m].
+        :return: direction across, to the left of the push, object frame [rad]; how far to that
+            side the centre is seen of what is known [m]; standard deviation of what is known [m].
         """
-        along = np.array((math.cos(direction), math.sin(direction)))
-        return (float(along @ (np.array(seen) - friction_center(self.obj))),
-                math.sqrt(along @ self._covariance @ along))
+        center, across, _ = self._line(point)
+        return (math.atan2(across[1], across[0]), float(across @ (np.array(seen) - center)),
+                math.sqrt(across @ self._covariance @ across))
 
     def spread(self, point):
         """

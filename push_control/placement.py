@@ -74,29 +74,31 @@ class Placement:
         return Pose(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y),
                     a.theta + share * wrap_angle(b.theta - a.theta))
 
-    def must_be(self, error, covariance):
+    def must_be(self, error, covariance, sure=True):
         """
         Learn from a robot that is seen to be elsewhere.
 
         :param error: true pose less that believed, (x, y, heading) [m, m, rad].
         :param covariance: of these, shape (3, 3).
+        :param sure: whether it is; else an error that no drift explains tells nothing.
         """
-        self._learn(np.eye(3, 5), np.array([*error[:2], wrap_angle(error[2])]), covariance)
+        rows, error = np.eye(3, 5), np.array([*error[:2], wrap_angle(error[2])])
+        if sure or not self._is_odd(rows, error, covariance):
+            self._learn(rows, error, covariance)
 
-    def must_touch(self, gap, normal, deviation, sure=True):
+    def must_be_along(self, direction, error, deviation, sure=True):
         """
-        Learn from a robot that touches the object.
+        Learn from a robot that is seen to be elsewhere along one direction, as where it touches.
 
-        :param gap: that it seems to have [m].
-        :param normal: world angle of the contact normal, from the robot to the object [rad].
-        :param deviation: standard deviation of the gap [m].
-        :param sure: whether it touches; else a gap that no drift explains tells nothing.
+        :param direction: world angle [rad].
+        :param error: true place less that believed, along it [m].
+        :param deviation: standard deviation of that [m].
+        :param sure: as of ``must_be``.
         """
-        row = np.array([[math.cos(normal), math.sin(normal), 0.0, 0.0, 0.0]])
-        variance = float((row @ self._covariance @ row.T)[0, 0]) + deviation ** 2
-        if not sure and gap ** 2 > GATE ** 2 * variance:
-            return
-        self._learn(row, np.array([gap]), np.array([[deviation ** 2]]))
+        row = np.array([[math.cos(direction), math.sin(direction), 0.0, 0.0, 0.0]])
+        error, noise = np.array([error]), np.array([[deviation ** 2]])
+        if sure or not self._is_odd(row, error, noise):
+            self._learn(row, error, noise)
 
     def doubt(self, distance):
         """
@@ -120,13 +122,16 @@ class Placement:
         self._pose = Pose(self._pose.x + x, self._pose.y + y,
                           self._pose.theta + wrap_angle(step.theta) - drift * way)
 
-    def _learn(self, rows, error, noise):
+    def _is_odd(self, rows, error, noise):
+        """Whether no drift explains an error: the wheels have spun, or the robot was moved."""
         spread = rows @ self._covariance @ rows.T + noise
-        if error @ np.linalg.solve(spread, error) > GATE ** 2 * len(error):
-            # No drift: the wheels have spun, or the robot was moved.
+        return error @ np.linalg.solve(spread, error) > GATE ** 2 * len(error)
+
+    def _learn(self, rows, error, noise):
+        if self._is_odd(rows, error, noise):
             jump = rows.T @ error
             self._covariance += np.outer(jump, jump)
-            spread = rows @ self._covariance @ rows.T + noise
+        spread = rows @ self._covariance @ rows.T + noise
         gain = self._covariance @ rows.T @ np.linalg.inv(spread)
         change = (gain @ error).tolist()
         self._covariance -= gain @ rows @ self._covariance

@@ -59,7 +59,20 @@ class Sight:
         measured = self._observation.object_pose
         there = self.placement.at(measured.time)
         _, normal, gap = find_contact(obj, measured.pose, there[:2], robot.radius)
-        self.placement.must_touch(gap, normal, deviation, sure)
+        self.placement.must_be_along(normal, gap, deviation, sure)
+
+    def step_out(self, obj, robot, deviation):
+        """
+        Learn from a robot that seems to stand inside the object, as it stands beside it.
+
+        :param obj: the ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param deviation: standard deviation of the gap [m].
+        """
+        measured = self._observation.object_pose
+        there = self.placement.at(measured.time)
+        if find_contact(obj, measured.pose, there[:2], robot.radius)[2] < 0.0:
+            self.feel(obj, robot, deviation)
 
     def look_anew(self, time):
         """

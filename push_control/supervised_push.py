@@ -15,6 +15,9 @@ from push_model.signals import STOP
 # many times as much for every slip and every loss of contact.
 PLACE, HEADING, DOUBT = 0.01, 0.01, 2
 GAP_DEVIATION, TURNED = 0.005, 0.2
+# Of the robot's place after a push that failed [m]. Where more poses than these were rejected the
+# object was carried off: that tells nothing of the robot.
+FAILED_PLACE, REJECTED = 0.03, 1
 
 
 class SupervisedPush:
@@ -57,15 +60,10 @@ class SupervisedPush:
         command = self._controller.step(self._target, sight.observation, dt)
         status = self.status
         self.finished = status.phase == 'done'
-        # One that fails may do so as its object was carried off: it tells nothing of the robot.
         self.trouble = status.reason if status.phase == 'failed' else self._astray(sight)
-        if self.trouble:
-            return STOP
-        if self.finished and self._tells_place and status.touches:
-            sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION, sure=False)
-            self._place(sight, status, command)
-            self._learn(status.friction_center)
-        return command
+        if (self.finished or self.trouble) and self._tells_place and status.touches:
+            self._look_back(sight, status, command)
+        return STOP if self.trouble else command
 
     def _astray(self, sight):
         x, y, _ = sight.observation.object_pose.pose
@@ -84,9 +82,20 @@ class SupervisedPush:
         """Whether a robot that stands aside touches elsewhere, as it does not at a vertex."""
         return site_of(self._learnt.obj, self._robot, self._target).kind != 'vertex'
 
-    def _place(self, sight, status, command):
+    def _look_back(self, sight, status, command):
+        """Learn from a push that is over; little from one in which the contact did not hold."""
+        odd = status.slips + status.losses
+        if self.finished or not odd and status.rejected_poses <= REJECTED:
+            sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION, sure=False)
+            self._place(sight, status, command, 1 + DOUBT * odd)
+            self._learn(status.friction_center)
+        else:
+            sight.placement.doubt(FAILED_PLACE)
+            sight.step_out(self._learnt.obj, self._robot, GAP_DEVIATION)
+
+    def _place(self, sight, status, command, doubt):
         seen = status.robot_pose
-        odometry, lag = sight.observation.odometry, self._robot.time_constant
+        odometry, lag = sight.placed.odometry, self._robot.time_constant
         motion = mean_motion(odometry.twist, command, lag)
         x, y, heading = odometry.pose
         ahead = Pose(x, y, heading + 0.5 * lag * motion.omega).transform(
@@ -95,28 +104,28 @@ class SupervisedPush:
         if abs(turn) > TURNED + 4.0 * sight.placement.deviations[2]:
             # Somebody has turned the object: what it tells of the robot is wrong.
             return
-        tangent, shift, unsure = self._along(status)
-        x, y = math.cos(tangent), math.sin(tangent)
+        elsewhere = self._aside or doubt > 1
+        across, shift, unsure = self._beside(status) if elsewhere else (0.0, 0.0, 0.0)
+        x, y = math.cos(across), math.sin(across)
         axes = np.array([(x, -y, 0.0), (y, x, 0.0), (0.0, 0.0, 1.0)])
-        doubt = 1 + DOUBT * (status.slips + status.losses)
         spread = doubt * np.array((math.hypot(PLACE, unsure), PLACE, HEADING))
         sight.placement.must_be((seen.x - shift * x - ahead[0], seen.y - shift * y - ahead[1],
-                                 turn), axes @ np.diag(spread ** 2) @ axes.T)
+                                 turn), axes @ np.diag(spread ** 2) @ axes.T,
+                                self.finished and doubt == 1)
 
-    def _along(self, status):
+    def _beside(self, status):
         """
-        See by the friction centre how far off along the object the push has been.
+        See by the friction centre how far beside its place on the object the robot has pushed.
 
-        Returns the direction along the object in the world, how far off, and how unsure that is.
+        Returns the direction across the push in the world [rad], how far the robot is believed
+        to be too far to that side [m], and how unsure that is [m].
         """
-        obj, theta = self._learnt.obj, status.object_pose.theta
-        seen = status.robot_pose[:2]
-        tangent = find_contact(obj, status.object_pose, seen, self._robot.radius)[1] + math.pi / 2.0
-        if not self._aside:
-            return tangent, 0.0, 0.0
-        shift, unsure = self._learnt.beside(status.friction_center, tangent - theta)
-        if not obj.outline:
-            # The contact on a round side is off by less than the robot.
-            around = 1.0 + self._robot.radius / obj.radius
-            shift, unsure = around * shift, around * unsure
-        return tangent, shift, unsure
+        obj, pose, radius = self._learnt.obj, status.object_pose, self._robot.radius
+        x, y, _ = status.robot_pose
+        normal = find_contact(obj, pose, (x, y), radius)[1]
+        point = pose.inverse().transform((x + radius * math.cos(normal),
+                                          y + radius * math.sin(normal)))
+        across, shift, unsure = self._learnt.beside(point, status.friction_center)
+        # The contact on a round side is off by less than the robot.
+        share = 1.0 if obj.outline else 1.0 + radius / obj.radius
+        return across + pose.theta, share * shift, share * unsure

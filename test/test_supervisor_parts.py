@@ -77,7 +77,7 @@ def driven(seed, settings, touches):
             normal, believed = 0.02 * i, placement.pose
             gap = ((true.x - believed.x) * math.cos(normal)
                    + (true.y - believed.y) * math.sin(normal))
-            placement.must_touch(gap + rng.normal(0.0, 0.003), normal, 0.003)
+            placement.must_be_along(normal, gap + rng.normal(0.0, 0.003), 0.003)
     return true, placement
 
 
@@ -109,7 +109,7 @@ def test_a_touch_that_cannot_be_is_not_learnt_from():
     for sure in (False, True):
         _, placement = driven(1, SUPERVISION, touches=True)
         before = placement.pose
-        placement.must_touch(0.2, 0.5, 0.005, sure)
+        placement.must_be_along(0.5, 0.2, 0.005, sure)
         moved = distance(placement.pose, before)
         assert moved == pytest.approx(0.2, abs=0.01) if sure else moved == 0.0
     placement.doubt(0.1)
