@@ -14,6 +14,7 @@ from push_control.travel import Approach
 CENTER_SPREAD, PLACEMENT_SPREAD = 0.03, 0.02
 # Gains as for a way of convergence shorter by this, and the share of the friction cone.
 STIFFER, FEEDBACK_MARGIN = 1.5, 0.9
+INSIDE = 0.02
 
 
 class Legs:
@@ -65,6 +66,14 @@ class Legs:
         if state == 'retreat':
             return Retreat(obj, robot, drive, settings, self.workspace)
         return None
+
+    def look_round(self, sight):
+        """
+        See that the robot does not stand inside the object.
+
+        :param sight: ``Sight`` of robot and object.
+        """
+        sight.step_out(self.learnt.obj, self._robot, INSIDE)
 
     def _as_known(self, target, sight):
         """Tell the controller how well robot and friction centre are known by now."""

@@ -1,9 +1,15 @@
 """What the supervisor of a task sees: the robot's place, and the object at rest."""
 
+import numpy as np
 from push_control.monitor import is_finite_odometry, unusable
 from push_control.placement import Placement
 from push_control.rest import RestWindow
 from push_model.contact import find_contact
+from push_model.geometry import distance
+
+# Where the robot is found by the motion of the object alone: standard deviations [m, m, rad].
+BEHIND = 0.15, 0.15, 1.0
+ENOUGH, TRACINGS = 2, 12
 
 
 class Sight:
@@ -20,6 +26,7 @@ class Sight:
         self.placement = Placement(supervision)
         self._window = RestWindow(control, supervision)
         self._from, self._pose_time, self._observation = 0.0, None, None
+        self._moved = 0
 
     def take(self, observation):
         """
@@ -73,6 +80,34 @@ class Sight:
         there = self.placement.at(measured.time)
         if find_contact(obj, measured.pose, there[:2], robot.radius)[2] < 0.0:
             self.feel(obj, robot, deviation)
+
+    def have_pushed(self):
+        """Note that a push went well: the robot is where it is believed to be."""
+        self._moved = 0
+
+    def see_moved(self, obj, robot, before):
+        """
+        Note that the object has moved while it was not pushed.
+
+        Once it may have been somebody else; at the second time it is the robot that pushes it,
+        from behind as the object moves, and not where it is believed to be.
+
+        :param obj: the ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param before: ``Pose`` that the object had.
+        """
+        self._moved += 1
+        pose, here = self.rest.pose, self.placement.pose
+        way = distance(pose, before)
+        if self._moved < ENOUGH or way == 0.0:
+            return
+        x, y = (pose.x - before.x) / way, (pose.y - before.y) / way
+        away = 0.0
+        for _ in range(TRACINGS):
+            place = pose.x - away * x, pose.y - away * y
+            away += abs(find_contact(obj, pose, place, robot.radius)[2])
+        error = place[0] - here.x, place[1] - here.y, 0.0
+        self.placement.must_be(error, np.diag(np.square(BEHIND)))
 
     def look_anew(self, time):
         """

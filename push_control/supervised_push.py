@@ -88,6 +88,7 @@ class SupervisedPush:
         if self.finished or not odd and status.rejected_poses <= REJECTED:
             sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION, sure=False)
             self._place(sight, status, command, 1 + DOUBT * odd)
+            sight.have_pushed()
             self._learn(status.friction_center)
         else:
             sight.placement.doubt(FAILED_PLACE)

@@ -168,6 +168,7 @@ class Supervisor:
         elif verdict == 'off' and self._tries.exhausted:
             self._enter('failed', self._tries.exhausted)
         elif verdict == 'off':
+            self._legs.look_round(self._sight)
             self._wants = Wanted(rest.pose, self._sight.robot_pose, self._goal,
                                  self._legs.learnt.obj, self._tries.boldness)
             self._asked = now

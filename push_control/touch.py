@@ -86,6 +86,7 @@ class Touch:
     def _look(self, sight, pose):
         rest = self._rest
         if has_moved(rest, pose, self._settings):
+            sight.see_moved(*self._parts[:2], rest)
             self.trouble = 'the object has been moved'
             return
         before, now = rest.transform(self._place), pose.transform(self._place)

@@ -137,7 +137,9 @@ class Approach:
                 sight.placement.doubt(gap)
             sight.feel(obj, robot, 0.5 * gap if far else OVERLAP)
             self.trouble = 'the robot has run into the object'
-        elif has_moved(Pose(*self._target.object_poses[0].tolist()), pose, self._settings):
+        elif has_moved(planned := Pose(*self._target.object_poses[0].tolist()), pose,
+                       self._settings):
+            sight.see_moved(obj, robot, planned)
             self.trouble = 'the object has been moved'
         return bool(self.trouble)
 
