@@ -1,11 +1,10 @@
-"""What the supervisor of a task knows: rest, drift of odometry, friction centre, tries."""
+"""What the supervisor of a task knows: rest, friction centre, tries; and its retreat."""
 
 import math
 
 import numpy as np
 from objects import bin_, box
 from push_control.learnt import LearntObject, with_friction_center
-from push_control.placement import Placement
 from push_control.rest import Rest, RestWindow
 from push_control.retreat import retreat_way
 from push_control.settings import ControlSettings
@@ -18,8 +17,7 @@ from push_model.contact import find_contact
 from push_model.friction import friction_center
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_model.signals import ObjectPose, Odometry, STOP
-from push_sim_node.sensors import OdometrySensor, SensorSettings
+from push_model.signals import ObjectPose
 import pytest
 
 CONTROL, SUPERVISION, DRIVE = ControlSettings(), SupervisionSettings(), DriveSettings()
@@ -62,71 +60,6 @@ def test_an_object_that_moves_is_seen_from_there_on():
     assert window.rest.duration == pytest.approx(0.2)
 
 
-def driven(seed, settings, touches):
-    """Drive a robot round a square of 1 m; return its true pose and what is made of odometry."""
-    sensors = SensorSettings(odometry_scale_noise=settings.odometry_scale,
-                             odometry_heading_drift_noise=settings.odometry_drift)
-    rng, true = np.random.default_rng(seed), Pose(0.3, 0.2, 0.4)
-    odometry, placement = OdometrySensor(sensors, true, rng, rng), Placement(settings)
-    placement.roll(odometry.measure(0.0, true, STOP))
-    for i in range(1, 401):
-        turn = 0.5 * math.pi / 20 if i % 100 >= 80 else 0.0
-        true = true @ Pose(0.0 if turn else 0.0125, 0.0, turn)
-        placement.roll(odometry.measure(0.02 * i, true, STOP))
-        if touches and i % 50 == 0:
-            normal, believed = 0.02 * i, placement.pose
-            gap = ((true.x - believed.x) * math.cos(normal)
-                   + (true.y - believed.y) * math.sin(normal))
-            placement.must_be_along(normal, gap + rng.normal(0.0, 0.003), 0.003)
-    return true, placement
-
-
-@pytest.mark.parametrize('touches', [False, True])
-def test_the_robot_is_where_it_is_placed_within_what_is_said(touches):
-    """Errors over many runs spread as told; with touches they are a fifth of those without."""
-    settings = SupervisionSettings(odometry_walk=0.0, odometry_heading_walk=0.0)
-    errors, scores = [], []
-    for seed in range(150):
-        true, placement = driven(seed, settings, touches)
-        error = np.subtract(placement.pose, true)
-        error[2] = wrap_angle(error[2])
-        errors.append(math.hypot(*error[:2]))
-        scores.append(error / placement.deviations)
-    assert np.mean(np.square(scores), axis=0) == pytest.approx([1.0] * 3, abs=0.4)
-    assert np.median(errors) < 0.005 if touches else np.median(errors) > 0.025
-
-
-def test_a_robot_that_was_carried_off_is_found_again():
-    """An error far beyond all drift is taken as it is, not averaged with a pose that is gone."""
-    _, placement = driven(1, SUPERVISION, touches=True)
-    before = placement.pose
-    placement.must_be((1.0, -0.5, 0.8), np.diag(np.square((0.01, 0.01, 0.03))))
-    assert np.subtract(placement.pose, before) == pytest.approx((1.0, -0.5, 0.8), abs=0.02)
-
-
-def test_a_touch_that_cannot_be_is_not_learnt_from():
-    """A gap that no drift explains is of an object that was carried off, unless it is sure."""
-    for sure in (False, True):
-        _, placement = driven(1, SUPERVISION, touches=True)
-        before = placement.pose
-        placement.must_be_along(0.5, 0.2, 0.005, sure)
-        moved = distance(placement.pose, before)
-        assert moved == pytest.approx(0.2, abs=0.01) if sure else moved == 0.0
-    placement.doubt(0.1)
-    assert min(placement.deviations[:2]) >= 0.1
-
-
-def test_where_the_robot_was_lies_on_its_way():
-    """Poses between two odometries are between them, also across the seam of angles."""
-    placement = Placement(SUPERVISION)
-    placement.roll(Odometry(0.0, Pose(0.0, 0.0, math.pi - 0.1), STOP))
-    placement.roll(Odometry(0.1, Pose(-0.1, 0.0, -math.pi + 0.1), STOP))
-    halfway = placement.at(0.05)
-    assert halfway[:2] == pytest.approx((-0.05, 0.0))
-    assert abs(wrap_angle(halfway.theta)) == pytest.approx(math.pi)
-    assert placement.at(9.0) == placement.pose
-
-
 @pytest.mark.parametrize('obj', [box(), box(friction=(0.2, 0.4, 0.3, 0.5)), bin_()])
 def test_friction_is_shifted_and_not_changed(obj):
     """The centre is where it was asked for, and all supports together rub as much as before."""
@@ -163,6 +96,22 @@ def test_a_push_from_an_uncertain_place_tells_less():
         learnt.learn((-0.2, 0.0), (0.0, 0.03), unsure)
         shifts.append(friction_center(learnt.obj)[1])
     assert 0.03 > shifts[0] > shifts[1] > 5.0 * shifts[2] > 0.0
+
+
+@pytest.mark.parametrize('angle', [0.0, 1.0, -2.2])
+def test_what_a_push_sees_is_compared_across_it(angle):
+    """To its left, however far along it sees the centre; once learnt there is nothing left."""
+    learnt, turn = LearntObject(box(), CONTROL), Pose(0.0, 0.0, angle)
+    point = turn.rotate((-0.25, 0.0))
+    for along, left in ((-0.04, 0.02), (0.0, 0.02), (0.05, -0.03)):
+        across, shift, unsure = learnt.beside(point, turn.rotate((along, left)))
+        assert (math.cos(across), math.sin(across)) == pytest.approx(turn.rotate((0.0, 1.0)))
+        assert shift == pytest.approx(left)
+    for _ in range(20):
+        learnt.learn(point, turn.rotate((0.0, 0.02)))
+    _, left_over, surer = learnt.beside(point, turn.rotate((0.0, 0.02)))
+    assert abs(left_over) < 1e-3 and surer < 0.1 * unsure
+    assert learnt.beside(turn.rotate((0.0, -0.25)), (0.0, 0.0))[2] > 0.9 * unsure
 
 
 def test_it_is_done_only_where_that_is_certain():
