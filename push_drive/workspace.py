@@ -67,8 +67,18 @@ class Workspace:
         :param points: (x, y) in the world, shape (n, 2) [m].
         :return: distances [m], negative in obstacles, shape (n,).
         """
-        x, y = self.to_map(points).T / self.resolution
-        cells = map_coordinates(self._cells, (y + 0.5, x + 0.5), order=1, mode='nearest')
+        return self.room_at(*self.to_map(points).T)
+
+    def room_at(self, x, y):
+        """
+        Find the same for points in the frame of the map.
+
+        :param x: along columns, from the outer corner of the first cell, of any shape [m].
+        :param y: along rows, likewise [m].
+        :return: distances [m], of the same shape.
+        """
+        places = np.stack((y, x)) / self.resolution + 0.5
+        cells = map_coordinates(self._cells, places, order=1, mode='nearest')
         return self.resolution * (cells - CONSERVATIVE)
 
     def robot_hit(self, robot, poses, margin):

@@ -54,7 +54,7 @@ class Room:
             lacking = np.full(len(sites), math.inf)
             some = np.isfinite(chains.ways).all(axis=1)
             chains = Weighed(*(values[some] for values in chains))
-            poses = places_along(table, sites[some], chains, FINE if fine else ROUGH)
+            poses = self._in_map(places_along(table, sites[some], chains, FINE if fine else ROUGH))
             robots = np.moveaxis(behind[sites[some]], -1, 0)[..., None]
             lacks = [self._lack(poses, *robots, self.robot.radius + self.robot_margin),
                      self._lack(poses, *middle, radius + self.margin)]
@@ -97,14 +97,20 @@ class Room:
                 return False
         return True
 
+    def _in_map(self, poses):
+        """Bring poses from the frame of the object as it stands into the cells of the map."""
+        x, y, turn = np.moveaxis(poses, -1, 0)
+        c, s = math.cos(self.start.theta), math.sin(self.start.theta)
+        points = np.stack((self.start.x + c * x - s * y, self.start.y + s * x + c * y), axis=-1)
+        x, y = self.workspace.to_map(points.reshape(-1, 2)).T.reshape(2, *turn.shape)
+        turn = turn + (self.start.theta - self.workspace.origin.theta)
+        return x, y, np.cos(turn), np.sin(turn)
+
     def _lack(self, poses, x, y, wanted):
         """How much too near to obstacles a point of the object, in its frame, comes [m]."""
-        c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
-        points = np.stack((poses[..., 0] + c * x - s * y, poses[..., 1] + s * x + c * y), axis=-1)
-        c, s = math.cos(self.start.theta), math.sin(self.start.theta)
-        points = points.reshape(-1, 2) @ np.array([[c, s], [-s, c]]) + self.start[:2]
-        room = self.workspace.clearance(points).reshape(poses.shape[:-1]).min(axis=(1, 2))
-        return np.maximum(wanted - room, 0.0)
+        along, up, c, s = poses
+        room = self.workspace.room_at(along + c * x - s * y, up + s * x + c * y)
+        return np.maximum(wanted - room.min(axis=(1, 2)), 0.0)
 
     def _circle(self):
         """Radius and middle of a circle in the object."""

@@ -26,8 +26,8 @@ from push_planner.task_settings import TaskSettings
 
 SINGLES = 3
 HOPEFUL = 1.2
-# In a map more sequences are tried, with fewer turns each.
-ALTERNATIVES, TRIALS, TURN_STEPS = 6, 2, 5
+# In a map more sequences are tried, with fewer turns each first, with shorter ends last [m].
+ALTERNATIVES, TRIALS, TURN_STEPS, NARROW_END = 6, 2, 5, 0.35
 
 
 class TaskPlan(NamedTuple):
@@ -110,10 +110,10 @@ class _Task:
         hopeful = singles if self.room is None else []
         limit = HOPEFUL * min((option.about + option.hazard for option in hopeful),
                               default=math.inf)
-        found = self._best(singles + self._chains(limit))
+        found = self._first(limit, singles)
         most = math.inf if found is None else found.expected
         if most > limit:
-            again = self._best(self._chains(most))
+            again = self._first(most)
             found = again if again and again.expected < most else found
         if found is None:
             raise PlanningFailed(self._reason(), self.report)
@@ -124,6 +124,15 @@ class _Task:
         self.report['single'] = reasons[0] if reasons and math.isinf(single) else ''
         return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report,
                         found.later)
+
+    def _first(self, limit, options=()):
+        """Look for chains the harder the longer none can be solved."""
+        for chains in self._chains(limit):
+            found = self._best([*options, *chains])
+            if found is not None:
+                return found
+            options = ()
+        return None
 
     def _best(self, options):
         best, worth = None, min((option.worth for option in options), default=math.inf)
@@ -155,18 +164,22 @@ class _Task:
             table = self._table
         except PlanningFailed as failure:
             self.refused.append(failure.reason)
-            return []
+            yield []
+            return
         if self.room is None:
-            return self._laid_out(search(table, self._costs, self.local_goal, self.task, limit))
+            yield self._laid_out(search(table, self._costs, self.local_goal, self.task, limit))
+            return
         excess, asked = self.room.excess(table), self.task
-        for steps in (min(TURN_STEPS, asked.turn_steps), asked.turn_steps):
+        short = max(asked.shortest_push, min(asked.last_run_in, NARROW_END))
+        few = min(TURN_STEPS, asked.turn_steps)
+        for steps, end in ((few, asked.last_run_in), (few, short), (asked.turn_steps, short)):
             task = dataclasses.replace(asked, turn_steps=steps, trials=TRIALS * asked.trials,
-                                       alternatives=ALTERNATIVES * asked.alternatives)
+                                       alternatives=ALTERNATIVES * asked.alternatives,
+                                       last_run_in=end)
             found = search(table, self._costs, self.local_goal, task, limit, excess)
-            if free := [option for option in self._laid_out(found)
-                        if self.room.holds_steps(option.steps)]:
-                return free[:asked.alternatives]
-        return []
+            free = [option for option in self._laid_out(found)
+                    if self.room.holds_steps(option.steps)]
+            yield free[:asked.alternatives]
 
     def _laid_out(self, found):
         self.report['weighed'] += found.weighed
@@ -196,7 +209,7 @@ class _Task:
         tried = self.report['tried'] or self.refused
         if self.room is not None:
             self.room = None
-            if self._singles() or self._chains(math.inf):
+            if self._singles() or any(self._chains(math.inf)):
                 return ('the goal is reached only outside the map or through its obstacles: '
                         f'{tried[0]}')
         return f'no chain of pushes to the goal was found: {tried[0]}'

@@ -16,7 +16,7 @@ from push_scenario.task_loop import run_task
 from push_scenario.task_metrics import is_task_as_expected
 from push_scenario.task_report import task_table
 
-DEMO = 'corner_push_mismatch'
+DEMO = 'task_demo'
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -35,7 +35,6 @@ def main(arguments=None):
         return AS_EXPECTED
     if options.demo:
         options.scenario = options.scenario or DEMO
-        options.law = options.law or ['open_loop', 'feedback', 'mpc']
     if not options.scenario:
         parser.error('the following arguments are required: SCENARIO (or --list, or --demo)')
     try:
@@ -53,8 +52,7 @@ def _parser():
                         'package')
     parser.add_argument('--list', action='store_true', help='list the scenarios and exit')
     parser.add_argument('--demo', action='store_true',
-                        help=f'replay {DEMO} open loop, with feedback, and with mpc; '
-                        'pictures are demo.png and demo.gif')
+                        help=f'replay {DEMO}; pictures are demo.png and demo.gif')
     parser.add_argument('--law', action='append', choices=LAWS,
                         help="control law instead of the scenario's; may be repeated, to "
                         'compare')

@@ -50,7 +50,8 @@ def test_through_a_door_nothing_is_touched(robot, goal):
     assert workspace.robot_is_free(robot, sampled(found.way, robot, 0.01), MARGIN)
     assert workspace.object_is_free(box(), [push.end for push in found.pushes], MARGIN)
     assert found.pushes[-1].end == goal
-    assert found.duration >= plan_task(box(), robot, START, HERE, goal).duration - 1e-6
+    # On open floor turns are refined for a shorter while.
+    assert found.duration >= 0.999 * plan_task(box(), robot, START, HERE, goal).duration
 
 
 @pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=['differential', 'holonomic'])
