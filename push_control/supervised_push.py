@@ -69,9 +69,10 @@ class SupervisedPush:
         x, y, _ = sight.observation.object_pose.pose
         way = self._target.object_poses[:, :2]
         off = float(np.hypot(*(way - (x, y)).T).min())
-        if off <= self._off_path:
-            return ''
-        return f'the object is {off:.2f} m off the path planned for it'
+        # A pose that is not finite is left to the controller, which waits.
+        if off > self._off_path:
+            return f'the object is {off:.2f} m off the path planned for it'
+        return ''
 
     def _learn(self, seen):
         self._learnt.learn(contact_at_start(self._target), seen,

@@ -22,7 +22,7 @@ from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
 
-AHEAD, TURNED = Pose(1.2, 0.0, 0.0), math.radians(3.0)
+HOME, AHEAD, TURNED = Pose(0.0, 0.0, 0.0), Pose(1.2, 0.0, 0.0), math.radians(3.0)
 # Friction centre known to 3 mm, or hardly at all.
 KNOWN, UNKNOWN = ControlSettings(center_spread=0.01), ControlSettings(center_spread=0.3)
 # The friction centre of this one is 29 mm off on the right of a push along x.
@@ -40,15 +40,17 @@ class Told(NamedTuple):
 
 
 @functools.lru_cache
-def planned(kind):
-    """Plan a push straight ahead."""
-    problem = {'face': face_problem, 'round': round_problem, 'vertex': vertex_problem}[kind]
-    goal = Pose(1.2, 0.0, -math.pi / 4) if kind == 'vertex' else AHEAD
-    return plan(problem(goal)).trajectory
+def planned(kind, world):
+    """Plan a push straight ahead, along the x axis of ``world``."""
+    if kind == 'vertex':
+        aslant = Pose(0.0, 0.0, -math.pi / 4)
+        return plan(vertex_problem(world @ AHEAD @ aslant, start=world @ aslant)).trajectory
+    problem = {'face': face_problem, 'round': round_problem}[kind]
+    return plan(problem(world @ AHEAD, start=world)).trajectory
 
 
 def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNOWN,
-         supervision=SupervisionSettings(), sensors=SensorSettings(), radius=0.0):
+         supervision=SupervisionSettings(), sensors=SensorSettings(), radius=0.0, world=HOME):
     """
     Push with a robot that stands beside where it is believed to stand, and tell what it learns.
 
@@ -58,13 +60,10 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
     :param radius: of the object on which it stands aside; 0 for a straight one [m].
     """
     believed = bin_() if kind == 'round' else box()
-    robot, target = (DIFFERENTIAL if kind == 'vertex' else HOLONOMIC), planned(kind)
-    place, angle = Pose(*target.robot_poses[0].tolist()), 0.0
-    shift = Pose(0.0, aside, 0.0)
-    if radius:
-        angle = -math.asin(aside / (radius + robot.radius))
-        shift = Pose((radius + robot.radius) * (1.0 - math.cos(angle)), aside, 0.0)
-    stands = Pose(place.x + shift.x, place.y + shift.y, place.theta + turned)
+    robot, target = (DIFFERENTIAL if kind == 'vertex' else HOLONOMIC), planned(kind, world)
+    place, reach = Pose(*target.robot_poses[0].tolist()), radius + robot.radius
+    nearer = reach - math.sqrt(reach ** 2 - aside ** 2) if radius else 0.0
+    stands = place @ Pose(nearer, aside, turned)
     plant = Simulation(true or believed, robot, Pose(*target.object_poses[0].tolist()), stands,
                        SimulationSettings(seed=1), sensors)
     legs = Legs(believed, robot, control, DriveSettings(), supervision)
@@ -104,6 +103,15 @@ def test_left_and_right_tell_the_same():
     left, right = push(aside=0.03, turned=TURNED), push(aside=-0.03, turned=-TURNED)
     assert np.array(left.error) * (1.0, -1.0, -1.0) == pytest.approx(right.error, abs=1e-4)
     assert left.center * (1.0, -1.0) == pytest.approx(right.center, abs=1e-4)
+
+
+def test_it_does_not_matter_which_way_the_push_goes():
+    """With everything turned, what is learnt is turned."""
+    world = Pose(3.0, -1.0, 2.0)
+    one, two = (push(aside=0.03, turned=TURNED, world=frame) for frame in (HOME, world))
+    back = Pose(0.0, 0.0, -world.theta).rotate(two.error[:2])
+    assert (*back, two.error[2]) == pytest.approx(one.error, abs=5e-4)
+    assert two.center == pytest.approx(one.center, abs=5e-4)
 
 
 @pytest.mark.parametrize('aside', [0.03, -0.03])
