@@ -14,7 +14,7 @@ from push_control.travel import Approach
 CENTER_SPREAD, PLACEMENT_SPREAD = 0.03, 0.02
 # Gains as for a way of convergence shorter by this, and the share of the friction cone.
 STIFFER, FEEDBACK_MARGIN = 1.5, 0.9
-INSIDE = 0.02
+INSIDE = 0.002
 
 
 class Legs:

@@ -8,7 +8,7 @@ from push_model.contact import find_contact
 from push_model.geometry import distance
 
 # Where the robot is found by the motion of the object alone: standard deviations [m, m, rad].
-BEHIND = 0.15, 0.15, 1.0
+BEHIND, LOST = (0.15, 0.15, 1.0), 10.0
 ENOUGH, TRACINGS = 2, 12
 
 
@@ -106,6 +106,7 @@ class Sight:
         for _ in range(TRACINGS):
             place = pose.x - away * x, pose.y - away * y
             away += abs(find_contact(obj, pose, place, robot.radius)[2])
+        self.placement.doubt(LOST)
         error = place[0] - here.x, place[1] - here.y, 0.0
         self.placement.must_be(error, np.diag(np.square(BEHIND)))
 

@@ -74,9 +74,10 @@ class SupervisedPush:
             return f'the object is {off:.2f} m off the path planned for it'
         return ''
 
-    def _learn(self, seen):
+    def _learn(self, seen, odd):
+        unsure = self._unsure if self._aside else 0.0
         self._learnt.learn(contact_at_start(self._target), seen,
-                           self._unsure if self._aside else 0.0)
+                           math.hypot(unsure, DOUBT * odd * PLACE))
 
     @property
     def _aside(self):
@@ -90,7 +91,7 @@ class SupervisedPush:
             sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION, sure=False)
             self._place(sight, status, command, 1 + DOUBT * odd)
             sight.have_pushed()
-            self._learn(status.friction_center)
+            self._learn(status.friction_center, odd)
         else:
             sight.placement.doubt(FAILED_PLACE)
             sight.step_out(self._learnt.obj, self._robot, GAP_DEVIATION)

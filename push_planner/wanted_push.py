@@ -20,7 +20,7 @@ def plan_wanted(wanted, robot, settings, drive, task=None, workspace=None):
     :param drive: ``DriveSettings``.
     :param task: ``TaskSettings``, or None for the defaults.
     :param workspace: the ``Workspace``, or None for open floor.
-    :return: ``push_planner.task.TaskPlan``.
+    :return: ``push_planner.question.TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
     ask = functools.partial(plan_task, wanted.obj, robot, wanted.object_pose, wanted.robot_pose,

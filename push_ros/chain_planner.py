@@ -38,7 +38,7 @@ class ChainPlanner:
         Plan what is asked for.
 
         :param message: ``geometry_msgs/PoseArray``.
-        :return: ``push_planner.task.TaskPlan``.
+        :return: ``push_planner.question.TaskPlan``.
         :raises MessageRefused: where the request cannot be used.
         :raises PlanningFailed: with the reason.
         """
@@ -51,7 +51,7 @@ class ChainPlanner:
         :param object_pose: ``Pose`` of the object in the world.
         :param robot_pose: ``Pose`` of the robot in the world.
         :param goal: ``Pose`` wanted for the object.
-        :return: ``push_planner.task.TaskPlan``.
+        :return: ``push_planner.question.TaskPlan``.
         :raises PlanningFailed: with the reason.
         """
         return self._plan(Wanted(object_pose, robot_pose, goal, self._obj))
@@ -60,7 +60,7 @@ class ChainPlanner:
         """
         Make messages of the plan of the first push, and of the object's way through all.
 
-        :param chain: ``push_planner.task.TaskPlan``.
+        :param chain: ``push_planner.question.TaskPlan``.
         :param stamp: of the request, or of the measurements.
         """
         trajectory = chain.plan.trajectory
@@ -76,7 +76,7 @@ def said(chain):
     """
     Say in a sentence, and in a dict of values, what chain was found.
 
-    :param chain: ``push_planner.task.TaskPlan``.
+    :param chain: ``push_planner.question.TaskPlan``.
     """
     count, first = len(chain.pushes), chain.pushes[0]
     text = (f'has planned {count} push{"es" * (count > 1)} of {chain.duration:.1f} s in all, the '
