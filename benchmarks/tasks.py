@@ -2,7 +2,8 @@
 Tasks measured: how many random goals are reached, how soon, with how many pushes.
 
 On open floor, in maps, and with the object shoved or turned and poses lost (see
-``tasks_cases.py``). Takes about an hour on two cores, ``--quick`` some five minutes. Tasks are
+``tasks_cases.py``), and once more with single pushes only. Takes about an hour on two cores,
+``--quick`` some six minutes. Tasks are
 kept in ``--records`` as they come, and the same command goes on after Ctrl-C. ``--seed`` runs one
 task and tells about it.
 """
@@ -15,7 +16,7 @@ import sys
 
 from push_scenario.batch import run_batch
 from push_scenario.reader import scenario_text
-from tasks_cases import DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
+from tasks_cases import ALONE, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
 from tasks_report import picture, text
 from tasks_run import run, watched
 from tqdm import tqdm
@@ -29,7 +30,8 @@ def options():
     parser.add_argument('--tasks', type=int, default=1000, help='on open floor')
     parser.add_argument('--mapped', type=int, default=200, help='in maps')
     parser.add_argument('--disturbed', type=int, default=200, help='disturbed')
-    parser.add_argument('--quick', action='store_true', help='100, 20 and 20')
+    parser.add_argument('--alone', type=int, default=100, help='with single pushes only')
+    parser.add_argument('--quick', action='store_true', help='100, 20, 20 and 20')
     parser.add_argument('--records', type=Path, default=Path('out/tasks'))
     parser.add_argument('--out', type=Path, help='directory for tasks.md and tasks.png')
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
@@ -41,7 +43,7 @@ def options():
         parser.error(f'--kind: got {chosen.kind!r}, expected one of '
                      + '; '.join(KINDS[chosen.part]))
     if chosen.quick:
-        chosen.tasks, chosen.mapped, chosen.disturbed = 100, 20, 20
+        chosen.tasks, chosen.mapped, chosen.disturbed, chosen.alone = 100, 20, 20, 20
     return chosen
 
 
@@ -90,7 +92,8 @@ def main():
     if chosen.seed is not None:
         one(chosen)
         return 0
-    counts = {OPEN: chosen.tasks, IN_MAPS: chosen.mapped, DISTURBED: chosen.disturbed}
+    counts = {OPEN: chosen.tasks, IN_MAPS: chosen.mapped, DISTURBED: chosen.disturbed,
+              ALONE: chosen.alone}
     try:
         found = [records(chosen, part, count) for part, count in counts.items() if count]
     except KeyboardInterrupt:

@@ -1,6 +1,8 @@
 """
 Random tasks, as wrong as those of ``controller_cases.py``: on open floor, in maps, disturbed.
 
+And the tasks on open floor once more for a planner that knows single pushes only.
+
 A task is drawn from its part, kind and seed alone.
 """
 
@@ -14,6 +16,7 @@ from push_drive.settings import DriveSettings
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
 from push_planner.settings import PlannerSettings
+from push_planner.task_settings import TaskSettings
 from push_scenario import data
 from push_scenario.placement import Placement
 from push_scenario.reader import read_robot
@@ -23,13 +26,14 @@ from push_sim_node.simulation import SimulationSettings
 from tasks_hand import Hand, MOVES
 from tasks_maps import draw_floor, Floor, MAPS, places, reach
 
-OPEN, IN_MAPS, DISTURBED = 'open floor', 'maps', 'disturbed'
-PARTS = OPEN, IN_MAPS, DISTURBED
+OPEN, IN_MAPS, DISTURBED, ALONE = 'open floor', 'maps', 'disturbed', 'single pushes'
+PARTS = OPEN, IN_MAPS, DISTURBED, ALONE
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be turned between the walls; a differential drive cannot hold a
 # round side.
-FITTING = {OPEN: OBJECTS, IN_MAPS: ('box_04', 'carton', 'bin'), DISTURBED: OBJECTS}
+FITTING = {OPEN: OBJECTS, IN_MAPS: ('box_04', 'carton', 'bin'), DISTURBED: OBJECTS,
+           ALONE: OBJECTS}
 KINDS = {part: tuple(f'{name}, {drive}' for name in names for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part, names in FITTING.items()}
@@ -74,7 +78,8 @@ def draw(part, kind, seed):
     :param seed: of all draws.
     :return: ``Case``.
     """
-    rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
+    like = OPEN if part == ALONE else part
+    rng = np.random.default_rng((PARTS.index(like), KINDS[part].index(kind), seed))
     name, drive = kind.split(', ')
     robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
     believed, true = objects(name, rng, STRESSES[0], seed)
@@ -97,7 +102,8 @@ def draw(part, kind, seed):
         planner=PlannerSettings(pushing_speed=speed),
         sensors=dataclasses.replace(SENSORS, pose_dropouts=spell),
         simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
-        task=Task(map=floor and floor.map)), variety, floor, hand)
+        task=Task(map=floor and floor.map, planning=TaskSettings(
+            max_pushes=1 if part == ALONE else 4))), variety, floor, hand)
 
 
 def _goal(rng):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from controller_tables import ALL, table
 import numpy as np
-from tasks_cases import DISTURBED, IN_MAPS, OPEN, PARTS
+from tasks_cases import ALONE, DISTURBED, IN_MAPS, OPEN, PARTS
 from tasks_groups import grouped, kind, variety
 from tasks_tables import (effort_table, failure_table, legs_table, room_table, success_table,
                           trouble_table)
@@ -14,7 +14,7 @@ SUCCESS_AIM, RATIO_AIM = 99.5, 0.5
 PLANNING_AIMS = (50, 0.3), (95, 1.0)
 NOT_MEASURED = 'Not measured in this run.'
 LEAST_SHOWN = 0.1
-COLOURS = dict(zip(PARTS, ('C0', 'C1', 'C2')))
+COLOURS = dict(zip(PARTS, ('C0', 'C1', 'C2', 'C3')))
 
 
 def aim_table(pairs):
@@ -23,7 +23,8 @@ def aim_table(pairs):
 
     :param pairs: (job, record) of all tasks.
     """
-    rows = [row for part in PARTS for group in grouped(pairs, part) for row in _rows(group)]
+    rows = [row for part in PARTS if part != ALONE
+            for group in grouped(pairs, part) for row in _rows(group)] + _against_alone(pairs)
     return table(['', 'aim', 'measured', 'met'],
                  [(*row[:3], 'yes' if row[3] else '**no**') for row in rows])
 
@@ -51,6 +52,23 @@ def _rows(group):
     yield f'{group.part}: tasks quicker than the bound', '0', str(below), below == 0
 
 
+def _against_alone(pairs):
+    """Compare with the same tasks done with single pushes only, where both succeed."""
+    alone = {(job['kind'], job['seed']): record for job, record in pairs if job['part'] == ALONE}
+    both = [(record, alone[job['kind'], job['seed']]) for job, record in pairs
+            if job['part'] == OPEN and (job['kind'], job['seed']) in alone]
+    done = [(record, other) for record, other in both
+            if record['success'] and other['success']]
+    if not done:
+        return []
+    rows = []
+    for name, unit in (('duration', 'time'), ('way', 'way')):
+        value = _median([record[name] / other[name] for record, other in done])
+        rows.append((f'{OPEN}: {unit} over that with single pushes only, as driven, median of '
+                     f'{len(done)}', f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM))
+    return rows
+
+
 def _median(values):
     return float(np.median(values)) if len(values) else np.nan
 
@@ -66,6 +84,7 @@ def text(jobs, records):
     kinds = grouped(pairs, OPEN, kind)
     mapped, moved = (grouped(pairs, part, variety) for part in (IN_MAPS, DISTURBED))
     moved += grouped(pairs, DISTURBED, _moved)[1:]
+    alone = grouped(pairs, ALONE)
     everything = [group for part in PARTS for group in grouped(pairs, part)]
     for name, value in (
             ('COUNTS', ', '.join(f'{len(group.tasks)} {group.part}' for group in everything)),
@@ -76,6 +95,7 @@ def text(jobs, records):
             ('MAPS', success_table(mapped) if mapped else NOT_MEASURED),
             ('ROOM', room_table(mapped) if mapped else NOT_MEASURED),
             ('DISTURBED', success_table(moved) if moved else NOT_MEASURED),
+            ('ALONE', success_table(alone) if alone else NOT_MEASURED),
             ('FAILURES', failure_table(pairs)), ('TROUBLES', trouble_table(pairs))):
         filled = filled.replace(f'@{name}@', value)
     return filled
