@@ -57,8 +57,7 @@ class Supervisor:
         :raises ValueError: where it is not finite.
         """
         if pose is None:
-            self.stop('has no goal')
-            return
+            return self.stop('has no goal')
         if not Pose(*pose).is_finite():
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal, self._tries = Pose(*pose), Tries(self._settings)
