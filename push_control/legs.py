@@ -62,7 +62,7 @@ class Legs:
                          sight.rest)
         if state == 'push':
             return SupervisedPush(self.learnt, robot, self._as_known(target, sight), settings,
-                                  target)
+                                  target, self.workspace)
         if state == 'retreat':
             return Retreat(obj, robot, drive, settings, self.workspace)
         return None

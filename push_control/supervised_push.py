@@ -15,6 +15,8 @@ from push_model.signals import STOP
 # many times as much for every slip and every loss of contact.
 PLACE, HEADING, DOUBT = 0.01, 0.01, 2
 GAP_DEVIATION, TURNED = 0.005, 0.2
+# Room in a map that neither robot nor object may lack where the plan does not [m].
+GUARDS = 0.025, 0.0
 # Of the robot's place after a push that failed [m]. Where more poses than these were rejected the
 # object was carried off: that tells nothing of the robot.
 FAILED_PLACE, REJECTED = 0.03, 1
@@ -23,7 +25,7 @@ FAILED_PLACE, REJECTED = 0.03, 1
 class SupervisedPush:
     """Runs a controller until it ends the push, well or not."""
 
-    def __init__(self, learnt, robot, control, supervision, target):
+    def __init__(self, learnt, robot, control, supervision, target, workspace=None):
         """
         Prepare.
 
@@ -32,9 +34,11 @@ class SupervisedPush:
         :param control: ``ControlSettings``.
         :param supervision: ``SupervisionSettings``.
         :param target: the ``PushTrajectory``.
+        :param workspace: the ``Workspace``, or None.
         """
         self._controller = make_controller(learnt.obj, robot, control)
         self._learnt, self._robot, self._target = learnt, robot, target
+        self._workspace = workspace
         self._off_path = supervision.off_path
         self._tells_place = control.control_law != 'open_loop'
         self._unsure, self.finished, self.trouble = None, False, ''
@@ -60,7 +64,8 @@ class SupervisedPush:
         command = self._controller.step(self._target, sight.observation, dt)
         status = self.status
         self.finished = status.phase == 'done'
-        self.trouble = status.reason if status.phase == 'failed' else self._astray(sight)
+        self.trouble = (status.reason if status.phase == 'failed' else
+                        self._astray(sight) or self._near_obstacle(status))
         if (self.finished or self.trouble) and self._tells_place and status.touches:
             self._look_back(sight, status, command)
         return STOP if self.trouble else command
@@ -72,6 +77,24 @@ class SupervisedPush:
         # A pose that is not finite is left to the controller, which waits.
         if off > self._off_path:
             return f'the object is {off:.2f} m off the path planned for it'
+        return ''
+
+    def _near_obstacle(self, status):
+        """Say what comes nearer to an obstacle of the map than it should, and than planned."""
+        room, target = self._workspace, self._target
+        if room is None or status.phase != 'pushing':
+            return ''
+        way = target.object_poses[:, :2] - status.object_pose[:2]
+        row = int(np.hypot(*way.T).argmin())
+        for name, hit, body, here, planned in (
+                ('object', room.object_hit, self._learnt.obj, status.object_pose,
+                 target.object_poses[row]),
+                ('robot', room.robot_hit, self._robot, status.robot_pose,
+                 target.robot_poses[row])):
+            for margin in GUARDS:
+                if (hit(body, [here], margin) is not None
+                        and hit(body, [planned], margin) is None):
+                    return f'the {name} strays towards an obstacle of the map'
         return ''
 
     def _learn(self, seen, odd):
