@@ -12,6 +12,7 @@ from push_control.settings import ControlSettings
 from push_control.sight import Sight
 from push_control.supervision import SupervisionSettings
 from push_drive.settings import DriveSettings
+from push_drive.workspace import Workspace
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import Odometry, STOP
@@ -37,6 +38,7 @@ class Told(NamedTuple):
     error: tuple
     deviations: tuple
     center: np.ndarray
+    object_pose: Pose
 
 
 @functools.lru_cache
@@ -50,7 +52,8 @@ def planned(kind, world):
 
 
 def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNOWN,
-         supervision=SupervisionSettings(), sensors=SensorSettings(), radius=0.0, world=HOME):
+         supervision=SupervisionSettings(), sensors=SensorSettings(), radius=0.0, world=HOME,
+         workspace=None):
     """
     Push with a robot that stands beside where it is believed to stand, and tell what it learns.
 
@@ -67,6 +70,7 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
     plant = Simulation(true or believed, robot, Pose(*target.object_poses[0].tolist()), stands,
                        SimulationSettings(seed=1), sensors)
     legs = Legs(believed, robot, control, DriveSettings(), supervision)
+    legs.workspace = workspace
     sight, carry = Sight(control, supervision), place @ stands.inverse()
     sight.take(Observation(-1.0, Odometry(-1.0, place @ Pose(-70.0 * unsure, 0.0, 0.0), STOP)))
     sight.placement.doubt(unsure)
@@ -83,7 +87,15 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
         before = plant.time
     there, is_ = sight.placement.pose, plant.truth.robot_pose
     error = there.x - is_.x, there.y - is_.y, wrap_angle(there.theta - is_.theta)
-    return Told(leg, error, sight.placement.deviations, np.array(friction_center(legs.learnt.obj)))
+    return Told(leg, error, sight.placement.deviations, np.array(friction_center(legs.learnt.obj)),
+                plant.truth.object_pose)
+
+
+def walled(y):
+    """Make a floor with a wall along the x axis at some distance, and nothing behind it."""
+    rows = np.arange(160) * 0.025 - 2.0 + 0.0125
+    occupied = np.broadcast_to((rows * math.copysign(1.0, y) > abs(y))[:, None], (160, 200))
+    return Workspace(0.025, Pose(-1.5, -2.0, 0.0), occupied.copy())
 
 
 @pytest.mark.parametrize('sensors', [SensorSettings(), NOISY], ids=['exact', 'noisy'])
@@ -163,6 +175,18 @@ def test_a_contact_that_slides_tells_little_and_says_so(aside, friction):
     assert told.leg.status.slips > 0 == clean.leg.status.slips
     assert np.all(np.abs(told.error) < 2.5 * told.deviations)
     assert told.deviations[1] > 1.5 * clean.deviations[1]
+
+
+@pytest.mark.parametrize('side', [1.0, -1.0])
+def test_a_push_that_strays_towards_a_wall_ends_before_it(side):
+    """A wall beside the path is not touched; one far off, or beside a push that keeps, is borne."""
+    uneven = box(friction=(0.4, 0.4, 0.2, 0.2) if side < 0.0 else (0.2, 0.2, 0.4, 0.4))
+    for true, wall, ends in ((uneven, 0.27, True), (uneven, 0.6, False), (box(), 0.27, False)):
+        floor = walled(side * wall)
+        told = push(true=true, workspace=floor)
+        assert floor.object_is_free(box(), [told.object_pose], 0.0)
+        assert ('strays towards an obstacle' in told.leg.trouble) == ends
+        assert told.leg.finished != ends
 
 
 def test_at_a_vertex_the_place_is_told_whatever_the_friction():
