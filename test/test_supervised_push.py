@@ -87,15 +87,14 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
         before = plant.time
     there, is_ = sight.placement.pose, plant.truth.robot_pose
     error = there.x - is_.x, there.y - is_.y, wrap_angle(there.theta - is_.theta)
-    return Told(leg, error, sight.placement.deviations, np.array(friction_center(legs.learnt.obj)),
-                plant.truth.object_pose)
+    center = np.array(friction_center(legs.learnt.obj))
+    return Told(leg, error, sight.placement.deviations, center, plant.truth.object_pose)
 
 
 def walled(y):
     """Make a floor with a wall along the x axis at some distance, and nothing behind it."""
-    rows = np.arange(160) * 0.025 - 2.0 + 0.0125
-    occupied = np.broadcast_to((rows * math.copysign(1.0, y) > abs(y))[:, None], (160, 200))
-    return Workspace(0.025, Pose(-1.5, -2.0, 0.0), occupied.copy())
+    rows = math.copysign(0.025, y) * (np.arange(160) - 79.5) > abs(y)
+    return Workspace(0.025, Pose(-1.5, -2.0, 0.0), np.tile(rows[:, None], 200))
 
 
 @pytest.mark.parametrize('sensors', [SensorSettings(), NOISY], ids=['exact', 'noisy'])
