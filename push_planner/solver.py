@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+import numpy as np
 from push_planner.demand import ANY
 from push_planner.finished import fault_of, finished
 from push_planner.formulation import formulate, Formulation, turn_range
@@ -153,6 +154,13 @@ def _solve(problem, route, attempts, relaxed, finer=False):
     return _Candidate(route, formulation, solution, count)
 
 
+def _goes_on(rollout):
+    """Whether all of a rollout is finite, and its way never goes back."""
+    steps = np.diff(rollout.ways)
+    return (np.isfinite(rollout.samples).all() and (steps >= 0.0).all() and rollout.ways[-1] > 0.0
+            and (rollout.squares >= 0.0).all())
+
+
 def _finish_finer(problem, route, attempts):
     """Where the fine integration was too far from the programme, take twice as many pieces."""
     if problem.settings.pushing_angles == 'constant' or attempts.spent:
@@ -165,7 +173,7 @@ def _finish(problem, candidate, attempts):
     route, formulation, solution, iterations = candidate
     rollout, way = refine(problem, formulation, solution)
     found, fault = None, 'the fine integration broke down'
-    if rollout is not None:
+    if rollout is not None and _goes_on(rollout):
         found = finished(problem, formulation, rollout, way)
         found.report.update(word=route.name, segments=formulation.shape.steps,
                             run_in=route.run_in, iterations=iterations)

@@ -178,7 +178,7 @@ def test_a_contact_that_slides_tells_little_and_says_so(aside, friction):
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
 def test_a_push_that_strays_towards_a_wall_ends_before_it(side):
-    """A wall beside the path is not touched; one far off, or beside a push that keeps, is borne."""
+    """A wall beside the path is not touched; one far off does not matter, nor to a true push."""
     uneven = box(friction=(0.4, 0.4, 0.2, 0.2) if side < 0.0 else (0.2, 0.2, 0.4, 0.4))
     for true, wall, ends in ((uneven, 0.27, True), (uneven, 0.6, False), (box(), 0.27, False)):
         floor = walled(side * wall)
