@@ -22,8 +22,8 @@ help: ## list the targets
 demo: .venv/installed ## push a box to its goal over DDS; results in out/
 	$(BIN)/replay --demo --out out
 
-test: .venv/installed ## all tests; ARGS="-k contact" for some
-	$(BIN)/python -m pytest $(ARGS)
+test: .venv/installed ## all tests, on all cores; ARGS="-k contact" for some
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
 
 lint: .venv/installed ## the style checks alone
 	$(BIN)/python -m pytest -q test/test_style.py test/test_architecture.py

@@ -42,7 +42,7 @@ setup(
         'fast': ['numba'],
         'plot': ['matplotlib', 'tqdm'],
         'record': ['rosbags'],
-        'test': ['mcap', 'distributed', 'mujoco', 'pytest'],
+        'test': ['mcap', 'distributed', 'mujoco', 'pytest', 'pytest-xdist'],
     },
     zip_safe=False,
     entry_points={

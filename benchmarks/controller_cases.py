@@ -46,7 +46,7 @@ def scenario(kind, seed, stress):
     name, robot = KINDS[kind]
     rng = np.random.default_rng(seed)
     robot = read_robot(data.config_file(f'robots/{robot}.yaml'))
-    believed, true = _objects(name, rng, stress, seed)
+    believed, true = objects(name, rng, stress, seed)
     distance, bearing, turn = (rng.uniform(1.0, 3.0), math.radians(rng.uniform(-60.0, 60.0)),
                                math.radians(rng.uniform(-90.0, 90.0)))
     goal = Pose(distance * math.cos(bearing), distance * math.sin(bearing), turn)
@@ -60,14 +60,16 @@ def scenario(kind, seed, stress):
         sensors=SENSORS, simulation=SimulationSettings(seed=seed), time_limit=LONGEST), answer
 
 
-@lru_cache(maxsize=1)
-def _planned(believed, robot, goal, settings):
-    """Plan once for all stresses of a seed: they change only the truth."""
-    return choose_site(believed, robot, Pose(0.0, 0.0, 0.0), goal, settings).plan
+def objects(name, rng, stress, seed):
+    """
+    Draw an object.
 
-
-def _objects(name, rng, stress, seed):
-    """Draw what is believed, and what is true."""
+    :param name: of the file in ``config/objects``; ``box`` for a square box of any size.
+    :param rng: ``numpy.random.Generator``.
+    :param stress: one of ``STRESSES``.
+    :param seed: of the case.
+    :return: what is believed and what is true, two ``PushedObject``.
+    """
     mass, friction = rng.uniform(0.5, 10.0), rng.uniform(0.2, 0.6)
     if name == 'box':
         shape = _box(rng.uniform(0.3, 0.6))
@@ -87,6 +89,12 @@ def _objects(name, rng, stress, seed):
         supports=_rubbing(shape.supports, feet),
         contact_friction_coefficient=0.5 * CONTACT_FRICTION.get(stress, 0.8))
     return believed, true
+
+
+@lru_cache(maxsize=1)
+def _planned(believed, robot, goal, settings):
+    """Plan once for all stresses of a seed: they change only the truth."""
+    return choose_site(believed, robot, Pose(0.0, 0.0, 0.0), goal, settings).plan
 
 
 def _box(side):

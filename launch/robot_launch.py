@@ -17,6 +17,7 @@ TOPICS = {
     'odom': 'nav_msgs/Odometry of the robot',
     'object_pose': 'geometry_msgs/PoseStamped of the object, in the frame of odom',
     'goal_pose': 'geometry_msgs/PoseStamped, where the object shall go',
+    'map': 'nav_msgs/OccupancyGrid that a task keeps to, in the frame of odom; may be absent',
     'cmd_vel': 'velocity command for the robot',
 }
 

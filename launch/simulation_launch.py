@@ -6,7 +6,7 @@ Start simulator, planner and controller, and RViz to give goals in.
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, Shutdown
-from launch.conditions import IfCondition
+from launch.conditions import IfCondition, UnlessCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -16,7 +16,7 @@ from launch_ros.substitutions import FindPackageShare
 def generate_launch_description():
     """Describe what is started, and its arguments."""
     config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
-    params_file = LaunchConfiguration('params_file')
+    params_file, task = LaunchConfiguration('params_file'), LaunchConfiguration('task')
     autostart = ParameterValue(LaunchConfiguration('autostart'), value_type=bool)
     # With name and namespace given, what is set here outranks the node's section of the file.
     root = {'namespace': '/', 'output': 'screen', 'on_exit': Shutdown()}
@@ -24,6 +24,10 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'params_file', default_value=PathJoinSubstitution([config, 'push.yaml']),
             description='parameters of the three nodes'),
+        DeclareLaunchArgument(
+            'task', default_value='true', choices=['true', 'false'],
+            description='go round the object and push as often as it takes; else push once from '
+                        'where the robot stands'),
         DeclareLaunchArgument(
             'autostart', default_value='true', choices=['true', 'false'],
             description='push as soon as there is a plan, without the service controller/start'),
@@ -33,9 +37,13 @@ def generate_launch_description():
         Node(package='push_control', executable='sim', name='push_sim',
              parameters=[params_file, {'autostart': True}], **root),
         Node(package='push_control', executable='planner', name='push_planner',
-             parameters=[params_file], **root),
+             condition=IfCondition(task),
+             parameters=[params_file, {'planner.site': 'chain'}], **root),
+        Node(package='push_control', executable='planner', name='push_planner',
+             condition=UnlessCondition(task), parameters=[params_file], **root),
         Node(package='push_control', executable='controller', name='push_controller',
-             parameters=[params_file, {'autostart': autostart}], **root),
+             parameters=[params_file, {'autostart': autostart,
+                                       'task': ParameterValue(task, value_type=bool)}], **root),
         Node(package='rviz2', executable='rviz2',
              condition=IfCondition(LaunchConfiguration('rviz')),
              arguments=['-d', PathJoinSubstitution([config, 'push.rviz'])]),

@@ -101,7 +101,7 @@ class ContactDrive:
         """
         site, robot = self.site, self._robot
         normal = site.at(belief.phi - belief.theta)[2]
-        alpha = self._supports.push_angle(flat.arm, curvature)
+        alpha = self._supports.push_angle(flat, curvature)
         angle = flat.angle + alpha - normal
         lead = belief.theta + normal - belief.phi
         trouble = jackknifed(site, normal, angle)

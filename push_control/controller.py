@@ -6,7 +6,7 @@ from push_control.monitor import is_finite_odometry, unusable
 from push_control.mpc import PredictiveLaw
 from push_control.open_loop import OpenLoopPush
 from push_control.push import ClosedLoopPush
-from push_control.site import misplaced
+from push_control.start import misplaced
 from push_control.steering import ClosedFormLaw
 from push_model.geometry import Pose
 from push_model.signals import STOP
@@ -29,6 +29,7 @@ class ControllerStatus:
     :param push_direction: estimated effective robot heading [rad].
     :param object_pose: estimated ``Pose`` of the object, one drive lag ahead.
     :param robot_pose: ``Pose`` of the robot at that time, as it must be to touch the object.
+    :param touches: whether the robot is seen to touch the object.
     :param replan: why a push has failed that a plan from there may bring to its goal, else empty.
     :param replans: number of new paths.
     :param go_arounds: number of new approaches near the goal.
@@ -49,6 +50,7 @@ class ControllerStatus:
     push_direction: float = 0.0
     object_pose: Pose = Pose(0.0, 0.0, 0.0)
     robot_pose: Pose = Pose(0.0, 0.0, 0.0)
+    touches: bool = True
     replan: str = ''
     replans: int = 0
     go_arounds: int = 0

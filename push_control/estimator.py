@@ -1,5 +1,5 @@
 """
-Extended Kalman filter for object pose, push direction and friction centre.
+Extended Kalman filter for object pose, push direction, friction centre and turning.
 
 Odometry is the input; poses are measured late and enter at their own time.
 """
@@ -41,13 +41,13 @@ class Estimator:
         self._belief = Belief(*pose.pose[:2], theta, theta + site.heading + turn, *center)
         deviations = (settings.pose_noise, settings.pose_noise, settings.heading_noise,
                       settings.placement_spread, settings.center_spread * arm,
-                      settings.center_spread * arm)
+                      settings.center_spread * arm, settings.square_spread)
         self._covariance = np.diag(np.square(deviations))
-        self._noise = np.diag(np.square((settings.pose_noise, settings.pose_noise,
-                                         settings.heading_noise)))
+        self._noise = np.diag(np.square(deviations[:3]))
         self._walk = np.square((settings.position_walk, settings.position_walk,
                                 settings.heading_walk, settings.direction_drift,
-                                settings.center_walk, settings.center_walk))
+                                settings.center_walk, settings.center_walk,
+                                settings.square_walk))
         self._time = min(pose.time, odometry.time)
         self._inputs = [(self._time, odometry.time, odometry.twist)]
         self._last, self._ahead = odometry, None
@@ -56,7 +56,7 @@ class Estimator:
 
     @property
     def covariance(self):
-        """Covariance at the time of the last accepted pose, shape (6, 6)."""
+        """Covariance at the time of the last accepted pose, shape (7, 7)."""
         return self._covariance.copy()
 
     @property
@@ -161,7 +161,7 @@ class Estimator:
         self.rejected += 1
         self._in_a_row += 1
         if self._in_a_row >= REJECTIONS_IN_A_ROW:
-            scale = np.array([INFLATION] * 4 + [1.0, 1.0])
+            scale = np.array([INFLATION] * 4 + [1.0] * 3)
             self._covariance = self._covariance * np.sqrt(np.outer(scale, scale))
 
     def _clamped(self, belief):
@@ -195,6 +195,6 @@ class Estimator:
             self._move_robot(twist, duration, way)
             self._belief = self._motion.moved(self._belief, twist, duration)
             self._covariance = transition @ self._covariance @ transition.T
-            self._covariance[range(6), range(6)] += way * self._walk
+            self._covariance[range(7), range(7)] += way * self._walk
         self._time = max(time, self._time)
         self._inputs = [entry for entry in self._inputs if entry[1] > self._time]

@@ -76,7 +76,7 @@ def held_limits(supports, flat, normal, cone):
     :return: ``CurvatureLimits``.
     """
     zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
-    return CurvatureLimits(*supports.curvatures(flat.arm, zeta - cone, zeta + cone))
+    return CurvatureLimits(*supports.curvatures(flat, zeta - cone, zeta + cone))
 
 
 def wanted_curvature(lateral_error, heading_error, path_curvature, settings):

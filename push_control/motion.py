@@ -12,10 +12,11 @@ from push_model.quasi_static import ellipsoid_turning_rate
 
 class Belief(NamedTuple):
     """
-    Estimated state of a push [m, m, rad, rad, m, m].
+    Estimated state of a push [m, m, rad, rad, m, m, -].
 
     x, y, theta: object frame in the world. phi: effective heading of the robot, which takes up
-    odometry drift and placement errors. p_x, p_y: friction centre in the object frame.
+    odometry drift and placement errors. p_x, p_y: friction centre in the object frame. q: natural
+    logarithm of the supports' c^2 over the believed; the greater, the less a push turns.
     """
 
     x: float
@@ -24,6 +25,7 @@ class Belief(NamedTuple):
     phi: float
     p_x: float
     p_y: float
+    q: float = 0.0
 
     @property
     def pose(self):
@@ -77,7 +79,7 @@ class PushMotion(NamedTuple):
             return Rates(0.0, 0.0, 0.0, lever, (0.0, 0.0))
         cosine, sine = math.cos(belief.theta), math.sin(belief.theta)
         push = cosine * u_x + sine * u_y, cosine * u_y - sine * u_x
-        square = self.supports.mean_square(push_angle(lever, push))
+        square = math.exp(belief.q) * self.supports.mean_square(push_angle(lever, push))
         omega = ellipsoid_turning_rate(square, *lever, *push)
         return Rates(u_x + omega * (sine * c_x + cosine * c_y),
                      u_y - omega * (cosine * c_x - sine * c_y), omega, lever, push)
@@ -98,7 +100,7 @@ class PushMotion(NamedTuple):
         rates = self.rates(middle, twist)
         return Belief(belief.x + duration * rates.x, belief.y + duration * rates.y,
                       belief.theta + duration * rates.omega, belief.phi + duration * twist[2],
-                      belief.p_x, belief.p_y)
+                      belief.p_x, belief.p_y, belief.q)
 
     def jacobian(self, belief, twist, duration):
         """
@@ -107,25 +109,26 @@ class PushMotion(NamedTuple):
         :param belief: ``Belief``.
         :param twist: mean motion of the robot over the step, body axes.
         :param duration: of the step [s].
-        :return: transition matrix, shape (6, 6); way of the contact in the step [m].
+        :return: transition matrix, shape (7, 7); way of the contact in the step [m].
         """
         rates = self.rates(belief, twist)
         (a_x, a_y), (v_x, v_y) = rates.lever, rates.push
-        square = self.supports.mean_square(push_angle(rates.lever, rates.push))
-        square += a_x * a_x + a_y * a_y
+        own = math.exp(belief.q) * self.supports.mean_square(push_angle(rates.lever, rates.push))
+        square = own + a_x * a_x + a_y * a_y
         turn = (a_x * v_x + a_y * v_y) / square
         slopes = np.array([-turn, turn, (2.0 * a_x * rates.omega - v_y) / square,
-                           (2.0 * a_y * rates.omega + v_x) / square])
+                           (2.0 * a_y * rates.omega + v_x) / square,
+                           -rates.omega * own / square])
         cosine, sine = math.cos(belief.theta), math.sin(belief.theta)
         c_x, c_y = a_x + belief.p_x, a_y + belief.p_y
         arm_x, arm_y = cosine * c_x - sine * c_y, sine * c_x + cosine * c_y
-        step = np.zeros((3, 4))
+        step = np.zeros((3, 5))
         step[0], step[1], step[2] = arm_y * slopes, -arm_x * slopes, slopes
         step[0, 0] += rates.omega * arm_x
         step[1, 0] += rates.omega * arm_y
         step[0, 1] -= sine * v_x + cosine * v_y
         step[1, 1] += cosine * v_x - sine * v_y
-        transition = np.eye(6)
+        transition = np.eye(7)
         transition[:3, 2:] += duration * step
         return transition, duration * math.hypot(v_x, v_y)
 

@@ -106,7 +106,7 @@ class ClosedLoopPush:
         ahead, site = self._belief, self._tracking.site
         self._drive.site = site
         c_x, c_y, normal = site.at(ahead.phi - ahead.theta)
-        flat = self._vehicle((c_x, c_y), ahead.center)
+        flat = self._vehicle((c_x, c_y), ahead.center).turning(math.exp(ahead.q))
         pose = self._from_goal(flat, ahead)
         planning = self._drive.limits(flat, normal, self._settings.plan_margin * self._care)
         self._track = track = self._guidance.follow(pose)

@@ -117,6 +117,11 @@ class ControlSettings:
     center_walk: float = quantity('random walk of the friction centre per way', 'm/sqrt(m)', 0.0,
                                   1.0, default=0.002)
 
+    square_spread: float = quantity("standard deviation of the logarithm of the supports' c^2", '',
+                                    0.0, 2.0, default=0.2)
+    square_walk: float = quantity('random walk of that logarithm per way', '1/sqrt(m)', 0.0, 2.0,
+                                  default=0.03)
+
     def __post_init__(self):
         """Validate the fields."""
         check(self)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from push_model.contact import (contact_point, curvature_radius, face_normal, find_contact,
                                 normal_range, rolling_constants)
-from push_model.geometry import distance, Pose, wrap_angle
+from push_model.geometry import Pose, wrap_angle
 
 GAP_LIMIT = 0.01
 SAME_POINT, NEAR, TURN = 0.02, 0.5, 0.5
@@ -161,26 +161,3 @@ def _edges(obj, contact):
     n = face_normal(obj, contact.index)
     return tuple(sorted(y * math.cos(n) - x * math.sin(n) for x, y in (
         obj.outline[contact.index], obj.outline[(contact.index + 1) % len(obj.outline)])))
-
-
-def misplaced(robot, settings, target, observation):
-    """
-    Say how far the robot stands from the start of a plan, and where it should.
-
-    :param robot: the ``RoundRobot``.
-    :param settings: ``ControlSettings``.
-    :param target: the ``PushTrajectory``.
-    :param observation: ``Observation``.
-    :return: the reason why it cannot push so, or an empty text.
-    """
-    if observation.object_pose is None:
-        return ''
-    pose, place = observation.object_pose.pose, observation.odometry.pose
-    meant = pose @ Pose(*target.object_poses[0]).inverse() @ Pose(*target.robot_poses[0])
-    away, turn = distance(meant, place), wrap_angle(place.theta - meant.theta)
-    aside = robot.radius * abs(turn) if robot.drive == 'differential' else 0.0
-    if max(away, aside) <= settings.placement_tolerance:
-        return ''
-    return (f'the robot is not where the plan starts, but {away:.3f} m away and turned by '
-            f'{math.degrees(turn):.1f} deg: it must stand at {meant.x:.3f} m, {meant.y:.3f} m, '
-            f'{wrap_angle(meant.theta):.3f} rad')

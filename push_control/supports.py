@@ -52,30 +52,34 @@ class SupportTable:
         share = place - index
         return (1.0 - share) * self._squares[index] + share * self._squares[index + 1]
 
-    def push_angle(self, arm, curvature):
+    def push_angle(self, flat, curvature):
         """
         Angle alpha that turns an object by a curvature, ``tan(alpha) = -L(alpha) kappa``.
 
-        :param arm: r, distance from C to the friction centre [m].
+        :param flat: the ``Vehicle``; its c^2 is that of a push straight to the centre.
         :param curvature: turning rate over the speed along C->F [1/m].
         """
         alpha = 0.0
         for _ in range(4):
-            alpha = -math.atan((arm + self.mean_square(alpha) / arm) * curvature)
+            alpha = -math.atan(self._wheelbase(flat, alpha) * curvature)
         return alpha
 
-    def curvatures(self, arm, low, high):
+    def curvatures(self, flat, low, high):
         """
         Curvatures for which the force stays within two directions.
 
-        :param arm: r, distance from C to the friction centre [m].
+        :param flat: the ``Vehicle``.
         :param low: least angle of the force from C->F [rad].
         :param high: greatest angle [rad].
         :return: (lowest, highest) curvature [1/m].
         """
         bounds = np.interp((high, low), self._forces, self._angles).tolist()
         bounds = [min(STEEPEST_USED, max(-STEEPEST_USED, alpha)) for alpha in bounds]
-        return tuple(-math.tan(alpha) / (arm + self.mean_square(alpha) / arm) for alpha in bounds)
+        return tuple(-math.tan(alpha) / self._wheelbase(flat, alpha) for alpha in bounds)
+
+    def _wheelbase(self, flat, alpha):
+        share = self.mean_square(alpha) / self.mean_square(0.0)
+        return flat.arm + share * flat.mean_square / flat.arm
 
 
 def _force_angle(obj, point, push, omega):

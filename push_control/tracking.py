@@ -58,7 +58,8 @@ class Tracking:
         :param odometry: ``Odometry``, finite.
         """
         if odometry.time > self.last.time:
-            twist, lead = odometry.twist, self.site.lead
+            twist, last = odometry.twist, self._estimator.predict(self.last.time)
+            lead = last.theta + self.site.at(last.phi - last.theta)[2] - last.phi
             speed = math.hypot(*contact_velocity(0.0, lead, self._robot.radius, twist))
             self.way += speed * (odometry.time - self.last.time)
             self._estimator.add_odometry(odometry)
@@ -79,5 +80,6 @@ class Tracking:
     @property
     def report(self):
         """Counts for the status."""
-        return {'slips': self.watch.slips, 'losses': self.watch.losses,
+        return {'touches': not self.watch.lost, 'slips': self.watch.slips,
+                'losses': self.watch.losses,
                 'rejected_poses': self._estimator.rejected}

@@ -33,6 +33,18 @@ class Vehicle(NamedTuple):
         """Distance from C to z, ``L = (r^2 + c^2) / r`` [m]."""
         return (self.arm ** 2 + self.mean_square) / self.arm
 
+    def turning(self, share):
+        """
+        See it with supports that turn more or less easily.
+
+        :param share: of the present c^2 that they have.
+        :return: ``Vehicle``, its flat point moved along the line from C to F.
+        """
+        more = (share - 1.0) * self.mean_square / self.arm
+        x, y = self.flat_point
+        return self._replace(mean_square=share * self.mean_square, flat_point=(
+            x + more * math.cos(self.angle), y + more * math.sin(self.angle)))
+
 
 def vehicle(obj, contact_point, center=None):
     """

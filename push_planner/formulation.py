@@ -68,7 +68,10 @@ def formulate(problem, route, finer=False):
                              weight * grid.slopes, grid.free,
                              angle_rate(problem) / np.sqrt(np.maximum(grid.squares, last)), last])
     formulation = Formulation(shape, grid, _box(problem), ends, common, steps)
-    return formulation, _first_guess(problem, route, formulation)
+    guess = _first_guess(problem, route, formulation)
+    followed = guess.nodes[:, 3:5]
+    box = formulation.box._replace(places=(followed - route.aside, followed + route.aside))
+    return formulation._replace(box=box), guess
 
 
 def angle_rate(problem):

@@ -2,48 +2,61 @@
 
 import sys
 
+from push_drive.settings import DriveSettings
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_planner.problem import PlannerSettings, PlanningFailed
+from push_planner.task_settings import TaskSettings
 from push_planner.under_way import plan_measured
 from push_ros import qos
+from push_ros.chain_planner import ChainPlanner, said
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.elements import MessageRefused, nanoseconds
 from push_ros.interfaces import PLANNER
 from push_ros.messages import from_object_pose_message, from_odometry_message
 from push_ros.node import PushNode
 from push_ros.options import Frames
-from push_ros.plan_messages import to_path_message, to_plan_message
+from push_ros.plan_messages import no_plan_message, to_path_message, to_plan_message
 from push_ros.run import run
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', PlannerSettings),
-            ('', Frames))
+            ('drive.', DriveSettings), ('task.', TaskSettings), ('', Frames))
 
 
 class PlannerNode(PushNode):
     """
-    Plans a push for every goal.
+    Plans a push for every goal, or the first of a chain of pushes for every request.
 
-    Subscribes ``odom``, ``object_pose``, ``goal_pose``; publishes ``push_plan`` and
-    ``planned_path`` (latched), ``diagnostics``; serves ``planner/replan``. Everything is in
-    ``world_frame``; the plan starts from the newest measurements and has their stamp. A goal that
-    comes before them waits for them. While the robot pushes, a new goal and ``planner/replan`` are
-    planned from the present motion, at the site where it pushes. A failed plan or a refused
-    message leaves the former plan as it is, and is an error on ``diagnostics`` with its reason.
-    With ``planner.site`` at ``auto`` the plan of a robot at rest starts at the quickest site of
-    the object; the diagnostics tell where the robot must stand for it, warn where it does not, and
-    list all sites. Parameters: ``object.*`` and ``robot.*`` as believed, ``planner.*``, frames.
+    Subscribes ``odom``, ``object_pose``, ``goal_pose``, ``map``, ``push_request``; publishes
+    ``push_plan`` and ``planned_path`` (latched), ``diagnostics``; serves ``planner/replan``.
+    Everything is in ``world_frame``; the plan for a goal starts from the newest measurements and
+    has their stamp. A goal that comes before them waits for them. While the robot pushes, a new
+    goal and ``planner/replan`` are planned from the present motion, at the site where it pushes.
+    A failed plan or a refused message leaves the former plan as it is, and is an error on
+    ``diagnostics`` with its reason. With ``planner.site`` at ``auto`` the plan of a robot at rest
+    starts at the quickest site of the object; the diagnostics tell where the robot must stand for
+    it, warn where it does not, and list all sites.
+
+    A request is answered with its own stamp; where there is no plan, or the request is refused,
+    by an empty one and an error. With ``planner.site`` at ``chain`` a goal is not planned for,
+    only ``planner/replan`` and requests are. Chains keep to the ``map``, if there is one.
+    Parameters: ``object.*`` and ``robot.*`` as believed, ``planner.*``, ``drive.*``, ``task.*``,
+    frames.
     """
 
     def __init__(self):
         super().__init__(PLANNER, SECTIONS)
-        self._obj, self._robot, self._planner, self._frames = self.settings
+        self._obj, self._robot, self._planner, drive, task, self._frames = self.settings
+        self._chains = ChainPlanner(self._obj, (self._robot, self._planner, drive, task),
+                                    self._frames.world_frame)
         self._odometry = self._object_pose = self._goal = self._last_goal = self._former = None
         self._plan = self.publisher('push_plan')
         self._path = self.publisher('planned_path')
         self.subscribe('odom', self._on_odometry, qos=qos.NEWEST)
         self.subscribe('object_pose', self._on_object_pose, qos=qos.NEWEST)
         self.subscribe('goal_pose', self._on_goal)
+        self.subscribe('map', self._on_map)
+        self.subscribe('push_request', self._on_request)
         self.serve('planner/replan', self._replan)
         self._report(OK, 'waits for a goal')
 
@@ -62,8 +75,26 @@ class PlannerNode(PushNode):
         except MessageRefused as error:
             self._report(ERROR, str(error))
             return
+        if self._planner.site == 'chain':
+            self._last_goal, self._goal = self._goal, None
+            self._report(OK, 'has a goal and waits for a request')
+            return
         self._report(OK, 'plans')
         self._try()
+
+    def _on_map(self, message):
+        try:
+            self._report(OK, self._chains.take_map(message))
+        except MessageRefused as error:
+            self._report(ERROR, str(error))
+
+    def _on_request(self, message):
+        stamp = message.header.stamp
+        try:
+            self._publish_chain(self._chains.answer(message), stamp)
+        except (MessageRefused, PlanningFailed) as failure:
+            self._plan.publish(no_plan_message(stamp, self._frames.world_frame))
+            self._report(ERROR, str(failure), _told(getattr(failure, 'report', {})))
 
     def _replan(self):
         if self._last_goal is None:
@@ -94,6 +125,9 @@ class PlannerNode(PushNode):
         try:
             odometry = from_odometry_message(self._odometry, world)
             measured = from_object_pose_message(self._object_pose, world)
+            if self._planner.site == 'chain':
+                chain = self._chains.plan(measured.pose, odometry.pose, goal)
+                return True, self._publish_chain(chain, self._stamp())
             choice = plan_measured(self._obj, self._robot, measured, odometry, goal,
                                    self._planner, self._former)
         except MessageRefused as error:
@@ -107,7 +141,7 @@ class PlannerNode(PushNode):
         answer = choice.plan
         stamp, world = self._stamp(), self._frames.world_frame
         self._plan.publish(to_plan_message(answer.trajectory, stamp, world))
-        self._path.publish(to_path_message(answer.trajectory, stamp, world))
+        self._path.publish(to_path_message(answer.trajectory.object_poses.tolist(), stamp, world))
         begin = Pose(*answer.trajectory.robot_poses[0].tolist())
         text = (f'has planned a push of {answer.trajectory.duration:.1f} s and '
                 f'{answer.trajectory.path_length:.2f} m')
@@ -117,6 +151,12 @@ class PlannerNode(PushNode):
         return self._report(WARN if away else OK, text, {
             **answer.report, 'robot_start': tuple(begin),
             'present_speed': answer.problem.motion.speed, **_told({'sites': choice.table})})
+
+    def _publish_chain(self, chain, stamp):
+        plan, path = self._chains.messages(chain, stamp)
+        self._plan.publish(plan)
+        self._path.publish(path)
+        return self._report(OK, *said(chain))
 
     def _report(self, level, text, values=None):
         self.reporter.report(level, text, self._stamp(), values)

@@ -74,11 +74,13 @@ class Box(NamedTuple):
     :param angle: largest pushing angle [rad].
     :param first: (lowest, highest) pushing angle at the start [rad].
     :param turns: (lowest, highest) turn of the object [rad].
+    :param places: (lowest, highest) followed point at the nodes, each of shape (n + 1, 2) [m].
     """
 
     angle: float
     first: tuple
     turns: tuple
+    places: tuple = (-np.inf, np.inf)
 
 
 class Programme:
@@ -164,6 +166,7 @@ class Programme:
         low[:, 2], high[:, 2] = -box.angle, box.angle
         low[0, 2], high[0, 2] = box.first
         low[:, 3], high[:, 3] = box.turns
+        low[:, 4:6], high[:, 4:6] = box.places
         size = shape.width * shape.steps + shape.states
         return low.ravel()[:size], high.ravel()[:size]
 

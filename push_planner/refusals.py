@@ -37,9 +37,19 @@ def _refuse_values(problem):
     cone = problem.settings.angle_limit == 'cone'
     if cone and problem.obj.contact_friction_coefficient == 0.0:
         raise PlanningFailed('the contact has no friction: a frictionless contact cannot steer')
-    settings = problem.settings
-    away = distance(problem.start, problem.goal)
-    turned = abs(wrap_angle(problem.goal.theta - problem.start.theta))
+    refuse_arrived(problem.start, problem.goal, problem.settings)
+
+
+def refuse_arrived(start, goal, settings):
+    """
+    Refuse where the object is at the goal already.
+
+    :param start: ``Pose`` of the object.
+    :param goal: ``Pose`` wanted for the object.
+    :param settings: ``PlannerSettings``.
+    :raises PlanningFailed: where both are the same within the tolerances.
+    """
+    away, turned = distance(start, goal), abs(wrap_angle(goal.theta - start.theta))
     if settings.heading_free:
         turned = 0.0
     if away <= settings.position_tolerance and turned <= settings.heading_tolerance:

@@ -27,6 +27,7 @@ class Remainder(NamedTuple):
     turned: float
 
     name = 'former plan'
+    aside = math.inf
 
     @property
     def cost(self):

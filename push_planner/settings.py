@@ -9,8 +9,10 @@ from push_model.quantity import check, quantity
 class PlannerSettings:
     """How plans are made."""
 
-    site: str = quantity('where to push: where the robot stands, or at whichever site of the '
-                         'object is quickest', choices=('placed', 'auto'), default='placed')
+    site: str = quantity('where to push: where the robot stands, at whichever site of the object '
+                         'is quickest, or at those of the quickest chain of pushes, which is '
+                         'planned where a controller asks for it, not at a new goal',
+                         choices=('placed', 'auto', 'chain'), default='placed')
     pushing_speed: float = quantity('speed of the contact point along the push', 'm/s', above=0.0,
                                     high=5.0, default=0.15)
     deceleration: float = quantity('braking of the contact before the goal; 0: none', 'm/s^2',

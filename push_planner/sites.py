@@ -57,7 +57,15 @@ class Choice(NamedTuple):
     table: tuple
 
 
-class _Weighed(NamedTuple):
+class WeighedSite(NamedTuple):
+    """
+    A site with a lower bound on its time.
+
+    :param problem: the ``PushProblem``.
+    :param bound: time of the push at least [s]; infinite where it is refused.
+    :param reason: why it is refused, else empty.
+    """
+
     problem: PushProblem
     bound: float
     reason: str
@@ -80,7 +88,7 @@ def choose_site(obj, robot, start, goal, settings=None, here=None):
     :raises PlanningFailed: where all are refused; ``sites`` of the report is the table.
     """
     problems = site_problems(obj, robot, start, goal, settings or PlannerSettings())
-    weighed = sorted((_weigh(problem) for problem in ([here] if here else []) + problems),
+    weighed = sorted((weigh_site(problem) for problem in ([here] if here else []) + problems),
                      key=lambda site: site.bound)
     best, solved, rest = None, [], []
     for problem, bound, reason in weighed:
@@ -103,21 +111,26 @@ def choose_site(obj, robot, start, goal, settings=None, here=None):
     return Choice(best, table)
 
 
-def _weigh(problem):
-    """Bound the time of a push from below, infinite where it is refused without solving."""
+def weigh_site(problem):
+    """
+    Bound the time of a push from below, without solving it.
+
+    :param problem: the ``PushProblem``.
+    :return: ``WeighedSite``.
+    """
     try:
         refuse_impossible(problem)
         turns = tightest_turns(problem)
         if turns is None:
             plan(problem)
     except PlanningFailed as failure:
-        return _Weighed(problem, math.inf, failure.reason)
+        return WeighedSite(problem, math.inf, failure.reason)
     settings = problem.settings
     fast = settings.motion_model == 'dynamic' and settings.pushing_speed > FASTEST_TIGHT
     share = SLACK * (GENTLE if fast else 1.0)
     shortest = min(route.cost for route in routes(problem, turns))
-    return _Weighed(problem, max(displacement_bound(problem),
-                                 share * shortest / settings.pushing_speed), '')
+    bound = max(displacement_bound(problem), share * shortest / settings.pushing_speed)
+    return WeighedSite(problem, bound, '')
 
 
 def _option(problem, reason, found=None):

@@ -1,25 +1,35 @@
 """From problem to plan."""
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from push_planner.bounds import displacement_bound
+from push_planner.demand import ANY
+from push_planner.finished import fault_of, finished
 from push_planner.formulation import formulate, Formulation, turn_range
-from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed
 from push_planner.programme import programme, Solution, UNSETTLED
 from push_planner.refinement import refine
 from push_planner.refusals import refuse_impossible
 from push_planner.remainder import remainder
-from push_planner.sampling import report_of, switches_of, trajectory_of
 from push_planner.warm_start import routes, tightest_turns
 
 ROUTES = 12
 RELAXED = 4
 NEARLY_BEST = 1.1
 ALIKE = 1.0
+
+
+class _Attempts(list):
+    """What became of each programme, in one line; they have to fulfil a ``Demand``."""
+
+    def __init__(self, demand):
+        super().__init__()
+        self.demand, self.programmes = demand, 0
+
+    @property
+    def spent(self):
+        """Whether no more are allowed."""
+        return self.programmes >= self.demand.most
 
 
 class _Candidate(NamedTuple):
@@ -41,7 +51,7 @@ class _Candidate(NamedTuple):
         return self.solution.way + self.formulation.grid.fixed
 
 
-def plan(problem, previous=None):
+def plan(problem, previous=None, demand=ANY):
     """
     Find the quickest push to the goal that keeps to the planning cone.
 
@@ -50,11 +60,18 @@ def plan(problem, previous=None):
 
     :param problem: the ``PushProblem``.
     :param previous: ``Plan`` for much the same push, to start from; None for none.
+    :param demand: ``Demand``, what else is asked.
     :return: ``Plan``.
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
     refuse_impossible(problem)
-    attempts, left = [], _ways(problem)
+    attempts = _Attempts(demand)
+    if demand.route is not None:
+        candidate = _solve(problem, demand.route, attempts, False)
+        found = candidate and _finish(problem, candidate, attempts)
+        if found is not None:
+            return found
+    left = _ways(problem)
     if previous is not None:
         again = _follow(problem, previous, left[0].cost, attempts)
         if again is not None:
@@ -62,6 +79,8 @@ def plan(problem, previous=None):
     for relaxed in (False, True):
         waiting = left[:RELAXED] if relaxed else left
         while waiting:
+            if attempts.spent:
+                break
             solved, waiting = _solve_some(problem, waiting, attempts, relaxed)
             for candidate in sorted(solved, key=lambda candidate: candidate.duration):
                 found = _finish(problem, candidate, attempts) or _finish_finer(
@@ -72,7 +91,7 @@ def plan(problem, previous=None):
     nearest = min(attempts[-len(left[:RELAXED]):], key=lambda attempt: UNSETTLED in attempt)
     raise PlanningFailed('no push within the friction cone and the limits of the robot was found '
                          f'on {len(left)} ways that were tried, among them {nearest}',
-                         {'attempts': attempts})
+                         {'attempts': list(attempts)})
 
 
 def _ways(problem):
@@ -104,7 +123,7 @@ def _solve_some(problem, ways, attempts, relaxed):
     """Solve until one is found, and then what may be as good; return the rest as well."""
     solved, rest = [], []
     for route in ways:
-        if solved and not _may_be_better(route, solved):
+        if attempts.spent or solved and not _may_be_better(route, solved):
             rest.append(route)
             continue
         candidate = _solve(problem, route, attempts, relaxed)
@@ -121,6 +140,7 @@ def _may_be_better(route, solved):
 
 
 def _solve(problem, route, attempts, relaxed, finer=False):
+    attempts.programmes += 1
     formulation, guess = formulate(problem, route, finer)
     solver, verdict = programme(formulation.shape), 'not solved'
     if relaxed:
@@ -134,9 +154,16 @@ def _solve(problem, route, attempts, relaxed, finer=False):
     return _Candidate(route, formulation, solution, count)
 
 
+def _goes_on(rollout):
+    """Whether all of a rollout is finite, and its way never goes back."""
+    steps = np.diff(rollout.ways)
+    return (np.isfinite(rollout.samples).all() and (steps >= 0.0).all() and rollout.ways[-1] > 0.0
+            and (rollout.squares >= 0.0).all())
+
+
 def _finish_finer(problem, route, attempts):
     """Where the fine integration was too far from the programme, take twice as many pieces."""
-    if problem.settings.pushing_angles == 'constant':
+    if problem.settings.pushing_angles == 'constant' or attempts.spent:
         return None
     candidate = _solve(problem, route, attempts, False, finer=True)
     return candidate and _finish(problem, candidate, attempts)
@@ -146,41 +173,13 @@ def _finish(problem, candidate, attempts):
     route, formulation, solution, iterations = candidate
     rollout, way = refine(problem, formulation, solution)
     found, fault = None, 'the fine integration broke down'
-    if rollout is not None:
-        found = _plan(problem, formulation, rollout, way)
+    if rollout is not None and _goes_on(rollout):
+        found = finished(problem, formulation, rollout, way)
         found.report.update(word=route.name, segments=formulation.shape.steps,
                             run_in=route.run_in, iterations=iterations)
-        fault = _fault(found.report, problem)
+        fault = fault_of(found) or attempts.demand.fault(found.trajectory)
     attempts.append(f'{route.name} of {route.cost:.2f} m: {fault or "solved"}')
     if fault:
         return None
-    found.report['attempts'] = attempts
+    found.report['attempts'] = list(attempts)
     return found
-
-
-def _plan(problem, formulation, rollout, way):
-    trajectory = trajectory_of(problem, rollout)
-    switches = switches_of(problem, rollout, formulation.shape.jumps)
-    begins = rollout.nodes[:-1, 1] + (rollout.changes if formulation.shape.jumps else 0.0)
-    grid = formulation.grid
-    report = report_of(problem, rollout, trajectory, switches)
-    report['displacement_bound'] = displacement_bound(problem)
-    report['over_displacement_bound'] = trajectory.duration / report['displacement_bound']
-    return Plan(problem, trajectory,
-                tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
-                tuple(np.cumsum(grid.steps(way)).tolist()),
-                tuple(zip(np.sqrt(grid.squares).tolist(), np.sqrt(grid.ends).tolist())),
-                switches, report)
-
-
-def _fault(report, problem):
-    settings = problem.settings
-    if not report['position_error'] <= settings.position_tolerance:
-        return f're-integration misses the goal by {1e3 * report["position_error"]:.2f} mm'
-    if not report['heading_error'] <= settings.heading_tolerance:
-        return ('re-integration misses the goal by '
-                f'{math.degrees(report["heading_error"]):.2f} deg')
-    if settings.angle_limit == 'cone' and not report['friction_usage'] <= 1.0:
-        return ('the contact force leaves the friction cone by a factor '
-                f'{report["friction_usage"]:.2f}')
-    return ''

@@ -30,12 +30,14 @@ class Route(NamedTuple):
     :param turns: ``SteadyTurn`` on each piece of it.
     :param run_in: straight way after it [m].
     :param cost: way of the contact, run-in included [m].
+    :param aside: how far from it along either axis a plan may be [m].
     """
 
     path: DubinsPath
     turns: tuple
     run_in: float
     cost: float
+    aside: float = math.inf
 
     @property
     def turned(self):
@@ -117,6 +119,30 @@ def routes(problem, turns):
         rest = [route for route in found if route.cost > DETOUR * best]
         return near + sorted(rest, key=lambda route: route.cost)
     return found + [route for route in least if full > shortest]
+
+
+def route_along(problem, pieces, aside):
+    """
+    Make a route of given pieces; the last is straight, and its end the run-in.
+
+    :param problem: the ``PushProblem``; it can steer both ways.
+    :param pieces: (length [m], signed curvature [1/m]) of each.
+    :param aside: how far from it along either axis a plan may be [m].
+    :return: ``Route``.
+    """
+    view, run_in = problem.vehicle, problem.settings.run_in
+    pieces = [*pieces[:-1], (pieces[-1][0] - run_in, 0.0)]
+    pieces = [piece for piece in pieces if piece[0] > 0.0]
+    sharpest, turns = tightest_turns(problem), []
+    for _, curvature in pieces:
+        turn = sharpest[0 if curvature > 0.0 else 1]
+        steer = math.atan(math.tan(turn.steer) * curvature / turn.curvature)
+        turns.append(SteadyTurn(steer, curvature * math.cos(steer)))
+    lengths, curvatures = zip(*pieces)
+    word = ''.join('S' if c == 0.0 else 'L' if c > 0.0 else 'R' for c in curvatures)
+    path = DubinsPath(Pose(*view.flat_point, view.angle), word, lengths, curvatures)
+    cost = run_in + sum(length / math.cos(turn.steer) for length, turn in zip(lengths, turns))
+    return Route(path, tuple(turns), run_in, cost, aside)
 
 
 def _routes(problem, turns, run_in):

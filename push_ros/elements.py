@@ -42,7 +42,17 @@ def to_stamp(time, kind=Time):
     :param time: [s]; whole nanoseconds survive the way there and back.
     :param kind: ``builtin_interfaces/Time`` or ``Duration``.
     """
-    whole, part = divmod(math.floor(time * NANOSECONDS + 0.5), NANOSECONDS)
+    return exact_stamp(math.floor(time * NANOSECONDS + 0.5), kind)
+
+
+def exact_stamp(time, kind=Time):
+    """
+    Make a stamp of whole nanoseconds.
+
+    :param time: [ns].
+    :param kind: ``builtin_interfaces/Time`` or ``Duration``.
+    """
+    whole, part = divmod(time, NANOSECONDS)
     return kind(sec=whole, nanosec=part)
 
 

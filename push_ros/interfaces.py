@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
-from geometry_msgs.msg import WrenchStamped
-from nav_msgs.msg import Odometry, Path
+from geometry_msgs.msg import PoseArray, PoseStamped, PoseWithCovarianceStamped, Twist
+from geometry_msgs.msg import TwistStamped, WrenchStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from push_ros import qos
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -48,12 +48,22 @@ TOPICS = {
                   'robot pose in the world frame, velocity in its own axes'),
     'object_pose': Topic(PoseStamped, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
                          'measured object pose in the world frame'),
-    'goal_pose': Topic(PoseStamped, (), (PLANNER,), qos.EVENT, qos.EVENT,
+    'goal_pose': Topic(PoseStamped, (), (PLANNER, CONTROLLER), qos.EVENT, qos.EVENT,
                        "wanted object pose; RViz's 2D Goal Pose"),
+    'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
+                 'floor that object and robot keep to in a task; unknown cells and those of 50 or '
+                 'more are obstacles, as is all outside; latched'),
+    'push_request': Topic(PoseArray, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
+                          'in a task: from where a plan is wanted, poses of object, robot, goal, '
+                          'and the friction centre as learnt, in the object frame, whose z is the '
+                          'share of the friction cone that the plan should use; latched'),
     'push_plan': Topic(MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED,
-                       qos.LATCHED, 'plan: joints object, contact and robot over time; latched'),
+                       qos.LATCHED, 'plan: joints object, contact and robot over time; the answer '
+                       'to a request has its stamp, and no points where there is no plan; '
+                       'latched'),
     'planned_path': Topic(Path, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
-                          'way of the object in the plan, for viewers; latched'),
+                          'way of the object in the plan, through all pushes of a chain, for '
+                          'viewers; latched'),
     'cmd_vel': Topic(TwistStamped, (CONTROLLER,), (SIM,), qos.COMMAND, qos.LATEST_COMMAND,
                      'velocity command in the axes of the robot, stamped with the measurement '
                      'that it answers; Twist where stamped_cmd_vel is false'),
@@ -70,9 +80,12 @@ TOPICS = {
 }
 
 SERVICES = {
-    'planner/replan': (Trigger, PLANNER, 'plan anew to the last goal, from the present motion'),
-    'controller/start': (Trigger, CONTROLLER, 'follow the plan from now on'),
+    'planner/replan': (Trigger, PLANNER, 'plan anew to the last goal, from the present '
+                       'motion'),
+    'controller/start': (Trigger, CONTROLLER, 'follow the plan, or begin the task, from now on'),
     'controller/stop': (Trigger, CONTROLLER, 'stop the robot and stay stopped'),
+    'controller/pause': (Trigger, CONTROLLER, 'in a task: stand until controller/resume'),
+    'controller/resume': (Trigger, CONTROLLER, 'go on with the task'),
     'sim/start': (Trigger, SIM, 'let simulated time run'),
     'sim/reset': (Trigger, SIM, 'put everything back to the start and hold time there'),
 }

@@ -13,7 +13,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 BROWN, GREEN, GREY = (0.72, 0.53, 0.31), (0.2, 0.65, 0.35), (0.35, 0.35, 0.4)
 BLUE, RED, ORANGE = (0.15, 0.45, 0.85), (0.85, 0.2, 0.2), (0.95, 0.6, 0.1)
 ORIGIN = Pose(0.0, 0.0, 0.0)
-LINE, HEIGHT, ARROW, FENCE = 0.01, 0.1, 0.25, 2.0
+LINE, HEIGHT, ARROW, FENCE, ABOVE = 0.01, 0.1, 0.25, 2.0, 0.3
 SHORT = Duration(sec=1)
 
 
@@ -75,6 +75,23 @@ def plan_markers(stamp, frame, trajectory):
         line.points = [_point(p) for p in getattr(trajectory, f'{joint}_poses')[:, :2].tolist()]
         result.markers.append(line)
     return result
+
+
+def text_markers(stamp, frame, namespace, pose, text):
+    """
+    Write a text above a place.
+
+    :param stamp: of the markers.
+    :param frame: id of the world frame.
+    :param namespace: of the markers.
+    :param pose: ``Pose`` of the place.
+    :param text: what is written.
+    :return: ``MarkerArray``.
+    """
+    words = _marker(stamp, frame, f'{namespace}/text', Marker.TEXT_VIEW_FACING, pose,
+                    (0.0, 0.0, HEIGHT), GREY)
+    words.pose.position.z, words.text = ABOVE, text
+    return MarkerArray(markers=[words])
 
 
 def _marker(stamp, frame, namespace, kind, pose, scale, colour):

@@ -31,6 +31,11 @@ class ControllerOptions:
     autostart: bool = quantity('follow a plan as soon as it comes, without controller/start',
                                default=False)
     stamped_cmd_vel: bool = quantity('publish TwistStamped on cmd_vel, else Twist', default=True)
+    task: bool = quantity('bring the object to the goal with as many pushes as that takes, the '
+                          'robot anywhere at first; else follow one plan from its start',
+                          default=False)
+    wait_for_plans: bool = quantity('in a task: answer no measurement while a plan is wanted, so '
+                                    'that time in lockstep waits for the planner', default=False)
     watchdog_timeout: float = quantity('time without odometry after which the robot is stopped',
                                        's', above=0.0, high=5.0, default=0.25)
 

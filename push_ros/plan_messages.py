@@ -34,6 +34,18 @@ def to_plan_message(trajectory, stamp, frame):
     return message
 
 
+def no_plan_message(stamp, frame):
+    """
+    Make the answer to a request for which there is no plan.
+
+    :param stamp: of the request.
+    :param frame: id of the world frame.
+    """
+    message = MultiDOFJointTrajectory(joint_names=list(JOINTS))
+    message.header.stamp, message.header.frame_id = stamp, frame
+    return message
+
+
 def from_plan_message(message, frame, topic='push_plan'):
     """
     Read a trajectory; angles are unwrapped from sample to sample.
@@ -66,17 +78,17 @@ def from_plan_message(message, frame, topic='push_plan'):
         raise MessageRefused(f'{topic}: {error}') from error
 
 
-def to_path_message(trajectory, stamp, frame):
+def to_path_message(object_poses, stamp, frame):
     """
     Turn the object's way into a path for viewers.
 
-    :param trajectory: ``PushTrajectory``.
+    :param object_poses: (x, y, theta) in the world, shape (n, 3).
     :param stamp: of the path.
     :param frame: id of the world frame.
     """
     message = Path()
     message.header.stamp, message.header.frame_id = stamp, frame
-    for pose in trajectory.object_poses.tolist():
+    for pose in object_poses:
         message.poses.append(PoseStamped(header=message.header, pose=to_pose_message(pose)))
     return message
 

@@ -5,8 +5,10 @@ import os
 import time
 
 from geometry_msgs.msg import PoseStamped
-from push_ros.elements import to_pose_message
+from nav_msgs.msg import OccupancyGrid
+from push_ros.elements import to_pose_message, to_stamp
 from push_ros.interfaces import SERVICES, TOPICS
+from push_ros.map_messages import to_map_message
 from push_ros.recorder import Listener
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
@@ -40,6 +42,7 @@ class Session:
         self._executor.add_node(self._node)
         self._goal = self._node.create_publisher(PoseStamped, 'goal_pose',
                                                  TOPICS['goal_pose'].publish_qos)
+        self._map = self._node.create_publisher(OccupancyGrid, 'map', TOPICS['map'].publish_qos)
         self._clients = {name: self._node.create_client(kind, name)
                          for name, (kind, _, _) in SERVICES.items()}
         self._listener = Listener(self._ear, stamped)
@@ -82,20 +85,30 @@ class Session:
             self.pump()
 
     def is_connected(self):
-        """Tell whether planner, services and recorder have found each other."""
-        return (self._goal.get_subscription_count() >= 2
+        """Tell whether nodes, services and recorder have found each other."""
+        return (self._goal.get_subscription_count() > len(TOPICS['goal_pose'].subscribers)
                 and all(client.service_is_ready() for client in self._clients.values()))
 
-    def send_goal(self, pose, frame):
+    def send_goal(self, pose, frame, time=0.0):
         """
         Publish a goal.
 
         :param pose: ``Pose`` wanted for the object.
         :param frame: id of the world frame.
+        :param time: when it begins to hold, in a task [s].
         """
         message = PoseStamped(pose=to_pose_message(pose))
-        message.header.frame_id = frame
+        message.header.stamp, message.header.frame_id = to_stamp(time), frame
         self._goal.publish(message)
+
+    def send_map(self, workspace, frame):
+        """
+        Publish a map.
+
+        :param workspace: ``push_drive.workspace.Workspace``.
+        :param frame: id of the world frame.
+        """
+        self._map.publish(to_map_message(workspace, to_stamp(0.0), frame))
 
     def call(self, service, timeout):
         """

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 from push_scenario import data
 
 FORMAT = 'push_control batch 1'
-PURE_PACKAGES = ('push_model', 'push_planner', 'push_control', 'push_sim_node', 'push_scenario',
-                 'push_study')
+PURE_PACKAGES = ('push_model', 'push_drive', 'push_planner', 'push_control', 'push_sim_node',
+                 'push_scenario', 'push_study')
 
 
 def header(function, jobs):

@@ -17,7 +17,7 @@ class ProgressLine:
         self._stream, self._clock, self._title = stream, clock, title
         self._terminal = stream.isatty()
         self._began = self._shown = clock()
-        self._pushing_since = None
+        self._since = None
         self._stage, self._width = '', 0
 
     def __call__(self, progress):
@@ -27,8 +27,8 @@ class ProgressLine:
         :param progress: the ``Progress``.
         """
         now = self._clock()
-        if progress.stage == 'pushing' and self._pushing_since is None:
-            self._pushing_since = now, progress.time
+        if progress.stage != 'planning' and self._since is None:
+            self._since = now, progress.time
         period = TERMINAL_PERIOD if self._terminal else LOG_PERIOD
         if progress.stage == self._stage and now - self._shown < period:
             return
@@ -48,9 +48,9 @@ class ProgressLine:
             self._stream.flush()
 
     def _speed(self, time, now):
-        if self._pushing_since is None or now - self._pushing_since[0] < 0.2:
+        if self._since is None or now - self._since[0] < 0.2:
             return ''
-        factor = (time - self._pushing_since[1]) / (now - self._pushing_since[0])
+        factor = (time - self._since[1]) / (now - self._since[0])
         return f' at {factor:.1f} x real time'
 
     def _write(self, text):

@@ -2,7 +2,8 @@
 Scenario files: YAML to ``Scenario`` and back.
 
 ``object`` and ``robot`` may name a file of ``config/objects`` or ``config/robots`` (key ``file``)
-and change parts of it; ``truth`` and ``robot_truth`` hold only what differs from the belief.
+and change parts of it; ``truth`` and ``robot_truth`` hold only what differs from the belief. A map
+may name a file of ``config/maps``.
 """
 
 from pathlib import Path
@@ -113,6 +114,10 @@ def _scenario(data, name, source, directory):
         changes = data.get(truth, {})
         expect_mapping(changes, source, truth)
         data[key], data[truth] = believed, merge(believed, changes, source, truth)
+    task = data.get('task')
+    if isinstance(task, dict) and 'map' in task:
+        data['task'] = {**task, 'map': _with_file(task['map'], source, 'task.map', 'maps',
+                                                  directory)}
     return build(Scenario, {'name': name, **data}, source)
 
 

@@ -12,8 +12,11 @@ from push_scenario.metrics import is_as_expected
 from push_scenario.progress_line import ProgressLine
 from push_scenario.reader import find_scenario, read_scenario, scenario_names, scenario_text
 from push_scenario.report import table
+from push_scenario.task_loop import run_task
+from push_scenario.task_metrics import is_task_as_expected
+from push_scenario.task_report import task_table
 
-DEMO = 'corner_push_mismatch'
+DEMO = 'task_demo'
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -32,7 +35,6 @@ def main(arguments=None):
         return AS_EXPECTED
     if options.demo:
         options.scenario = options.scenario or DEMO
-        options.law = options.law or ['open_loop', 'feedback', 'mpc']
     if not options.scenario:
         parser.error('the following arguments are required: SCENARIO (or --list, or --demo)')
     try:
@@ -50,8 +52,7 @@ def _parser():
                         'package')
     parser.add_argument('--list', action='store_true', help='list the scenarios and exit')
     parser.add_argument('--demo', action='store_true',
-                        help=f'replay {DEMO} open loop, with feedback, and with mpc; '
-                        'pictures are demo.png and demo.gif')
+                        help=f'replay {DEMO}; pictures are demo.png and demo.gif')
     parser.add_argument('--law', action='append', choices=LAWS,
                         help="control law instead of the scenario's; may be repeated, to "
                         'compare')
@@ -95,10 +96,11 @@ def _replay(options):
             interrupts.check()
     except KeyboardInterrupt:
         if results:
-            print(table(results))
+            print(_table(results))
         return _complain('interrupted', INTERRUPTED)
     judged = [r for r in results if r.control_law != 'open_loop'] or results
-    return AS_EXPECTED if all(map(is_as_expected, judged)) else NOT_AS_EXPECTED
+    judge = is_as_expected if scenario.task is None else is_task_as_expected
+    return AS_EXPECTED if all(map(judge, judged)) else NOT_AS_EXPECTED
 
 
 def _run(scenario, law, options, interrupts):
@@ -109,7 +111,9 @@ def _run(scenario, law, options, interrupts):
         line(progress)
 
     if options.in_process:
-        result = closed_loop.run(scenario, law, show)
+        # As over DDS in lockstep, time stands still while a task is planned.
+        result = (closed_loop.run(scenario, law, show) if scenario.task is None else
+                  run_task(scenario, law, show, planning_time=0.0))
     else:
         run_over_dds = _dds_replay()
         result = run_over_dds(scenario, law, options.out, real_time=options.real_time,
@@ -118,6 +122,10 @@ def _run(scenario, law, options, interrupts):
     if result.tape is not None:
         result.tape.save(options.out / f'{scenario.name}_{law}.csv')
     return result
+
+
+def _table(results):
+    return (table if results[0].scenario.task is None else task_table)(results)
 
 
 def _dds_replay():
@@ -130,7 +138,7 @@ def _dds_replay():
 
 
 def _finish(results, options):
-    print(table(results), flush=True)
+    print(_table(results), flush=True)
     written = [bag for bag in (getattr(result, 'bag', None) for result in results) if bag]
     if not options.no_pictures and all(result.tape for result in results):
         written += _draw(results, options)
@@ -140,18 +148,28 @@ def _finish(results, options):
 
 def _draw(results, options):
     try:
-        from push_scenario.animation import draw_animation
-        from push_scenario.figure import draw_figure
+        pictures = _pictures(results[0].scenario)
     except ModuleNotFoundError as error:
         print(f'replay: no pictures, for want of the module {error.name}', file=sys.stderr)
         return
     name = 'demo' if options.demo else results[0].scenario.name
-    for draw, suffix in ((draw_figure, 'png'), (draw_animation, 'gif')):
+    for draw, suffix in zip(pictures, ('png', 'gif')):
         path = options.out / f'{name}.{suffix}'
         line = ProgressLine(sys.stderr, time.monotonic, str(path))
         draw(results, path)
         line.end('drawn')
         yield path
+
+
+def _pictures(scenario):
+    """Return what draws the picture and the animation; matplotlib may be missing."""
+    if scenario.task is None:
+        from push_scenario.animation import draw_animation
+        from push_scenario.figure import draw_figure
+        return draw_figure, draw_animation
+    from push_scenario.task_animation import draw_task_animation
+    from push_scenario.task_figure import draw_task_figure
+    return draw_task_figure, draw_task_animation
 
 
 if __name__ == '__main__':

@@ -46,10 +46,22 @@ def table(results):
     lines.append(['outcome', ''] + [result.outcome for result in results] + [''])
     notes = [f'{TITLES.get(r.control_law, r.control_law)}: {r.reason}'
              for r in results if r.reason and r.outcome != 'done']
-    return '\n'.join([scenario.name, *_aligned(lines), *notes])
+    return '\n'.join([scenario.name, *aligned(lines), *notes])
 
 
-def _aligned(lines):
+def aligned(lines):
+    """
+    Pad cells: the first two columns to the left, the others to the right.
+
+    :param lines: lists of texts, one per line, the first of them titles.
+    :return: lines of text, and a rule below the first.
+    """
+    """
+    Pad cells: the first two columns to the left, the others to the right.
+
+    :param lines: lists of texts, one per line, the first of them titles.
+    :return: lines of text, and a rule below the first.
+    """
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
     for number, line in enumerate(lines):
         cells = [cell.ljust(width) if column < 2 else cell.rjust(width)

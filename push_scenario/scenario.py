@@ -11,28 +11,12 @@ from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.quantity import check, quantity
 from push_planner.problem import PlannerSettings, PlanningFailed
 from push_planner.sites import choose_site
+from push_scenario.placement import Placement
+from push_scenario.task import Task
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 
 OUTCOMES = ('reached', 'refused')
-
-
-@dataclasses.dataclass(frozen=True)
-class Placement:
-    """A pose in the plane."""
-
-    x: float = quantity('position, x', 'm', default=0.0)
-    y: float = quantity('position, y', 'm', default=0.0)
-    theta: float = quantity('orientation', 'rad', default=0.0)
-
-    def __post_init__(self):
-        """Validate the fields."""
-        check(self)
-
-    @property
-    def pose(self):
-        """The same as a ``Pose``."""
-        return Pose(self.x, self.y, self.theta)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,10 +91,11 @@ class Bounds:
 @dataclasses.dataclass(frozen=True)
 class Scenario:
     """
-    One push: beliefs, truth, task and what is expected of it.
+    One push or one task: beliefs, truth, goal and what is expected of it.
 
-    ``object`` and ``robot`` are what planner and controller believe; ``truth`` and
-    ``robot_truth`` are what only the plant knows.
+    With ``task`` the robot may start anywhere, and pushes as often as it takes. ``object`` and
+    ``robot`` are what planner and controller believe; ``truth`` and ``robot_truth`` are what only
+    the plant knows.
     """
 
     name: str = quantity('short name, that of the file')
@@ -125,6 +110,7 @@ class Scenario:
     control: ControlSettings = dataclasses.field(default_factory=ControlSettings)
     sensors: SensorSettings = dataclasses.field(default_factory=SensorSettings)
     simulation: SimulationSettings = dataclasses.field(default_factory=SimulationSettings)
+    task: Task | None = None
     bounds: Bounds = dataclasses.field(default_factory=Bounds)
     time_limit: float = quantity('simulated time after which the run is given up', 's', above=0.0,
                                  high=3600.0, default=120.0)
@@ -144,6 +130,12 @@ class Scenario:
         if gap < -1e-6:
             raise ValueError(f'Scenario.start: got a robot that overlaps the object by {-gap:g} m,'
                              ' expected one beside it')
+
+    @property
+    def final_goal(self):
+        """``Pose`` wanted for the object in the end."""
+        later = self.task.goals if self.task is not None else ()
+        return (later[-1].goal if later else self.goal).pose
 
     @functools.cached_property
     def robot_start(self):

@@ -1,7 +1,8 @@
-"""Friction that changes with time: patches of wet floor, a foot that catches."""
+"""What disturbs a push: friction that changes with time, somebody who shoves the object."""
 
 import dataclasses
 
+from push_model.geometry import Pose
 from push_model.quantity import check, quantity
 
 ALL = -1
@@ -22,6 +23,25 @@ class FrictionChange:
         if self.end <= self.start:
             raise ValueError(f'FrictionChange.end: got {self.end:g} s, expected a time after the '
                              f'start, {self.start:g} s')
+
+
+@dataclasses.dataclass(frozen=True)
+class Shove:
+    """Somebody puts the object elsewhere, at once; it is at rest afterwards."""
+
+    time: float = quantity('when', 's', 0.0)
+    x: float = quantity('how far along the x axis that the object has before', 'm', default=0.0)
+    y: float = quantity('how far along its y axis', 'm', default=0.0)
+    theta: float = quantity('by how much it is turned', 'rad', default=0.0)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+
+    @property
+    def displacement(self):
+        """``Pose`` of the object afterwards, relative to the one before."""
+        return Pose(self.x, self.y, self.theta)
 
 
 def friction_factors(changes, time, count):

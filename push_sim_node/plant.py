@@ -58,6 +58,21 @@ class Plant:
         self._supports = sequence(support_rows(self.obj, self._capacities, factors))
         self._forget_acceleration()
 
+    def put_object(self, pose):
+        """
+        Put the object elsewhere, at rest, as a hand would; the robot goes on.
+
+        :param pose: ``Pose`` of the object frame in the world.
+        :raises ValueError: where it is not finite or the robot is in the way.
+        """
+        pose = Pose(*pose)
+        robot_pose = self.robot_pose
+        if placed(self.obj, self.robot, pose, robot_pose) != robot_pose:
+            raise ValueError(f'pose: got {tuple(pose)}, expected one beside the robot')
+        state = start_state(self.obj, pose, robot_pose)
+        for i in range(at.X, at.P_X):
+            self._state[i] = state[i]
+
     def advance(self, duration, command=STOP):
         """
         Let time pass while one command stands.

@@ -1,20 +1,18 @@
 """Plant and sensors in simulated time: one measurement after the other, and commands between."""
 
-import dataclasses
 import heapq
 import math
 
 import numpy as np
 
 from push_model.geometry import Pose
-from push_model.quantity import check, quantity
 from push_model.signals import STOP, Twist
 from push_sim_node import layout
 from push_sim_node.actuation import limited
-from push_sim_node.disturbance import change_times, friction_factors, FrictionChange
-from push_sim_node.floor import FloorPatch
+from push_sim_node.disturbance import change_times, friction_factors
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
+from push_sim_node.settings import SimulationSettings
 from push_sim_node.truth import Energy
 
 COLUMNS = ('time',
@@ -27,31 +25,6 @@ NANOSECONDS = 1_000_000_000
 MEASURE_POSE, DELIVER_POSE, ODOMETRY = range(3)
 
 
-@dataclasses.dataclass(frozen=True)
-class SimulationSettings:
-    """How the plant is simulated, and what disturbs it."""
-
-    step: float = quantity('longest step of the plant', 's', above=0.0, high=0.05, default=2e-3)
-    friction_smoothing: float = quantity('speed below which support friction turns viscous',
-                                         'm/s', above=0.0, high=1e-2, default=1e-5)
-    command_timeout: float = quantity('simulated time without a command after which the robot '
-                                      'stops', 's', above=0.0, high=60.0, default=0.5)
-    seed: int = quantity('seed of all random errors', '', 0, default=0)
-    friction_changes: tuple[FrictionChange, ...] = quantity('spells of other support friction',
-                                                            default=())
-    floor_patches: tuple[FloorPatch, ...] = quantity('places of other support friction',
-                                                     default=())
-
-    def __post_init__(self):
-        """Validate the fields."""
-        check(self)
-        for name, kind in (('friction_changes', FrictionChange), ('floor_patches', FloorPatch)):
-            for item in getattr(self, name):
-                if not isinstance(item, kind):
-                    raise ValueError(f'SimulationSettings.{name}: got {item!r}, expected a '
-                                     f'{kind.__name__}')
-
-
 class Simulation:
     """
     Simulated time, in steps from one measurement to the next.
@@ -59,7 +32,8 @@ class Simulation:
     Times are whole nanoseconds inside. At time 0 the first object pose and then the first
     odometry are delivered, without latency or loss: the object has stood still before. Of
     measurements that are due together, object poses come first. The robot stops when no command
-    has come for ``command_timeout``.
+    has come for ``command_timeout``. Where the robot is in the way of a shove, time cannot go on:
+    a ``ValueError`` says so.
 
     ``tape`` has a row in the order of ``columns`` for every odometry time, SI units, before the
     command that answers it. ``object_v`` is in world axes, ``robot_v`` and ``command`` in the
@@ -101,6 +75,7 @@ class Simulation:
         self._now, self._deadline, self._command = 0, 0, STOP
         self._events, self._count = [], 0
         self._changes = [_nanoseconds(t) for t in change_times(settings.friction_changes)]
+        self._shoves = sorted(settings.shoves, key=lambda shove: shove.time)
         self.tape = []
         self._apply_friction()
         self._schedule(0, MEASURE_POSE, 0)
@@ -165,12 +140,15 @@ class Simulation:
     def _advance_to(self, time):
         while self._now < time:
             driven = self._now < self._deadline
-            until = min([time] + self._changes[:1] + ([self._deadline] if driven else []))
+            shoves = [max(self._now, _nanoseconds(shove.time)) for shove in self._shoves[:1]]
+            until = min([time] + self._changes[:1] + shoves + ([self._deadline] if driven else []))
             if until > self._now:
                 self.plant.advance((until - self._now) / NANOSECONDS,
                                    self._command if driven else STOP)
             self._now = until
             self._apply_friction()
+            if shoves and until == shoves[0]:
+                self._shove(self._shoves.pop(0))
 
     def _apply_friction(self):
         begun = False
@@ -180,6 +158,12 @@ class Simulation:
         if begun or self._now == 0:
             self.plant.set_friction_factors(friction_factors(
                 self.settings.friction_changes, self.time, len(self.obj.supports)))
+
+    def _shove(self, shove):
+        try:
+            self.plant.put_object(self.plant.object_pose @ shove.displacement)
+        except ValueError as error:
+            raise ValueError(f'SimulationSettings.shoves: at {self.time:g} s {error}') from error
 
     def _row(self):
         truth = self.truth

@@ -9,10 +9,13 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 GENERATED = {'.git', '.venv', '.pytest_cache', '__pycache__', 'build', 'install', 'log', 'out'}
-MODEL_USERS = {'push_planner', 'push_control', 'push_sim_node'}
+MODEL_USERS = {'push_drive', 'push_planner', 'push_control', 'push_sim_node'}
 MAY_IMPORT = {
     'push_model': set(),
-    **{package: {'push_model'} for package in MODEL_USERS},
+    'push_drive': {'push_model'},
+    'push_planner': {'push_model', 'push_drive'},
+    'push_control': {'push_model', 'push_drive'},
+    'push_sim_node': {'push_model'},
     'push_scenario': {'push_model', *MODEL_USERS},
     'push_study': {'push_model', 'push_scenario', *MODEL_USERS},
     'push_ros': {'push_model', 'push_scenario', *MODEL_USERS},

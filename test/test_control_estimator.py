@@ -61,7 +61,12 @@ def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latenc
 
 
 def test_the_friction_centre_is_found():
-    """Unequal feet move it by centimetres; three quarters of that are found in six metres."""
+    """
+    Unequal feet move it by centimetres; in six metres it is found across the push.
+
+    Along the push neither it nor c^2 can be told from the other: what a push tells is the
+    wheelbase that both come to.
+    """
     for friction in ((0.2, 0.3, 0.4, 0.3), (0.3, 0.2, 0.3, 0.4), (0.4, 0.35, 0.25, 0.2)):
         obj = box(foot=0.18, friction=friction)
         _, history = simulate(obj, seed=3)
@@ -71,7 +76,8 @@ def test_the_friction_centre_is_found():
         aside = np.array((-along[1], along[0]))
         error = np.array(found.center) - np.array(true.center)
         assert abs(error @ aside) < 0.004
-        assert np.hypot(*error) < 0.5 * np.hypot(*true.center)
+        seen = vehicle(BELIEVED, VERTEX.point, found.center).turning(math.exp(found.q))
+        assert seen.wheelbase == pytest.approx(vehicle(obj, VERTEX.point).wheelbase, rel=0.03)
 
 
 def test_the_estimate_is_not_biased_where_the_belief_is_right():
@@ -82,7 +88,7 @@ def test_the_estimate_is_not_biased_where_the_belief_is_right():
         errors += [np.array(found) - np.array(true) for _, true, found in history[250::100]]
     errors = np.array(errors)
     assert np.abs(errors.mean(axis=0)[:4]).max() < 2e-3
-    assert np.abs(errors.mean(axis=0)[4:]).max() < 3e-3
+    assert np.abs(errors.mean(axis=0)[4:]).max() < 4e-3
     assert errors.std(axis=0)[:2].max() < 2e-3
     assert errors.std(axis=0)[2:4].max() < 8e-3
 
@@ -165,14 +171,14 @@ def test_motion_follows_the_rolling_rule(site, obj):
 def test_the_jacobian_is_that_of_the_motion():
     """Against central differences of one short step, at a vertex."""
     motion = PushMotion(0.17, VERTEX, SupportTable(BELIEVED, VERTEX.point))
-    belief = np.array((0.1, 0.2, 0.7, 0.72 + math.pi / 4, 0.01, -0.02))
+    belief = np.array((0.1, 0.2, 0.7, 0.72 + math.pi / 4, 0.01, -0.02, 0.3))
     twist, duration, h = Twist(0.15, 0.0, 0.1), 1e-4, 1e-5
     found, way = motion.jacobian(Belief(*belief), twist, duration)
     columns = [(np.array(motion.moved(Belief(*(belief + h * e)), twist, duration))
                 - np.array(motion.moved(Belief(*(belief - h * e)), twist, duration))) / (2 * h)
-               for e in np.eye(6)]
-    rates = (np.array(columns).T - np.eye(6)) / duration
-    assert (found - np.eye(6)) / duration == pytest.approx(rates, abs=0.02)
+               for e in np.eye(7)]
+    rates = (np.array(columns).T - np.eye(7)) / duration
+    assert (found - np.eye(7)) / duration == pytest.approx(rates, abs=0.02)
     assert way == pytest.approx(duration * math.hypot(0.15, 0.17 * 0.1), rel=0.2)
 
 

@@ -56,7 +56,7 @@ def test_trailing_limits_are_where_a_steady_turn_leaves_the_cone(lead, curvature
     obj = box(foot=0.18)
     robot_radius, flat = 0.17, vehicle(obj, CORNER)
     supports = SupportTable(obj, CORNER)
-    alpha = supports.push_angle(flat.arm, curvature)
+    alpha = supports.push_angle(flat, curvature)
 
     def rate(_, zeta):
         command = differential_command(1.0, alpha - zeta[0], lead, robot_radius)
@@ -81,7 +81,7 @@ def test_held_limits_are_where_the_force_leaves_the_cone(tilt):
     limits = held_limits(supports, flat, flat.angle + tilt, cone)
     assert limits.low < limits.high
     for curvature, side in ((limits.low, 1.0), (limits.high, -1.0)):
-        alpha = supports.push_angle(flat.arm, curvature)
+        alpha = supports.push_angle(flat, curvature)
         v = 1e-3 * math.cos(flat.angle + alpha), 1e-3 * math.sin(flat.angle + alpha)
         omega = turning_rate(obj, FACE, *v)
         state = (0, 0, 0, omega, flat.angle + tilt, *FACE)
@@ -107,7 +107,7 @@ def test_the_table_turns_as_the_supports_do(obj, point, alpha):
     turned = -flat.arm * math.sin(alpha) / (table.mean_square(alpha) + flat.arm ** 2)
     assert turned == pytest.approx(omega, rel=0.01)
     curvature = omega / math.cos(alpha)
-    assert table.push_angle(flat.arm, curvature) == pytest.approx(alpha, abs=0.01)
+    assert table.push_angle(flat, curvature) == pytest.approx(alpha, abs=0.01)
 
 
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])

@@ -1,11 +1,11 @@
-"""Support friction that changes with time."""
+"""Support friction that changes with time, and an object that is shoved."""
 
 import numpy as np
 from objects import box
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
-from push_sim_node.disturbance import change_times, friction_factors, FrictionChange
+from push_sim_node.disturbance import change_times, friction_factors, FrictionChange, Shove
 from push_sim_node.simulation import COLUMNS, Simulation, SimulationSettings
 import pytest
 
@@ -59,3 +59,36 @@ def test_malformed_friction_changes_are_refused():
         pushed([FrictionChange(0.0, 1.0, 0.5, 4)])
     with pytest.raises(ValueError, match='friction_changes'):
         SimulationSettings(friction_changes=[1.0])
+
+
+def shoved(shoves, robot=Pose(-1.0, 0.0, 0.0)):
+    """Return a simulation of a box that somebody shoves while the robot stands."""
+    return Simulation(box(), RoundRobot(0.17), Pose(1.0, 2.0, 0.5), robot,
+                      SimulationSettings(shoves=shoves))
+
+
+def test_shoves_are_displacements_in_the_frame_of_the_object():
+    """Whatever their order in the list, at their times, one after the other, and again."""
+    one, two = Shove(0.3, 0.2, -0.1, 0.4), Shove(0.6, 0.0, 0.3, -1.0)
+    sim = shoved((two, one))
+    ends = (Pose(1.0, 2.0, 0.5) @ one.displacement,
+            Pose(1.0, 2.0, 0.5) @ one.displacement @ two.displacement)
+    for _ in range(2):
+        while sim.time < 0.9:
+            sim.next()
+            pose = sim.truth.object_pose
+            if sim.time < 0.3:
+                assert pose == pytest.approx((1.0, 2.0, 0.5), abs=1e-12)
+            else:
+                assert pose == pytest.approx(ends[sim.time >= 0.6], abs=1e-12)
+        assert sim.truth.object_twist == (0.0, 0.0, 0.0)
+        sim.reset()
+
+
+def test_a_shove_into_the_robot_is_refused_by_name():
+    sim = shoved((Shove(0.5, -1.0),), Pose(1.0, 2.0, 0.5) @ Pose(-1.0, 0.1, 0.0))
+    with pytest.raises(ValueError, match='shoves: at 0.5 s'):
+        while sim.time < 1.0:
+            sim.next()
+    with pytest.raises(ValueError, match='shoves'):
+        SimulationSettings(shoves=[0.5])

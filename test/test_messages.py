@@ -196,7 +196,7 @@ def test_a_malformed_plan_is_refused(spoil, text):
 def test_the_path_is_the_way_of_the_object():
     """One pose per sample, in the frame of the path."""
     plan = trajectory()
-    path = to_path_message(plan, to_stamp(1.0), 'odom')
+    path = to_path_message(plan.object_poses, to_stamp(1.0), 'odom')
     assert [(p.pose.position.x, p.pose.position.y) for p in path.poses] \
         == [tuple(row[:2]) for row in plan.object_poses.tolist()]
     assert {p.header.frame_id for p in path.poses} == {'odom'} == {path.header.frame_id}

@@ -6,7 +6,9 @@ import math
 from objects import bin_, box
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
+from push_planner import solver
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
+from push_planner.refinement import refine
 from push_planner.solver import plan
 from push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, round_problem, vertex_problem
 import pytest
@@ -117,3 +119,20 @@ def test_a_bin_has_no_vertices():
     assert problem.contact.kind == 'round'
     assert problem.normal == pytest.approx(math.pi / 2)
     assert problem.normal_offset == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize('spoilt', [
+    lambda rollout: rollout._replace(ways=rollout.ways[::-1]),
+    lambda rollout: rollout._replace(ways=-rollout.ways),
+    lambda rollout: rollout._replace(squares=rollout.squares * math.nan),
+    lambda rollout: rollout._replace(samples=rollout.samples * math.inf)],
+    ids=['back', 'backwards', 'no speed', 'infinite'])
+def test_an_integration_that_breaks_down_is_no_plan(monkeypatch, spoilt):
+    """Refinement may run away; that is refused with a reason, not raised as another error."""
+    def astray(*arguments):
+        rollout, way = refine(*arguments)
+        return rollout and spoilt(rollout), way
+
+    monkeypatch.setattr(solver, 'refine', astray)
+    with pytest.raises(PlanningFailed, match='the fine integration broke down'):
+        plan(vertex_problem(AHEAD))

@@ -8,6 +8,9 @@ from push_scenario.reader import find_scenario, read_scenario
 from push_sim_node.disturbance import FrictionChange
 import pytest
 
+# How far the truth may be off the estimate at the end of a push: 95 of 100 are nearer [m].
+ESTIMATE = 0.008
+
 
 def astray(law, limit):
     """Let one foot catch shortly before the goal, with no further approach of its own."""
@@ -28,5 +31,7 @@ def test_a_new_plan_brings_a_push_that_went_astray_to_its_goal(law):
     assert helped.tape['time'][-1] > alone.tape['time'][-1] + 10.0
     goal = helped.scenario.goal
     last = {name: helped.tape[f'object_{name}'][-1] for name in ('x', 'y', 'theta')}
-    assert math.dist((last['x'], last['y']), (goal.x, goal.y)) < 0.02
+    # It is the estimate that is within the tolerance.
+    off = math.dist((last['x'], last['y']), (goal.x, goal.y))
+    assert off < helped.scenario.control.position_tolerance + ESTIMATE
     assert abs(math.remainder(last['theta'] - goal.theta, 2.0 * math.pi)) < math.radians(3.0)

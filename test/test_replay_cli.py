@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+import re
 import signal
 import subprocess
 import sys
@@ -100,10 +101,10 @@ def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
     assert replay(tmp_path, 'straight_push', *laws, '--no-pictures') == 1
 
 
-def test_demo_compares_three_laws_and_leaves_picture_and_animation(tmp_path, capsys):
+def test_demo_takes_several_pushes_and_leaves_picture_and_animation(tmp_path, capsys):
     assert replay(tmp_path, '--demo') == 0
-    header = capsys.readouterr().out.splitlines()[1]
-    assert header.split() == ['open', 'loop', 'feedback', 'mpc', 'bound']
+    table = capsys.readouterr().out
+    assert int(re.search(r'^pushes +(\d+)', table, re.MULTILINE)[1]) >= 2
     with Image.open(tmp_path / 'out' / 'demo.png') as picture:
         assert picture.format == 'PNG' and min(picture.size) > 700
         assert len(picture.convert('RGB').getcolors(1 << 24)) > 100

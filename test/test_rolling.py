@@ -4,12 +4,18 @@ import dataclasses
 import math
 
 import numpy as np
-from objects import box
+from objects import bin_, box
 from push_control.feedback import staying_limits
+from push_control.observation import Observation
 from push_control.rolling import centred_turn
 from push_control.settings import ControlSettings
 from push_control.site import Site
+from push_control.supports import SupportTable
+from push_control.tracking import Tracking
+from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
 from push_model.quasi_static import vehicle
+from push_model.signals import ObjectPose, Odometry, Twist
 import pytest
 from test_control_controller import GOOD_HEADING, GOOD_POSITION, held_case, run
 
@@ -71,6 +77,41 @@ def test_a_steady_turn_at_the_limit_keeps_the_normal_on_the_vertex():
     for curvature in limits:
         rest = lead - (flat.wheelbase + 0.17) * curvature
         assert room[0] < rest < room[1] and min(rest - room[0], room[1] - rest) < 0.03
+
+
+def spun(site, speed, spin, duration=3.0, step=0.01):
+    """
+    Push at a speed through the centre, which does not turn the object, and spin meanwhile.
+
+    Yields observations of the object at rest at first in the origin, and of the robot.
+    """
+    x = y = 0.0
+    for k in range(round(duration / step) + 1):
+        phi = site.heading + spin * k * step
+        c_x, c_y, normal = site.at(phi)
+        share = speed / math.hypot(c_x, c_y)
+        v_x = -share * c_x + spin * site.robot_radius * math.sin(normal)
+        v_y = -share * c_y - spin * site.robot_radius * math.cos(normal)
+        pose = Pose(x, y, 0.0)
+        robot = Pose(*site.robot_center(pose, phi), phi)
+        twist = Twist(*robot.inverse().rotate((v_x, v_y)), spin)
+        time = k * step
+        yield Observation(time, Odometry(time, robot, twist), ObjectPose(time, pose))
+        x, y = x - step * share * c_x, y - step * share * c_y
+
+
+@pytest.mark.parametrize('spin', [-0.4, 0.0, 0.4])
+@pytest.mark.parametrize('kind', ['vertex', 'face', 'round'])
+def test_the_way_counted_is_that_of_the_contact(kind, spin):
+    """However far a free base spins meanwhile, and so rolls its contact."""
+    site, obj = SITES[kind], bin_() if kind == 'round' else box()
+    observations = spun(site, 0.1, spin)
+    tracking = Tracking(RoundRobot(radius=0.17, drive='holonomic'), site,
+                        SupportTable(obj, site.point), ControlSettings(), (0.0, 0.0),
+                        next(observations))
+    for observation in observations:
+        assert not tracking.observe(observation)
+    assert tracking.way == pytest.approx(0.1 * 3.0, rel=0.01)
 
 
 @pytest.mark.parametrize('kind', ['face', 'vertex', 'round'])

@@ -45,11 +45,14 @@ def test_every_scenario_survives_being_written_and_read(name):
 
 
 @pytest.mark.parametrize('name', scenario_names())
-def test_every_scenario_starts_with_the_robot_at_the_object(name):
+def test_every_push_starts_with_the_robot_at_the_object_and_every_task_away(name):
     scenario = read_scenario(find_scenario(name))
     _, _, gap = find_contact(scenario.truth, scenario.start.object.pose, scenario.robot_start,
                              scenario.robot.radius)
-    assert 0.0 - 1e-9 <= gap <= scenario.planner.contact_tolerance
+    if scenario.task is None:
+        assert 0.0 - 1e-9 <= gap <= scenario.planner.contact_tolerance
+    else:
+        assert gap > scenario.task.drive.clearance
 
 
 def test_the_named_scenarios_are_there():

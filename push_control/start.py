@@ -1,0 +1,51 @@
+"""Where robot and contact are at the start of a plan, and whether the robot stands there."""
+
+import math
+
+from push_model.geometry import distance, Pose, wrap_angle
+
+
+def robot_at_start(target, pose):
+    """
+    Place the robot for a push of an object that stands elsewhere than planned.
+
+    :param target: the ``PushTrajectory``.
+    :param pose: ``Pose`` of the object.
+    :return: ``Pose`` of the robot.
+    """
+    planned = Pose(*target.object_poses[0].tolist())
+    return pose @ planned.inverse() @ Pose(*target.robot_poses[0].tolist())
+
+
+def contact_at_start(target):
+    """
+    Find where a push begins on the object.
+
+    :param target: the ``PushTrajectory``.
+    :return: contact in the object frame (x, y) [m].
+    """
+    planned = Pose(*target.object_poses[0].tolist())
+    return planned.inverse().transform(target.contact_poses[0][:2].tolist())
+
+
+def misplaced(robot, settings, target, observation):
+    """
+    Say how far the robot stands from the start of a plan, and where it should.
+
+    :param robot: the ``RoundRobot``.
+    :param settings: ``ControlSettings``.
+    :param target: the ``PushTrajectory``.
+    :param observation: ``Observation``.
+    :return: the reason why it cannot push so, or an empty text.
+    """
+    if observation.object_pose is None:
+        return ''
+    pose, place = observation.object_pose.pose, observation.odometry.pose
+    meant = robot_at_start(target, pose)
+    away, turn = distance(meant, place), wrap_angle(place.theta - meant.theta)
+    aside = robot.radius * abs(turn) if robot.drive == 'differential' else 0.0
+    if max(away, aside) <= settings.placement_tolerance:
+        return ''
+    return (f'the robot is not where the plan starts, but {away:.3f} m away and turned by '
+            f'{math.degrees(turn):.1f} deg: it must stand at {meant.x:.3f} m, {meant.y:.3f} m, '
+            f'{wrap_angle(meant.theta):.3f} rad')

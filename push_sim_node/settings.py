@@ -1,0 +1,35 @@
+"""How the plant is simulated."""
+
+import dataclasses
+
+from push_model.quantity import check, quantity
+from push_sim_node.disturbance import FrictionChange, Shove
+from push_sim_node.floor import FloorPatch
+
+
+@dataclasses.dataclass(frozen=True)
+class SimulationSettings:
+    """How the plant is simulated, and what disturbs it."""
+
+    step: float = quantity('longest step of the plant', 's', above=0.0, high=0.05, default=2e-3)
+    friction_smoothing: float = quantity('speed below which support friction turns viscous',
+                                         'm/s', above=0.0, high=1e-2, default=1e-5)
+    command_timeout: float = quantity('simulated time without a command after which the robot '
+                                      'stops', 's', above=0.0, high=60.0, default=0.5)
+    seed: int = quantity('seed of all random errors', '', 0, default=0)
+    friction_changes: tuple[FrictionChange, ...] = quantity('spells of other support friction',
+                                                            default=())
+    floor_patches: tuple[FloorPatch, ...] = quantity('places of other support friction',
+                                                     default=())
+    shoves: tuple[Shove, ...] = quantity('moves of the object by another than the robot',
+                                         default=())
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        for name, kind in (('friction_changes', FrictionChange), ('floor_patches', FloorPatch),
+                           ('shoves', Shove)):
+            for item in getattr(self, name):
+                if not isinstance(item, kind):
+                    raise ValueError(f'SimulationSettings.{name}: got {item!r}, expected a '
+                                     f'{kind.__name__}')
