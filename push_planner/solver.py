@@ -17,6 +17,8 @@ ROUTES = 12
 RELAXED = 4
 NEARLY_BEST = 1.1
 ALIKE = 1.0
+# Of a way [m].
+ROUNDING = 1e-9
 
 
 class _Attempts(list):
@@ -157,7 +159,8 @@ def _solve(problem, route, attempts, relaxed, finer=False):
 def _goes_on(rollout):
     """Whether all of a rollout is finite, and its way never goes back."""
     steps = np.diff(rollout.ways)
-    return (np.isfinite(rollout.samples).all() and (steps >= 0.0).all() and rollout.ways[-1] > 0.0
+    return (np.isfinite(rollout.samples).all() and (steps > -ROUNDING).all()
+            and rollout.ways[-1] > 0.0
             and (rollout.squares >= 0.0).all())
 
 
