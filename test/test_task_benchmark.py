@@ -11,7 +11,7 @@ from push_planner.sites import choose_site
 from push_problems import HOLONOMIC
 import pytest
 from tasks_bound import contact_way, gap, least_time
-from tasks_cases import draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
+from tasks_cases import ALONE, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
 from tasks_groups import faults_of, grouped, kind
 from tasks_hand import Hand, MOVES
 from tasks_maps import draw_floor, MAPS, object_room, robot_room, to_rectangles
@@ -103,7 +103,8 @@ def test_a_task_is_drawn_from_its_seed_alone(part):
         assert math.dist(case.scenario.robot_start[:2], case.scenario.start.object.pose[:2]) <= 2.0
         assert 0.0 < least_time(case.scenario) < case.scenario.time_limit
     assert len(drawn) == 3 * len(KINDS[part])
-    assert len({case.variety for case in drawn.values()}) == {OPEN: 1, IN_MAPS: 3}.get(part, 2)
+    varieties = {OPEN: 1, ALONE: 1, IN_MAPS: 3, DISTURBED: 2}
+    assert len({case.variety for case in drawn.values()}) == varieties[part]
 
 
 def test_the_first_tasks_do_not_depend_on_how_many_there_are():
