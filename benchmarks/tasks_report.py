@@ -134,7 +134,7 @@ def picture(path, jobs, records):
         pushes.plot(np.cumsum(counts) / len(group.tasks), 'o-', color=COLOURS[group.part],
                     label=group.part)
     pushes.set(xlabel='pushes', ylabel='share of the tasks done with so many', ylim=(0.0, 1.01))
-    for axis, corner in ((times, 'lower right'), (pushes, 'lower right')):
+    for axis in (times, pushes):
         axis.grid(alpha=0.3)
-        axis.legend(fontsize=8, loc=corner)
+        axis.legend(fontsize=8, loc='lower right')
     figure.savefig(path, dpi=110)
