@@ -26,7 +26,7 @@ test: .venv/installed ## all tests, on all cores; ARGS="-k contact" for some
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
 
 lint: .venv/installed ## the style checks alone
-	$(BIN)/python -m pytest -q test/test_style.py test/test_architecture.py
+	$(BIN)/python -m pytest -q test/architecture
 
 lock: ## pin what requirements.in asks for; needs Python 3.10
 	rm -rf build/lock
@@ -48,6 +48,6 @@ clean: ## remove everything made here
 	@touch $@
 
 # Editable: what runs is the source tree, so only packaging changes need a new installation.
-.venv/installed: .venv/requirements setup.py setup.cfg package.xml $(wildcard push_*/__init__.py)
+.venv/installed: .venv/requirements setup.py setup.cfg package.xml $(wildcard push_*/__init__.py push_*/*/__init__.py push_*/*/*/__init__.py)
 	$(PIP_INSTALL) --no-deps --no-build-isolation --editable .
 	@touch $@

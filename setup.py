@@ -50,7 +50,7 @@ setup(
             'controller = push_control.controller_node:main',
             'planner = push_planner.planner_node:main',
             'push-study = push_study.cli:main',
-            'replay = push_scenario.replay:main',
+            'replay = push_scenario.cli:main',
             'sim = push_sim_node.sim_node:main',
             'study = push_study.cli:main',
         ],

@@ -3,20 +3,22 @@
 import sys
 
 from push_control.observation import Observation
+from push_control.ros.single_push import SinglePush
+from push_control.ros.task import SupervisedTask
 from push_control.settings import ControlSettings
-from push_control.supervision import SupervisionSettings
-from push_drive.settings import DriveSettings
+from push_control.task.settings import SupervisionSettings
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP
+from push_navigation.settings import DriveSettings
+from push_ros.conversions.measurements import (
+    from_object_pose_message, from_odometry_message, to_command_message,
+)
+from push_ros.conversions.primitives import MessageRefused, nanoseconds
 from push_ros.diagnostics import ERROR, OK, WARN
-from push_ros.elements import MessageRefused, nanoseconds
-from push_ros.interfaces import CONTROLLER
-from push_ros.messages import from_object_pose_message, from_odometry_message, to_command_message
+from push_ros.executor import run
 from push_ros.node import PushNode
-from push_ros.options import ControllerOptions, Frames
-from push_ros.run import run
-from push_ros.single_push import SinglePush
-from push_ros.supervised_task import SupervisedTask
+from push_ros.node_settings import ControllerOptions, Frames
+from push_ros.topics import CONTROLLER
 from rclpy.duration import Duration
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),

@@ -1,6 +1,9 @@
 """Coulomb friction: under the supports, and at the contact."""
 
+import dataclasses
 import math
+
+import numpy as np
 
 
 def friction_weight(capacity, v_x, v_y, smoothing):
@@ -68,3 +71,26 @@ def _total_capacity(obj):
         raise ValueError('PushedObject.supports: got friction 0 under every support, expected '
                          'friction under at least one')
     return total
+
+
+LEAST_SHARE = 0.1
+
+
+def with_friction_center(obj, center):
+    """
+    Let supports rub more on one side and less on the other, as evenly as possible.
+
+    :param obj: the ``PushedObject``.
+    :param center: friction centre wanted, object frame (x, y) [m].
+    :return: ``PushedObject`` with as much friction in all; its centre is nearer where that one
+        would take supports that pull.
+    """
+    offsets = np.array([(foot.x, foot.y) for foot in obj.supports]) - friction_center(obj)
+    capacities = np.array(obj.capacities)
+    second = offsets.T @ (capacities[:, None] * offsets) / capacities.sum()
+    tilt = offsets @ np.linalg.pinv(second, rcond=1e-9) @ (np.array(center) - friction_center(obj))
+    tilt *= min(1.0, (1.0 - LEAST_SHARE) / max(1e-12, -tilt.min()))
+    supports = tuple(
+        dataclasses.replace(foot, friction_coefficient=foot.friction_coefficient * float(share))
+        for foot, share in zip(obj.supports, 1.0 + tilt))
+    return dataclasses.replace(obj, supports=supports)

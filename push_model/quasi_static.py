@@ -3,8 +3,7 @@
 import math
 from typing import NamedTuple
 
-from push_model.friction import (ellipsoid_square, friction_center, friction_weight,
-                                 mean_square)
+from push_model.friction import ellipsoid_square, friction_center, friction_weight, mean_square
 from scipy.optimize import brentq
 
 

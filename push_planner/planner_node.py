@@ -2,22 +2,22 @@
 
 import sys
 
-from push_drive.settings import DriveSettings
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.settings import DriveSettings
 from push_planner.problem import PlannerSettings, PlanningFailed
-from push_planner.task_settings import TaskSettings
-from push_planner.under_way import plan_measured
+from push_planner.ros.sequence_planner import ChainPlanner, said
+from push_planner.settings import TaskSettings
+from push_planner.single_push.replanning import plan_measured
 from push_ros import qos
-from push_ros.chain_planner import ChainPlanner, said
+from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
+from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
+from push_ros.conversions.primitives import MessageRefused, nanoseconds
 from push_ros.diagnostics import ERROR, OK, WARN
-from push_ros.elements import MessageRefused, nanoseconds
-from push_ros.interfaces import PLANNER
-from push_ros.messages import from_object_pose_message, from_odometry_message
+from push_ros.executor import run
 from push_ros.node import PushNode
-from push_ros.options import Frames
-from push_ros.plan_messages import no_plan_message, to_path_message, to_plan_message
-from push_ros.run import run
+from push_ros.node_settings import Frames
+from push_ros.topics import PLANNER
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', PlannerSettings),
             ('drive.', DriveSettings), ('task.', TaskSettings), ('', Frames))

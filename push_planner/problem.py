@@ -10,7 +10,7 @@ from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.quasi_static import vehicle
-from push_planner.constants import Constants
+from push_planner.push_parameters import Constants
 from push_planner.settings import PlannerSettings
 
 
@@ -71,7 +71,7 @@ class PushProblem:
 
     @property
     def kind(self):
-        """How the contact goes with the robot, one of ``push_planner.constants.KINDS``."""
+        """How the contact goes with the robot, one of ``push_planner.push_parameters.KINDS``."""
         if self.robot.drive == 'differential':
             return 'differential'
         # The normal of a point robot is that of the face: it turns with the object in any case.
@@ -80,7 +80,7 @@ class PushProblem:
 
     @functools.cached_property
     def constants(self):
-        """What the equations need of it, ``push_planner.constants.Constants``."""
+        """What the equations need of it, ``push_planner.push_parameters.Constants``."""
         return Constants.of(self)
 
     @functools.cached_property

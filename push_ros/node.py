@@ -1,9 +1,9 @@
 """What the nodes share: parameters, topics by name, diagnostics, and two kinds of callbacks."""
 
 from push_ros.diagnostics import Reporter
-from push_ros.interfaces import SERVICES, TOPICS
+from push_ros.executor import take
 from push_ros.parameters import declare
-from push_ros.take import take
+from push_ros.topics import SERVICES, TOPICS
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 

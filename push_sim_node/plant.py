@@ -5,14 +5,16 @@ import math
 import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
-from push_sim_node import layout as at
-from push_sim_node.actuation import limited
-from push_sim_node.compiled import IS_COMPILED, sequence
-from push_sim_node.contact_law import nearest, surface_velocity
-from push_sim_node.encoding import (body_numbers, drive_numbers, NO_OUTLINE, object_pose_of,
-                                    object_twist_of, placed, start_state, support_rows)
-from push_sim_node.floor import floor_rows, PATCH_SIZE
-from push_sim_node.step import advance
+from push_sim_node.kernel import layout as at
+from push_sim_node.kernel.actuation import limited
+from push_sim_node.kernel.compiled import IS_COMPILED, sequence
+from push_sim_node.kernel.contact_law import nearest, surface_velocity
+from push_sim_node.kernel.encoding import (
+    body_numbers, drive_numbers, NO_OUTLINE, object_pose_of, object_twist_of, placed, start_state,
+    support_rows,
+)
+from push_sim_node.kernel.floor import floor_rows, PATCH_SIZE
+from push_sim_node.kernel.step import advance
 from push_sim_node.truth import Energy, Truth
 
 

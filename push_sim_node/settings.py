@@ -4,7 +4,7 @@ import dataclasses
 
 from push_model.quantity import check, quantity
 from push_sim_node.disturbance import FrictionChange, Shove
-from push_sim_node.floor import FloorPatch
+from push_sim_node.kernel.floor import FloorPatch
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,18 +8,19 @@ import time
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry, STOP
+from push_ros.conversions.primitives import (
+    check_frame, from_pose_message, from_twist_message, MessageRefused, nanoseconds,
+)
 from push_ros.diagnostics import ERROR, OK, WARN
-from push_ros.elements import (check_frame, from_pose_message, from_twist_message, MessageRefused,
-                               nanoseconds)
-from push_ros.interfaces import SIM
-from push_ros.lockstep import Exchange
+from push_ros.executor import run
 from push_ros.node import PushNode
-from push_ros.options import Frames, SimOptions
-from push_ros.run import run
-from push_ros.sim_outputs import SimOutputs
-from push_scenario.tape import Tape
+from push_ros.node_settings import Frames, SimOptions
+from push_ros.topics import SIM
+from push_sim_node.ros.lockstep import Exchange
+from push_sim_node.ros.outputs import SimOutputs
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation, SimulationSettings
+from push_sim_node.tape import Tape
 from rclpy.clock import Clock, ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),

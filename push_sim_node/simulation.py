@@ -4,12 +4,11 @@ import heapq
 import math
 
 import numpy as np
-
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
-from push_sim_node import layout
-from push_sim_node.actuation import limited
 from push_sim_node.disturbance import change_times, friction_factors
+from push_sim_node.kernel import layout
+from push_sim_node.kernel.actuation import limited
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 from push_sim_node.settings import SimulationSettings

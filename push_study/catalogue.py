@@ -2,17 +2,39 @@
 
 import importlib
 
-MODULES = ('sketches_model', 'sketches_rest', 'sketches_state', 'sketches_wheel', 'sketches_fence',
-           'sketches_box', 'sketches_loads',
-           'flat_object', 'friction_center_distance', 'flat_fence',
-           'round_on_round', 'rho_over_time',
-           'corner_limit', 'corner_rates', 'corner_transients', 'corner_motion',
-           'support_patterns',
-           'stable_regions',
-           'plan_sketches', 'plan_segments', 'plan_speeds', 'plan_cone',
-           'plan_raised_speed', 'plan_rolling', 'plan_radii', 'plan_drift',
-           'plan_effort', 'plan_errors_studies',
-           'control_goals', 'control_noise', 'control_spells')
+MODULES = (
+    'chapter2.sketches.model',
+    'chapter2.sketches.rest_positions',
+    'chapter2.sketches.steady_state',
+    'chapter2.sketches.wheel',
+    'chapter2.sketches.curved_fence',
+    'chapter2.sketches.box',
+    'chapter2.sketches.loads',
+    'chapter2.rolling.flat_object',
+    'chapter2.side_push.friction_center_distance',
+    'chapter2.rolling.flat_fence',
+    'chapter2.rolling.round_on_round',
+    'chapter2.rolling.rho_over_time',
+    'chapter2.corner_push.quasi_static_limit',
+    'chapter2.corner_push.rates',
+    'chapter2.corner_push.transients',
+    'chapter2.corner_push.motion',
+    'chapter2.corner_push.support_patterns',
+    'chapter2.stable_regions',
+    'chapter3.sketches',
+    'chapter3.segments',
+    'chapter3.speeds',
+    'chapter3.friction_cone',
+    'chapter3.raised_speed',
+    'chapter3.rolling',
+    'chapter3.radii',
+    'chapter3.drift',
+    'chapter3.effort',
+    'chapter3.errors.studies',
+    'chapter4.goals',
+    'chapter4.noise',
+    'chapter4.intervals',
+)
 
 
 def studies():

@@ -4,10 +4,11 @@ import argparse
 from pathlib import Path
 import sys
 
-from push_scenario.interrupts import Interrupts
-from push_study import catalogue, cli_drive, cli_regions, gallery
-from push_study.run import Runner
-from push_study.values import read_overrides, read_table, refuse_unknown, values_of
+from push_scenario.batch.interrupts import Interrupts
+from push_study import catalogue, gallery
+from push_study.framework.run import Runner
+from push_study.framework.values import read_overrides, read_table, refuse_unknown, values_of
+from push_study.maps import cli_drive, cli_regions
 from tqdm import tqdm
 
 DONE, MISUSE, INTERRUPTED = 0, 2, 130

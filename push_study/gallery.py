@@ -7,7 +7,7 @@ def page(done, folder):
     """
     Write the gallery as Markdown.
 
-    :param done: list of ``push_study.run.Done``.
+    :param done: list of ``push_study.framework.run.Done``.
     :param folder: in which the page will lie, for the links.
     :return: text.
     """

@@ -1,0 +1,1 @@
+"""Benchmarks: what README and docs state is measured here."""

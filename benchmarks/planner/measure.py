@@ -1,0 +1,82 @@
+"""One plan measured: its CPU time, where it ends when driven, its time over a bound."""
+
+import math
+import time
+from typing import NamedTuple
+
+from benchmarks.planner.check import Replay, replay
+from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
+from benchmarks.progress_bar import progress
+from push_model.geometry import distance
+from push_planner.problem import PlanningFailed
+from push_planner.single_push.planner import plan
+
+
+class Answer(NamedTuple):
+    """
+    One plan, measured.
+
+    :param problem: the ``PushProblem``.
+    :param cpu: CPU time of the plan [s].
+    :param duration: of the push [s].
+    :param bound: time that the contact's displacement takes [s].
+    :param replay: ``Replay``, or None without a plan.
+    :param fault: why it does not count as solved, or empty.
+    """
+
+    problem: object
+    cpu: float
+    duration: float = math.nan
+    bound: float = math.nan
+    replay: Replay = None
+    fault: str = ''
+
+
+def collect(items, title, work):
+    """Work on the items with a progress bar until done or stopped; return the results so far."""
+    done = []
+    try:
+        for item in progress(items, title):
+            done.append(work(item))
+    except KeyboardInterrupt:
+        print(f'\n{title}: stopped after {len(done)} of {len(items)}')
+    return done
+
+
+def measure(problem):
+    """Plan once, and drive the plan."""
+    began = time.process_time()
+    try:
+        found = plan(problem)
+    except PlanningFailed as failure:
+        return Answer(problem, time.process_time() - began, fault=str(failure))
+    cpu = time.process_time() - began
+    driven = replay(found)
+    return Answer(problem, cpu, found.trajectory.duration, displacement_bound(problem), driven,
+                  _fault(problem, driven))
+
+
+def _fault(problem, driven):
+    if not driven.position_error <= POSITION_TOLERANCE:
+        return f'ends {1e3 * driven.position_error:.1f} mm off when driven'
+    if not driven.heading_error <= HEADING_TOLERANCE:
+        return f'ends {math.degrees(driven.heading_error):.2f} deg off when driven'
+    if not driven.steepest <= problem.friction_angle:
+        return 'leaves the friction cone when driven'
+    return ''
+
+
+def displacement_bound(problem):
+    """Return the least time in which the push can get from its start to its goal [s]."""
+    settings, c = problem.settings, problem.contact_point
+    begin, speed = problem.start.transform(c), settings.pushing_speed
+    if problem.kind == 'rolling':
+        # The contact travels on the object; the robot's centre ends somewhere about the goal.
+        radius, reach = problem.robot.radius, max([problem.obj.radius, *(
+            math.hypot(*corner) for corner in problem.obj.outline)])
+        center = (begin[0] - radius * math.cos(problem.normal),
+                  begin[1] - radius * math.sin(problem.normal))
+        return max(0.0, distance(center, problem.goal) - reach - radius) / speed
+    if settings.heading_free:
+        return max(0.0, distance(begin, problem.goal) - math.hypot(*c)) / speed
+    return distance(begin, problem.goal.transform(c)) / speed

@@ -1,0 +1,185 @@
+"""Pushes that the plant and MuJoCo both make, and how far apart they end."""
+
+import dataclasses
+import math
+
+from benchmarks.plant.mujoco_scene import DEFAULT, HARD, Rival, TUNED
+from push_model.geometry import Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot, Support
+from push_model.signals import Twist
+from push_sim_node.plant import Plant
+
+ENGINES = {'default': DEFAULT, 'hard': HARD, 'tuned': TUNED}
+ORIGIN = Pose(0.0, 0.0, 0.0)
+SHIFT = 1e-4
+SAMPLES = 20
+
+
+@dataclasses.dataclass(frozen=True)
+class Push:
+    """
+    One push along x, from the object's left side.
+
+    :param kind: 'box', 'uneven box', 'three feet', 'bin' or 'table'.
+    :param mass: [kg].
+    :param friction: of the feet; of an uneven box the mean.
+    :param grip: friction between robot and object.
+    :param offset: of the robot's centre line, to the left [m].
+    :param speed: (v_x, v_y) of the robot [m/s].
+    :param spin: yaw rate of the robot [rad/s].
+    :param radius: of the robot [m].
+    :param distance: how far the robot goes [m].
+    """
+
+    kind: str
+    mass: float
+    friction: float
+    grip: float
+    offset: float
+    speed: tuple
+    spin: float = 0.0
+    radius: float = 0.17
+    distance: float = 0.6
+
+    @property
+    def object(self):
+        """The ``PushedObject``."""
+        return OBJECTS[self.kind](self.mass, self.friction, self.grip)
+
+    @property
+    def robot(self):
+        """The ``RoundRobot``: no lag, so that both engines move it the same way."""
+        return RoundRobot(self.radius, 'holonomic', 2.0, 4.0, 2.0, 10.0, 0.0)
+
+    @property
+    def command(self):
+        """``Twist`` of the robot; a spinning one drives along a wide arc."""
+        return Twist(*self.speed, self.spin)
+
+    @property
+    def duration(self):
+        """How long the push takes [s], a multiple of 10 ms."""
+        return round(self.distance / math.hypot(*self.speed), 2)
+
+    def robot_pose(self, shift=0.0):
+        """
+        Pose of the robot that touches the object at rest in the origin.
+
+        :param shift: of the robot to the left [m].
+        """
+        offset, obj = self.offset + shift, self.object
+        if obj.radius:
+            return Pose(-math.sqrt((obj.radius + self.radius) ** 2 - offset ** 2), offset, 0.0)
+        return Pose(min(x for x, _ in obj.outline) - self.radius, offset, 0.0)
+
+
+def rectangle(length, width, places, mass, frictions, grip, com=(0.0, 0.0)):
+    """Return a box-shaped object."""
+    x, y = length / 2, width / 2
+    supports = [Support(*place, mu) for place, mu in zip(places, frictions)]
+    return PushedObject(mass=mass, inertia=mass * (length ** 2 + width ** 2) / 12,
+                        supports=supports, outline=((-x, -y), (x, -y), (x, y), (-x, y)),
+                        center_of_mass=com, contact_friction_coefficient=grip)
+
+
+def corners(x, y):
+    """Return four places about the origin."""
+    return (-x, -y), (x, -y), (x, y), (-x, y)
+
+
+def bin_(mass, friction, grip):
+    """Return a round bin on three feet."""
+    angles = [2.0 * math.pi * i / 3 for i in range(3)]
+    return PushedObject(mass=mass, inertia=0.5 * mass * 0.2 ** 2, radius=0.2,
+                        supports=[Support(0.16 * math.cos(a), 0.16 * math.sin(a), friction)
+                                  for a in angles], contact_friction_coefficient=grip)
+
+
+# Three feet carry what statics says; four equal ones share evenly about a mass centre amid them.
+OBJECTS = {
+    'box': lambda m, mu, grip: rectangle(0.4, 0.4, corners(0.17, 0.17), m, 4 * [mu], grip),
+    'uneven box': lambda m, mu, grip: rectangle(
+        0.4, 0.4, corners(0.17, 0.17), m, [0.8 * mu, 1.3 * mu, 1.1 * mu, 0.8 * mu], grip),
+    'three feet': lambda m, mu, grip: rectangle(
+        0.4, 0.4, ((-0.15, -0.12), (-0.15, 0.12), (0.15, 0.0)), m, 3 * [mu], grip,
+        (-0.05, 0.0)),
+    'bin': bin_,
+    'table': lambda m, mu, grip: rectangle(0.5, 0.8, corners(0.2, 0.3), m, 4 * [mu], grip),
+}
+PUSHES = (
+    Push('box', 2.0, 0.3, 0.5, 0.0, (0.05, 0.0)),
+    Push('box', 2.0, 0.3, 0.5, 0.02, (0.05, 0.0)),
+    Push('box', 2.0, 0.3, 0.5, 0.02, (0.2, 0.0)),
+    Push('box', 2.0, 0.3, 0.5, 0.02, (0.5, 0.0)),
+    Push('box', 2.0, 0.3, 0.5, 0.02, (1.0, 0.0)),
+    Push('box', 8.0, 0.2, 0.8, -0.05, (0.1, 0.0)),
+    Push('box', 0.5, 0.5, 0.8, -0.05, (0.1, 0.02)),
+    Push('box', 2.0, 0.3, 0.8, 0.05, (0.25, 0.0), radius=0.5),
+    Push('box', 2.0, 0.3, 0.8, 0.0, (0.1, 0.0), spin=0.15),
+    Push('uneven box', 3.0, 0.3, 0.6, 0.0, (0.05, 0.0)),
+    Push('uneven box', 3.0, 0.3, 0.6, 0.02, (0.25, 0.0)),
+    Push('uneven box', 3.0, 0.3, 0.6, -0.03, (0.5, 0.05)),
+    Push('three feet', 2.0, 0.3, 0.5, 0.02, (0.05, 0.0)),
+    Push('three feet', 2.0, 0.4, 0.8, -0.04, (0.2, 0.0)),
+    Push('three feet', 5.0, 0.2, 0.8, 0.02, (1.0, 0.0)),
+    Push('bin', 3.0, 0.3, 0.5, 0.0, (0.2, 0.0)),
+    Push('bin', 3.0, 0.3, 0.5, 0.01, (0.05, 0.0), distance=0.4),
+    Push('bin', 6.0, 0.2, 0.5, -0.01, (0.5, 0.0), distance=0.4),
+    Push('table', 6.0, 0.4, 0.5, 0.03, (0.05, 0.0)),
+    Push('table', 6.0, 0.4, 0.5, -0.08, (0.2, 0.0)),
+    Push('table', 12.0, 0.25, 0.7, 0.05, (0.5, 0.0)),
+    Push('table', 6.0, 0.4, 0.7, 0.05, (1.0, 0.0), radius=0.3),
+    Push('box', 2.0, 0.3, 0.2, -0.08, (0.05, 0.05), distance=0.15),
+    Push('box', 2.0, 0.3, 0.2, -0.08, (0.2, 0.2), distance=0.15),
+    Push('three feet', 2.0, 0.3, 0.3, 0.1, (0.1, -0.1), distance=0.2),
+    Push('table', 6.0, 0.4, 0.3, -0.2, (0.05, 0.05), distance=0.25),
+    Push('table', 6.0, 0.4, 0.3, -0.2, (0.4, 0.4), distance=0.25),
+)
+
+
+def by_plant(push, shift=0.0, step=1e-3):
+    """
+    Push in the plant.
+
+    :param push: ``Push``.
+    :param shift: of the robot at the start [m].
+    :param step: longest step [s].
+    :return: poses of the object at equal times (list of ``Pose``), contact modes met (set).
+    """
+    plant = Plant(push.object, push.robot, ORIGIN, push.robot_pose(shift), step)
+    poses, modes = [], set()
+    for _ in range(SAMPLES):
+        plant.advance(push.duration / SAMPLES, push.command)
+        poses.append(plant.object_pose)
+        modes.add(plant.truth(0.0).mode)
+    return poses, modes
+
+
+def by_mujoco(push, engine):
+    """
+    Push in MuJoCo.
+
+    :param push: ``Push``.
+    :param engine: ``Engine``.
+    :return: poses of the object at the times of ``by_plant``.
+    """
+    rival = Rival(push.object, push.robot, ORIGIN, push.robot_pose(), engine)
+    edges = [round(push.duration * i / SAMPLES / engine.step) for i in range(SAMPLES + 1)]
+    poses = []
+    for begin, end in zip(edges, edges[1:]):
+        rival.advance((end - begin) * engine.step, push.command)
+        poses.append(rival.object_pose)
+    return poses
+
+
+def apart(one, other):
+    """Return distance [m] and turn [rad] between two poses."""
+    return (math.hypot(one.x - other.x, one.y - other.y),
+            abs(wrap_angle(one.theta - other.theta)))
+
+
+def sensitivity(push):
+    """Return how far the end moves per shift of the start."""
+    shifted, _ = by_plant(push, SHIFT)
+    poses, _ = by_plant(push)
+    return apart(poses[-1], shifted[-1])[0] / SHIFT

@@ -1,0 +1,141 @@
+"""What the benchmark of tasks found, as text and a picture."""
+
+from pathlib import Path
+
+from benchmarks.controller.tables import ALL, table
+from benchmarks.tasks.cases import ALONE, DISTURBED, IN_MAPS, OPEN, PARTS
+from benchmarks.tasks.groups import grouped, kind, variety
+from benchmarks.tasks.tables import (
+    effort_table, failure_table, legs_table, room_table, success_table, trouble_table,
+)
+import numpy as np
+
+TEXT = Path(__file__).with_name('tasks.md.in')
+SUCCESS_AIM, RATIO_AIM = 99.5, 0.5
+PLANNING_AIMS = (50, 0.3), (95, 1.0)
+NOT_MEASURED = 'Not measured in this run.'
+LEAST_SHOWN = 0.1
+COLOURS = dict(zip(PARTS, ('C0', 'C1', 'C2', 'C3')))
+
+
+def aim_table(pairs):
+    """
+    Write every aim beside what was measured.
+
+    :param pairs: (job, record) of all tasks.
+    """
+    rows = [row for part in PARTS if part != ALONE
+            for group in grouped(pairs, part) for row in _rows(group)] + _against_alone(pairs)
+    return table(['', 'aim', 'measured', 'met'],
+                 [(*row[:3], 'yes' if row[3] else '**no**') for row in rows])
+
+
+def _rows(group):
+    share = 100.0 * group.successes / len(group.tasks)
+    yield (f'{group.part}: success, %', f'{SUCCESS_AIM:g}',
+           f'{share:.1f} ({group.successes} of {len(group.tasks)})', share >= SUCCESS_AIM)
+    if group.part == IN_MAPS:
+        hits = sum(int((group.values(f'{body}_room', successful=False) < 0.0).sum())
+                   for body in ('robot', 'object'))
+        yield f'{group.part}: collisions', '0', str(hits), hits == 0
+    if group.part != OPEN:
+        return
+    for name, unit in (('duration', 'time'), ('way', 'way')):
+        single = 'single' if name == 'duration' else 'single_way'
+        value = _median(group.ratios(name, single))
+        yield (f'{group.part}: {unit} over that of the best single push, median',
+               f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM)
+    for percent, aim in PLANNING_AIMS:
+        value = np.percentile(group.planning, percent) if len(group.planning) else np.nan
+        yield (f'{group.part}: planning, CPU s, ' + ('median' if percent == 50 else f'p{percent}'),
+               f'{aim:g}', f'{value:.2f}', value <= aim)
+    below = int((group.ratios('duration', 'least') < 1.0).sum())
+    yield f'{group.part}: tasks quicker than the bound', '0', str(below), below == 0
+
+
+def _against_alone(pairs):
+    """Compare with the same tasks done with single pushes only, where both succeed."""
+    alone = {(job['kind'], job['seed']): record for job, record in pairs if job['part'] == ALONE}
+    both = [(record, alone[job['kind'], job['seed']]) for job, record in pairs
+            if job['part'] == OPEN and (job['kind'], job['seed']) in alone]
+    done = [(record, other) for record, other in both
+            if record['success'] and other['success']]
+    if not done:
+        return []
+    rows = []
+    for name, unit in (('duration', 'time'), ('way', 'way')):
+        value = _median([record[name] / other[name] for record, other in done])
+        rows.append((f'{OPEN}: {unit} over that with single pushes only, as driven, median of '
+                     f'{len(done)}', f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM))
+    return rows
+
+
+def _median(values):
+    return float(np.median(values)) if len(values) else np.nan
+
+
+def text(jobs, records):
+    """
+    Fill the template.
+
+    :param jobs: dicts of ``part``, ``kind`` and ``seed``.
+    :param records: what ``tasks_run.run`` gave for them.
+    """
+    pairs, filled = list(zip(jobs, records)), TEXT.read_text(encoding='utf-8')
+    kinds = grouped(pairs, OPEN, kind)
+    mapped, moved = (grouped(pairs, part, variety) for part in (IN_MAPS, DISTURBED))
+    moved += grouped(pairs, DISTURBED, _moved)[1:]
+    alone = grouped(pairs, ALONE)
+    everything = [group for part in PARTS for group in grouped(pairs, part)]
+    for name, value in (
+            ('COUNTS', ', '.join(f'{len(group.tasks)} {group.part}' for group in everything)),
+            ('AIMS', aim_table(pairs)),
+            ('OPEN', success_table(kinds) if kinds else NOT_MEASURED),
+            ('EFFORT', effort_table(kinds) if kinds else NOT_MEASURED),
+            ('LEGS', legs_table(everything)),
+            ('MAPS', success_table(mapped) if mapped else NOT_MEASURED),
+            ('ROOM', room_table(mapped) if mapped else NOT_MEASURED),
+            ('DISTURBED', success_table(moved) if moved else NOT_MEASURED),
+            ('ALONE', success_table(alone) if alone else NOT_MEASURED),
+            ('FAILURES', failure_table(pairs)), ('TROUBLES', trouble_table(pairs))):
+        filled = filled.replace(f'@{name}@', value)
+    return filled
+
+
+def _moved(_, record):
+    state = record.get('moved_in', '')
+    return f'while it was in: {state}' if state else 'after the end'
+
+
+def picture(path, jobs, records):
+    """
+    Draw times over those of one push and over the bound, and how many pushes it takes.
+
+    :param path: of the picture.
+    :param jobs: as for ``text``.
+    :param records: likewise.
+    """
+    from matplotlib.figure import Figure
+    pairs = list(zip(jobs, records))
+    figure = Figure(figsize=(11, 4.5), layout='constrained')
+    times, pushes = figure.subplots(1, 2)
+    for group in grouped(pairs, OPEN):
+        for other, label in (('single', 'best single push, as planned; at the edge: none'),
+                             ('least', 'lower bound')):
+            ratios = np.maximum(np.sort(group.ratios('duration', other)), LEAST_SHOWN)
+            times.step(ratios, np.arange(1, len(ratios) + 1) / len(group.tasks), where='post',
+                       label=f'over {label}')
+    times.plot(RATIO_AIM, 0.5, 'k+', ms=10, label='aim as stated')
+    times.set(xlabel='time of the task as driven, over ...', ylabel='share of the tasks',
+              xscale='log', xlim=(LEAST_SHOWN, 100.0), ylim=(0.0, 1.01))
+    times.xaxis.set_major_formatter('{x:g}')
+    for group in [group for part in PARTS for group in grouped(pairs, part)
+                  if group.name == ALL and group.successes]:
+        counts = np.bincount(group.values('pushes').astype(int))
+        pushes.plot(np.cumsum(counts) / len(group.tasks), 'o-', color=COLOURS[group.part],
+                    label=group.part)
+    pushes.set(xlabel='pushes', ylabel='share of the tasks done with so many', ylim=(0.0, 1.01))
+    for axis in (times, pushes):
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize=8, loc='lower right')
+    figure.savefig(path, dpi=110)

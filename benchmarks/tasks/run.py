@@ -1,0 +1,125 @@
+"""One random task, as a record."""
+
+import math
+import time
+
+from benchmarks.tasks.bound import contact_way, gap, least_time
+from benchmarks.tasks.cases import draw, OPEN
+from benchmarks.tasks.maps import object_room, robot_room
+import numpy as np
+from push_model.geometry import Pose
+from push_navigation.path_planner import NoWay
+from push_navigation.settings import DriveSettings
+from push_planner.problem import PlanningFailed
+from push_planner.sequence.costs import way_to
+from push_planner.single_push.site_selection import choose_site
+from push_scenario.evaluation.metrics import robot_way
+from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, run_task
+
+POSITION, HEADING, CLEAR = 0.01, math.radians(1.0), 0.02
+LEGS = ('plan', 'approach', 'align', 'push', 'retreat')
+
+
+class Watch:
+    """Takes the time of planning: CPU time between measurements with an answer between them."""
+
+    def __init__(self, hand):
+        self._hand, self._asked, self._since = hand, None, 0.0
+        self.planning = []
+
+    def __call__(self, simulation, supervisor):
+        """
+        Look on, before a measurement.
+
+        :param simulation: the ``Simulation``.
+        :param supervisor: the ``Supervisor``.
+        """
+        now, wants = time.process_time(), supervisor.wants
+        if self._asked is not None and wants is not self._asked:
+            self.planning.append(now - self._since)
+        if self._hand is not None:
+            self._hand(simulation, supervisor)
+        self._asked, self._since = wants, time.process_time()
+
+
+def run(job):
+    """
+    Run one task.
+
+    :param job: dict of ``part``, ``kind`` and ``seed``.
+    :return: flat dict of numbers and text, see ``watched`` and below.
+    """
+    case = draw(**job)
+    result, watch = watched(case)
+    record = {'variety': case.variety, 'outcome': result.outcome, 'reason': result.reason,
+              'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
+              'planning': ' '.join(f'{value:.4f}' for value in watch.planning),
+              'least': least_time(case.scenario), **_end(result), **_legs(result)}
+    if result.plans:
+        record.update(chain=len(result.plans[0].pushes), planned=result.plans[0].duration,
+                      single=result.plans[0].single)
+    if job['part'] == OPEN:
+        record.update(_ways(case.scenario))
+    if case.floor is not None:
+        record.update(_room(case, result.tape))
+    if case.hand is not None:
+        record['moved_in'] = case.hand.state
+    return record
+
+
+def watched(case):
+    """
+    Run a task.
+
+    :param case: ``tasks_cases.Case``.
+    :return: (``TaskResult``, ``Watch``).
+    """
+    watch = Watch(case.hand)
+    return run_task(case.scenario, change=watch), watch
+
+
+def _end(result):
+    """Where it ended, by the true poses."""
+    tape = result.tape
+    last = dict(zip(tape.columns, tape.rows[-1]))
+    still = (math.hypot(last['object_v_x'], last['object_v_y']) < REST_SPEED
+             and abs(last['object_omega']) < REST_YAW_RATE)
+    there = abs(result.position_error) <= POSITION and abs(result.heading_error) <= HEADING
+    return {'position_error': result.position_error, 'heading_error': abs(result.heading_error),
+            'gap': float(last['gap']), 'duration': result.duration,
+            'way': float(robot_way(tape)[-1]),
+            'success': bool(result.outcome == 'done' and there and still
+                            and last['gap'] >= CLEAR)}
+
+
+def _legs(result):
+    """Time in every state, and what went wrong, in order."""
+    history = result.status.history
+    ends = [change.time for change in history[1:]] + [result.duration]
+    spent = dict.fromkeys(LEGS, 0.0)
+    for change, end in zip(history, ends):
+        if change.state in spent:
+            spent[change.state] += end - change.time
+    return {**{f'in_{state}': seconds for state, seconds in spent.items()},
+            'troubles': '; '.join(change.reason for change in history[1:-1] if change.reason)}
+
+
+def _ways(scenario):
+    """Ways of the robot: at least that of the contact, and that of the quickest single push."""
+    start, goal, robot = scenario.start.object.pose, scenario.goal.pose, scenario.robot_start
+    least = gap(scenario) + contact_way(scenario.truth, start, goal)
+    try:
+        push = choose_site(scenario.object, scenario.robot, start, goal,
+                           scenario.planner).plan.trajectory
+        way = way_to(scenario.robot, scenario.object, start, robot, Pose(*push.robot_poses[0]),
+                     DriveSettings())
+    except (PlanningFailed, NoWay):
+        return {'least_way': least, 'single_way': math.inf}
+    pushed = np.hypot(*np.diff(push.robot_poses[:, :2], axis=0).T).sum()
+    return {'least_way': least, 'single_way': float(way.length + pushed)}
+
+
+def _room(case, tape):
+    rectangles = case.floor.rectangles
+    return {'robot_room': robot_room(case.scenario.robot_truth, tape.poses('robot'), rectangles),
+            'object_room': object_room(case.scenario.truth, tape.poses('object'), rectangles)}

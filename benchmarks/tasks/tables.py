@@ -1,0 +1,117 @@
+"""What random tasks came to, as tables."""
+
+from collections import Counter
+
+from benchmarks.controller.tables import spread, table, TO_DEGREES, wilson
+from benchmarks.tasks.groups import faults_of, without_numbers
+from benchmarks.tasks.run import LEGS
+import numpy as np
+
+
+def success_table(groups):
+    """
+    Write successes, errors, pushes.
+
+    :param groups: list of ``Group``.
+    """
+    rows = []
+    for group in groups:
+        count, pushes = len(group.tasks), group.values('pushes')
+        low, high = wilson(group.successes, count)
+        rows.append((group.name, count, f'{100.0 * group.successes / count:.1f} %',
+                     f'{100.0 * low:.1f} to {100.0 * high:.1f}',
+                     spread(1e3 * group.values('position_error')),
+                     spread(TO_DEGREES * group.values('heading_error'), '.2f'),
+                     f'{np.mean(pushes):.1f}; {spread(pushes, ".0f")}' if len(pushes) else '-',
+                     spread(group.values('recoveries'), '.0f'),
+                     spread(group.values('duration'), '.0f')))
+    return table(['', 'tasks', 'success', '95 % interval', 'mm median, p95', 'deg median, p95',
+                  'pushes mean; median, p95', 'recoveries median, p95', 's median, p95'], rows)
+
+
+def effort_table(groups):
+    """
+    Write time and way over those of one push and over the bound, and the time of planning.
+
+    :param groups: list of ``Group``.
+    """
+    rows = []
+    for group in groups:
+        rows.append((group.name, spread(group.values('chain'), '.0f'),
+                     int(np.isinf(group.values('single')).sum()),
+                     spread(_finite(group.ratios('planned', 'single')), '.2f'),
+                     spread(_finite(group.ratios('duration', 'single')), '.2f'),
+                     spread(_finite(group.ratios('way', 'single_way')), '.2f'),
+                     spread(group.ratios('duration', 'least'), '.2f'),
+                     spread(group.ratios('way', 'least_way'), '.2f'),
+                     spread(group.planning, '.2f')))
+    return table(['', 'pushes planned at first', 'no single push', 'planned time over single',
+                  'time over single', 'way over single', 'time over bound', 'way over straight',
+                  'planning, s CPU'], rows)
+
+
+def _finite(ratios):
+    """Leave out tasks that no single push does."""
+    return ratios[ratios > 0.0]
+
+
+def legs_table(groups):
+    """
+    Write where the time goes.
+
+    :param groups: list of ``Group``.
+    """
+    rows = []
+    for group in groups:
+        spent = [group.values(f'in_{leg}').sum() for leg in LEGS]
+        if sum(spent):
+            rows.append((group.part, *(f'{100.0 * part / sum(spent):.0f} %' for part in spent)))
+    return table(['', *LEGS], rows)
+
+
+def room_table(groups):
+    """
+    Write collisions with what stands in the maps, by the true poses.
+
+    :param groups: list of ``Group``.
+    """
+    rows = []
+    for group in groups:
+        room = [group.values(f'{body}_room', successful=False) for body in ('robot', 'object')]
+        rows.append((group.name, len(group.tasks),
+                     *(int((values < 0.0).sum()) for values in room),
+                     *(f'{1e3 * min(values):.0f}' if len(values) else '-' for values in room)))
+    return table(['', 'tasks', 'robot collides', 'object collides', 'least room of the robot, mm',
+                  'of the object, mm'], rows)
+
+
+def failure_table(pairs):
+    """
+    List the classes of failures, each with the first task that shows it.
+
+    :param pairs: (job, record) of all tasks.
+    """
+    faults, first = Counter(), {}
+    for job, record in pairs:
+        for name in faults_of(job, record):
+            key = job['part'], job['kind'], name
+            faults[key] += 1
+            first.setdefault(key, job['seed'])
+    rows = [(part, kind_, name, count,
+             f'`--part "{part}" --kind "{kind_}" --seed {first[part, kind_, name]}`')
+            for (part, kind_, name), count in faults.most_common()]
+    return table(['part', 'object and drive', 'class', 'n', 'for example'],
+                 rows) if rows else 'None.'
+
+
+def trouble_table(pairs):
+    """
+    List what went wrong on the way, successful or not.
+
+    :param pairs: (job, record) of all tasks.
+    """
+    found = Counter()
+    for _, record in pairs:
+        found.update(without_numbers(trouble)
+                     for trouble in record.get('troubles', '').split('; ') if trouble)
+    return table(['what', 'n'], found.most_common()) if found else 'Nothing.'

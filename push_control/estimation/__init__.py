@@ -1,0 +1,1 @@
+"""State estimation during a push: object, friction centre, contact, and monitors."""

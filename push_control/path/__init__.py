@@ -1,0 +1,1 @@
+"""Path of the flat output point and the guidance along it."""

@@ -1,0 +1,198 @@
+"""One push with feedback: estimator, guidance and steering law for one target."""
+
+import functools
+import math
+
+import numpy as np
+from push_control.estimation.contact_site import site_of
+from push_control.estimation.monitors import OneSidedMonitor
+from push_control.laws.closed_form import Situation
+from push_control.laws.contact_drive import ContactDrive
+from push_control.laws.curvature_limits import contact_speed
+from push_control.laws.limit_surface_table import SupportTable
+from push_control.path.guidance import Guidance
+from push_control.path.path import flat_pose, SampledPath
+from push_control.push.tracking import Tracking
+from push_model.friction import friction_center
+from push_model.geometry import Pose, wrap_angle
+from push_model.quasi_static import vehicle
+from push_model.signals import STOP
+
+
+class ClosedLoopPush:
+    """Brings the object along the path of a target, from late and noisy measurements."""
+
+    def __init__(self, obj, robot, settings, law, target, observation):
+        """
+        Begin a push.
+
+        :param obj: the ``PushedObject`` as believed.
+        :param robot: the ``RoundRobot``.
+        :param settings: ``ControlSettings``.
+        :param law: the steering law, as ``ClosedFormLaw``; it is set out anew.
+        :param target: the ``PushTrajectory``.
+        :param observation: first ``Observation``, with an object pose.
+        :raises ValueError: where this robot cannot push so at the target's contact.
+        """
+        self._obj, self._robot, self._settings, self._law = obj, robot, settings, law
+        site = site_of(obj, robot, target)
+        self._believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
+        self._drive = ContactDrive(obj, robot, settings, site, supports)
+        self._center = friction_center(obj)
+        self._tracking = Tracking(robot, site, supports, settings, self._center, observation)
+        self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
+        self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
+        self._belief = self._tracking.beliefs(observation.time, STOP)[0]
+        self._anew = 0
+        law.restart()
+        self._aim(target)
+
+    def go_on(self, target, observation):
+        """
+        Take up another target without a stop, where it starts at the push that is under way.
+
+        :param target: the ``PushTrajectory``.
+        :param observation: the newest ``Observation``.
+        :return: whether it does.
+        :raises ValueError: where the robot does not touch the object at the target's start.
+        """
+        meant = site_of(self._obj, self._robot, target)
+        shift = self._belief.pose.inverse() @ Pose(*target.object_poses[0].tolist())
+        tracking, settings = self._tracking, self._settings
+        if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
+            return False
+        speed = 0.0 if self.failure else self._speed
+        self._anew += bool(self.failure)
+        self._elapsed = max(0.0, speed - settings.start_speed) / settings.acceleration
+        self._aim(target)
+        return True
+
+    def _aim(self, target):
+        settings = self._settings
+        self._guidance = Guidance(SampledPath(self._believed, target), settings)
+        self._goal = Pose(*target.object_poses[-1].tolist())
+        self._one_sided, self._asks = OneSidedMonitor(settings), False
+        self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
+        self._begin, self._track, self.finished, self.failure = self._tracking.way, None, False, ''
+
+    def observe(self, observation):
+        """
+        Take in the measurements that are new.
+
+        :param observation: ``Observation``, usable.
+        """
+        self.failure = self._tracking.observe(observation)
+
+    def pause(self, odometry):
+        """
+        Stand still; the next advance sets out anew.
+
+        :param odometry: ``Odometry`` to take in meanwhile, or None.
+        """
+        self._elapsed, self._command = 0.0, STOP
+        self._law.restart()
+        if odometry is not None:
+            self._tracking.roll(odometry)
+
+    def advance(self, time, dt):
+        """
+        Compute the command.
+
+        :param time: now [s].
+        :param dt: time since the last call [s].
+        :return: ``Twist``; STOP once ``finished`` or ``failure`` is set.
+        """
+        now, self._belief = self._tracking.beliefs(time, self._command)
+        ahead, site = self._belief, self._tracking.site
+        self._drive.site = site
+        c_x, c_y, normal = site.at(ahead.phi - ahead.theta)
+        flat = self._vehicle((c_x, c_y), ahead.center).turning(math.exp(ahead.q))
+        pose = self._from_goal(flat, ahead)
+        planning = self._drive.limits(flat, normal, self._settings.plan_margin * self._care)
+        self._track = track = self._guidance.follow(pose)
+        if self._tracking.watch.lost:
+            self._command = self._approach(dt)
+            return self._command
+        firm = self._drive.limits(flat, normal, self._settings.feedback_margin)
+        self._track = track = self._guidance.revise(pose, track, planning, firm, self.travelled,
+                                                    dt)
+        if track.remaining <= self._settings.stop_distance:
+            self._track = track = self._arrive(pose, track, planning)
+        if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
+            self._ask_anew(f'gave up after {self.travelled:.1f} m, planned were '
+                           f'{self._guidance.budget:.1f} m')
+        over = self.finished or self.failure
+        self._command = STOP if over else self._steer(flat, now, track, dt)
+        return self._command
+
+    @property
+    def travelled(self):
+        """Way of the contact since the target was taken up [m]."""
+        return self._tracking.way - self._begin
+
+    @property
+    def notice(self):
+        """What is out of the ordinary, empty while nothing is."""
+        return self._tracking.watch.notice
+
+    @property
+    def report(self):
+        """What the status tells: errors of the estimate, way left, friction centre, counts."""
+        belief, goal = self._belief, self._goal
+        return {'position_error': math.hypot(belief.x - goal.x, belief.y - goal.y),
+                'heading_error': wrap_angle(belief.theta - goal.theta),
+                'remaining': self._track.remaining if self._track else self._guidance.budget,
+                'travelled': self.travelled, 'friction_center': belief.center,
+                'push_direction': belief.phi, 'object_pose': belief.pose,
+                'robot_pose': Pose(*self._tracking.site.robot_center(belief.pose, belief.phi),
+                                   belief.phi),
+                'replan': self.failure if self._asks else '',
+                'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
+                **self._tracking.report, **self._law.report}
+
+    @property
+    def _care(self):
+        """Share of the cone for new paths: a differential drive has none to spare to one side."""
+        wrong = math.dist(self._belief.center, self._center) / self._believed.arm
+        return 1.0 if self._robot.drive == 'differential' else self._guidance.care(wrong)
+
+    def _approach(self, dt):
+        """Close a gap; the object lies still meanwhile."""
+        way = self._settings.start_speed * dt
+        self.failure = self.failure or self._tracking.watch.out_of_reach(way)
+        self._elapsed, self._curvature = 0.0, None
+        self._law.restart()
+        return STOP if self.failure else self._drive.approach(self._belief)
+
+    def _arrive(self, pose, track, planning):
+        again = self._guidance.arrive(pose, track, planning)
+        self.finished = again is None and not self._guidance.is_off(track)
+        if again is None and not self.finished:
+            self._ask_anew(f'ended {1e3 * track.lateral_error:.0f} mm and '
+                           f'{math.degrees(track.heading_error):.1f} deg beside the goal')
+        return again or track
+
+    def _ask_anew(self, failure):
+        self.failure, self._asks = failure, self._anew < self._settings.replan_limit
+
+    def _from_goal(self, flat, belief):
+        local = flat_pose(flat)
+        return local.inverse() @ self._goal.inverse() @ belief.pose @ local
+
+    def _steer(self, flat, now, track, dt):
+        self._elapsed += dt
+        self._speed = speed = contact_speed(self._elapsed, track.remaining, self._fastest,
+                                            self._settings)
+        normal = self._tracking.site.at(now.phi - now.theta)[2]
+        limits = self._drive.limits(flat, normal, self._settings.feedback_margin)
+        self.failure = self._one_sided.trouble(limits, self.travelled)
+        if self.failure:
+            return STOP
+        situation = Situation(
+            track, lambda: self._guidance.follow(self._from_goal(flat, now)),
+            self._guidance.preview, flat, limits=limits, before=self._curvature,
+            change=self._settings.curvature_rate * speed * dt, moved=speed * dt,
+            lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
+        self._curvature = situation.allowed(self._law.curvature(situation))
+        command, self.failure = self._drive.command(flat, self._belief, self._curvature, speed)
+        return STOP if self.failure else command

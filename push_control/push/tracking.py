@@ -1,0 +1,85 @@
+"""Where object, robot and contact are: what is known from the measurements so far."""
+
+import math
+
+from push_control.estimation.contact_detection import ContactWatch
+from push_control.estimation.estimator import Estimator
+from push_control.estimation.monitors import FollowMonitor
+from push_control.laws.command import mean_motion
+from push_model.contact import contact_velocity
+
+
+class Tracking:
+    """Estimator, contact watch and the ways gone, fed with every measurement once."""
+
+    def __init__(self, robot, site, supports, settings, center, observation):
+        """
+        Begin in contact.
+
+        :param robot: the ``RoundRobot``.
+        :param site: the contact ``Site``.
+        :param supports: the ``SupportTable`` as believed.
+        :param settings: ``ControlSettings``.
+        :param center: believed friction centre, object frame (x, y) [m].
+        :param observation: first ``Observation``, with an object pose.
+        """
+        measured, odometry = observation.object_pose, observation.odometry
+        self._robot, self.site = robot, site
+        self._estimator = Estimator(robot, site, supports, settings, center, measured, odometry)
+        self._monitor = FollowMonitor(settings)
+        self.watch = ContactWatch(settings, robot.radius, site)
+        self.last, self._pose_time = odometry, measured.time
+        self.way = 0.0
+
+    def observe(self, observation):
+        """
+        Take in the measurements that are new.
+
+        :param observation: ``Observation``, usable.
+        :return: why the push is at an end, or an empty text.
+        """
+        measured = observation.object_pose
+        self.roll(observation.odometry)
+        if measured.time <= self._pose_time:
+            return ''
+        self._pose_time = measured.time
+        self._estimator.add_pose(measured)
+        found = self.watch.look(self._estimator.beside_contact(measured), self.way)
+        self.site = self.site.slid(found.slid)
+        self._estimator.place_contact(self.site, found.drift, self.watch.lost)
+        if self._monitor.lost(self.way, measured.pose.transform(self._estimator.contact)):
+            return 'contact is lost: the object does not follow the robot'
+        return ''
+
+    def roll(self, odometry):
+        """
+        Take in the robot's motion alone.
+
+        :param odometry: ``Odometry``, finite.
+        """
+        if odometry.time > self.last.time:
+            twist, last = odometry.twist, self._estimator.predict(self.last.time)
+            lead = last.theta + self.site.at(last.phi - last.theta)[2] - last.phi
+            speed = math.hypot(*contact_velocity(0.0, lead, self._robot.radius, twist))
+            self.way += speed * (odometry.time - self.last.time)
+            self._estimator.add_odometry(odometry)
+            self.last = odometry
+
+    def beliefs(self, time, command):
+        """
+        Predict over delay and drive lag.
+
+        :param time: now [s].
+        :param command: ``Twist`` that the robot follows.
+        :return: ``Belief`` now, and one drive lag later.
+        """
+        now, lag = self._estimator.predict(time), self._robot.time_constant
+        motion = mean_motion(self.last.twist, command, lag)
+        return now, self._estimator.carry_on(now, motion, lag)
+
+    @property
+    def report(self):
+        """Counts for the status."""
+        return {'touches': not self.watch.lost, 'slips': self.watch.slips,
+                'losses': self.watch.losses,
+                'rejected_poses': self._estimator.rejected}

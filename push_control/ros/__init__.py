@@ -1,0 +1,1 @@
+"""Controller over ROS 2: its operating modes, their messages and reports."""

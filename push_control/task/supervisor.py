@@ -1,0 +1,201 @@
+"""The supervisor of a task: approach, touch, push, retreat, until the object is at its goal."""
+
+import dataclasses
+
+from push_control.task.behaviors import Legs
+from push_control.task.perception import Sight
+from push_control.task.progress import Tries
+from push_control.task.status import Change, SupervisorStatus
+from push_model.geometry import Pose
+from push_model.plan_request import Wanted
+from push_model.signals import STOP
+
+AT_OBJECT = ('align', 'push', 'retreat')
+STANDING = ('idle', 'done', 'failed', 'paused')
+FOLLOWING = {'approach': 'align', 'align': 'push', 'push': 'retreat', 'retreat': 'plan'}
+SETTLING = 0.3
+
+
+class Supervisor:
+    """Answers measurements with commands, and says where from a plan is wanted."""
+
+    def __init__(self, obj, robot, control, drive, supervision):
+        """
+        Stand idle.
+
+        :param obj: the ``PushedObject`` as believed.
+        :param robot: the ``RoundRobot``.
+        :param control: ``ControlSettings``.
+        :param drive: ``DriveSettings``.
+        :param supervision: ``SupervisionSettings``.
+        """
+        self._settings, self._tries = supervision, Tries(supervision)
+        self._legs = Legs(obj, robot, control, drive, supervision)
+        self._sight = Sight(control, supervision)
+        self._goal = self._target = self._leg = self._resume = None
+        self._wants, self._asked, self._waiting = None, 0.0, ''
+        self._stamps, self._command, self._status = None, STOP, SupervisorStatus()
+
+    @property
+    def wants(self):
+        """The plan that is ``Wanted``, or None."""
+        return self._wants
+
+    @property
+    def status(self):
+        """The present ``SupervisorStatus``."""
+        push = self._leg.status if self._status.state == 'push' else self._status.push
+        return dataclasses.replace(
+            self._status, reason=self._waiting or self._status.reason or (
+                push.reason if self._status.state == 'push' else ''),
+            robot_pose=self._sight.robot_pose, push=push)
+
+    def set_goal(self, pose):
+        """
+        Begin a task, whatever is under way.
+
+        :param pose: ``Pose`` wanted for the object; None for no task.
+        :raises ValueError: where it is not finite.
+        """
+        if pose is None:
+            return self.stop('has no goal')
+        if not Pose(*pose).is_finite():
+            raise ValueError(f'goal: got {pose}, expected three finite numbers')
+        self._goal, self._tries = Pose(*pose), Tries(self._settings)
+        self._status = dataclasses.replace(self._status, pushes=0, recoveries=0, history=())
+        if self._status.state != 'paused':
+            self._begin_anew('has a new goal')
+
+    def set_workspace(self, workspace):
+        """
+        Take a map, for the next way.
+
+        :param workspace: the ``Workspace``, or None.
+        """
+        self._legs.workspace = workspace
+        self._tries.look_anew()
+
+    def take(self, trajectory):
+        """
+        Take the plan that was wanted; one that was not is ignored.
+
+        :param trajectory: ``PushTrajectory``; the robot may stand anywhere.
+        """
+        if self._wants is None:
+            return
+        self._target = trajectory
+        self._tries.look_anew()
+        self._enter('approach')
+
+    def refused(self, reason):
+        """
+        Hear that there is no plan.
+
+        :param reason: one sentence.
+        """
+        if self._wants is not None:
+            self._sight.look_anew(self._sight.time)
+            self._tries.refused(self._wants, reason)
+            self._recover(f'no plan: {reason}')
+
+    def pause(self):
+        """Stand until told to resume."""
+        if self._status.state not in STANDING:
+            self._resume = self._status.state
+            self._enter('paused')
+
+    def resume(self):
+        """Go on after a pause: what was planned is planned anew."""
+        if self._status.state == 'paused':
+            self._begin_anew('goes on')
+
+    def stop(self, reason):
+        """
+        Give up the task and stand.
+
+        :param reason: one sentence.
+        """
+        self._goal = None
+        self._enter('idle', reason)
+
+    def step(self, observation, dt):
+        """
+        Answer a measurement; the same observation again gets the same answer.
+
+        :param observation: ``Observation``, odometry as it comes.
+        :param dt: time since the last step [s].
+        :return: ``Twist`` in the robot's axes.
+        :raises ValueError: where dt is negative or not finite.
+        """
+        if not 0.0 <= dt < float('inf'):
+            raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
+        if observation.stamps != self._stamps:
+            self._stamps = observation.stamps
+            self._sight.take(observation)
+            self._command = self._answer(dt)
+        return self._command
+
+    def _answer(self, dt):
+        state = self._status.state
+        self._waiting = ''
+        if state in STANDING:
+            return STOP
+        if state != 'push':
+            self._waiting = self._sight.trouble(blind=state == 'retreat')
+        if self._waiting or state == 'plan':
+            if self._leg is not None:
+                self._leg.halt()
+            return STOP if self._waiting else self._plan()
+        command = self._leg.step(self._sight, dt)
+        if self._leg.trouble:
+            self._recover(self._leg.trouble)
+            return STOP
+        if self._leg.finished:
+            self._next(state)
+        return command
+
+    def _plan(self):
+        rest, now = self._sight.rest, self._sight.time
+        if rest is None or rest.duration < self._settings.rest_window:
+            return STOP
+        if self._wants is not None:
+            if now - self._asked > self._settings.plan_timeout:
+                self._recover(f'no plan came within {self._settings.plan_timeout:g} s')
+            return STOP
+        verdict = self._tries.judge(rest, self._goal)
+        if verdict == 'reached':
+            self._enter('done')
+        elif verdict == 'off' and self._tries.exhausted:
+            self._enter('failed', self._tries.exhausted)
+        elif verdict == 'off':
+            self._legs.look_round(self._sight)
+            self._wants = Wanted(rest.pose, self._sight.robot_pose, self._goal,
+                                 self._legs.learnt.obj, self._tries.boldness)
+            self._asked = now
+        return STOP
+
+    def _next(self, state):
+        if state == 'push':
+            self._tries.count()
+        self._enter(FOLLOWING[state])
+
+    def _recover(self, trouble):
+        self._tries.count(trouble)
+        self._status = dataclasses.replace(self._status, recoveries=self._status.recoveries + 1)
+        # A retreat that fails is not tried again: a way to elsewhere may lead off the object.
+        self._enter('retreat' if self._status.state in ('align', 'push') else 'plan', trouble)
+
+    def _begin_anew(self, reason):
+        state = self._resume if self._status.state == 'paused' else self._status.state
+        self._enter('retreat' if state in AT_OBJECT else 'plan', reason)
+
+    def _enter(self, state, reason=''):
+        status, time = self.status, self._sight.time
+        self._wants, self._waiting = None, ''
+        self._leg = self._legs.begin(state, self._target, self._sight)
+        if state == 'retreat':
+            self._sight.look_anew(time + SETTLING)
+        self._status = dataclasses.replace(
+            self._status, state=state, reason=reason, since=time, push=status.push,
+            pushes=status.pushes + (state == 'push'),
+            history=(*status.history, Change(time, state, reason)))

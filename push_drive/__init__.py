@@ -1,1 +1,0 @@
-"""The robot alone: ways round the object and through a map, and how to follow them."""

@@ -1,0 +1,1 @@
+"""Collocation: a push as a nonlinear program, and the solvers for it."""

@@ -1,0 +1,1 @@
+"""Initial guesses for the nonlinear program."""

@@ -1,0 +1,1 @@
+"""Fine integration of a planned push, its refinement and its trajectory."""

@@ -1,0 +1,1 @@
+"""One push to a goal: feasibility, contact sites, planning and replanning."""

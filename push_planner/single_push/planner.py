@@ -1,0 +1,260 @@
+"""From problem to plan."""
+
+import math
+from typing import Any, Callable, NamedTuple, Optional
+
+import numpy as np
+from push_planner.collocation.formulation import formulate, Formulation, turn_range
+from push_planner.collocation.nlp_solver import programme, Solution, UNSETTLED
+from push_planner.initial_guess.dubins_routes import Route, routes, tightest_turns
+from push_planner.initial_guess.previous_plan import remainder
+from push_planner.integration.refinement import refine
+from push_planner.integration.trajectory import report_of, switches_of, trajectory_of
+from push_planner.plan import Plan
+from push_planner.problem import PlanningFailed
+from push_planner.single_push.bounds import displacement_bound
+from push_planner.single_push.feasibility import refuse_impossible
+
+
+def accepted(trajectory):
+    """
+    Find no fault with any plan.
+
+    :param trajectory: ``PushTrajectory``; not looked at.
+    :return: an empty text.
+    """
+    return ''
+
+
+class Demand(NamedTuple):
+    """
+    What is asked of a plan.
+
+    :param route: ``Route`` that is tried before all others; None for none.
+    :param fault: function of a ``PushTrajectory`` to what is wrong with it, empty if nothing is.
+    :param most: programmes that are solved at most.
+    """
+
+    route: Optional[Route] = None
+    fault: Callable = accepted
+    most: float = math.inf
+
+
+ANY = Demand()
+
+
+def finished(problem, formulation, rollout, way):
+    """
+    Make a plan.
+
+    :param problem: the ``PushProblem``.
+    :param formulation: its ``Formulation``.
+    :param rollout: the ``Rollout``.
+    :param way: S [m].
+    :return: ``Plan``.
+    """
+    trajectory = trajectory_of(problem, rollout)
+    switches = switches_of(problem, rollout, formulation.shape.jumps)
+    begins = rollout.nodes[:-1, 1] + (rollout.changes if formulation.shape.jumps else 0.0)
+    grid = formulation.grid
+    report = report_of(problem, rollout, trajectory, switches)
+    report['displacement_bound'] = displacement_bound(problem)
+    report['over_displacement_bound'] = trajectory.duration / report['displacement_bound']
+    return Plan(problem, trajectory,
+                tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
+                tuple(np.cumsum(grid.steps(way)).tolist()),
+                tuple(zip(np.sqrt(grid.squares).tolist(), np.sqrt(grid.ends).tolist())),
+                switches, report)
+
+
+def fault_of(plan):
+    """
+    Tell what is wrong with a plan; empty where nothing is.
+
+    :param plan: the ``Plan``.
+    """
+    report, settings = plan.report, plan.problem.settings
+    if not report['position_error'] <= settings.position_tolerance:
+        return f're-integration misses the goal by {1e3 * report["position_error"]:.2f} mm'
+    if not report['heading_error'] <= settings.heading_tolerance:
+        return ('re-integration misses the goal by '
+                f'{math.degrees(report["heading_error"]):.2f} deg')
+    if settings.angle_limit == 'cone' and not report['friction_usage'] <= 1.0:
+        return ('the contact force leaves the friction cone by a factor '
+                f'{report["friction_usage"]:.2f}')
+    return ''
+
+
+ROUTES = 12
+RELAXED = 4
+NEARLY_BEST = 1.1
+ALIKE = 1.0
+# Of a way [m].
+ROUNDING = 1e-9
+
+
+class _Attempts(list):
+    """What became of each programme, in one line; they have to fulfil a ``Demand``."""
+
+    def __init__(self, demand):
+        super().__init__()
+        self.demand, self.programmes = demand, 0
+
+    @property
+    def spent(self):
+        """Whether no more are allowed."""
+        return self.programmes >= self.demand.most
+
+
+class _Candidate(NamedTuple):
+    """A route that has been solved."""
+
+    route: Any
+    formulation: Formulation
+    solution: Solution
+    iterations: int
+
+    @property
+    def duration(self):
+        """Time of the push, about [s]."""
+        return float(self.formulation.grid.times(self.solution.way).sum())
+
+    @property
+    def length(self):
+        """Way of the contact, about [m]."""
+        return self.solution.way + self.formulation.grid.fixed
+
+
+def plan(problem, previous=None, demand=ANY):
+    """
+    Find the quickest push to the goal that keeps to the planning cone.
+
+    The programme is solved from the shortest ways of the flat point, and the best is integrated
+    finely and corrected until it reaches the goal.
+
+    :param problem: the ``PushProblem``.
+    :param previous: ``Plan`` for much the same push, to start from; None for none.
+    :param demand: ``Demand``, what else is asked.
+    :return: ``Plan``.
+    :raises PlanningFailed: with the reason, where there is none or none was found.
+    """
+    refuse_impossible(problem)
+    attempts = _Attempts(demand)
+    if demand.route is not None:
+        candidate = _solve(problem, demand.route, attempts, False)
+        found = candidate and _finish(problem, candidate, attempts)
+        if found is not None:
+            return found
+    left = _ways(problem)
+    if previous is not None:
+        again = _follow(problem, previous, left[0].cost, attempts)
+        if again is not None:
+            return again
+    for relaxed in (False, True):
+        waiting = left[:RELAXED] if relaxed else left
+        while waiting:
+            if attempts.spent:
+                break
+            solved, waiting = _solve_some(problem, waiting, attempts, relaxed)
+            for candidate in sorted(solved, key=lambda candidate: candidate.duration):
+                found = _finish(problem, candidate, attempts) or _finish_finer(
+                    problem, candidate.route, attempts)
+                if found is not None:
+                    return found
+    # The relaxed programme comes last, and mostly says what stands in the way.
+    nearest = min(attempts[-len(left[:RELAXED]):], key=lambda attempt: UNSETTLED in attempt)
+    raise PlanningFailed('no push within the friction cone and the limits of the robot was found '
+                         f'on {len(left)} ways that were tried, among them {nearest}',
+                         {'attempts': list(attempts)})
+
+
+def _ways(problem):
+    """Routes that are worth a try, the most promising first."""
+    turns = tightest_turns(problem)
+    if turns is None:
+        raise PlanningFailed('the contact cannot steer both ways: in steady turns to one side its '
+                             'force leaves the planning cone; another contact may do')
+    ranked, longest = routes(problem, turns), problem.settings.max_path_length
+    if ranked[0].cost > longest:
+        raise PlanningFailed(
+            f'the shortest way to the goal is a push of {ranked[0].cost:.1f} m, at most '
+            f'{longest:g} m is accepted; another contact may be nearer',
+            {'path_length': ranked[0].cost})
+    low, high = turn_range(problem)
+    fit = [route for route in ranked if route.cost <= longest and low <= route.turned <= high]
+    return (fit or ranked[:1])[:ROUTES]
+
+
+def _follow(problem, previous, least, attempts):
+    route = remainder(problem, previous)
+    candidate = None if route is None else _solve(problem, route, attempts, False)
+    if candidate is None or candidate.length > NEARLY_BEST * least:
+        return None
+    return _finish(problem, candidate, attempts)
+
+
+def _solve_some(problem, ways, attempts, relaxed):
+    """Solve until one is found, and then what may be as good; return the rest as well."""
+    solved, rest = [], []
+    for route in ways:
+        if attempts.spent or solved and not _may_be_better(route, solved):
+            rest.append(route)
+            continue
+        candidate = _solve(problem, route, attempts, relaxed)
+        if candidate is not None:
+            solved.append(candidate)
+    return solved, rest
+
+
+def _may_be_better(route, solved):
+    """Whether a route turns otherwise than what is solved (alike: same optimum), at no detour."""
+    return (route.run_in >= solved[0].route.run_in
+            and route.cost <= NEARLY_BEST * min(candidate.length for candidate in solved)
+            and all(abs(route.turned - other.route.turned) > ALIKE for other in solved))
+
+
+def _solve(problem, route, attempts, relaxed, finer=False):
+    attempts.programmes += 1
+    formulation, guess = formulate(problem, route, finer)
+    solver, verdict = programme(formulation.shape), 'not solved'
+    if relaxed:
+        solution, verdict, count = solver.diagnose(formulation.parameters(), formulation.box,
+                                                   guess)
+    else:
+        solution, count = solver.solve(formulation.parameters(), formulation.box, guess)
+    if solution is None:
+        attempts.append(f'{route.name} of {route.cost:.2f} m: {verdict}')
+        return None
+    return _Candidate(route, formulation, solution, count)
+
+
+def _goes_on(rollout):
+    """Whether all of a rollout is finite, and its way never goes back."""
+    steps = np.diff(rollout.ways)
+    return (np.isfinite(rollout.samples).all() and (steps > -ROUNDING).all()
+            and rollout.ways[-1] > 0.0
+            and (rollout.squares >= 0.0).all())
+
+
+def _finish_finer(problem, route, attempts):
+    """Where the fine integration was too far from the programme, take twice as many pieces."""
+    if problem.settings.pushing_angles == 'constant' or attempts.spent:
+        return None
+    candidate = _solve(problem, route, attempts, False, finer=True)
+    return candidate and _finish(problem, candidate, attempts)
+
+
+def _finish(problem, candidate, attempts):
+    route, formulation, solution, iterations = candidate
+    rollout, way = refine(problem, formulation, solution)
+    found, fault = None, 'the fine integration broke down'
+    if rollout is not None and _goes_on(rollout):
+        found = finished(problem, formulation, rollout, way)
+        found.report.update(word=route.name, segments=formulation.shape.steps,
+                            run_in=route.run_in, iterations=iterations)
+        fault = fault_of(found) or attempts.demand.fault(found.trajectory)
+    attempts.append(f'{route.name} of {route.cost:.2f} m: {fault or "solved"}')
+    if fault:
+        return None
+    found.report['attempts'] = list(attempts)
+    return found

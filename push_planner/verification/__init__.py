@@ -1,0 +1,1 @@
+"""Verification of plans: integrated anew on the equation of motion."""

@@ -1,0 +1,66 @@
+"""Occupancy maps to messages and back."""
+
+import math
+
+from nav_msgs.msg import OccupancyGrid
+import numpy as np
+from push_navigation.occupancy_map import Workspace
+from push_ros.conversions.primitives import (
+    check_frame, from_pose_message, MessageRefused, to_pose_message,
+)
+
+UNKNOWN, FREE, OCCUPIED, FULL = -1, 0, 50, 100
+HAS_MAP = 'has a map'
+
+
+def to_map_message(workspace, stamp, frame):
+    """
+    Turn a map into a message.
+
+    :param workspace: ``push_navigation.occupancy_map.Workspace``.
+    :param stamp: of the map.
+    :param frame: id of the world frame.
+    """
+    message = OccupancyGrid()
+    message.header.stamp, message.header.frame_id = stamp, frame
+    message.info.map_load_time, message.info.resolution = stamp, workspace.resolution
+    message.info.height, message.info.width = workspace.occupied.shape
+    message.info.origin = to_pose_message(workspace.origin)
+    message.data = np.where(workspace.occupied, FULL, FREE).ravel().tolist()
+    return message
+
+
+def from_map_message(message, frame, topic='map'):
+    """
+    Read a map; what is unknown counts as occupied.
+
+    :param message: ``nav_msgs/OccupancyGrid``.
+    :param frame: id of the world frame.
+    :param topic: what errors call the message.
+    :return: ``push_navigation.occupancy_map.Workspace``.
+    :raises MessageRefused: naming what is wrong with it.
+    """
+    check_frame(message.header.frame_id, frame, topic)
+    info, cells = message.info, np.array(message.data, dtype=int)
+    if not (math.isfinite(info.resolution) and info.resolution > 0.0):
+        raise MessageRefused(f'{topic}: got the resolution {info.resolution:g}, expected a finite '
+                             'length above 0 [m]')
+    if not len(cells) or len(cells) != info.width * info.height:
+        raise MessageRefused(f'{topic}: got {len(cells)} cells, expected {info.width} times '
+                             f'{info.height}, at least one')
+    wrong = np.flatnonzero((cells < UNKNOWN) | (cells > FULL))
+    if len(wrong):
+        raise MessageRefused(f'{topic}: got {cells[wrong[0]]} in cell {wrong[0]}, expected '
+                             f'{UNKNOWN} to {FULL}')
+    origin = from_pose_message(info.origin, f'{topic}: origin')
+    occupied = (cells >= OCCUPIED) | (cells == UNKNOWN)
+    return Workspace(info.resolution, origin, occupied.reshape(info.height, info.width))
+
+
+def map_text(message):
+    """
+    Say that there is a map, and how large it is.
+
+    :param message: ``nav_msgs/OccupancyGrid``.
+    """
+    return f'{HAS_MAP} of {message.info.width} times {message.info.height} cells'

@@ -1,0 +1,108 @@
+"""Plans to messages and back."""
+
+from builtin_interfaces.msg import Duration
+from geometry_msgs.msg import PoseStamped, Transform
+from nav_msgs.msg import Path
+import numpy as np
+from push_model.geometry import Pose
+from push_model.trajectory import PushTrajectory
+from push_ros.conversions.primitives import (
+    check_frame, from_twist_message, MessageRefused, seconds, to_pose_message, to_quaternion,
+    to_stamp, to_twist_message, to_yaw,
+)
+from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
+
+JOINTS = ('object', 'contact', 'robot')
+
+
+def to_plan_message(trajectory, stamp, frame):
+    """
+    Turn a trajectory into a message: joints ``object``, ``contact`` and ``robot``.
+
+    :param trajectory: ``PushTrajectory``.
+    :param stamp: of the newest measurement that the plan starts from.
+    :param frame: id of the world frame.
+    """
+    message = MultiDOFJointTrajectory(joint_names=list(JOINTS))
+    message.header.stamp, message.header.frame_id = stamp, frame
+    poses = [getattr(trajectory, f'{joint}_poses').tolist() for joint in JOINTS]
+    twists = [getattr(trajectory, f'{joint}_twists').tolist() for joint in JOINTS]
+    message.points = [
+        MultiDOFJointTrajectoryPoint(
+            transforms=[_to_transform(pose) for pose in now],
+            velocities=[to_twist_message(twist) for twist in speeds],
+            time_from_start=to_stamp(time, Duration))
+        for time, now, speeds in zip(trajectory.times.tolist(), zip(*poses), zip(*twists))]
+    return message
+
+
+def no_plan_message(stamp, frame):
+    """
+    Make the answer to a request for which there is no plan.
+
+    :param stamp: of the request.
+    :param frame: id of the world frame.
+    """
+    message = MultiDOFJointTrajectory(joint_names=list(JOINTS))
+    message.header.stamp, message.header.frame_id = stamp, frame
+    return message
+
+
+def from_plan_message(message, frame, topic='push_plan'):
+    """
+    Read a trajectory; angles are unwrapped from sample to sample.
+
+    :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
+    :param frame: id of the world frame.
+    :param topic: what errors call the message.
+    :return: ``PushTrajectory``.
+    :raises MessageRefused: naming what is wrong with it.
+    """
+    check_frame(message.header.frame_id, frame, topic)
+    missing = [joint for joint in JOINTS if joint not in message.joint_names]
+    if missing:
+        raise MessageRefused(f'{topic}: got joints {", ".join(message.joint_names) or "none"}, '
+                             f'expected {", ".join(JOINTS)}')
+    for number, point in enumerate(message.points):
+        for name in ('transforms', 'velocities'):
+            if len(getattr(point, name)) != len(message.joint_names):
+                raise MessageRefused(f'{topic}: got {len(getattr(point, name))} {name} in point '
+                                     f'{number}, expected {len(message.joint_names)}')
+    arrays = {'times': [seconds(point.time_from_start) for point in message.points]}
+    for joint in JOINTS:
+        index = list(message.joint_names).index(joint)
+        arrays[f'{joint}_poses'] = _poses([p.transforms[index] for p in message.points], topic)
+        arrays[f'{joint}_twists'] = np.array(
+            [from_twist_message(p.velocities[index], topic) for p in message.points])
+    try:
+        return PushTrajectory(**arrays)
+    except ValueError as error:
+        raise MessageRefused(f'{topic}: {error}') from error
+
+
+def to_path_message(object_poses, stamp, frame):
+    """
+    Turn the object's way into a path for viewers.
+
+    :param object_poses: (x, y, theta) in the world, shape (n, 3).
+    :param stamp: of the path.
+    :param frame: id of the world frame.
+    """
+    message = Path()
+    message.header.stamp, message.header.frame_id = stamp, frame
+    for pose in object_poses:
+        message.poses.append(PoseStamped(header=message.header, pose=to_pose_message(pose)))
+    return message
+
+
+def _to_transform(pose):
+    transform = Transform(rotation=to_quaternion(pose[2]))
+    transform.translation.x, transform.translation.y = pose[0], pose[1]
+    return transform
+
+
+def _poses(transforms, topic):
+    poses = np.array([Pose(t.translation.x, t.translation.y, to_yaw(t.rotation, topic))
+                      for t in transforms]).reshape(-1, 3)
+    poses[:, 2] = np.unwrap(poses[:, 2])
+    return poses

@@ -1,0 +1,146 @@
+"""Parts of messages to values and back: stamps, frames, poses, twists."""
+
+import math
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Pose as PoseMessage, Quaternion, Twist as TwistMessage
+from push_model.geometry import Pose
+from push_model.signals import Twist
+
+NANOSECONDS = 1_000_000_000
+LEAST_QUATERNION = 1e-3
+
+
+class MessageRefused(ValueError):
+    """A message that cannot be used, and why."""
+
+
+def nanoseconds(stamp):
+    """
+    Read a stamp exactly [ns].
+
+    :param stamp: ``builtin_interfaces/Time`` or ``Duration``.
+    """
+    return stamp.sec * NANOSECONDS + stamp.nanosec
+
+
+def seconds(stamp):
+    """
+    Read a stamp [s].
+
+    :param stamp: ``builtin_interfaces/Time`` or ``Duration``.
+    """
+    return nanoseconds(stamp) / NANOSECONDS
+
+
+def to_stamp(time, kind=Time):
+    """
+    Make a stamp.
+
+    :param time: [s]; whole nanoseconds survive the way there and back.
+    :param kind: ``builtin_interfaces/Time`` or ``Duration``.
+    """
+    return exact_stamp(math.floor(time * NANOSECONDS + 0.5), kind)
+
+
+def exact_stamp(time, kind=Time):
+    """
+    Make a stamp of whole nanoseconds.
+
+    :param time: [ns].
+    :param kind: ``builtin_interfaces/Time`` or ``Duration``.
+    """
+    whole, part = divmod(time, NANOSECONDS)
+    return kind(sec=whole, nanosec=part)
+
+
+def to_quaternion(angle):
+    """
+    Turn a yaw angle into a quaternion.
+
+    :param angle: about z [rad].
+    """
+    return Quaternion(z=math.sin(0.5 * angle), w=math.cos(0.5 * angle))
+
+
+def to_yaw(quaternion, topic):
+    """
+    Read the yaw angle of a quaternion of any length but 0 [rad].
+
+    :param quaternion: ``geometry_msgs/Quaternion``.
+    :param topic: what errors call the message.
+    :raises MessageRefused: where it is not finite, or 0.
+    """
+    x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    if not (math.isfinite(length) and length > LEAST_QUATERNION):
+        raise MessageRefused(f'{topic}: got the quaternion ({x:g}, {y:g}, {z:g}, {w:g}), '
+                             'expected one of length 1')
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+
+
+def to_pose_message(pose):
+    """
+    Turn a pose in the plane into a message.
+
+    :param pose: ``Pose`` or (x, y, theta).
+    """
+    message = PoseMessage()
+    message.position.x, message.position.y = float(pose[0]), float(pose[1])
+    message.orientation = to_quaternion(pose[2])
+    return message
+
+
+def from_pose_message(message, topic):
+    """
+    Read a pose in the plane.
+
+    :param message: ``geometry_msgs/Pose``.
+    :param topic: what errors call the message.
+    :raises MessageRefused: where it is not finite, or its quaternion is 0.
+    """
+    x, y = message.position.x, message.position.y
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise MessageRefused(f'{topic}: got the position ({x:g}, {y:g}), expected finite numbers '
+                             '[m]')
+    return Pose(x, y, to_yaw(message.orientation, topic))
+
+
+def check_frame(frame, expected, topic):
+    """
+    Refuse a message in another frame.
+
+    :param frame: frame id that came; a leading slash is overlooked.
+    :param expected: frame id that is meant.
+    :param topic: what the error calls the message.
+    :raises MessageRefused: naming both frames.
+    """
+    if frame.lstrip('/') != expected.lstrip('/'):
+        raise MessageRefused(f'{topic}: got frame {frame!r}, expected {expected!r}')
+
+
+def to_twist_message(twist):
+    """
+    Turn a twist in the plane into a message.
+
+    :param twist: ``Twist`` or (v_x, v_y, omega).
+    """
+    message = TwistMessage()
+    message.linear.x, message.linear.y = float(twist[0]), float(twist[1])
+    message.angular.z = float(twist[2])
+    return message
+
+
+def from_twist_message(message, topic='cmd_vel'):
+    """
+    Read a twist in the plane.
+
+    :param message: ``geometry_msgs/Twist``.
+    :param topic: what errors call the message.
+    :raises MessageRefused: where a number is not finite.
+    """
+    twist = Twist(message.linear.x, message.linear.y, message.angular.z)
+    if not all(map(math.isfinite, twist)):
+        raise MessageRefused(f'{topic}: got the twist {tuple(twist)}, expected finite numbers '
+                             '[m/s, m/s, rad/s]')
+    return twist

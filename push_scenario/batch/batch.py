@@ -1,0 +1,120 @@
+"""
+Batches: many variations of anything, on all cores or on a cluster, resumable.
+
+A job is plain values (numbers, text, lists and dicts of them). A function of one job gives a flat
+record. It must be pure, seeded by the job alone: then every record is the same to the bit wherever
+and in whatever order the jobs run.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+from push_scenario.batch.job import collect, StopRequest
+from push_scenario.batch.store import header, Store, write_table
+from push_scenario.batch.workers import available_cores, workers_of
+
+
+@dataclasses.dataclass(frozen=True)
+class BatchResult:
+    """
+    What came of all jobs, in their order.
+
+    :param jobs: the jobs.
+    :param records: flat dict of each job, None where it failed.
+    :param errors: what went wrong, by number of the job.
+    """
+
+    jobs: tuple
+    records: tuple
+    errors: dict
+
+    def column(self, name):
+        """
+        Gather one value of all records.
+
+        :param name: key in the records.
+        :return: array, shape (number of jobs,); where a job failed or its record has no such key,
+            nan, or '' in a column of text.
+        :raises ValueError: where no record has the key.
+        """
+        found = [record[name] for record in self.records if record and name in record]
+        if not found:
+            known = sorted({key for record in self.records for key in record or ()})
+            raise ValueError(f'column: got {name!r}, expected one of ' + ', '.join(known))
+        missing = '' if isinstance(found[0], str) else math.nan
+        return np.array([(record or {}).get(name, missing) for record in self.records])
+
+
+def run_batch(function, jobs, out=None, workers=None, scheduler=None, progress=None, chunk=None,
+              any_software=False):
+    """
+    Run a function on every job; go on where an earlier call was interrupted.
+
+    What is done is appended to ``out`` as it comes, and survives Ctrl-C and kill. Ctrl-C ends the
+    jobs that run and then raises ``KeyboardInterrupt``; a second one does not wait. The same call
+    again does the rest, and gives what an uninterrupted call would have given. At the end a table
+    of jobs and records is written beside ``out``, with the ending ``.csv``.
+
+    A job whose function raises an exception is kept with the error, and the others go on.
+
+    Processes are spawned: a script that calls this needs ``if __name__ == '__main__':``.
+
+    :param function: of one job, giving a dict of numbers and text; defined in a module, or a
+        partial of such a function, or an instance of a frozen dataclass that can be called.
+    :param jobs: sequence of plain values.
+    :param out: file of JSON lines to write, as a path; None keeps results in memory only.
+    :param workers: number of processes; None for one per core, 1 for no others than this one.
+    :param scheduler: ``distributed.Client``, or address, of a Dask cluster to run on instead.
+    :param progress: called with (jobs done, all jobs).
+    :param chunk: jobs that a worker is given at a time, which is what a kill may lose; None for
+        a guess, good for short jobs.
+    :param any_software: go on also with records that other software has made.
+    :return: the ``BatchResult``.
+    :raises ValueError: where ``out`` holds another batch, or a job is not plain.
+    """
+    for name, value in (('workers', workers), ('chunk', chunk)):
+        if value is not None and value < 1:
+            raise ValueError(f'{name}: got {value!r}, expected at least 1, or None')
+    jobs = tuple(jobs)
+    with Store(out, header(function, jobs), any_software) as store:
+        _do_rest(function, jobs, store, workers or available_cores(), scheduler,
+                 progress or _ignore, chunk)
+        entries = [store.entries[index] for index in range(len(jobs))]
+    result = BatchResult(jobs, tuple(entry.get('record') for entry in entries),
+                         {entry['job']: entry['error'] for entry in entries if 'error' in entry})
+    if out is not None:
+        write_table(out, result)
+    return result
+
+
+def seeds(seed, count):
+    """
+    Draw seeds for jobs; the first ones do not depend on how many there are.
+
+    :param seed: seed of the whole batch.
+    :param count: how many to draw.
+    :return: list of whole numbers from 0 to 2^63 - 1.
+    """
+    return [int(np.random.SeedSequence(seed, spawn_key=(index,)).generate_state(1, np.uint64)[0])
+            >> 1 for index in range(count)]
+
+
+def _do_rest(function, jobs, store, workers, scheduler, progress, chunk):
+    def keep(entries):
+        store.append(entries)
+        progress(len(store.entries), len(jobs))
+
+    progress(len(store.entries), len(jobs))
+    rest = [index for index in range(len(jobs)) if index not in store.entries]
+    if not rest:
+        return
+    with StopRequest() as stop, workers_of(workers, scheduler, len(rest)) as pool:
+        size = chunk or pool.chunk_size(len(rest))
+        chunks = [[(index, jobs[index]) for index in rest[first:first + size]]
+                  for first in range(0, len(rest), size)]
+        collect(pool, function, chunks, keep, stop)
+
+
+def _ignore(done, total):
+    pass

@@ -1,0 +1,116 @@
+"""Variations of one plain push: parameters, friction, start and commands, as jobs of a batch."""
+
+import dataclasses
+import math
+
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import Twist
+from push_sim_node.kernel.floor import FloorPatch
+from push_sim_node.plant import Plant
+
+PARTS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments',
+         'floor')
+
+
+@dataclasses.dataclass(frozen=True)
+class VariedPush:
+    """
+    A push at given commands; called with a job, it tells how that variation of it ends.
+
+    A job is a dict with any of: ``object`` and ``robot``, dicts of fields of ``PushedObject`` and
+    ``RoundRobot`` and their values; ``object_pose``, ``robot_pose``, ``segments``, in place of
+    those below; ``friction_factors``, one for each support, from the start; ``floor``, a list of
+    dicts of fields of ``FloorPatch``. What it does not name stays.
+
+    :param object: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param object_pose: (x, y, theta) of the object [m, m, rad].
+    :param robot_pose: (x, y, theta) of the robot [m, m, rad].
+    :param segments: commands (duration [s], v_x [m/s], v_y [m/s], omega [rad/s]), in the robot's
+        own axes, one after the other; further numbers are friction factors, one for each
+        support, from then on.
+    :param step: longest step [s].
+    :param smoothing: speed below which support friction turns viscous [m/s].
+    :param floor: ``FloorPatch`` sequence.
+    """
+
+    object: PushedObject
+    robot: RoundRobot
+    object_pose: tuple
+    robot_pose: tuple
+    segments: tuple
+    step: float = 2e-3
+    smoothing: float = 1e-5
+    floor: tuple = ()
+
+    def __call__(self, job):
+        """
+        Simulate one variation.
+
+        :param job: the dict.
+        :return: poses, velocities, mode, energies and steps at the end, as a flat dict.
+        :raises ValueError: where a value does not fit.
+        """
+        plant = self.plant(job)
+        for duration, v_x, v_y, omega, *factors in job.get('segments', self.segments):
+            if factors:
+                _set_factors(plant, factors)
+            plant.advance(duration, Twist(v_x, v_y, omega))
+        return _record(plant)
+
+    def plant(self, job):
+        """
+        Make the plant of one variation, at its start.
+
+        :param job: the dict.
+        :return: the ``Plant``.
+        :raises ValueError: where a value does not fit.
+        """
+        unknown = job.keys() - set(PARTS)
+        if unknown:
+            raise ValueError(f'job: got {sorted(unknown)}, expected some of ' + ', '.join(PARTS))
+        floor = self.floor
+        if 'floor' in job:
+            _check_names('floor', {name for patch in job['floor'] for name in patch}, FloorPatch)
+            floor = tuple(FloorPatch(**patch) for patch in job['floor'])
+        plant = Plant(_varied(self.object, 'object', job), _varied(self.robot, 'robot', job),
+                      Pose(*job.get('object_pose', self.object_pose)),
+                      Pose(*job.get('robot_pose', self.robot_pose)), self.step, self.smoothing,
+                      floor)
+        if 'friction_factors' in job:
+            _set_factors(plant, job['friction_factors'])
+        return plant
+
+
+def _set_factors(plant, factors):
+    count = len(plant.obj.supports)
+    if len(factors) != count or not all(0.0 <= factor < math.inf for factor in factors):
+        raise ValueError(f'friction_factors: got {factors!r}, expected {count} of at least 0, one '
+                         'for each support')
+    plant.set_friction_factors(factors)
+
+
+def _varied(base, part, job):
+    values = job.get(part)
+    if not values:
+        return base
+    _check_names(part, values.keys(), type(base))
+    return dataclasses.replace(base, **values)
+
+
+def _check_names(part, names, kind):
+    unknown = names - {field.name for field in dataclasses.fields(kind)}
+    if unknown:
+        raise ValueError(f'{part}: got {sorted(unknown)}, expected fields of {kind.__name__}')
+
+
+def _record(plant):
+    record = {}
+    for name, values in (('object', plant.object_pose), ('object_v', plant.object_twist),
+                         ('robot', plant.robot_pose), ('robot_v', plant.robot_twist)):
+        record.update((f'{name}_{axis}', value)
+                      for axis, value in zip(('x', 'y', 'theta'), values))
+    record.update(plant.energy._asdict())
+    record.update(mode=plant.mode, steps=plant.steps, unsolved_steps=plant.unsolved_steps)
+    return record

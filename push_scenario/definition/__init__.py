@@ -1,0 +1,1 @@
+"""Scenarios: their definition and their files."""

@@ -1,0 +1,1 @@
+"""Closed-loop simulation of a scenario in one process."""

@@ -1,0 +1,95 @@
+"""
+Scalar kernels: compiled by numba where it is installed, plain Python elsewhere.
+
+Machine code is kept on disk, in a directory named after the text of all modules that end up in
+it: numba itself notices changes only in the file of the outermost function. The directory is in
+the user's cache, so that a read-only installation works; where it cannot be written to either,
+every process compiles anew.
+"""
+
+import hashlib
+import os
+import pathlib
+
+import numpy as np
+from push_model import friction, outline
+
+try:
+    import numba
+except ImportError:
+    numba = None
+
+INTERPRET = 'PUSH_SIM_INTERPRET'
+KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'floor.py', 'layout.py', 'solver.py',
+          'step.py', 'support_friction.py')
+IS_COMPILED = numba is not None and not os.environ.get(INTERPRET)
+
+
+def compiled(function):
+    """
+    Compile a scalar function, unless numba is missing or ``PUSH_SIM_INTERPRET`` is set.
+
+    :param function: plain Python on numbers and on sequences of numbers.
+    :return: the compiled function, or the function itself.
+    """
+    if not IS_COMPILED:
+        return function
+    directory = cache_directory()
+    if directory is None:
+        return numba.njit(function, **_options())
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = directory
+    try:
+        return numba.njit(cache=True, **_options())(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def sequence(values):
+    """
+    Lay numbers out as the kernel reads them fastest: an array if compiled, else lists.
+
+    :param values: numbers, or rows of numbers.
+    """
+    array = np.array(values, dtype=float)
+    return array if IS_COMPILED else array.tolist()
+
+
+def cache_directory():
+    """
+    Directory for machine code, made if need be; None where it cannot be written to.
+
+    ``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``.
+    """
+    root = os.environ.get('NUMBA_CACHE_DIR') or os.environ.get('XDG_CACHE_HOME')
+    if not root:
+        home = os.path.expanduser('~')
+        root = os.path.join(home, '.cache')
+    path = pathlib.Path(root) / 'push_control' / _source_digest()
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return str(path) if os.access(path, os.W_OK) else None
+
+
+def _options():
+    # The kernel allocates nothing, so that counting references would only take half of its time.
+    options = {'error_model': 'numpy'}
+    if hasattr(numba.core.options.DefaultOptions, '_nrt'):
+        options['_nrt'] = False
+    return options
+
+
+def _source_digest():
+    here = pathlib.Path(__file__).parent
+    sources = [here / name for name in KERNEL] + [outline.__file__, friction.__file__]
+    digest = hashlib.sha256()
+    for source in sources:
+        digest.update(pathlib.Path(source).read_bytes())
+    return digest.hexdigest()[:16]
+
+
+friction_weight = compiled(friction.friction_weight)
+closest_on_polygon = compiled(outline.closest_on_polygon)
+lowest_vertex = compiled(outline.lowest_vertex)

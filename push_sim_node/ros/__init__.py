@@ -1,0 +1,1 @@
+"""Simulator over ROS 2: outputs and lockstep."""

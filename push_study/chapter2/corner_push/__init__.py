@@ -1,0 +1,1 @@
+"""Chapter 2: case study of a box pushed at a corner."""

@@ -1,0 +1,1 @@
+"""Framework of the studies: parameters, runs, files, plot style and sketches."""

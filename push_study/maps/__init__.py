@@ -1,0 +1,1 @@
+"""Maps round the perimeter of an object: stable pushing and steering."""

@@ -1,0 +1,122 @@
+"""The source tree keeps its architecture, and the checks themselves can fail."""
+
+import ast
+import re
+from xml.etree import ElementTree
+
+from helpers import architecture
+from helpers.architecture import ROOT
+import pytest
+
+VERSION = ElementTree.parse(ROOT / 'package.xml').getroot().findtext('version')
+RULES = {
+    'ros': architecture.ros_in_pure_modules,
+    'order': architecture.against_the_order,
+    'cycle': architecture.cycle,
+    'shell': architecture.pure_on_shell,
+    'clocks': architecture.clocks_and_dice,
+    'crowd': architecture.crowded_folders,
+    'version': lambda root: architecture.versions_written_again(root, VERSION),
+    'machine': architecture.machine_bound,
+}
+SLASH = '/'
+OFFENCES = [
+    ('ros', {'push_model/a.py': 'import rclpy'}),
+    ('ros', {'push_model/a.py': 'def f():\n    from geometry_msgs.msg import Pose'}),
+    ('ros', {'push_scenario/a.py': 'from rcl_interfaces.msg import Parameter'}),
+    ('ros', {'push_ros/a.py': 'import launch_ros'}),
+    ('ros', {'push_control/task/a.py': 'import rclpy'}),
+    ('order', {'push_model/a.py': 'import push_planner.plan'}),
+    ('order', {'push_control/a.py': 'from push_sim_node import plant'}),
+    ('order', {'push_scenario/a.py': 'from push_ros import run'}),
+    ('order', {'push_planner/a.py': 'def f():\n    import push_ros.run'}),
+    ('order', {'push_ros/a.py': 'from push_control.laws import mpc'}),
+    ('order', {'push_ros/a.py': 'def f():\n    import push_scenario.tape'}),
+    ('order', {'push_model/a.py': 'from . import contact'}),
+    ('order', {'push_elsewhere/a.py': ''}),
+    ('shell', {'push_control/a.py': 'from push_control.controller_node import main'}),
+    ('shell', {'push_scenario/tape.py': 'def f():\n    import push_scenario.dds.replay'}),
+    ('shell', {'push_control/ros/mode.py': 'import push_control.controller_node'}),
+    ('cycle', {'push_model/a.py': 'from push_model.b import f',
+               'push_model/b.py': 'from push_model import c',
+               'push_model/c.py': 'import push_model.a'}),
+    ('cycle', {'push_model/a.py': 'def f():\n    import push_model.b',
+               'push_model/b.py': 'import push_model.a'}),
+    ('cycle', {'push_planner/one/a.py': 'import push_planner.two.a',
+               'push_planner/two/b.py': 'import push_planner.one.b',
+               'push_planner/one/b.py': '', 'push_planner/two/a.py': ''}),
+    ('clocks', {'push_model/a.py': 'from time import perf_counter'}),
+    ('clocks', {'push_planner/a.py': 'import datetime\nnow = datetime.datetime.now()'}),
+    ('clocks', {'push_sim_node/a.py': 'import random'}),
+    ('clocks', {'push_sim_node/a.py': 'import numpy as np\nnp.random.normal()'}),
+    ('clocks', {'push_sim_node/a.py': 'import numpy as np\nnp.random.default_rng()'}),
+    ('crowd', {f'push_model/{name}.py': '' for name in 'cdefghijklmnopqrst'}),
+    ('version', {'push_model/a.py': f"v = '{VERSION}'"}),
+    ('version', {'docs.md': f'release {VERSION}.'}),
+    ('machine', {'config/a.yaml': f'path: {SLASH}home{SLASH}somebody'}),
+    ('machine', {'Makefile': f'pip --index-url https:{SLASH * 2}pypi.example/a'}),
+]
+GOOD = {
+    'push_model/a.py': 'import math\nimport numpy as np\nrng = np.random.default_rng(1)\n',
+    'push_model/b.py': 'from push_model.a import rng\n',
+    'push_planner/a.py': 'from push_model import a, b\n',
+    'push_control/controller_node.py': 'import rclpy\nfrom push_ros.run import spin\n',
+    'push_control/ros/mode.py': 'import rclpy\nimport push_ros.run\n',
+    'push_ros/run.py': 'import time\nimport rclpy\nfrom push_model import a\n',
+    'push_scenario/dds/replay.py': 'import push_ros.run\n',
+    'push_scenario/cli.py': 'import time\ndef f():\n    import push_scenario.dds.replay\n',
+    'push_scenario/tape.py': 'import push_planner.a\n',
+    'push_sim_node/noise.py': 'import numpy as np\ndef f(seed):\n    return np.random.Generator\n',
+}
+
+
+def write(root, files):
+    """Write a small source tree."""
+    for name, text in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+@pytest.mark.parametrize('rule', RULES)
+def test_the_source_tree_keeps_the_rule(rule):
+    """Nothing is found, in a tree that does have modules."""
+    assert len(architecture.modules(ROOT)) > 10
+    assert RULES[rule](ROOT) == []
+
+
+@pytest.mark.parametrize('rule, files', OFFENCES)
+def test_an_offence_is_found(tmp_path, rule, files):
+    """A good tree passes every rule; the offence is found by its rule alone."""
+    write(tmp_path, GOOD)
+    assert {name: check(tmp_path) for name, check in RULES.items() if check(tmp_path)} == {}
+    write(tmp_path, {name: GOOD.get(name, '') + text for name, text in files.items()})
+    assert RULES[rule](tmp_path)
+
+
+def test_every_requirement_is_pinned():
+    """Each line of the requirement files names one version."""
+    for name in ('requirements.txt', 'requirements-build.txt'):
+        lines = [line for line in (ROOT / name).read_text().splitlines()
+                 if line and not line.startswith('#')]
+        assert lines
+        assert [line for line in lines if not re.match(r'[\w.-]+==\d[\w.]*(;|$)', line)] == []
+
+
+def test_what_is_asked_for_is_pinned():
+    """What requirements.in and setup.py name is among the pins."""
+    def names(lines):
+        return {line.split('==')[0].strip().lower() for line in lines
+                if line and not line.startswith('#')}
+
+    pinned = set()
+    for name in ('requirements.txt', 'requirements-build.txt'):
+        pinned |= names((ROOT / name).read_text().splitlines())
+    asked = names((ROOT / 'requirements.in').read_text().splitlines())
+    for node in ast.walk(ast.parse((ROOT / 'setup.py').read_text())):
+        if isinstance(node, ast.keyword) and node.arg == 'install_requires':
+            asked |= names(ast.literal_eval(node.value))
+        if isinstance(node, ast.keyword) and node.arg == 'extras_require':
+            asked |= names(sum(ast.literal_eval(node.value).values(), []))
+    assert 'numba' in asked and 'setuptools' in asked
+    assert asked - pinned == set()

@@ -1,0 +1,63 @@
+"""The benchmark's own drive of a plan: it follows long ones, and finds wrong ones out."""
+
+import dataclasses
+import math
+
+from benchmarks.planner.check import replay, STRETCH
+from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
+import numpy as np
+from push_model.geometry import Pose
+from push_planner.single_push.planner import plan
+import pytest
+
+LONG = {'deceleration': 0.0, 'run_in': 0.0, 'max_path_length': 60.0}
+PROBLEMS = {
+    'steady turns': vertex_problem(Pose(-6.0, 1.0, 0.4), DIFFERENTIAL, **LONG),
+    'far': vertex_problem(Pose(16.0, 5.0, 0.5), DIFFERENTIAL, **LONG),
+    'holonomic': vertex_problem(Pose(9.0, -4.0, 0.5), HOLONOMIC, **LONG),
+    'quasi-static': face_problem(Pose(-3.0, 1.0, 2.0), motion_model='quasi_static', **LONG),
+}
+
+
+@pytest.fixture(scope='module')
+def plans():
+    """All plans, made once."""
+    return {name: plan(problem) for name, problem in PROBLEMS.items()}
+
+
+@pytest.fixture(params=PROBLEMS)
+def answer(request, plans):
+    """One plan after the other."""
+    return plans[request.param]
+
+
+def test_long_plans_are_followed_to_their_goal(answer):
+    """However long a steady turn or straight push is, no stretch of it is."""
+    driven, wheelbase = replay(answer), answer.problem.vehicle.wheelbase
+    assert driven.way == pytest.approx(answer.report['path_length'])
+    assert driven.way > 2.0 * STRETCH * wheelbase
+    assert driven.stretches >= driven.way / (STRETCH * wheelbase)
+    assert driven.position_error < 1e-4 and driven.heading_error < 1e-3
+
+
+def test_it_agrees_with_the_check_of_the_plan_itself(answer):
+    """Two drives of one plan, one by its samples, one by its pieces."""
+    own, driven = answer.verify(), replay(answer)
+    assert abs(own.position_error - driven.position_error) < 1e-4
+    assert own.cone_usage == pytest.approx(
+        driven.steepest / answer.problem.planning_angle, abs=0.05)
+
+
+@pytest.mark.parametrize('what, column', [('object_poses', 0), ('object_poses', 2),
+                                          ('contact_poses', 2)])
+def test_samples_that_do_not_follow_from_each_other_are_found_out(plans, what, column):
+    """A plan whose second half is somewhere else, even if it ends well: both drives see it."""
+    answer = plans['steady turns']
+    values = getattr(answer.trajectory, what).copy()
+    count = len(values)
+    bump = 0.01 * np.sin(math.pi * np.arange(count) / (count - 1)) ** 2
+    values[:, column] += bump
+    wrong = dataclasses.replace(answer, trajectory=dataclasses.replace(
+        answer.trajectory, **{what: values}))
+    for found in (replay(wrong), wrong.verify()):
+        assert found.position_error > 1e-3 or found.heading_error > math.radians(0.1)

@@ -1,0 +1,170 @@
+"""The benchmark of tasks: its bound, its maps and collisions, its draws, its groups."""
+
+import math
+from types import SimpleNamespace
+
+from benchmarks.controller.tables import ALL
+from benchmarks.tasks.bound import contact_way, gap, least_time
+from benchmarks.tasks.cases import ALONE, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
+from benchmarks.tasks.groups import faults_of, grouped, kind
+from benchmarks.tasks.intervention import Hand, MOVES
+from benchmarks.tasks.maps import draw_floor, MAPS, object_room, robot_room, to_rectangles
+from helpers.objects import box
+from helpers.push_problems import HOLONOMIC
+import numpy as np
+from push_model.geometry import Pose
+from push_planner.single_push.site_selection import choose_site
+import pytest
+
+START = Pose(0.3, -0.2, 0.4)
+
+
+@pytest.mark.parametrize('goal', [Pose(1.2, 0.0, 0.0), Pose(0.8, 0.6, 1.0), Pose(0.5, -0.3, -2.0)])
+def test_no_plan_is_shorter_than_the_bound(goal):
+    """Those of the planner are found without it."""
+    plan = choose_site(box(), HOLONOMIC, START, START @ goal).plan
+    assert contact_way(box(), START, START @ goal) < plan.report['path_length']
+
+
+def test_a_straight_push_is_nearly_as_short_as_the_bound():
+    """Through the friction centre nothing is wasted but what the tolerances allow."""
+    plan = choose_site(box(), HOLONOMIC, START, START @ Pose(1.0, 0.0, 0.0)).plan
+    assert plan.report['path_length'] == pytest.approx(1.0, abs=1e-3)
+    assert contact_way(box(), START, START @ Pose(1.0, 0.0, 0.0)) == pytest.approx(0.98, abs=0.01)
+
+
+def test_the_bound_does_not_depend_on_the_world():
+    """Nor on the direction of time; where the object is there already it is 0."""
+    world, goal = Pose(-2.0, 1.0, 2.2), START @ Pose(0.4, 0.1, 1.3)
+    assert contact_way(box(), world @ START, world @ goal) == pytest.approx(
+        contact_way(box(), START, goal))
+    assert contact_way(box(), goal, START) == pytest.approx(contact_way(box(), START, goal))
+    assert contact_way(box(), START, START) == 0.0
+
+
+def test_feet_that_rub_more_count_more():
+    """A turn about the only foot that rubs costs nothing."""
+    still = box(friction=(0.3, 1e-9, 1e-9, 1e-9))
+    foot = still.supports[0]
+    about = Pose(foot.x, foot.y, 0.0)
+    turned = START @ about @ Pose(0.0, 0.0, 1.0) @ about.inverse()
+    assert contact_way(still, START, turned) == pytest.approx(0.0, abs=1e-6)
+    assert contact_way(box(), START, turned) > 0.1
+
+
+@pytest.mark.parametrize('name', MAPS)
+def test_the_map_shows_what_stands_on_the_floor(name):
+    """Cell by cell; there is a wall all round."""
+    floor = draw_floor(name, np.random.default_rng(3))
+    cells = floor.map.workspace.occupied
+    rows, columns = np.indices(cells.shape)
+    centers = floor.map.resolution * (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5)
+    inside = to_rectangles(centers, floor.rectangles).min(axis=1) < 0.0
+    assert np.array_equal(cells.ravel(), inside)
+    assert cells[[0, -1]].all() and cells[:, [0, -1]].all() and not cells.all()
+
+
+def test_a_corridor_is_1_m_wide():
+    """And joins two rooms."""
+    floor = draw_floor('corridor', np.random.default_rng(1))
+    free = ~floor.map.workspace.occupied
+    middle = free[:, free.shape[1] // 2]
+    assert floor.map.resolution * middle.sum() == pytest.approx(1.0)
+    assert np.flatnonzero(np.diff(middle)).size == 2
+
+
+def test_rooms_of_robot_and_object_are_those_of_their_rims():
+    """Compared with points all along them; poses where both are near a wall, or across it."""
+    rng = np.random.default_rng(5)
+    rectangles = np.array([(0.0, 0.0, 0.1, 2.0), (1.0, 0.5, 1.4, 0.9)])
+    corners = np.array(box().outline)
+    share = np.linspace(0.0, 1.0, 401)[:, None]
+    rim = np.concatenate([a + share * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0))])
+    angles = np.linspace(0.0, 2.0 * math.pi, 4001)
+    circle = HOLONOMIC.radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    for pose in np.round(rng.uniform((-0.5, -0.5, -3.0), (2.0, 2.5, 3.0), (40, 3)), 3):
+        found = object_room(box(), [pose], rectangles), robot_room(HOLONOMIC, [pose], rectangles)
+        for room, points in zip(found, (rim, circle)):
+            seen = np.array([Pose(*pose).transform(point) for point in points])
+            expected = to_rectangles(seen, rectangles).min()
+            assert (room < 0.0) == (expected < 0.0)
+            assert expected < 0.0 or room - 1e-3 < expected < math.sqrt(2.0) * room + 2e-3
+
+
+@pytest.mark.parametrize('part', PARTS)
+def test_a_task_is_drawn_from_its_seed_alone(part):
+    """Every kind and every seed gets another; the robot stands clear of the object."""
+    drawn = {}
+    for job in jobs({part: 3 * len(KINDS[part])}):
+        case, again = draw(**job), draw(**job)
+        assert case.scenario == again.scenario and case.variety == again.variety
+        drawn[case.scenario.goal] = case
+        assert gap(case.scenario) >= 0.05
+        assert math.dist(case.scenario.robot_start[:2], case.scenario.start.object.pose[:2]) <= 2.0
+        assert 0.0 < least_time(case.scenario) < case.scenario.time_limit
+    assert len(drawn) == 3 * len(KINDS[part])
+    varieties = {OPEN: 1, ALONE: 1, IN_MAPS: 3, DISTURBED: 2}
+    assert len({case.variety for case in drawn.values()}) == varieties[part]
+
+
+def test_the_first_tasks_do_not_depend_on_how_many_there_are():
+    """So that few of them say something about many."""
+    assert jobs({OPEN: 100})[:9] == jobs({OPEN: 9})
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_in_maps_there_is_room_at_start_and_goal(seed):
+    """For the object, and for the robot where it stands."""
+    case = draw(IN_MAPS, KINDS[IN_MAPS][0], seed)
+    scenario, floor = case.scenario, case.floor
+    ends = [scenario.start.object.pose, scenario.goal.pose]
+    assert object_room(scenario.truth, ends, floor.rectangles) > 0.4
+    assert robot_room(scenario.robot_truth, [scenario.robot_start], floor.rectangles) > 0.1
+    workspace = scenario.task.workspace
+    assert workspace.object_is_free(scenario.object, ends, 0.05)
+
+
+@pytest.mark.parametrize('move', MOVES)
+def test_the_hand_waits_until_the_robot_is_not_in_the_way(move):
+    """Then it moves the object once."""
+    puts, barred = [], [True]
+
+    def put_object(pose):
+        if barred[0]:
+            raise ValueError('the robot is in the way')
+        puts.append(pose)
+
+    plant = SimpleNamespace(put_object=put_object, object_pose=START)
+    supervisor = SimpleNamespace(status=SimpleNamespace(state='push'))
+    hand = Hand(move, 2.0, -1.0)
+    for time in (1.0, 3.0):
+        hand(SimpleNamespace(time=time, plant=plant), supervisor)
+    assert hand.shove is None
+    barred[0] = False
+    for time in (4.0, 5.0):
+        hand(SimpleNamespace(time=time, plant=plant), supervisor)
+    moved = START.inverse() @ puts[0]
+    assert len(puts) == 1 and hand.shove.time == 4.0 and hand.state == 'push'
+    assert (math.hypot(moved.x, moved.y), moved.theta) == pytest.approx(
+        (0.2, 0.0) if move == MOVES[0] else (0.0, -math.radians(45.0)), abs=1e-12)
+
+
+def test_tasks_are_counted_by_kind():
+    """Failures by their reason without its numbers; collisions besides; no single push counts."""
+    names = KINDS[OPEN][:2]
+    pairs = [({'part': OPEN, 'kind': names[index % 2], 'seed': index}, record)
+             for index, record in enumerate([
+                 {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': 60.0,
+                  'planning': '0.25 0.50'},
+                 {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': math.inf,
+                  'planning': '1.0', 'robot_room': -0.01},
+                 {'success': False, 'outcome': 'done', 'planning': ''},
+                 {'success': False, 'outcome': 'failed', 'reason': 'off by 3.5 mm'}])]
+    everything, first, second = grouped(pairs, OPEN, kind)
+    assert (everything.name, first.name, second.name) == (ALL, *names)
+    assert (everything.successes, first.successes, second.successes) == (2, 1, 1)
+    assert everything.ratios('duration', 'single') == pytest.approx([0.5, 0.0])
+    assert everything.planning == pytest.approx([0.25, 0.5, 1.0])
+    assert [faults_of(*pair) for pair in pairs] == [
+        [], ['robot collides'], ['says that it is done, and is not'], ['off by # mm']]
+    assert grouped(pairs, IN_MAPS, kind) == []

@@ -1,0 +1,373 @@
+"""The controller as a whole: symmetries, phases, safety, and pushes that must succeed."""
+
+import dataclasses
+import math
+
+from helpers.push_case import (
+    box, Case, GOOD_HEADING, GOOD_POSITION, held_case, held_plan, mirrored_object, mirrored_target,
+    random_case, run, SENSORS, vertex_plan,
+)
+import numpy as np
+from push_control.observation import Observation
+from push_control.push.controller import make_controller
+from push_control.settings import ControlSettings
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot, Support
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_model.trajectory import COLUMNS, PushTrajectory
+from push_sim_node.sensors import SensorSettings
+import pytest
+
+SETTINGS = ControlSettings()
+OPEN_LOOP = ControlSettings(control_law='open_loop')
+ROBOT = RoundRobot(radius=0.17)
+HELD = dataclasses.replace(ROBOT, drive='holonomic')
+
+
+@pytest.fixture(scope='module')
+def recorded():
+    """Observations, their intervals, and the commands that answered them; 15 s of one push."""
+    case, seen = random_case(4), []
+    run(case, SETTINGS, 4, longest=15.0, watch=lambda _, __, now: seen.append(now))
+    steps = [(now, now.time - before.time) for before, now in zip(seen[:1] + seen, seen)]
+    return case, steps, answers(case.believed, case.target, steps)
+
+
+def answers(obj, target, steps, robot=ROBOT, settings=SETTINGS):
+    """Feed observations to a fresh controller."""
+    controller = make_controller(obj, robot, settings)
+    return np.array([controller.step(target, now, dt) for now, dt in steps])
+
+
+def moved_target(target, move):
+    """Carry every pose by ``move`` and turn every velocity with it."""
+    turn = Pose(0.0, 0.0, move.theta)
+    arrays = {'times': target.times}
+    for name in COLUMNS:
+        carry = (lambda row: move @ Pose(*row)) if name.endswith('poses') else (
+            lambda row: (*turn.rotate(row[:2]), row[2]))
+        arrays[name] = np.array([carry(row) for row in getattr(target, name).tolist()])
+    return PushTrajectory(**arrays)
+
+
+def test_the_record_is_a_real_push(recorded):
+    """The commands that the symmetry tests compare do steer, both ways."""
+    _, _, commands = recorded
+    assert commands[:, 0].max() > 0.1
+    assert commands[:, 2].min() < -0.02 and commands[:, 2].max() > 0.02
+
+
+def test_commands_do_not_depend_on_where_the_world_frame_lies(recorded):
+    """Moving target and measurements together changes nothing in the robot's axes."""
+    case, steps, commands = recorded
+    move = Pose(3.0, -7.0, 2.5)
+    moved = [(Observation(now.time, now.odometry._replace(pose=move @ now.odometry.pose),
+                          now.object_pose._replace(pose=move @ now.object_pose.pose)), dt)
+             for now, dt in steps]
+    found = answers(case.believed, moved_target(case.target, move), moved)
+    assert found == pytest.approx(commands, abs=1e-6)
+
+
+def test_a_mirrored_world_gets_mirrored_commands(recorded):
+    """Left and right are treated alike by the whole chain."""
+    case, steps, commands = recorded
+
+    def mirror(pose):
+        return Pose(pose[0], -pose[1], -pose[2])
+
+    moved = []
+    for now, dt in steps:
+        twist = Twist(now.odometry.twist.v_x, 0.0, -now.odometry.twist.omega)
+        odometry = Odometry(now.odometry.time, mirror(now.odometry.pose), twist)
+        pose = now.object_pose._replace(pose=mirror(now.object_pose.pose))
+        moved.append((Observation(now.time, odometry, pose), dt))
+    found = answers(mirrored_object(case.believed), mirrored_target(case.target), moved)
+    assert found == pytest.approx(commands * (1.0, 1.0, -1.0), abs=1e-6)
+
+
+def test_a_repeated_observation_gets_the_same_answer_and_changes_nothing(recorded):
+    """As when the sim offers a measurement again because the answer was lost."""
+    case, steps, commands = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    for (now, dt), command in zip(steps[:300], commands):
+        assert controller.step(case.target, now, dt) == tuple(command)
+        status = controller.status
+        assert controller.step(case.target, now, dt) == tuple(command)
+        assert controller.step(case.target, now, 0.2) == tuple(command)
+        assert controller.status == status
+
+
+def test_a_new_target_and_reset_start_anew(recorded):
+    """The same observations after either give the same commands as at first."""
+    case, steps, commands = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    for target in (case.target, dataclasses.replace(case.target)):
+        found = [controller.step(target, now, dt) for now, dt in steps[:100]]
+        assert np.array(found) == pytest.approx(commands[:100], abs=0.0)
+    controller.reset()
+    assert controller.status.phase == 'idle'
+    assert controller.step(None, steps[0][0], 0.02) == STOP
+    assert controller.status.phase == 'idle'
+
+
+def replayed_until(controller, case, steps, time):
+    """Feed observations up to a time; return the last one."""
+    for now, dt in steps:
+        if now.time > time:
+            return now
+        controller.step(case.target, now, dt)
+    raise ValueError(f'time: got {time}, expected it within the record')
+
+
+def later(now, age, pose_age=None, pose=None):
+    """Make an observation ``age`` after ``now``, of a robot that goes on."""
+    odometry = now.odometry._replace(time=now.odometry.time + age)
+    measured = now.object_pose
+    if pose_age is not None:
+        measured = ObjectPose(now.time + age - pose_age, pose or measured.pose)
+    return Observation(now.time + age, odometry, measured)
+
+
+def test_two_lost_poses_in_a_row_do_not_stop_the_robot_and_more_do(recorded):
+    """At 20 Hz and 80 ms: stale no sooner than 0.23 s and no later than 0.3 s after its time."""
+    case, steps, _ = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    now = replayed_until(controller, case, steps, 8.0)
+    last = now.object_pose.time
+    while now.time < last + 0.29:
+        now = later(now, 0.01)
+        command = controller.step(case.target, now, 0.01)
+        if now.time < last + 0.235:
+            assert command.v_x > 0.0 and controller.status.phase == 'pushing'
+    assert command == STOP
+    assert controller.status.phase == 'waiting' and 'stale' in controller.status.reason
+    now = later(now, 0.02, pose_age=0.08)
+    assert controller.step(case.target, now, 0.02).v_x > 0.0
+    assert controller.status.phase == 'pushing' and not controller.status.reason
+
+
+def test_stale_odometry_stops_the_robot(recorded):
+    """Poses alone do not drive it."""
+    case, steps, _ = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    now = replayed_until(controller, case, steps, 8.0)
+    for _ in range(8):
+        time = now.time + 0.05
+        now = Observation(time, now.odometry, ObjectPose(time - 0.08, now.object_pose.pose))
+        command = controller.step(case.target, now, 0.05)
+    assert command == STOP
+    assert controller.status.phase == 'waiting' and 'odometry' in controller.status.reason
+
+
+@pytest.mark.parametrize('bad', [math.nan, math.inf])
+def test_what_is_not_finite_stops_the_robot_and_leaves_no_trace(recorded, bad):
+    """A broken pose or odometry is answered by a stop; afterwards everything is finite."""
+    case, steps, _ = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    now = replayed_until(controller, case, steps, 8.0)
+    broken = later(now, 0.02, 0.08, Pose(1.0, bad, 0.0))
+    assert controller.step(case.target, broken, 0.02) == STOP
+    assert 'object pose is not finite' in controller.status.reason
+    broken = later(now, 0.03)
+    broken = broken._replace(odometry=broken.odometry._replace(twist=Twist(0.1, 0.0, bad)))
+    assert controller.step(case.target, broken, 0.01) == STOP
+    assert 'odometry is not finite' in controller.status.reason
+    command = controller.step(case.target, later(now, 0.04, 0.08), 0.01)
+    assert controller.status.phase == 'pushing'
+    assert all(math.isfinite(value) for value in command) and command.v_x > 0.0
+
+
+def test_without_a_pose_it_waits(recorded):
+    """A target alone does not move the robot."""
+    case, steps, _ = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    assert controller.step(case.target, steps[0][0]._replace(object_pose=None), 0.0) == STOP
+    assert controller.status.phase == 'waiting'
+    assert 'no object pose' in controller.status.reason
+
+
+def test_a_negative_interval_is_refused(recorded):
+    """The error names it."""
+    case, steps, _ = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    with pytest.raises(ValueError, match='dt'):
+        controller.step(case.target, steps[0][0], -0.1)
+
+
+def test_an_object_that_does_not_follow_is_given_up():
+    """The robot drives on for some centimetres, no further than half a metre."""
+    case = random_case(3)
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    start = Pose(*case.target.object_poses[0].tolist())
+    driven, command = 0.0, STOP
+    for k in range(2000):
+        time = 0.02 * k
+        odometry = Odometry(time, case.robot_pose, command)
+        command = controller.step(case.target, Observation(time, odometry,
+                                                           ObjectPose(time, start)), 0.02)
+        driven += 0.02 * command.v_x
+        if controller.status.phase == 'failed':
+            break
+    assert controller.status.phase == 'failed' and 'contact is lost' in controller.status.reason
+    assert 0.1 < driven < 0.5 and command == STOP
+
+
+def test_a_differential_drive_on_a_face_is_refused_and_a_robot_elsewhere_too():
+    """Both before anything moves, with a reason."""
+    obj = box(0.4, 2.0, [0.3] * 4)
+    face = held_plan(obj, HELD, (-0.2, 0.0), 0.0, Pose(1.5, 0.1, 0.1), 0.15)
+    away = dataclasses.replace(face, robot_poses=face.robot_poses - (0.1, 0.0, 0.0))
+    for robot, target, reason in ((ROBOT, face, 'vertex'), (HELD, away, 'contact')):
+        controller = make_controller(obj, robot, SETTINGS)
+        first = face.robot_poses[0].tolist()
+        now = Observation(0.0, Odometry(0.0, Pose(*first), STOP),
+                          ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
+        assert controller.step(target, now, 0.0) == STOP
+        assert controller.status.phase == 'failed' and reason in controller.status.reason
+
+
+def test_open_loop_plays_the_plan_and_stops():
+    """Integrated, its commands are the planned way; the object is not looked at."""
+    case = random_case(4)
+    controller = make_controller(case.believed, ROBOT, OPEN_LOOP)
+    pose, time, dt = Pose(*case.target.robot_poses[0].tolist()), 0.0, 0.005
+    while controller.status.phase != 'done' and time < 300.0:
+        now = Observation(time, Odometry(time, Pose(math.nan, 0.0, 0.0), STOP))
+        command = controller.step(case.target, now, dt)
+        pose = pose @ Pose(dt * command.v_x, 0.0, dt * command.omega)
+        time += dt
+    assert command == STOP
+    assert pose == pytest.approx(case.target.robot_poses[-1], abs=0.02)
+    assert case.target.duration < time < 2.0 * case.target.duration + 10.0
+
+
+def test_with_a_right_belief_open_loop_arrives_and_feedback_arrives_better():
+    """A straight push of a metre; without feedback errors grow slowly."""
+    obj = box(0.4, 2.0, [0.3] * 4)
+    target = vertex_plan(obj, ROBOT, Pose(0.8, 0.8, 0.0), 0.15, vertices=(2,))
+    case = Case(obj, obj, ROBOT, target, Pose(*target.robot_poses[0].tolist()))
+    blind = run(case, OPEN_LOOP, sensors=SensorSettings())
+    seeing = run(case, SETTINGS, sensors=SensorSettings())
+    assert blind.status.phase == seeing.status.phase == 'done'
+    assert blind.position_error < 0.03
+    assert seeing.position_error < 0.002 and seeing.heading_error < 2e-3
+
+
+@pytest.mark.parametrize('seed', [0, 7, 11, 15, 31, 49])
+def test_random_pushes_at_a_corner_succeed(seed):
+    """Friction, mass, contact, placement and sensors as wrong as they may be."""
+    case = random_case(seed)
+    outcome = run(case, SETTINGS, seed)
+    assert outcome.status.phase == 'done', outcome.status
+    assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
+    assert abs(outcome.status.position_error - outcome.position_error) < 8e-3
+
+
+@pytest.mark.parametrize('kind', ['face', 'vertex', 'round'])
+def test_a_holonomic_base_pushes_anywhere(kind):
+    """On a face, at a vertex and on a disc, with the same errors."""
+    for seed in (3, 7):
+        outcome = run(held_case(seed, kind), SETTINGS, seed)
+        assert outcome.status.phase == 'done', outcome.status
+        assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
+
+
+def test_a_contact_that_cannot_push_straight_is_given_up():
+    """With the friction centre far aside, the robot does not wander about."""
+    case = random_case(3)
+    feet = tuple(dataclasses.replace(foot, friction_coefficient=1.8 if foot.y < 0.0 else 0.1)
+                 for foot in case.believed.supports)
+    case = case._replace(true=dataclasses.replace(case.true, supports=feet))
+    outcome = run(case, SETTINGS)
+    assert outcome.status.phase == 'failed' and outcome.status.reason
+    assert outcome.status.travelled < 2.0
+
+
+@pytest.mark.parametrize('rate', [25.0, 100.0])
+def test_the_rate_of_odometry_hardly_matters(rate):
+    """The law counts time and way, not steps."""
+    outcome = run(random_case(9), SETTINGS, 9,
+                  dataclasses.replace(SENSORS, odometry_rate=rate))
+    assert outcome.status.phase == 'done'
+    assert outcome.position_error < 0.01 and outcome.heading_error < 0.01
+
+
+def test_it_stops_for_a_drop_out_and_goes_on():
+    """The robot stands while poses are missing, and the push still succeeds."""
+    sensors = dataclasses.replace(SENSORS, pose_dropouts=((4.0, 6.0), (9.0, 9.4)))
+    speeds = []
+    outcome = run(random_case(2), SETTINGS, 2, sensors,
+                  watch=lambda plant, control, _: speeds.append((plant.time,
+                                                                 control.status.phase,
+                                                                 plant.truth.robot_twist.v_x)))
+    standing = [(phase, speed) for time, phase, speed in speeds if 4.9 < time < 6.0]
+    assert all(phase == 'waiting' and abs(speed) < 1e-3 for phase, speed in standing)
+    assert outcome.status.phase == 'done'
+    assert outcome.status.rejected_poses == 0
+    assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
+
+
+def test_an_object_without_friction_is_refused():
+    """Nothing could be said about its motion."""
+    obj = box(0.4, 2.0, [0.3] * 4)
+    target = vertex_plan(obj, ROBOT, Pose(0.8, 0.8, 0.0), 0.15, vertices=(2,))
+    icy = PushedObject(mass=2.0, inertia=0.1, supports=(Support(0.0, 0.0, 0.0),),
+                       outline=obj.outline)
+    controller = make_controller(icy, ROBOT, SETTINGS)
+    now = Observation(0.0, Odometry(0.0, Pose(*target.robot_poses[0].tolist()), STOP),
+                      ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
+    assert controller.step(target, now, 0.0) == STOP
+    assert controller.status.phase == 'failed' and 'friction' in controller.status.reason
+
+
+def test_a_target_that_starts_at_the_push_is_taken_up_without_a_stop(recorded):
+    """The rest of the plan as a new one: estimate and speed stay, and the commands go on."""
+    case, steps, commands = recorded
+    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    for now, dt in steps[:400]:
+        controller.step(case.target, now, dt)
+    time = steps[400][0].time
+    begin = int(np.searchsorted(case.target.times, time - 0.3))
+    rest = PushTrajectory(times=case.target.times[begin:] - case.target.times[begin],
+                          **{name: getattr(case.target, name)[begin:] for name in COLUMNS})
+    rejected, center = controller.status.rejected_poses, controller.status.friction_center
+    found = np.array([controller.step(rest, now, dt) for now, dt in steps[400:500]])
+    assert controller.status.phase == 'pushing' and controller.status.travelled < 0.5
+    assert controller.status.rejected_poses - rejected < 5
+    assert controller.status.friction_center == pytest.approx(center, abs=0.02)
+    assert commands[400:500, 0].min() > 0.05
+    assert found[:, 0] == pytest.approx(commands[400:500, 0], rel=0.1)
+    steps_before = np.abs(np.diff(commands[50:400], axis=0)).max(axis=0)
+    assert (np.abs(np.diff(found, axis=0, prepend=commands[399:400])) <= steps_before).all()
+
+
+def test_a_target_that_starts_elsewhere_starts_anew(recorded):
+    """Another contact, or an object elsewhere: the estimate is not kept, nor the speed."""
+    case, steps, _ = recorded
+    away = moved_target(case.target, Pose(1.0, 0.0, 0.0))
+    for target, phase in ((away, 'pushing'), (mirrored_target(case.target), 'failed')):
+        controller = make_controller(case.believed, ROBOT, SETTINGS)
+        pushing = [controller.step(case.target, now, dt) for now, dt in steps[:60]]
+        command = controller.step(target, *steps[60])
+        assert controller.status.phase == phase
+        assert command.v_x < 0.5 * pushing[-1].v_x
+
+
+@pytest.mark.parametrize('law', [SETTINGS, OPEN_LOOP], ids=['feedback', 'open loop'])
+@pytest.mark.parametrize('place, text', [
+    (Pose(-1.5, 0.3, 0.0), 'm away and turned by'), (Pose(0.0, 0.0, 0.0), ''),
+    (Pose(0.0, 0.04, 0.0), ''), (Pose(0.0, 0.0, 0.5), 'turned by 28.6 deg')],
+    ids=['away', 'there', 'beside', 'askew'])
+def test_a_robot_that_is_not_where_the_plan_starts_does_not_move(law, place, text):
+    """It is told where to stand, in the world; near enough is good."""
+    case = random_case(4)
+    start = Pose(*case.target.robot_poses[0].tolist())
+    moved = Pose(start.x + place.x, start.y + place.y, start.theta + place.theta)
+    controller = make_controller(case.believed, ROBOT, law)
+    now = Observation(0.0, Odometry(0.0, moved, STOP),
+                      ObjectPose(0.0, Pose(*case.target.object_poses[0].tolist())))
+    command = controller.step(case.target, now, 0.0)
+    assert (controller.status.phase == 'failed') == (command == STOP) == bool(text)
+    assert text in controller.status.reason
+    meant = f'it must stand at {start.x:.3f} m, {start.y:.3f} m'
+    assert (meant in controller.status.reason) == bool(text)

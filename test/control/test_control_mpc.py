@@ -1,0 +1,163 @@
+"""Laws of the predictive law: symmetries, limits, optimality, and what it does in trouble."""
+
+import dataclasses
+import math
+
+import casadi as ca
+from helpers.push_case import box
+import numpy as np
+from push_control.laws.closed_form import ClosedFormLaw, Situation
+from push_control.laws.curvature_limits import CurvatureLimits
+from push_control.laws.mpc import optimal_weights, PredictiveLaw
+from push_control.laws.mpc_problem import (
+    horizon_problem, SCALARS, STATES, straight_step, terminal_root,
+)
+from push_control.path.guidance import Track
+from push_control.settings import ControlSettings
+from push_model.parameters import RoundRobot
+from push_model.quasi_static import vehicle
+import pytest
+from scipy.linalg import solve_discrete_are
+
+SETTINGS = ControlSettings(control_law='mpc')
+ROBOT = RoundRobot(radius=0.17)
+FLAT = vehicle(box(0.4, 2.0, [0.3] * 4), (-0.2, -0.2))
+STEPS, STEP = SETTINGS.horizon_steps, SETTINGS.horizon_step
+
+
+def situation(lateral=0.0, heading=0.0, zeta=0.0, bend=0.0, **changes):
+    """Stand beside a path of one curvature, with room to all sides."""
+    track = Track(lateral, heading, bend, 2.0)
+    plain = Situation(track, lambda: track, lambda ways: np.full(len(ways), bend), FLAT, zeta,
+                      0.0, (-0.7, 0.7), CurvatureLimits(-0.6, 0.6), 0.3, None, 0.2, 0.003, 0.0)
+    return plain._replace(**changes)
+
+
+def numbers(place, root):
+    """Put the parameters of a situation in their order, with a straight path."""
+    named = dict(zip(STATES, place), wheelbase=FLAT.wheelbase, rest=0.0, roll_gain=4.0, lag=0.015,
+                 force_slope=FLAT.mean_square / FLAT.arm, robot_radius=0.17, cone=0.3,
+                 zeta_low=-0.7, zeta_high=0.7, lowest=-0.6, highest=0.6, first_low=-0.2,
+                 first_high=0.2, change=2.1)
+    return np.concatenate([[named[name] for name in SCALARS], root.ravel(order='F'),
+                           np.zeros(2 * STEPS)])
+
+
+def test_left_and_right_are_treated_alike():
+    """Mirrored errors, normal and path get the mirrored curvature, limits active or not."""
+    for lateral, heading, zeta, bend in ((0.01, 0.02, 0.1, 0.2), (0.08, 0.2, -0.25, 0.5)):
+        one = PredictiveLaw(ROBOT, SETTINGS).curvature(situation(lateral, heading, zeta, bend))
+        other = PredictiveLaw(ROBOT, SETTINGS).curvature(
+            situation(-lateral, -heading, -zeta, -bend))
+        assert one == pytest.approx(-other, abs=1e-9)
+        assert abs(one) > 0.05
+
+
+@pytest.mark.parametrize('lag', [0.0, 0.02])
+def test_near_a_straight_path_it_is_the_linear_quadratic_regulator(lag):
+    """With no limit active: the gain of the Riccati equation, solved apart from the problem."""
+    weights = optimal_weights(SETTINGS)
+    a, b = straight_step('differential', STEP, lag)
+    costs = np.diag([STEP * weights[0], STEP * weights[1], 1e-9])
+    value = solve_discrete_are(a, b, costs, np.array([[STEP]]))
+    gain = np.linalg.solve(STEP + b.T @ value @ b, b.T @ value @ a)
+    for errors in ((1e-3, 0.0), (0.0, 2e-3), (-1e-3, 1e-3)):
+        found = PredictiveLaw(ROBOT, SETTINGS).curvature(situation(*errors, lag=lag))
+        wanted = -float((gain @ (*errors, 0.0))[0])
+        assert found == pytest.approx(wanted, rel=1e-3, abs=1e-6)
+
+
+def test_with_short_steps_it_is_the_closed_form_law():
+    """The weights are those for which that law is optimal."""
+    fine = dataclasses.replace(SETTINGS, horizon_step=0.002)
+    for errors in ((1e-4, 0.0), (0.0, 2e-4)):
+        place = situation(*errors)
+        closed = ClosedFormLaw(SETTINGS).curvature(place)
+        assert PredictiveLaw(ROBOT, fine).curvature(place) == pytest.approx(closed, rel=0.03)
+
+
+def test_it_steers_before_the_path_bends():
+    """On a straight stretch, with a bend to the left ahead that is sharper than the limit."""
+    place = situation(preview=lambda ways: np.where(ways > 0.15, 0.9, 0.0))
+    assert PredictiveLaw(ROBOT, SETTINGS).curvature(place) > 0.01
+    assert ClosedFormLaw(SETTINGS).curvature(place) == 0.0
+
+
+@pytest.mark.parametrize('lag', [0.0, 0.02])
+def test_limits_and_changes_are_kept(lag):
+    """Whatever the errors, the answer needs no correction; and no failure is counted."""
+    law, rng = PredictiveLaw(ROBOT, SETTINGS), np.random.default_rng(1)
+    before = None
+    for _ in range(300):
+        place = situation(*rng.normal(0.0, (0.05, 0.1, 0.15)), before=before, lag=lag)
+        found = law.curvature(place)
+        assert found == pytest.approx(place.allowed(found), abs=1e-6)
+        before = place.allowed(found)
+    assert law.report['solver_failures'] == 0
+
+
+def test_the_force_stays_in_its_cone_where_the_closed_form_law_leaves_it():
+    """With the normal turned aside, a sharp turn the wrong way must wait."""
+    place = situation(lateral=-0.05, zeta=0.25)
+    slope = FLAT.mean_square / FLAT.arm
+    closed = place.allowed(ClosedFormLaw(SETTINGS).curvature(place))
+    found = PredictiveLaw(ROBOT, SETTINGS).curvature(place)
+    assert place.zeta + slope * closed > place.cone
+    assert place.zeta + slope * found < place.zeta + slope * closed
+
+
+def converged(place):
+    """Solve the same problem by ipopt, and by steps around the last solution."""
+    weights = optimal_weights(SETTINGS)
+    step, problem = horizon_problem('differential', STEPS, STEP, weights)
+    p = numbers(place, terminal_root('differential', STEP, weights, 0.015))
+    u, slack = ca.SX.sym('u', STEPS), ca.SX.sym('slack')
+    residuals, soft, low, high = problem(u, p)
+    changes = u[1:] - u[:-1]
+    cost = 0.5 * ca.sumsqr(residuals) + weights[2] * (slack + 0.5 * slack ** 2)
+    solver = ca.nlpsol('exact', 'ipopt', {
+        'x': ca.vertcat(u, slack), 'f': cost,
+        'g': ca.vertcat(soft - high - slack, low - slack - soft, changes - 2.1, -changes - 2.1)},
+        {'ipopt.print_level': 0, 'print_time': False, 'ipopt.tol': 1e-10})
+    first = [0.2] + [0.6] * (STEPS - 1)
+    exact = solver(ubg=0.0, lbx=[-x for x in first] + [0.0], ubx=first + [10.0])
+    once = np.array(step(p)[0]).ravel()
+    many = once
+    for _ in range(15):
+        p[-STEPS:] = many
+        many = np.array(step(p)[0]).ravel()
+
+    def cost_of(inputs):
+        values, bounds, *_ = problem(inputs, p)
+        rows = np.concatenate([np.array(bounds - high_), np.array(low_ - bounds)])
+        beyond = max(0.0, rows.max())
+        return 0.5 * float(ca.sumsqr(values)) + weights[2] * (beyond + 0.5 * beyond ** 2)
+
+    _, _, low_, high_ = problem(once, p)
+    return np.array(exact['x'][:-1]).ravel(), once, many, cost_of
+
+
+@pytest.mark.parametrize('place', [(0.01, 0.02, 0.05, 0.0), (-0.04, 0.1, 0.2, 0.1),
+                                   (0.08, -0.15, -0.3, -0.3)])
+def test_steps_converge_to_the_exact_solution_and_one_step_is_nearly_there(place):
+    """An independent solver finds the same optimum; the first step costs hardly more."""
+    exact, once, many, cost = converged(place)
+    assert many == pytest.approx(exact, abs=1e-3)
+    assert cost(once) < 1.02 * cost(exact) + 1e-6
+
+
+def test_a_broken_problem_is_answered_by_the_closed_form_law():
+    """In the same call, counted, with its reason; afterwards the solver answers again."""
+    law, good = PredictiveLaw(ROBOT, SETTINGS), situation(0.01, 0.02)
+    bad = good._replace(preview=lambda ways: np.full(len(ways), math.nan))
+    assert law.curvature(bad) == ClosedFormLaw(SETTINGS).curvature(bad)
+    assert law.report == {'solver_failures': 1, 'solver_reason': 'the problem is not finite'}
+    fresh = PredictiveLaw(ROBOT, SETTINGS)
+    assert law.curvature(good) == fresh.curvature(good)
+    assert law.report['solver_failures'] == 1
+
+
+def test_the_speed_does_not_matter_without_lag():
+    """Ways count, not times."""
+    assert (PredictiveLaw(ROBOT, SETTINGS).curvature(situation(0.02, 0.1, moved=0.001))
+            == PredictiveLaw(ROBOT, SETTINGS).curvature(situation(0.02, 0.1, moved=0.005)))

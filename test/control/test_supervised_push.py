@@ -1,0 +1,203 @@
+"""What a push tells of the robot's place and of the friction centre, on the simulated plant."""
+
+import functools
+import math
+from typing import NamedTuple
+
+from helpers.objects import bin_, box
+from helpers.push_problems import (
+    DIFFERENTIAL, face_problem, HOLONOMIC, round_problem, vertex_problem,
+)
+import numpy as np
+from push_control.observation import Observation
+from push_control.settings import ControlSettings
+from push_control.task.behaviors import Legs
+from push_control.task.perception import Sight
+from push_control.task.settings import SupervisionSettings
+from push_model.friction import friction_center
+from push_model.geometry import Pose, wrap_angle
+from push_model.signals import Odometry, STOP
+from push_navigation.occupancy_map import Workspace
+from push_navigation.settings import DriveSettings
+from push_planner.single_push.planner import plan
+from push_sim_node.sensors import SensorSettings
+from push_sim_node.simulation import Simulation, SimulationSettings
+import pytest
+
+HOME, AHEAD, TURNED = Pose(0.0, 0.0, 0.0), Pose(1.2, 0.0, 0.0), math.radians(3.0)
+# Friction centre known to 3 mm, or hardly at all.
+KNOWN, UNKNOWN = ControlSettings(center_spread=0.01), ControlSettings(center_spread=0.3)
+# The friction centre of this one is 29 mm off on the right of a push along x.
+UNEVEN = box(friction=(0.4, 0.4, 0.3, 0.3))
+NOISY = SensorSettings(pose_noise=2e-3, pose_heading_noise=math.radians(0.3), pose_latency=0.08)
+
+
+class Told(NamedTuple):
+    """A push that is over; errors are what is believed less what is true [m, m, rad]."""
+
+    leg: object
+    error: tuple
+    deviations: tuple
+    center: np.ndarray
+    object_pose: Pose
+
+
+@functools.lru_cache
+def planned(kind, world):
+    """Plan a push straight ahead, along the x axis of ``world``."""
+    if kind == 'vertex':
+        aslant = Pose(0.0, 0.0, -math.pi / 4)
+        return plan(vertex_problem(world @ AHEAD @ aslant, start=world @ aslant)).trajectory
+    problem = {'face': face_problem, 'round': round_problem}[kind]
+    return plan(problem(world @ AHEAD, start=world)).trajectory
+
+
+def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNOWN,
+         supervision=SupervisionSettings(), sensors=SensorSettings(), radius=0.0, world=HOME,
+         workspace=None):
+    """
+    Push with a robot that stands beside where it is believed to stand, and tell what it learns.
+
+    :param aside: to the left of the push [m].
+    :param unsure: standard deviation of where it is believed to stand [m]; of its heading as much
+        as it comes to on a way of 70 of these.
+    :param radius: of the object on which it stands aside; 0 for a straight one [m].
+    """
+    believed = bin_() if kind == 'round' else box()
+    robot, target = (DIFFERENTIAL if kind == 'vertex' else HOLONOMIC), planned(kind, world)
+    place, reach = Pose(*target.robot_poses[0].tolist()), radius + robot.radius
+    nearer = reach - math.sqrt(reach ** 2 - aside ** 2) if radius else 0.0
+    stands = place @ Pose(nearer, aside, turned)
+    plant = Simulation(true or believed, robot, Pose(*target.object_poses[0].tolist()), stands,
+                       SimulationSettings(seed=1), sensors)
+    legs = Legs(believed, robot, control, DriveSettings(), supervision)
+    legs.workspace = workspace
+    sight, carry = Sight(control, supervision), place @ stands.inverse()
+    sight.take(Observation(-1.0, Odometry(-1.0, place @ Pose(-70.0 * unsure, 0.0, 0.0), STOP)))
+    sight.placement.doubt(unsure)
+    leg, pose, before = None, None, 0.0
+    while plant.time < 30.0 and not (leg and (leg.finished or leg.trouble)):
+        measured = plant.next()
+        if not isinstance(measured, Odometry):
+            pose = measured
+            continue
+        odometry = measured._replace(pose=carry @ measured.pose)
+        sight.take(Observation(plant.time, odometry, pose))
+        leg = leg or legs.begin('push', target, sight)
+        plant.command(leg.step(sight, plant.time - before))
+        before = plant.time
+    there, is_ = sight.placement.pose, plant.truth.robot_pose
+    error = there.x - is_.x, there.y - is_.y, wrap_angle(there.theta - is_.theta)
+    center = np.array(friction_center(legs.learnt.obj))
+    return Told(leg, error, sight.placement.deviations, center, plant.truth.object_pose)
+
+
+def walled(y):
+    """Make a floor with a wall along the x axis at some distance, and nothing behind it."""
+    rows = math.copysign(0.025, y) * (np.arange(160) - 79.5) > abs(y)
+    return Workspace(0.025, Pose(-1.5, -2.0, 0.0), np.tile(rows[:, None], 200))
+
+
+@pytest.mark.parametrize('sensors', [SensorSettings(), NOISY], ids=['exact', 'noisy'])
+@pytest.mark.parametrize('aside, turned', [(0.03, TURNED), (-0.03, TURNED), (0.03, -TURNED)])
+def test_a_robot_beside_its_place_at_a_face_finds_it(aside, turned, sensors):
+    """The object turns as if its friction centre, which is known, were on the other side."""
+    told = push(aside=aside, turned=turned, sensors=sensors)
+    assert told.leg.finished
+    assert math.hypot(*told.error[:2]) < 0.25 * abs(aside)
+    assert abs(told.error[2]) < 0.25 * abs(turned)
+    assert np.all(np.abs(told.error) < 3.0 * told.deviations)
+    assert np.hypot(*told.center) < 0.2 * abs(aside)
+
+
+def test_left_and_right_tell_the_same():
+    """A robot as far to the other side is found as far to that side."""
+    left, right = push(aside=0.03, turned=TURNED), push(aside=-0.03, turned=-TURNED)
+    assert np.array(left.error) * (1.0, -1.0, -1.0) == pytest.approx(right.error, abs=1e-4)
+    assert left.center * (1.0, -1.0) == pytest.approx(right.center, abs=1e-4)
+
+
+def test_it_does_not_matter_which_way_the_push_goes():
+    """With everything turned, what is learnt is turned."""
+    world = Pose(3.0, -1.0, 2.0)
+    one, two = (push(aside=0.03, turned=TURNED, world=frame) for frame in (HOME, world))
+    back = Pose(0.0, 0.0, -world.theta).rotate(two.error[:2])
+    assert (*back, two.error[2]) == pytest.approx(one.error, abs=5e-4)
+    assert two.center == pytest.approx(one.center, abs=5e-4)
+
+
+@pytest.mark.parametrize('aside', [0.03, -0.03])
+def test_a_robot_beside_its_place_at_a_round_side_finds_it(aside):
+    """There the contact is off by less than the robot."""
+    told = push('round', aside=aside, radius=0.2)
+    assert told.leg.finished
+    assert math.hypot(*told.error[:2]) < 0.35 * abs(aside)
+
+
+def test_one_error_is_not_counted_twice():
+    """What a push sees goes to the friction centre where the place is known, else to the place."""
+    side = friction_center(UNEVEN)[1]
+    sure = push(true=UNEVEN, unsure=0.0, control=UNKNOWN)
+    assert sure.leg.finished and abs(side) > 0.02
+    assert math.hypot(*sure.error[:2]) < 0.2 * abs(side)
+    assert sure.center[1] == pytest.approx(side, rel=0.2)
+    unsure = push(aside=-side, control=KNOWN)
+    assert math.hypot(*unsure.error[:2]) < 0.25 * abs(side)
+    assert abs(unsure.center[1]) < 0.2 * abs(side)
+
+
+def test_a_push_off_its_path_tells_the_friction_centre_too():
+    """As long as the contact has held; the robot is where it was believed to be."""
+    told = push(true=UNEVEN, unsure=0.0, control=UNKNOWN,
+                supervision=SupervisionSettings(off_path=0.003))
+    assert 'off the path' in told.leg.trouble and not told.leg.finished
+    assert told.leg.status.slips == told.leg.status.losses == 0
+    assert 0.5 < told.center[1] / friction_center(UNEVEN)[1] < 1.3
+    assert math.hypot(*told.error[:2]) < 0.01
+
+
+def test_a_push_that_slips_and_fails_makes_the_place_less_sure():
+    """And tells nothing of the friction centre."""
+    told = push(true=box(contact_friction_coefficient=0.02, friction=(0.5, 0.5, 0.2, 0.2)),
+                aside=0.05, unsure=0.0)
+    assert told.leg.trouble and told.leg.status.slips > 0
+    assert min(told.deviations[:2]) >= 0.03
+    assert told.center == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize('friction', [(0.3, 0.3, 0.3, 0.3), (0.5, 0.5, 0.2, 0.2)])
+@pytest.mark.parametrize('aside', [-0.05, 0.05])
+def test_a_contact_that_slides_tells_little_and_says_so(aside, friction):
+    """The place is told worse than by a contact that holds, and is off by no more than is said."""
+    true = box(contact_friction_coefficient=0.05, friction=friction)
+    told, clean = (push(true=truth, aside=aside, control=ControlSettings())
+                   for truth in (true, None))
+    assert told.leg.status.slips > 0 == clean.leg.status.slips
+    assert np.all(np.abs(told.error) < 2.5 * told.deviations)
+    assert told.deviations[1] > 1.5 * clean.deviations[1]
+
+
+@pytest.mark.parametrize('side', [1.0, -1.0])
+def test_a_push_that_strays_towards_a_wall_ends_before_it(side):
+    """A wall beside the path is not touched; one far off does not matter, nor to a true push."""
+    uneven = box(friction=(0.4, 0.4, 0.2, 0.2) if side < 0.0 else (0.2, 0.2, 0.4, 0.4))
+    for true, wall, ends in ((uneven, 0.27, True), (uneven, 0.6, False), (box(), 0.27, False)):
+        floor = walled(side * wall)
+        told = push(true=true, workspace=floor)
+        assert floor.object_is_free(box(), [told.object_pose], 0.0)
+        assert ('strays towards an obstacle' in told.leg.trouble) == ends
+        assert told.leg.finished != ends
+
+
+def test_at_a_vertex_the_place_is_told_whatever_the_friction():
+    """It touches where it touches; the friction centre is learnt besides."""
+    true = box(friction=(0.3, 0.35, 0.3, 0.25))
+    one, two = (push('vertex', truth, turned=TURNED) for truth in (None, true))
+    assert one.leg.finished and two.leg.finished
+    # Without what is learnt it would be off by some 60 mm.
+    assert max(math.hypot(*told.error[:2]) for told in (one, two)) < 0.015
+    assert two.error[:2] == pytest.approx(one.error[:2], abs=0.004)
+    center = np.array(friction_center(true))
+    told = push('vertex', true, control=UNKNOWN)
+    across = center / np.hypot(*center)
+    assert across @ told.center == pytest.approx(np.hypot(*center), rel=0.3)

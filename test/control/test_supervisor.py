@@ -1,0 +1,293 @@
+"""The supervisor of a task, on the simulated plant and on measurements made up."""
+
+import dataclasses
+import math
+
+from helpers.objects import box
+import numpy as np
+from push_control.observation import Observation
+from push_control.settings import ControlSettings
+from push_control.task.settings import SupervisionSettings
+from push_control.task.supervisor import Supervisor
+from push_model.contact import find_contact
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import RoundRobot
+from push_model.signals import ObjectPose, Odometry, STOP
+from push_navigation.settings import DriveSettings
+from push_scenario.definition.scenario import Placement, Scenario, Start
+from push_scenario.simulation.loop import run_task
+from push_sim_node.sensors import SensorSettings
+from push_sim_node.simulation import SimulationSettings
+import pytest
+
+SUPERVISION, DRIVE = SupervisionSettings(), DriveSettings()
+SENSORS = SensorSettings(pose_noise=2e-3, pose_heading_noise=math.radians(0.3), pose_latency=0.08,
+                         pose_drop_probability=0.05, odometry_scale_noise=0.02,
+                         odometry_heading_drift_noise=0.02)
+FOLLOWS = {'plan': {'plan', 'approach', 'done', 'failed'}, 'approach': {'align', 'plan'},
+           'align': {'push', 'retreat'}, 'push': {'retreat'}, 'retreat': {'plan', 'retreat'}}
+GOAL = Placement(0.9, 0.3, 0.5)
+
+
+def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False):
+    """Set a task: a box at the origin, the robot beyond the goal."""
+    robot = RoundRobot(radius=0.17, drive=drive, max_speed=0.3, max_yaw_rate=1.9,
+                       max_acceleration=0.9)
+    believed = box(mass=3.0)
+    true = box(mass=2.4, friction=(0.2, 0.35, 0.3, 0.25), contact_friction_coefficient=0.4)
+    return Scenario(
+        name='task', description='a task', object=believed, truth=true if wrong else believed,
+        robot=robot, robot_truth=robot, start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
+        sensors=sensors or SensorSettings(), simulation=SimulationSettings(seed=seed),
+        time_limit=300.0)
+
+
+def check_reached(result):
+    """Check that it says it is done, is done, and that the robot is clear of the object."""
+    assert result.outcome == 'done', result.reason
+    assert result.position_error < SUPERVISION.position_tolerance
+    assert abs(result.heading_error) < SUPERVISION.heading_tolerance
+    assert result.tape['gap'][-1] > 0.05
+    states = [change.state for change in result.status.history]
+    assert all(after in FOLLOWS[before] for before, after in zip(states, states[1:]))
+
+
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+def test_a_task_is_done_from_the_wrong_side(drive):
+    """The robot goes round the box, brings it to its goal and keeps its limits all the time."""
+    result = run_task(task(drive))
+    check_reached(result)
+    tape, robot = result.tape, result.scenario.robot
+    assert np.hypot(tape['command_v_x'], tape['command_v_y']).max() <= robot.max_speed + 1e-9
+    assert np.abs(tape['command_omega']).max() <= robot.max_yaw_rate + 1e-9
+    alone = np.ones(len(tape), dtype=bool)
+    for change, end in zip(result.status.history, result.status.history[1:]):
+        if change.state == 'push':
+            alone &= (tape['time'] < change.time) | (tape['time'] > end.time + 0.1)
+    assert np.hypot(tape['command_v_x'], tape['command_v_y'])[alone].max() <= DRIVE.speed + 1e-9
+    assert np.abs(tape['command_omega'])[alone].max() <= DRIVE.yaw_rate + 1e-9
+
+
+@pytest.mark.parametrize('seed', [3, 4])
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
+    """Friction is uneven, poses are late and noisy, odometry drifts by centimetres."""
+    result = run_task(task(drive, sensors=SENSORS, seed=seed, wrong=True))
+    check_reached(result)
+    robot = result.status.robot_pose
+    assert distance(robot, result.tape.poses('robot')[-1]) < 0.03
+
+
+def test_the_same_task_again_goes_the_same_way():
+    """Nothing in it reads a clock or draws unseeded numbers."""
+    tapes = [run_task(task('holonomic', sensors=SENSORS)).tape.rows for _ in range(2)]
+    assert np.array_equal(*tapes, equal_nan=True)
+
+
+def test_an_object_at_its_goal_is_left_alone():
+    """No plan is asked for and the robot does not move."""
+    result = run_task(task('differential', goal=Placement()))
+    check_reached(result)
+    assert result.plans == () and result.status.pushes == 0
+    assert not result.tape['robot_v_x'].any()
+
+
+class Once:
+    """Does something when a state is reached for the first time, and some time has passed."""
+
+    def __init__(self, state, act, delay=0.5):
+        self.state, self.act, self.delay, self.time = state, act, delay, None
+
+    def __call__(self, simulation, supervisor):
+        """Look whether it is time."""
+        status = supervisor.status
+        if (self.time is None and status.state == self.state
+                and simulation.time >= status.since + self.delay):
+            self.time = simulation.time
+            self.act(simulation, supervisor)
+
+
+def shove(simulation, _):
+    """Carry the object away from the robot, and turn it."""
+    pose, robot = simulation.truth.object_pose, simulation.truth.robot_pose
+    share = 0.2 / distance(pose, robot)
+    simulation.plant.put_object(Pose(pose.x + share * (pose.x - robot.x),
+                                     pose.y + share * (pose.y - robot.y), pose.theta + 0.3))
+
+
+@pytest.mark.parametrize('state', ['approach', 'push'])
+def test_a_shoved_object_is_planned_for_anew(state):
+    """The robot notices, wherever it is, and reaches the goal from there."""
+    once = Once(state, shove, delay=1.5)
+    result = run_task(task('holonomic', sensors=SENSORS), change=once)
+    check_reached(result)
+    assert result.status.recoveries >= 1
+    assert any(once.time < change.time < once.time + 3.0 and change.reason
+               for change in result.status.history)
+
+
+@pytest.mark.parametrize('state', ['plan', 'approach', 'push', 'retreat'])
+def test_a_new_goal_is_taken_up_in_any_state(state):
+    """The robot leaves what it does; the object arrives at the new goal."""
+    other = Placement(-0.3, 0.7, -0.2)
+    once = Once(state, lambda _, supervisor: supervisor.set_goal(other.pose))
+    result = run_task(task('holonomic'), change=once)
+    assert once.time is not None and result.outcome == 'done'
+    there = result.tape.poses('object')[-1]
+    assert distance(there, other.pose) < SUPERVISION.position_tolerance
+    assert abs(wrap_angle(there[2] - other.theta)) < SUPERVISION.heading_tolerance
+    assert result.status.history[0].reason == 'has a new goal'
+
+
+@pytest.mark.parametrize('state', ['approach', 'align', 'push', 'retreat'])
+def test_a_pause_holds_the_robot_in_any_state(state):
+    """It stands until it is told to go on, and then does what it was to do."""
+    once = Once(state, lambda _, supervisor: supervisor.pause(), delay=0.2)
+
+    def change(simulation, supervisor):
+        once(simulation, supervisor)
+        if once.time is not None and simulation.time > once.time + 2.0:
+            supervisor.resume()
+
+    result = run_task(task('holonomic'), change=change)
+    assert result.outcome == 'done'
+    time = result.tape['time']
+    paused = (time > once.time + 0.05) & (time < once.time + 1.95)
+    commands = np.stack([result.tape[f'command_{name}'] for name in ('v_x', 'v_y', 'omega')])
+    assert paused.sum() > 50 and not commands[:, paused].any()
+
+
+def test_lost_poses_are_waited_for():
+    """The robot stands while it does not see the object, and goes on when it does."""
+    spells = ((4.0, 6.0), (20.0, 22.0))
+    sensors = dataclasses.replace(SENSORS, pose_dropouts=spells)
+    waited = []
+
+    def change(simulation, supervisor):
+        if 'stale' in supervisor.status.reason:
+            waited.append(simulation.time)
+
+    result = run_task(task('holonomic', sensors=sensors), change=change)
+    check_reached(result)
+    time = result.tape['time']
+    assert any(4.0 < at < 6.2 for at in waited)
+    hidden = (time > 5.0) & (time < 6.0)
+    assert not np.hypot(result.tape['command_v_x'], result.tape['command_v_y'])[hidden].any()
+
+
+class Bench:
+    """A supervisor and measurements of a robot and an object that do not move."""
+
+    def __init__(self, robot=Pose(2.0, 0.0, 0.0), settings=SUPERVISION):
+        self.supervisor = Supervisor(box(), RoundRobot(radius=0.17), ControlSettings(), DRIVE,
+                                     settings)
+        self.robot, self.time = robot, 0.0
+
+    def run(self, duration):
+        """Let time pass; return the commands."""
+        commands = []
+        for _ in range(round(duration / 0.05)):
+            self.time += 0.05
+            commands.append(self.supervisor.step(Observation(
+                self.time, Odometry(self.time, self.robot, STOP),
+                ObjectPose(self.time, Pose(0.0, 0.0, 0.0))), 0.05))
+        return commands
+
+
+def test_a_plan_is_wanted_from_what_is_seen():
+    """Not before the object was seen at rest for a while; the goal is handed on."""
+    bench = Bench()
+    assert bench.run(1.0) == [STOP] * 20 and bench.supervisor.wants is None
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.run(0.1)
+    wanted = bench.supervisor.wants
+    assert wanted.robot_pose == pytest.approx(bench.robot) and wanted.goal == GOAL.pose
+    assert wanted.object_pose == pytest.approx((0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize('reasons, tries', [
+    (['a wall 1.03 m wide', 'a wall 1.02 m wide'], 2), (['a wall', 'a door'], SUPERVISION.tries)])
+def test_it_gives_up_where_no_plan_is_found(reasons, tries):
+    """Refused the same twice from the same place, or as often as allowed: it has not moved."""
+    bench, refusals = Bench(), 0
+    bench.supervisor.set_goal(GOAL.pose)
+    while bench.supervisor.status.state == 'plan':
+        assert set(bench.run(0.1)) == {STOP}
+        if bench.supervisor.wants is not None:
+            bench.supervisor.refused(f'the goal is behind {reasons[refusals % 2]}')
+            refusals += 1
+    status = bench.supervisor.status
+    assert status.state == 'failed' and f'behind {reasons[1]}' in status.reason
+    assert refusals == status.recoveries == tries
+    bench.supervisor.set_goal(GOAL.pose)
+    assert bench.supervisor.status.state == 'plan'
+
+
+def test_what_was_refused_is_asked_for_again_where_something_has_changed():
+    """The robot was carried off, or there is another map."""
+    changes = [lambda bench: setattr(bench, 'robot', Pose(bench.robot.x + 0.2, 0.0, 0.0)),
+               lambda bench: bench.supervisor.set_workspace(None)]
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    for change in changes * 3:
+        bench.run(1.0)
+        bench.supervisor.refused('the goal is behind a wall')
+        change(bench)
+    bench.run(1.0)
+    assert bench.supervisor.wants is not None
+
+
+def test_a_plan_that_does_not_come_is_asked_for_again():
+    """The wait is limited, and counts as a try that went wrong."""
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.run(SUPERVISION.plan_timeout + 2.0)
+    assert bench.supervisor.status.recoveries == 1
+    assert bench.supervisor.wants is not None
+
+
+def test_stopped_it_stands_and_forgets_its_goal():
+    """Only a new goal brings it back to life."""
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.run(1.0)
+    bench.supervisor.stop('was told to')
+    bench.supervisor.resume()
+    assert set(bench.run(1.0)) == {STOP} and bench.supervisor.wants is None
+    assert bench.supervisor.status.state == 'idle'
+    assert bench.supervisor.status.reason == 'was told to'
+
+
+def test_what_cannot_be_is_refused():
+    """A goal or a time that is not finite is named."""
+    bench = Bench()
+    with pytest.raises(ValueError, match='goal'):
+        bench.supervisor.set_goal(Pose(math.nan, 0.0, 0.0))
+    with pytest.raises(ValueError, match='dt'):
+        bench.supervisor.step(Observation(0.0, Odometry(0.0, GOAL.pose, STOP)), -1.0)
+
+
+def test_a_robot_that_does_not_move_is_noticed():
+    """Where the wheels stand still the approach is soon given up."""
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.run(1.0)
+    trajectory = run_task(task('differential')).plans[0].plan.trajectory
+    bench.supervisor.take(trajectory)
+    assert bench.supervisor.status.state == 'approach'
+    commands = bench.run(SUPERVISION.stall_time + 0.2)
+    assert STOP not in commands[1:-5]
+    status = bench.supervisor.status
+    assert status.recoveries == 1 and status.state == 'plan'
+    assert 'does not get on' in status.reason
+
+
+def test_an_overlap_is_an_error_of_odometry():
+    """A robot that seems to stand in the object is believed beside it."""
+    bench = Bench(robot=Pose(0.3, 0.0, 0.0))
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.run(1.0)
+    bench.supervisor.take(run_task(task('differential')).plans[0].plan.trajectory)
+    bench.run(1.0)
+    gap = find_contact(box(), Pose(0.0, 0.0, 0.0), bench.supervisor.status.robot_pose[:2], 0.17)[2]
+    assert gap > -0.02

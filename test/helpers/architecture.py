@@ -1,0 +1,214 @@
+"""Rules on who may import what, read off the syntax trees; each returns what it found wrong."""
+
+import ast
+import graphlib
+from pathlib import Path
+import re
+import subprocess
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[2]
+GENERATED = {'.git', '.venv', '.pytest_cache', '__pycache__', 'build', 'install', 'log', 'out'}
+PLAIN = ('push_model', 'push_navigation', 'push_planner', 'push_control', 'push_sim_node',
+         'push_scenario')
+MAY_IMPORT = {
+    'push_model': set(),
+    'push_navigation': {'push_model'},
+    'push_ros': {'push_model', 'push_navigation'},
+    'push_planner': {'push_model', 'push_navigation'},
+    'push_control': {'push_model', 'push_navigation'},
+    'push_sim_node': {'push_model'},
+    'push_scenario': set(PLAIN) - {'push_scenario'},
+    'push_study': set(PLAIN),
+}
+ROS = re.compile(r'(rclpy|rosidl_\w+|ament_\w+|tf2_\w+|std_srvs|\w+_msgs|\w+_interfaces)$')
+LAUNCH = {'launch', 'launch_ros'}
+# Modules that list or re-export what lies below them, and stand on top of it.
+TOP_MODULES = {'__init__.py', 'catalogue.py', 'gallery.py'}
+# About a dozen; the folder of push_model, all equations and values, is the fullest.
+MOST_ENTRIES = 16
+SEEDED = {'default_rng', 'Generator', 'SeedSequence', 'BitGenerator', 'PCG64', 'Philox'}
+NOW = re.compile(r'datetime\.(datetime\.)?(now|utcnow|today)$')
+MACHINE_PATH = re.compile(r'(?<![\w.])/(root|home|work|Users|mnt|tmp)/\w')
+REGISTRY = re.compile(r'https?://\S*(pypi|pythonhosted|/simple\b|artifactory|devpi|nexus)')
+
+
+class Import(NamedTuple):
+    """One imported name, and whether it is imported when the module is."""
+
+    name: str
+    line: int
+    at_load: bool
+
+
+def modules(root):
+    """List the modules of all packages, as paths relative to the root."""
+    return sorted(path.relative_to(root) for path in root.glob('push_*/**/*.py'))
+
+
+def files(root):
+    """List what belongs to the source tree: what git tracks, or everything without git."""
+    if not (root / '.git').exists():
+        return sorted(root.rglob('*'))
+    tracked = subprocess.run(['git', 'ls-files', '-z'], cwd=root, check=True, text=True,
+                             stdout=subprocess.PIPE).stdout
+    return [root / name for name in tracked.split('\0') if name]
+
+
+def texts(root):
+    """Yield every text file of the source tree as (relative path, content)."""
+    for path in files(root):
+        relative = path.relative_to(root)
+        generated = GENERATED.intersection(relative.parts) or '.egg-info' in str(relative)
+        if path.is_file() and not generated:
+            try:
+                yield relative, path.read_text(encoding='utf-8')
+            except UnicodeDecodeError:
+                continue
+
+
+def is_shell(module):
+    """Tell whether a module may know ROS and read clocks."""
+    return (module.parts[0] == 'push_ros' or bool({'ros', 'dds'}.intersection(module.parts[1:-1]))
+            or is_entry_point(module))
+
+
+def is_entry_point(module):
+    """Tell whether a module is a command or a node: it stands on top, and nobody imports it."""
+    return module.name.endswith('_node.py') or module.name == 'cli.py'
+
+
+def room(module):
+    """
+    Name the part of the house that a module belongs to.
+
+    That is its folder. Entry points and the public API of a package (its ``__init__.py``) stand
+    on top of the folder that they lie in.
+    """
+    on_top = is_entry_point(module) or module.name in TOP_MODULES
+    return module.as_posix() if on_top else module.parent.as_posix()
+
+
+def imports(tree):
+    """List all imports below a syntax tree, in functions too."""
+    deferred = {id(node) for function in ast.walk(tree)
+                if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
+                for node in ast.walk(function)}
+    found = []
+    for node in ast.walk(tree):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            start = '.' * node.level + (node.module or '')
+            names = [f'{start}.{alias.name}' for alias in node.names]
+        found += [Import(name, node.lineno, id(node) not in deferred) for name in names]
+    return found
+
+
+def parse(root, module):
+    """Parse one module of a source tree."""
+    return ast.parse((root / module).read_text(encoding='utf-8'), str(module))
+
+
+def ros_in_pure_modules(root):
+    """Find ROS imported outside the shell, at load time or later."""
+    return [f'{module}:{found.line} imports {found.name}'
+            for module in modules(root) for found in imports(parse(root, module))
+            if found.name.split('.')[0] in LAUNCH
+            or not is_shell(module) and ROS.match(found.name.split('.')[0])]
+
+
+def against_the_order(root):
+    """Find imports, at load time or later, that go against the order of the packages."""
+    wrong = []
+    for module in modules(root):
+        package = module.parts[0]
+        if package not in MAY_IMPORT:
+            wrong.append(f'{module}: {package} has no place in the order of the packages')
+            continue
+        allowed = {package} | MAY_IMPORT[package]
+        if is_shell(module):
+            allowed.add('push_ros')
+        for found in imports(parse(root, module)):
+            target = found.name.split('.')[0]
+            if target in MAY_IMPORT and target not in allowed or target == '':
+                wrong.append(f'{module}:{found.line} imports {found.name}')
+    return wrong
+
+
+def pure_on_shell(root):
+    """Find imports of entry points, and of the shell by pure modules."""
+    wrong = []
+    dotted = {'.'.join(module.with_suffix('').parts): module for module in modules(root)}
+    for module in modules(root):
+        for found in imports(parse(root, module)):
+            for name in (found.name, found.name.rpartition('.')[0]):
+                target = dotted.get(name)
+                if target is not None and (is_entry_point(target)
+                                           or is_shell(target) and not is_shell(module)):
+                    wrong.append(f'{module}:{found.line} imports {name}')
+    return wrong
+
+
+def cycle(root):
+    """Find a cycle among the imports of rooms or modules; empty where there is none."""
+    dotted = {'.'.join(module.with_suffix('').parts): module for module in modules(root)}
+    by_module, by_room = {}, {}
+    for name, module in dotted.items():
+        targets = {target for found in imports(parse(root, module))
+                   for target in (found.name, found.name.rpartition('.')[0]) if target in dotted}
+        by_module[name] = targets - {name}
+        by_room.setdefault(room(module), set()).update(
+            room(dotted[target]) for target in targets)
+    for name, targets in by_room.items():
+        targets.discard(name)
+    for graph in (by_module, by_room):
+        try:
+            graphlib.TopologicalSorter(graph).prepare()
+        except graphlib.CycleError as error:
+            return list(error.args[1])
+    return []
+
+
+def clocks_and_dice(root):
+    """Find pure modules that read a clock, or a random generator that nobody seeded."""
+    wrong = []
+    for module in modules(root):
+        if is_shell(module):
+            continue
+        tree = parse(root, module)
+        wrong += [f'{module}:{found.line} imports {found.name}' for found in imports(tree)
+                  if found.name.split('.')[0] in ('time', 'random')]
+        for node in ast.walk(tree):
+            text = ast.unparse(node) if isinstance(node, (ast.Attribute, ast.Call)) else ''
+            drawn = re.match(r'(np|numpy)\.random\.(\w+)$', text)
+            if NOW.match(text) or drawn and drawn[2] not in SEEDED or text.endswith('_rng()'):
+                wrong.append(f'{module}:{node.lineno} uses {text}')
+    return wrong
+
+
+def crowded_folders(root):
+    """Find folders with more modules and sub-packages than a table of contents should have."""
+    entries = {}
+    for module in modules(root):
+        for child in (module, *list(module.parents)[:-2]):
+            if child.name != '__init__.py':
+                entries.setdefault(child.parent, set()).add(child.name)
+    return [f'{folder} has {len(names)} entries' for folder, names in entries.items()
+            if len(names) > MOST_ENTRIES]
+
+
+def versions_written_again(root, version):
+    """Find the version outside ``package.xml``, the changelog and the pins."""
+    written = re.compile(rf'(?<![\d.]){re.escape(version)}(?!\.?\d)|__version__\s*=')
+    return [str(path) for path, text in texts(root)
+            if path.name not in ('package.xml', 'CHANGELOG.rst', 'LICENSE')
+            and not path.name.startswith('requirements') and written.search(text)]
+
+
+def machine_bound(root):
+    """Find paths and registries of somebody's machine."""
+    return [f'{path}:{number} {line.strip()}' for path, text in texts(root)
+            for number, line in enumerate(text.splitlines(), 1)
+            if MACHINE_PATH.search(line) or REGISTRY.search(line)]

@@ -1,0 +1,41 @@
+"""Pushes that several planner tests ask for."""
+
+import math
+
+from helpers.objects import bin_, box
+from push_model.geometry import Pose
+from push_model.parameters import Contact, RoundRobot
+from push_planner.problem import PlannerSettings, PushProblem
+
+DIFFERENTIAL = RoundRobot(radius=0.17, drive='differential')
+HOLONOMIC = RoundRobot(radius=0.17, drive='holonomic')
+VERTEX, MIRRORED_VERTEX = Contact('vertex', 0), Contact('vertex', 3)
+FACE = Contact('face', 3)
+ROUND = Contact('round', 0, math.pi)
+DIAGONAL = math.pi / 4
+
+
+def vertex_problem(goal, robot=DIFFERENTIAL, normal=0.0, heading=0.0, obj=None,
+                   start=Pose(0.0, 0.0, -DIAGONAL), **settings):
+    """
+    Push a box at vertex 0; in the start pose's axes turned by 45 degrees, straight ahead is +x.
+
+    :param goal: ``Pose`` in the world.
+    :param normal: gamma - psi [rad].
+    :param heading: phi - psi [rad].
+    """
+    ahead = start.theta + DIAGONAL
+    return PushProblem(obj or box(), robot, VERTEX, start, ahead + normal, ahead + heading, goal,
+                       PlannerSettings(**settings))
+
+
+def face_problem(goal, robot=HOLONOMIC, start=Pose(0.0, 0.0, 0.0), offset=0.0, **settings):
+    """Push a box at its face 3, whose normal is the object's +x axis."""
+    return PushProblem(box(), robot, Contact('face', 3, offset), start, start.theta, start.theta,
+                       goal, PlannerSettings(**settings))
+
+
+def round_problem(goal, robot=HOLONOMIC, start=Pose(0.0, 0.0, 0.0), **settings):
+    """Push a bin along its +x axis."""
+    return PushProblem(bin_(), robot, ROUND, start, start.theta, start.theta, goal,
+                       PlannerSettings(**settings))

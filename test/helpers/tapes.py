@@ -1,0 +1,37 @@
+"""Tapes of simple motions, for tests of what is made of tapes."""
+
+import dataclasses
+import math
+
+import numpy as np
+from push_model.trajectory import PushTrajectory
+from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.scenario import Placement
+from push_scenario.simulation.result import Result
+from push_sim_node.simulation import COLUMNS
+from push_sim_node.tape import Tape
+
+TIMES = np.linspace(0.0, 10.0, 501)
+
+
+def make_tape(**columns):
+    """Tape over ``TIMES`` whose other columns are 0."""
+    rows = np.zeros((len(TIMES), len(COLUMNS)))
+    for name, values in {'time': TIMES, **columns}.items():
+        rows[:, COLUMNS.index(name)] = values
+    return Tape(COLUMNS, rows)
+
+
+def straight_plan(length=2.0, heading=0.0, origin=(0.0, 0.0)):
+    """Push straight ahead from an origin; what the robot does stays out of the picture."""
+    way = np.linspace(0.0, length, 21)
+    poses = np.column_stack([origin[0] + way * math.cos(heading),
+                             origin[1] + way * math.sin(heading), np.full(21, heading)])
+    return PushTrajectory(np.linspace(0.0, 10.0, 21), *([poses, np.zeros((21, 3))] * 3))
+
+
+def make_result(tape, plan, goal, outcome='done'):
+    """Run of the straight scenario with another goal."""
+    scenario = dataclasses.replace(read_scenario(find_scenario('straight_push')),
+                                   goal=Placement(*goal))
+    return Result(scenario, 'feedback', outcome, '', plan, tape, 9.0)

@@ -1,0 +1,219 @@
+"""Ways round the object: clear of it, shortest, the same however one looks at them."""
+
+import dataclasses
+import math
+
+from helpers.objects import bin_, box
+import numpy as np
+from push_model.contact import find_contact
+from push_model.geometry import Pose, wrap_angle
+from push_model.parameters import RoundRobot
+from push_navigation.motion_section import Run, stretches
+from push_navigation.path import sampled, travel_time
+from push_navigation.path_planner import find_way, NoWay
+from push_navigation.settings import DriveSettings
+import pytest
+from scipy.sparse.csgraph import dijkstra
+
+SETTINGS = DriveSettings()
+OBJECTS = {'box': box(), 'bin': bin_(),
+           'plank': dataclasses.replace(box(), outline=((-0.6, -0.1), (0.5, -0.15), (0.7, 0.0),
+                                                        (0.5, 0.12), (-0.55, 0.1)))}
+ROBOTS = {drive: RoundRobot(0.17, drive) for drive in ('differential', 'holonomic')}
+either = pytest.mark.parametrize('drive', ROBOTS)
+each = pytest.mark.parametrize('name', OBJECTS)
+
+
+def tasks(obj, count, seed, clear=True):
+    """Yield (object pose, start, goal), both poses clear of the object or just clear."""
+    rng = np.random.default_rng(seed)
+    least = SETTINGS.clearance if clear else 0.0
+    while count:
+        object_pose = Pose(*rng.uniform(-1.0, 1.0, 2), rng.uniform(-4.0, 4.0))
+        ends = [Pose(*rng.uniform(-1.5, 1.5, 2), rng.uniform(-4.0, 4.0)) for _ in range(2)]
+        if all(find_contact(obj, object_pose, pose, 0.17)[2] > least for pose in ends):
+            count -= 1
+            yield (object_pose, *ends)
+
+
+def gaps(obj, object_pose, rows, robot):
+    """Compute the distance between robot and object at each pose."""
+    return np.array([find_contact(obj, object_pose, row, robot.radius)[2] for row in rows])
+
+
+def shortest(obj, object_pose, start, goal, growth, count=180):
+    """Compute the shortest length by a visibility graph on points of the grown outline."""
+    corners = np.array(obj.outline or ((0.0, 0.0),))
+    angles = 2.0 * np.pi * np.arange(count) / count
+    normals = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    rim = (corners[np.argmax(normals @ corners.T, axis=1)]
+           + 1.0005 * (obj.radius + growth) * normals)
+    ends = [object_pose.inverse().transform(pose[:2]) for pose in (start, goal)]
+    points = np.concatenate([rim, ends])
+    lengths = np.zeros((len(points), len(points)))
+    shares = np.linspace(0.0, 1.0, 101)[:, None]
+    for i in range(count):
+        for j in ((i + 1) % count, count, count + 1):
+            line = points[i] + shares * (points[j] - points[i])
+            away = [find_contact(obj, Pose(0.0, 0.0, 0.0), point, growth)[2] for point in line]
+            if min(away) > -2e-4:
+                lengths[i, j] = lengths[j, i] = np.linalg.norm(points[i] - points[j])
+    return dijkstra(lengths, indices=count)[count + 1]
+
+
+@each
+@either
+def test_the_robot_keeps_the_clearance(name, drive):
+    """Wherever it starts and goes, and it does start and end as asked for."""
+    obj, robot = OBJECTS[name], ROBOTS[drive]
+    for object_pose, start, goal in tasks(obj, 40, seed=1):
+        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
+        assert way.poses[0] == start and way.poses[-1] == goal
+        rows = sampled(way, robot, 0.02)
+        assert gaps(obj, object_pose, rows, robot).min() > SETTINGS.clearance - 1e-6
+
+
+@each
+def test_the_way_is_the_shortest(name):
+    """As long as the shortest one through many points of the grown outline, where blocked."""
+    obj, robot, compared = OBJECTS[name], ROBOTS['holonomic'], 0
+    for object_pose, start, goal in tasks(obj, 30, seed=2):
+        start, goal = (pose._replace(theta=0.0) for pose in (start, goal))
+        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
+        straight = math.dist(start[:2], goal[:2])
+        assert way.length >= straight - 1e-9
+        if way.length > straight + 1e-9 and compared < 4:
+            compared += 1
+            least = shortest(obj, object_pose, start, goal, robot.radius + SETTINGS.clearance)
+            assert way.length == pytest.approx(least, rel=3e-3)
+    assert compared == 4
+
+
+@either
+def test_it_does_not_matter_where_the_world_begins(drive):
+    """Everything moved and turned: the same way, moved and turned."""
+    obj, robot, move = OBJECTS['plank'], ROBOTS[drive], Pose(3.0, -2.0, 2.5)
+    for object_pose, start, goal in tasks(obj, 15, seed=3, clear=False):
+        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
+        moved = find_way(robot, obj, move @ object_pose, move @ start, move @ goal, SETTINGS)
+        assert len(moved.poses) == len(way.poses)
+        for one, other in zip(way.poses, moved.poses):
+            expected = move @ one
+            assert other[:2] == pytest.approx(expected[:2], abs=1e-6)
+            assert abs(wrap_angle(other.theta - expected.theta)) < 1e-6
+
+
+@either
+def test_the_mirror_image_takes_as_long(drive):
+    """Left and right are alike."""
+    obj, robot = OBJECTS['plank'], ROBOTS[drive]
+    flipped = dataclasses.replace(obj, outline=tuple((x, -y) for x, y in obj.outline[::-1]))
+
+    def mirror(pose):
+        return Pose(pose.x, -pose.y, -pose.theta)
+
+    for object_pose, start, goal in tasks(obj, 15, seed=4, clear=False):
+        time, other = (travel_time(find_way(robot, *task, SETTINGS), robot, SETTINGS)
+                       for task in ((obj, object_pose, start, goal),
+                                    (flipped, *map(mirror, (object_pose, start, goal)))))
+        assert time == pytest.approx(other, abs=1e-6)
+
+
+@each
+@either
+def test_from_contact_it_leads_straight_off(name, drive):
+    """The gap grows all the way out to the clearance, and shrinks likewise on the way in."""
+    obj, robot, object_pose = OBJECTS[name], ROBOTS[drive], Pose(0.2, -0.1, 0.7)
+    rng = np.random.default_rng(5)
+    for toward in rng.uniform(-math.pi, math.pi, 12):
+        far = Pose(object_pose.x + 3.0 * math.cos(toward), object_pose.y + 3.0 * math.sin(toward),
+                   0.0)
+        _, normal, gap = find_contact(obj, object_pose, far, robot.radius)
+        touching = Pose(far.x + gap * math.cos(normal), far.y + gap * math.sin(normal),
+                        normal + rng.uniform(-0.6, 0.6))
+        other = Pose(object_pose.x - 1.2, object_pose.y, 0.0)
+        for ends in ((touching, other), (other, touching)):
+            way = find_way(robot, obj, object_pose, *ends, SETTINGS)
+            away = gaps(obj, object_pose, sampled(way, robot, 0.005), robot)
+            away = away if ends[0] is touching else away[::-1]
+            clear = int(np.argmax(away > SETTINGS.clearance - 1e-6))
+            assert 0 < clear and np.all(np.diff(away[:clear + 1]) > -1e-9)
+            assert away[clear:].min() > SETTINGS.clearance - 1e-6
+
+
+@each
+@either
+def test_it_stops_no_more_than_it_must(name, drive):
+    """Straight off the object, round it in one go, straight on to it, and turns between."""
+    obj, robot, object_pose = OBJECTS[name], ROBOTS[drive], Pose(0.3, 0.4, 1.1)
+    rng, seen = np.random.default_rng(6), set()
+    for _ in range(60):
+        ends = []
+        for gap in rng.choice((0.0, 0.02, SETTINGS.clearance, 0.06, 0.3), 2):
+            toward = rng.uniform(-math.pi, math.pi)
+            far = Pose(object_pose.x + 3.0 * math.cos(toward),
+                       object_pose.y + 3.0 * math.sin(toward), rng.uniform(-4.0, 4.0))
+            _, normal, away = find_contact(obj, object_pose, far, robot.radius)
+            ends.append(far._replace(x=far.x + (away - gap) * math.cos(normal),
+                                     y=far.y + (away - gap) * math.sin(normal)))
+        limits = SETTINGS.capped(robot)
+        pieces = stretches(find_way(robot, obj, object_pose, *ends, SETTINGS), limits)
+        runs = sum(isinstance(piece, Run) for piece in pieces)
+        near = sum(find_contact(obj, object_pose, pose, robot.radius)[2]
+                   < SETTINGS.clearance - 1e-6 for pose in ends)
+        assert runs <= 1 + near
+        assert len(pieces) - runs <= (2 + near if drive == 'differential' else 0)
+        seen.add(runs)
+    assert seen == {1, 2, 3}
+
+
+def test_a_differential_drive_backs_off_without_turning_at_the_object():
+    """Its first leg is straight, backwards."""
+    start = Pose(-0.37, 0.02, 0.3)
+    way = find_way(ROBOTS['differential'], box(), Pose(0.0, 0.0, 0.0), start,
+                   Pose(-1.0, 0.5, 0.0), SETTINGS)
+    first = way.legs[0]
+    assert first.length > 0.0 and abs(first.turn) < 1e-12
+    assert abs(wrap_angle(first.directions[0] - start.theta)) == pytest.approx(math.pi)
+
+
+def test_backwards_only_as_far_as_is_allowed():
+    """Short ways behind the robot are gone backwards, longer ones never; turning round costs."""
+    robot, forwards = ROBOTS['differential'], dataclasses.replace(SETTINGS, reverse=0.0)
+    start = Pose(-0.6, 0.0, 0.0)
+    for length, settings, backwards in ((0.3, SETTINGS, True), (0.3, forwards, False),
+                                        (0.7, SETTINGS, False)):
+        way = find_way(robot, box(), Pose(0.0, 0.0, 0.0), start,
+                       Pose(start.x - length, 0.1, 0.0), settings)
+        moving = [leg for leg in way.legs if leg.length]
+        assert all((math.cos(leg.start.theta - leg.directions[0]) < 0.0) == backwards
+                   for leg in moving)
+
+
+def test_more_clearance_never_shortens_the_way():
+    """Ways grow with the clearance, and come to the straight line without an object between."""
+    robot, obj = ROBOTS['holonomic'], box()
+    ends = Pose(-1.0, 0.0, 0.0), Pose(1.0, 0.05, 0.0)
+    lengths = [find_way(robot, obj, Pose(0.0, 0.0, 0.0), *ends,
+                        dataclasses.replace(SETTINGS, clearance=clearance)).length
+               for clearance in (0.01, 0.05, 0.1, 0.2, 0.3)]
+    assert np.all(np.diff(lengths) > 0.0)
+    far = find_way(robot, obj, Pose(0.0, 2.0, 0.0), *ends, SETTINGS)
+    assert far.length == pytest.approx(math.dist(ends[0][:2], ends[1][:2]))
+
+
+def test_what_cannot_be_is_refused_by_name():
+    """Numbers that are not finite, robots that are not round, places inside the object."""
+    obj, robot = box(), ROBOTS['differential']
+    poses = {'object_pose': Pose(0.0, 0.0, 0.0), 'start': Pose(-1.0, 0.0, 0.0),
+             'goal': Pose(1.0, 0.0, 0.0)}
+    for name in poses:
+        wrong = {**poses, name: Pose(math.nan, 0.0, 0.0)}
+        with pytest.raises(ValueError, match=f'{name}: got'):
+            find_way(robot, obj, settings=SETTINGS, **wrong)
+    for radius in (0.0, math.inf):
+        with pytest.raises(ValueError, match='robot.radius: got'):
+            find_way(RoundRobot(radius), obj, settings=SETTINGS, **poses)
+    for name in ('start', 'goal'):
+        with pytest.raises(NoWay, match=f'the {name} of the way lies 0.3.* m inside'):
+            find_way(robot, obj, settings=SETTINGS, **{**poses, name: Pose(0.0, 0.0, 0.0)})

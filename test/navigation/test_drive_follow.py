@@ -1,0 +1,236 @@
+"""The robot follows its way on the simulated plant: it arrives, in time, within all limits."""
+
+import dataclasses
+import itertools
+import math
+
+from helpers.objects import bin_, box
+import numpy as np
+from push_model.contact import find_contact
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import RoundRobot
+from push_model.signals import Odometry, STOP
+from push_navigation.path import driven_way, travel_time, Way
+from push_navigation.path_follower import WayFollower
+from push_navigation.path_planner import find_way
+from push_navigation.settings import DriveSettings
+from push_sim_node.simulation import Simulation
+import pytest
+
+SETTINGS = DriveSettings()
+GENTLE = DriveSettings(speed=0.3, yaw_rate=1.0, acceleration=0.3, yaw_acceleration=2.0)
+FAR = Pose(50.0, 50.0, 0.0)
+ROBOTS = {drive: RoundRobot(0.17, drive, 0.3, 1.9, 0.9, 6.0) for drive in ('differential',
+                                                                           'holonomic')}
+either = pytest.mark.parametrize('drive', ROBOTS)
+
+
+class Drive:
+    """What came of following a way."""
+
+    def __init__(self, robot, way, obj=None, object_pose=FAR, start=None, patience=1.5,
+                 true=None, noise=lambda: np.zeros(3), settings=SETTINGS):
+        self.follower = WayFollower(robot, settings, way)
+        self.expected = travel_time(way, robot, settings)
+        sim = Simulation(obj or box(), true or robot, object_pose, start or way.poses[0])
+        self.commands, self.gaps, self.times = [STOP], [], [0.0]
+        while not self.follower.finished and sim.time < patience * self.expected + 3.0:
+            seen = sim.next()
+            if isinstance(seen, Odometry):
+                pose = Pose(*(seen.pose + noise()))
+                self.commands.append(self.follower.step(pose, sim.time - self.times[-1]))
+                sim.command(self.commands[-1])
+                self.times.append(sim.time)
+                self.gaps.append(sim.truth.gap)
+        self.time, self.end = sim.time, sim.plant.robot_pose
+        self.object_moved = distance(sim.plant.object_pose, object_pose)
+
+    def arrived(self, goal):
+        """Tell whether the robot stands at the goal, as near as promised."""
+        return (self.follower.finished and self.commands[-1] == STOP
+                and distance(self.end, goal) <= 0.003
+                and abs(wrap_angle(self.end.theta - goal.theta)) <= math.radians(0.6))
+
+    def within(self, limits):
+        """Tell whether every command and every change of it keeps the limits."""
+        commands, steps = np.array(self.commands), np.diff(self.times) + 1e-9
+        changes = np.diff(commands, axis=0)
+        return (np.hypot(commands[:, 0], commands[:, 1]).max() <= limits.speed + 1e-9
+                and np.abs(commands[:, 2]).max() <= limits.yaw_rate + 1e-9
+                and np.all(np.hypot(changes[:, 0], changes[:, 1]) <= limits.acceleration * steps)
+                and np.all(np.abs(changes[:, 2]) <= limits.yaw_acceleration * steps))
+
+
+def tasks(obj, count, seed):
+    """Yield (object pose, start, goal) clear of the object."""
+    rng = np.random.default_rng(seed)
+    while count:
+        object_pose = Pose(*rng.uniform(-0.5, 0.5, 2), rng.uniform(-4.0, 4.0))
+        ends = [Pose(*rng.uniform(-1.2, 1.2, 2), rng.uniform(-4.0, 4.0)) for _ in range(2)]
+        if all(find_contact(obj, object_pose, pose, 0.17)[2] > SETTINGS.clearance
+               for pose in ends):
+            count -= 1
+            yield (object_pose, *ends)
+
+
+@either
+@pytest.mark.parametrize('obj', [box(), bin_()], ids=['box', 'bin'])
+def test_ways_round_the_object_are_followed(drive, obj):
+    """It arrives when expected, within the limits, and never nearer than 10 mm less."""
+    robot = ROBOTS[drive]
+    for object_pose, start, goal in tasks(obj, 6, seed=1):
+        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
+        run = Drive(robot, way, obj, object_pose)
+        assert run.arrived(goal)
+        assert run.within(SETTINGS.capped(robot))
+        assert min(run.gaps) > SETTINGS.clearance - 0.01
+        assert run.time == pytest.approx(run.expected, rel=0.05, abs=0.3)
+
+
+@either
+def test_it_comes_back_to_its_way(drive):
+    """Started beside the way and turned, it arrives all the same."""
+    robot = ROBOTS[drive]
+    way = find_way(robot, box(), Pose(0.0, 0.0, 0.3), Pose(-1.0, 0.1, 0.5), Pose(1.0, 0.0, 2.0),
+                   SETTINGS)
+    for aside, turn in ((0.04, 0.2), (-0.05, -0.3), (0.0, 0.8), (0.08, 3.0)):
+        start = Pose(-1.0, 0.1 + aside, 0.5 + turn)
+        run = Drive(robot, way, box(), Pose(0.0, 0.0, 0.3), start)
+        assert run.arrived(way.poses[-1])
+        assert run.within(SETTINGS.capped(robot))
+
+
+@either
+def test_leaving_the_contact_does_not_move_the_object(drive):
+    """The robot touches the box at the start."""
+    robot = ROBOTS[drive]
+    start, goal = Pose(-0.37, 0.05, 0.25), Pose(0.2, -0.75, 1.5)
+    way = find_way(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
+    run = Drive(robot, way, box(), Pose(0.0, 0.0, 0.0))
+    assert run.arrived(goal)
+    assert run.object_moved < 1e-4
+
+
+@either
+def test_other_robots_arrive_too(drive):
+    """Fast, slow in answering, and without any lag."""
+    for lag, top in ((0.0, 0.5), (0.3, 1.5), (0.15, 0.05)):
+        robot = RoundRobot(0.35, drive, max_speed=top, time_constant=lag)
+        goal = Pose(0.6, 0.4, -1.0)
+        way = find_way(robot, box(), Pose(-2.0, 0.0, 0.0), Pose(0.0, 0.0, 0.5), goal, SETTINGS)
+        run = Drive(robot, way)
+        assert run.arrived(goal)
+        assert run.within(SETTINGS.capped(robot))
+
+
+def test_backwards_it_goes_straight():
+    """A straight way back: no detour, no turn worth naming."""
+    robot, start = ROBOTS['differential'], Pose(0.0, 0.0, 0.7)
+    goal = Pose(-0.4 * math.cos(0.7), -0.4 * math.sin(0.7), 0.7)
+    run = Drive(robot, Way((start, goal)))
+    assert run.arrived(goal)
+    assert np.array(run.commands)[:, 0].max() == 0.0
+    assert np.abs(np.array(run.commands)[:, 2]).max() < 0.01
+
+
+@either
+def test_limits_hold_whatever_the_robot_sees(drive):
+    """Poses that jump by a metre: every command stays within the limits."""
+    robot, rng = ROBOTS[drive], np.random.default_rng(2)
+    way = find_way(robot, box(), FAR, Pose(0.0, 0.0, 0.0), Pose(1.0, 1.0, 2.0), SETTINGS)
+    run = Drive(robot, way, patience=0.0)
+    for _ in range(400):
+        step = rng.uniform(0.0, 0.1)
+        run.commands.append(run.follower.step(Pose(*rng.uniform(-2.0, 2.0, 3)), step))
+        run.times.append(run.times[-1] + step)
+    assert run.within(SETTINGS.capped(robot))
+    assert len(run.commands) > 400
+
+
+@either
+def test_what_remains_falls_to_nothing(drive):
+    """From the length of the way to 0, hardly ever up."""
+    robot = ROBOTS[drive]
+    start, goal = Pose(-0.8, 0.0, 0.0), Pose(0.8, 0.0, 0.0)
+    way = find_way(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
+    sim = Simulation(box(), robot, Pose(0.0, 0.0, 0.0), start)
+    follower = WayFollower(robot, SETTINGS, way)
+    left, last = [follower.remaining], 0.0
+    assert left[0] == pytest.approx(way.length)
+    while not follower.finished:
+        seen = sim.next()
+        if isinstance(seen, Odometry):
+            sim.command(follower.step(seen.pose, sim.time - last))
+            last = sim.time
+            left.append(follower.remaining)
+    assert left[-1] == 0.0
+    assert np.diff(left).max() < 0.005
+
+
+@either
+def test_a_lag_that_is_other_than_believed_costs_little(drive):
+    """Half or twice as long: it arrives, in time if driven gently, and keeps the clearance."""
+    for lag, settings in itertools.product((0.05, 0.2), (SETTINGS, GENTLE)):
+        true = dataclasses.replace(ROBOTS[drive], time_constant=lag)
+        for object_pose, start, goal in tasks(box(), 3, seed=9):
+            way = find_way(ROBOTS[drive], box(), object_pose, start, goal, settings)
+            run = Drive(ROBOTS[drive], way, box(), object_pose, true=true, settings=settings)
+            assert run.arrived(goal)
+            assert min(run.gaps) > 0.5 * settings.clearance
+            assert run.time < run.expected + 3.0 or settings is SETTINGS
+
+
+@either
+def test_noise_in_what_it_sees_does_not_keep_it_from_arriving(drive):
+    """Poses that are off by as much as the tolerance, standard deviation."""
+    robot, rng = ROBOTS[drive], np.random.default_rng(10)
+    for object_pose, start, goal in tasks(box(), 3, seed=11):
+        way = find_way(robot, box(), object_pose, start, goal, SETTINGS)
+        run = Drive(robot, way, box(), object_pose, noise=lambda: rng.normal(0.0, 0.002, 3))
+        assert run.follower.finished
+        assert distance(run.end, goal) < 0.008
+        assert run.within(SETTINGS.capped(robot))
+
+
+def test_a_finished_robot_that_is_moved_goes_back():
+    """Finished is only while it is there."""
+    robot, goal = ROBOTS['differential'], Pose(0.5, 0.0, 0.0)
+    way = driven_way(Pose(0.0, 0.0, 0.0), goal, [(0.5, 0.0, 0.0)], [False])
+    follower = Drive(robot, way).follower
+    assert follower.finished
+    moved = Pose(0.45, 0.0, 0.0)
+    follower.step(moved, 0.02)
+    assert not follower.finished
+    assert max(follower.step(moved, 0.1).v_x for _ in range(10)) > 0.0
+
+
+def test_what_is_not_finite_is_refused_by_name():
+    """Poses and times."""
+    way = Way((Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)))
+    follower = WayFollower(ROBOTS['differential'], SETTINGS, way)
+    with pytest.raises(ValueError, match='pose: got'):
+        follower.step(Pose(math.nan, 0.0, 0.0), 0.1)
+    for wrong in (math.inf, -0.1):
+        with pytest.raises(ValueError, match='dt: got'):
+            follower.step(Pose(0.0, 0.0, 0.0), wrong)
+
+
+def test_settings_are_capped_by_the_robot():
+    """Each limit by its own; the rest stays."""
+    robot = RoundRobot(0.1, max_speed=0.1, max_yaw_rate=0.2, max_acceleration=0.15,
+                       max_yaw_acceleration=0.3)
+    capped = SETTINGS.capped(robot)
+    assert (capped.speed, capped.yaw_rate, capped.acceleration, capped.yaw_acceleration) == (
+        0.1, 0.2, 0.15, 0.3)
+    assert dataclasses.replace(
+        capped, **{name: getattr(SETTINGS, name) for name in (
+            'speed', 'yaw_rate', 'acceleration', 'yaw_acceleration')}) == SETTINGS
+
+
+@either
+@pytest.mark.parametrize('turn', [0.02, -0.08])
+def test_a_robot_that_is_nearly_there_turns_to_its_heading(drive, turn):
+    """Less than a millimetre beside its place it does not drive there, but it does turn."""
+    start, goal = Pose(0.0, 0.0, 3.1), Pose(2e-4, -1e-4, 3.1 + turn)
+    way = find_way(ROBOTS[drive], box(), FAR, start, goal, SETTINGS)
+    assert Drive(ROBOTS[drive], way).arrived(goal)

@@ -1,0 +1,140 @@
+"""What the planner accepts, and what it says of the rest."""
+
+import dataclasses
+import math
+
+from helpers.objects import bin_, box
+from helpers.push_problems import (
+    DIFFERENTIAL, face_problem, HOLONOMIC, round_problem, vertex_problem,
+)
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot, Support
+from push_planner.integration.refinement import refine
+from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
+from push_planner.single_push import planner as solver
+from push_planner.single_push.planner import plan
+import pytest
+
+AHEAD = Pose(1.5, 0.3, -0.6)
+
+
+@pytest.mark.parametrize('field, value', [
+    ('pushing_speed', 0.0), ('pushing_speed', math.nan), ('segments', 1), ('segments', 10.5),
+    ('cone_margin', 1.2), ('run_in', -0.1), ('friction_discount', 0.0),
+    ('max_path_length', 'far')])
+def test_settings_out_of_range_are_refused_by_name(field, value):
+    """The error names the field and what came."""
+    with pytest.raises(ValueError, match=f'PlannerSettings.{field}: got {value!r}'):
+        PlannerSettings(**{field: value})
+
+
+@pytest.mark.parametrize('turn', [0.0, 2.0, -3.0])
+def test_a_placement_is_read_off_the_poses(turn):
+    """The contact, its normal and the robot's heading, wherever the whole scene stands."""
+    scene = Pose(3.0, -1.0, turn)
+    away = 0.2 * math.sqrt(2.0) + 0.17 + 0.01
+    robot_pose = scene @ Pose(-away, 0.0, 0.1)
+    problem = problem_from_placement(box(), DIFFERENTIAL, scene @ Pose(0.0, 0.0, -math.pi / 4),
+                                     robot_pose, scene @ AHEAD)
+    assert (problem.contact.kind, problem.contact.index) == ('vertex', 0)
+    assert problem.normal_offset == pytest.approx(0.0, abs=1e-9)
+    assert problem.heading_offset == pytest.approx(-0.1)
+    assert problem.vehicle.arm == pytest.approx(0.2 * math.sqrt(2.0))
+
+
+@pytest.mark.parametrize('robot_x, word', [(-0.5, 'away from'), (-0.3, 'inside')])
+def test_a_robot_apart_from_the_object_is_refused(robot_x, word):
+    """The reason tells how far it is off."""
+    with pytest.raises(PlanningFailed) as failure:
+        problem_from_placement(box(), HOLONOMIC, Pose(0.0, 0.0, 0.0), Pose(robot_x, 0.0, 0.0),
+                               AHEAD)
+    off = abs(abs(robot_x) - 0.37)
+    assert f'it is {off:.3f} m {word} it' in failure.value.reason
+    assert abs(failure.value.report['gap']) == pytest.approx(off)
+
+
+@pytest.mark.parametrize('name', ['object pose', 'robot pose', 'goal'])
+def test_poses_that_are_not_finite_are_refused(name):
+    """The reason names the pose."""
+    poses = {'object pose': Pose(0.0, 0.0, 0.0), 'robot pose': Pose(-0.37, 0.0, 0.0),
+             'goal': AHEAD}
+    poses[name] = Pose(0.0, math.nan, 0.0)
+    with pytest.raises(PlanningFailed, match=f'the {name} is not finite'):
+        problem_from_placement(box(), HOLONOMIC, *poses.values())
+
+
+def slippery(mu):
+    return vertex_problem(AHEAD, obj=box(contact_friction_coefficient=mu))
+
+
+def frictionless_floor():
+    obj = PushedObject(mass=1.0, inertia=0.1, supports=[Support(0.0, 0.0, 0.0)],
+                       outline=box().outline)
+    return vertex_problem(AHEAD, obj=obj)
+
+
+def wrong_side():
+    """Ask for a push along the face, not into it."""
+    return dataclasses.replace(face_problem(AHEAD), normal=2.0)
+
+
+IMPOSSIBLE = {
+    'goal nan': (vertex_problem(Pose(math.nan, 0.0, 0.0)), 'goal is not finite'),
+    'goal infinite': (vertex_problem(Pose(0.0, math.inf, 0.0)), 'goal is not finite'),
+    'already there': (vertex_problem(Pose(0.001, 0.0, 2 * math.pi - math.pi / 4)),
+                      'at the goal already: 1.0 mm and 0.00 deg off'),
+    'slippery contact': (slippery(0.0), 'a frictionless contact cannot steer'),
+    'slippery floor': (frictionless_floor(), 'friction 0 under every support'),
+    'too fast': (vertex_problem(AHEAD, pushing_speed=0.6), '0.6 m/s is faster .* 0.5 m/s'),
+    'face': (face_problem(AHEAD, DIFFERENTIAL), 'on a face contact .* place the robot at a vert'),
+    'round': (round_problem(AHEAD, DIFFERENTIAL), 'on a round contact'),
+    'turned away': (vertex_problem(AHEAD, heading=2.0), 'points away from the object: .* 115 deg'),
+    'askew': (vertex_problem(AHEAD, heading=0.3), 'heads 17.2 deg off .* one way only'),
+    'folded': (vertex_problem(AHEAD, normal=0.5, heading=0.5), 'fold up: its normal is 28.6 deg'),
+    'off centre': (face_problem(AHEAD, offset=0.1), 'cannot steer both ways: .* 26.6 deg off'),
+    'wrong side': (wrong_side(), 'wrong side: .* 115 deg off'),
+    'too far': (vertex_problem(Pose(30.0, 0.0, 0.0)), r'a push of 3\d.\d m, at most 20 m'),
+    'sideways': (vertex_problem(Pose(0.0, 0.05, -math.pi / 4), max_path_length=3.0),
+                 r'a push of \d+.\d m, at most 3 m'),
+    'too sharp': (vertex_problem(AHEAD, robot=RoundRobot(radius=0.17, max_yaw_rate=1e-4)),
+                  r'on \d+ ways .* the yaw rate of the robot would be exceeded'),
+    'too wide': (face_problem(AHEAD, pushing_speed=0.5), 'the speed of the robot would be exc'),
+    'too tight': (vertex_problem(Pose(1.08, 0.06, -0.91), max_path_length=5.0),
+                  'the friction cone would be exceeded'),
+}
+
+
+@pytest.mark.parametrize('name', IMPOSSIBLE)
+def test_the_impossible_is_refused_with_its_reason(name):
+    """One sentence, with the numbers."""
+    problem, reason = IMPOSSIBLE[name]
+    with pytest.raises(PlanningFailed, match=reason) as failure:
+        plan(problem)
+    assert failure.value.reason == str(failure.value)
+    assert '\n' not in failure.value.reason
+
+
+def test_a_bin_has_no_vertices():
+    """A placement at a bin is a round contact."""
+    problem = problem_from_placement(bin_(), HOLONOMIC, Pose(1.0, 0.0, 0.5),
+                                     Pose(1.0, -0.37, math.pi / 2), Pose(1.0, 1.0, 0.5))
+    assert problem.contact.kind == 'round'
+    assert problem.normal == pytest.approx(math.pi / 2)
+    assert problem.normal_offset == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize('spoilt', [
+    lambda rollout: rollout._replace(ways=rollout.ways[::-1]),
+    lambda rollout: rollout._replace(ways=-rollout.ways),
+    lambda rollout: rollout._replace(squares=rollout.squares * math.nan),
+    lambda rollout: rollout._replace(samples=rollout.samples * math.inf)],
+    ids=['back', 'backwards', 'no speed', 'infinite'])
+def test_an_integration_that_breaks_down_is_no_plan(monkeypatch, spoilt):
+    """Refinement may run away; that is refused with a reason, not raised as another error."""
+    def astray(*arguments):
+        rollout, way = refine(*arguments)
+        return rollout and spoilt(rollout), way
+
+    monkeypatch.setattr(solver, 'refine', astray)
+    with pytest.raises(PlanningFailed, match='the fine integration broke down'):
+        plan(vertex_problem(AHEAD))

@@ -1,0 +1,206 @@
+"""Values survive the way through messages, and bad messages are refused by name."""
+
+import math
+
+from builtin_interfaces.msg import Duration
+from geometry_msgs.msg import Quaternion, Twist as TwistMessage
+import numpy as np
+from push_model.geometry import Pose, wrap_angle
+from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.trajectory import COLUMNS, PushTrajectory
+from push_ros.conversions.measurements import (
+    from_object_pose_message, from_odometry_message, to_command_message, to_object_pose_message,
+    to_odometry_message, to_wrench_message,
+)
+from push_ros.conversions.plan import from_plan_message, JOINTS, to_path_message, to_plan_message
+from push_ros.conversions.primitives import (
+    check_frame, from_pose_message, from_twist_message, MessageRefused, nanoseconds, seconds,
+    to_pose_message, to_stamp, to_yaw,
+)
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+
+ANGLES = np.linspace(-math.pi, math.pi, 49)[1:]
+
+
+def sent(message):
+    """Send a message through serialization and back."""
+    return deserialize_message(serialize_message(message), type(message))
+
+
+def trajectory(count=40):
+    """Make a trajectory whose object turns twice round."""
+    times = np.linspace(0.0, 8.0, count)
+    rng = np.random.default_rng(3)
+    arrays = {name: rng.normal(size=(count, 3)) for name in COLUMNS}
+    for name in ('object_poses', 'contact_poses', 'robot_poses'):
+        arrays[name][:, 2] = np.linspace(-0.5, 12.0, count)
+    return PushTrajectory(times=times, **arrays)
+
+
+@pytest.mark.parametrize('number', [0, 1, 999_999_999, 20_000_000, 123_456_789_012_345])
+def test_stamps_keep_every_nanosecond(number):
+    """Time in seconds, as the plant counts it, finds its stamp again."""
+    assert nanoseconds(to_stamp(number / 1e9)) == number
+    assert seconds(to_stamp(number / 1e9)) == number / 1e9
+
+
+def test_a_duration_is_made_as_asked():
+    """The type of a stamp can be chosen."""
+    assert to_stamp(1.5, Duration) == Duration(sec=1, nanosec=500_000_000)
+
+
+@pytest.mark.parametrize('angle', ANGLES)
+def test_poses_survive(angle):
+    """Positions exactly, angles to rounding."""
+    pose = from_pose_message(sent(to_pose_message((0.1, -7.3, angle))), 'pose')
+    assert pose[:2] == (0.1, -7.3)
+    assert abs(wrap_angle(pose.theta - angle)) < 1e-15
+
+
+def test_yaw_does_not_depend_on_the_length_or_sign_of_the_quaternion():
+    """q, -q and 3 q are one rotation."""
+    q = to_pose_message((0.0, 0.0, 2.2)).orientation
+    for factor in (1.0, -1.0, 3.0, 0.01):
+        scaled = Quaternion(x=factor * q.x, y=factor * q.y, z=factor * q.z, w=factor * q.w)
+        assert to_yaw(scaled, 'pose') == pytest.approx(2.2, abs=1e-14)
+
+
+def test_yaw_of_a_tilted_body_is_that_of_its_x_axis():
+    """Against the rotation matrix of the quaternion."""
+    x, y, z, w = np.array([0.1, -0.2, 0.6, 0.7]) / np.linalg.norm([0.1, -0.2, 0.6, 0.7])
+    axis = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z)])
+    assert to_yaw(Quaternion(x=x, y=y, z=z, w=w), 'pose') == pytest.approx(
+        math.atan2(axis[1], axis[0]))
+
+
+@pytest.mark.parametrize('field, value', [('x', math.nan), ('y', math.inf)])
+def test_a_position_that_is_not_finite_is_refused(field, value):
+    """The error names the topic and what came."""
+    message = to_pose_message((0.0, 0.0, 0.0))
+    setattr(message.position, field, value)
+    with pytest.raises(MessageRefused, match=f'object_pose: got the position .*{value}'):
+        from_pose_message(message, 'object_pose')
+
+
+@pytest.mark.parametrize('w', [0.0, math.nan, 1e-9])
+def test_a_quaternion_without_direction_is_refused(w):
+    """Zero is what an uninitialised message has."""
+    with pytest.raises(MessageRefused, match='goal_pose: got the quaternion'):
+        to_yaw(Quaternion(w=w), 'goal_pose')
+
+
+def test_frames_must_agree_but_for_a_leading_slash():
+    """The error names both frames."""
+    check_frame('/odom', 'odom', 'odom')
+    with pytest.raises(MessageRefused, match="object_pose: got frame 'map', expected 'odom'"):
+        check_frame('map', 'odom', 'object_pose')
+
+
+def test_measurements_survive():
+    """Odometry and object poses, with stamps and frames."""
+    odometry = Odometry(1.02, Pose(1.0, 2.0, 0.5), Twist(0.2, -0.1, 0.3))
+    message = sent(to_odometry_message(odometry, 'odom', 'base_link'))
+    assert message.child_frame_id == 'base_link'
+    back = from_odometry_message(message, 'odom')
+    assert (back.time, back.twist) == (odometry.time, odometry.twist)
+    assert back.pose == pytest.approx(odometry.pose, abs=1e-15)
+    pose = ObjectPose(0.35, Pose(-1.0, 0.0, -3.0))
+    back = from_object_pose_message(sent(to_object_pose_message(pose, 'odom')), 'odom')
+    assert back.time == pose.time and back.pose == pytest.approx(pose.pose, abs=1e-15)
+    with pytest.raises(MessageRefused, match="'odom'.*'world'"):
+        from_odometry_message(message, 'world')
+
+
+@pytest.mark.parametrize('stamped', [True, False])
+def test_commands_survive_with_and_without_stamp(stamped):
+    """The stamp is that of the measurement, untouched."""
+    stamp = to_stamp(12.34)
+    message = sent(to_command_message(Twist(0.1, 0.2, 0.3), stamp, 'base_link', stamped))
+    twist = message.twist if stamped else message
+    assert from_twist_message(twist) == Twist(0.1, 0.2, 0.3)
+    if stamped:
+        assert message.header.stamp == stamp and message.header.frame_id == 'base_link'
+
+
+def test_a_twist_that_is_not_finite_is_refused():
+    """The error names the topic."""
+    message = TwistMessage()
+    message.angular.z = math.nan
+    with pytest.raises(MessageRefused, match='cmd_vel: .*nan'):
+        from_twist_message(message)
+
+
+def test_a_wrench_is_a_force_in_its_frame():
+    """Nothing but the two components."""
+    message = to_wrench_message((1.0, -2.0), to_stamp(1.0), 'object')
+    assert (message.wrench.force.x, message.wrench.force.y, message.wrench.force.z) == (1, -2, 0)
+    assert message.header.frame_id == 'object'
+
+
+def test_plans_survive_with_whole_turns_within_them():
+    """All arrays come back; angles may differ by whole turns, the same at all samples."""
+    plan = trajectory()
+    back = from_plan_message(sent(to_plan_message(plan, to_stamp(2.0), 'odom')), 'odom')
+    assert np.abs(back.times - plan.times).max() < 1e-9
+    for name in COLUMNS:
+        difference = getattr(back, name) - getattr(plan, name)
+        turns = np.round(difference[0, 2] / (2 * math.pi)) if name.endswith('poses') else 0.0
+        difference[:, 2] -= 2 * math.pi * turns
+        assert np.abs(difference).max() < 1e-12
+
+
+def test_joints_may_come_in_another_order():
+    """They are found by name."""
+    message = to_plan_message(trajectory(), to_stamp(0.0), 'odom')
+    message.joint_names = list(reversed(JOINTS))
+    for point in message.points:
+        point.transforms = list(reversed(point.transforms))
+        point.velocities = list(reversed(point.velocities))
+    back = from_plan_message(message, 'odom')
+    assert np.allclose(back.object_twists, trajectory().object_twists, atol=1e-12)
+
+
+def _no_robot(message):
+    message.joint_names = ['object', 'contact', 'arm']
+
+
+def _short_point(message):
+    message.points[3].velocities = message.points[3].velocities[:2]
+
+
+def _one_point(message):
+    message.points = message.points[:1]
+
+
+def _nan(message):
+    message.points[2].transforms[1].translation.x = math.nan
+
+
+def _backwards(message):
+    message.points[5].time_from_start = to_stamp(0.1, Duration)
+
+
+def _map(message):
+    message.header.frame_id = 'map'
+
+
+@pytest.mark.parametrize('spoil, text', [
+    (_no_robot, 'joints object, contact, arm'), (_short_point, '2 velocities in point 3'),
+    (_one_point, 'got 1 samples'), (_nan, 'not finite'), (_backwards, 'increasing'),
+    (_map, "frame 'map', expected 'odom'")])
+def test_a_malformed_plan_is_refused(spoil, text):
+    """The error says what is wrong."""
+    message = to_plan_message(trajectory(), to_stamp(0.0), 'odom')
+    spoil(message)
+    with pytest.raises(MessageRefused, match=f'(?s)push_plan: .*{text}'):
+        from_plan_message(message, 'odom')
+
+
+def test_the_path_is_the_way_of_the_object():
+    """One pose per sample, in the frame of the path."""
+    plan = trajectory()
+    path = to_path_message(plan.object_poses, to_stamp(1.0), 'odom')
+    assert [(p.pose.position.x, p.pose.position.y) for p in path.poses] \
+        == [tuple(row[:2]) for row in plan.object_poses.tolist()]
+    assert {p.header.frame_id for p in path.poses} == {'odom'} == {path.header.frame_id}

@@ -1,0 +1,183 @@
+"""Requests for plans and maps survive the way through messages, and bad ones are refused."""
+
+import math
+
+from geometry_msgs.msg import Quaternion
+from helpers.objects import box
+from nav_msgs.msg import OccupancyGrid
+import numpy as np
+from push_model.friction import friction_center, with_friction_center
+from push_model.geometry import Pose
+from push_model.plan_request import Wanted
+from push_navigation.occupancy_map import Workspace
+from push_ros.conversions.map import from_map_message, to_map_message
+from push_ros.conversions.plan import from_plan_message, no_plan_message
+from push_ros.conversions.plan_request import from_request_message, to_request_message
+from push_ros.conversions.primitives import exact_stamp, MessageRefused, nanoseconds, to_stamp
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+
+BELIEVED = box(mass=3.0)
+WANTED = Wanted(Pose(1.0, -2.0, 0.4), Pose(0.2, 3.0, -2.9), Pose(-1.0, 0.5, 3.0),
+                with_friction_center(BELIEVED, (0.02, -0.03)), 0.64)
+NUMBERS = np.arange(35).reshape(5, 7)
+FLOOR = Workspace(0.05, Pose(-1.0, 2.0, 0.7), NUMBERS % 3 == 0)
+
+
+def sent(message):
+    """Send a message through serialization and back."""
+    return deserialize_message(serialize_message(message), type(message))
+
+
+def request():
+    """Make a request that is as it should be."""
+    return to_request_message(WANTED, to_stamp(2.0), 'odom')
+
+
+def floor():
+    """Make a map that is as it should be."""
+    return to_map_message(FLOOR, to_stamp(0.0), 'odom')
+
+
+@pytest.mark.parametrize('time', [0, 999_999_999, 1_763_748_000_123_456_789])
+def test_exact_stamps_keep_every_nanosecond(time):
+    """Also at dates of today, where seconds as a number are too coarse."""
+    assert nanoseconds(exact_stamp(time)) == time
+
+
+def test_requests_survive():
+    """Poses, goal, boldness, and an object that pushes as the one that was learnt."""
+    back = from_request_message(sent(request()), 'odom', BELIEVED)
+    for name in ('object_pose', 'robot_pose', 'goal'):
+        assert getattr(back, name) == pytest.approx(getattr(WANTED, name), abs=1e-14)
+    assert back.boldness == WANTED.boldness
+    assert friction_center(back.obj) == pytest.approx(friction_center(WANTED.obj), abs=1e-12)
+    assert back.obj.capacities == pytest.approx(WANTED.obj.capacities, rel=1e-9)
+    assert back.obj.outline == BELIEVED.outline
+
+
+def test_what_nobody_has_learnt_stays_as_believed():
+    """The friction centre of the belief changes nothing."""
+    message = to_request_message(WANTED._replace(obj=BELIEVED), to_stamp(2.0), 'odom')
+    back = from_request_message(sent(message), 'odom', BELIEVED)
+    assert back.obj.capacities == pytest.approx(BELIEVED.capacities, rel=1e-12)
+
+
+def _frame(message):
+    message.header.frame_id = 'map'
+
+
+def _three(message):
+    message.poses = message.poses[:3]
+
+
+def _nan(message):
+    message.poses[1].position.y = math.nan
+
+
+def _turned(message):
+    message.poses[2].orientation = Quaternion(w=0.0)
+
+
+def _center(message):
+    message.poses[3].position.x = math.inf
+
+
+def _bold(message):
+    message.poses[3].position.z = 1.5
+
+
+def _timid(message):
+    message.poses[3].position.z = 0.0
+
+
+def _unknown(message):
+    message.poses[3].position.z = math.nan
+
+
+@pytest.mark.parametrize('spoil, text', [
+    (_frame, "got frame 'map', expected 'odom'"),
+    (_three, 'got 3 poses, expected 4: object, robot, goal, friction centre'),
+    (_nan, 'robot: got the position .*nan.*, expected finite numbers'),
+    (_turned, 'goal: got the quaternion .*expected one of length 1'),
+    (_center, 'friction centre: got the position .*inf'),
+    (_bold, 'boldness z = 1.5, expected a number above 0, at most 1'),
+    (_timid, 'boldness z = 0, expected'), (_unknown, 'boldness z = nan, expected')])
+def test_a_bad_request_is_refused(spoil, text):
+    """With the field, what came and what was expected."""
+    message = request()
+    spoil(message)
+    with pytest.raises(MessageRefused, match=f'push_request: .*{text}'):
+        from_request_message(sent(message), 'odom', BELIEVED)
+
+
+def test_maps_survive():
+    """Cell by cell, wherever the map lies."""
+    back = from_map_message(sent(floor()), 'odom')
+    assert np.array_equal(back.occupied, FLOOR.occupied)
+    assert back.origin == pytest.approx(FLOOR.origin, abs=1e-14)
+    points = FLOOR.from_map(np.random.default_rng(1).uniform(-0.1, 0.45, (50, 2)))
+    assert back.clearance(points) == pytest.approx(FLOOR.clearance(points), abs=1e-7)
+
+
+@pytest.mark.parametrize('value, occupied', [(-1, True), (0, False), (49, False), (50, True),
+                                             (100, True)])
+def test_what_is_unknown_or_likely_is_an_obstacle(value, occupied):
+    message = floor()
+    message.data[8] = value
+    assert from_map_message(message, 'odom').occupied[1, 1] == occupied
+
+
+def _short(message):
+    message.data = message.data[:-1]
+
+
+def _empty(message):
+    message.info.width = message.info.height = 0
+    message.data = []
+
+
+def _coarse(message):
+    message.info.resolution = 0.0
+
+
+def _endless(message):
+    message.info.resolution = math.inf
+
+
+def _lost(message):
+    message.info.origin.position.x = math.nan
+
+
+def _odd(message):
+    message.data[3] = 101
+
+
+@pytest.mark.parametrize('spoil, text', [
+    (_frame, "got frame 'map', expected 'odom'"), (_short, 'got 34 cells, expected 7 times 5'),
+    (_empty, 'got 0 cells, expected 0 times 0, at least one'),
+    (_coarse, 'got the resolution 0, expected a finite length above 0'),
+    (_endless, 'got the resolution inf'), (_lost, 'origin: got the position .*nan'),
+    (_odd, 'got 101 in cell 3, expected -1 to 100')])
+def test_a_bad_map_is_refused(spoil, text):
+    """With the field, what came and what was expected."""
+    message = floor()
+    spoil(message)
+    with pytest.raises(MessageRefused, match=f'map: .*{text}'):
+        from_map_message(sent(message), 'odom')
+
+
+def test_a_map_that_nobody_filled_in_is_refused():
+    """It has neither cells nor a size of them."""
+    message = OccupancyGrid()
+    message.header.frame_id = 'odom'
+    with pytest.raises(MessageRefused, match='resolution'):
+        from_map_message(message, 'odom')
+
+
+def test_no_plan_is_not_taken_for_a_plan():
+    """The answer where there is none has the stamp of its request, and nothing to follow."""
+    message = sent(no_plan_message(exact_stamp(7), 'odom'))
+    assert nanoseconds(message.header.stamp) == 7 and len(message.points) == 0
+    with pytest.raises(MessageRefused, match='got 0 samples'):
+        from_plan_message(message, 'odom')

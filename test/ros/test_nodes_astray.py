@@ -1,0 +1,65 @@
+"""The controller's node asks the planner's, over Fast DDS."""
+
+import math
+
+from helpers.node_bench import bench
+from push_control.estimation.contact_site import site_of
+from push_model.geometry import Pose
+from push_model.signals import Twist
+from push_planner.problem import problem_from_placement
+from push_planner.single_push.planner import plan
+from push_ros.conversions.plan import to_plan_message
+from push_ros.conversions.primitives import to_stamp
+from push_ros.parameters import to_values
+from push_ros.topics import CONTROLLER
+from push_scenario.definition.loader import find_scenario, read_scenario
+from std_srvs.srv import Trigger
+
+SCENARIO = read_scenario(find_scenario('straight_push'))
+OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
+PARAMETERS = {**to_values(SCENARIO.object, 'object.'), **to_values(SCENARIO.robot, 'robot.'),
+              'autostart': True, 'use_sim_time': True, 'control.go_around_limit': 0}
+SPEED, PERIOD = 0.2, 0.1
+
+
+def texts(b):
+    """List what was reported."""
+    return [status.message for message in b.heard['diagnostics'] for status in message.status]
+
+
+def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
+    """Object and robot go past the goal, 8 cm beside it; the robot stands and the node asks."""
+    target = plan(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
+                                         SCENARIO.planner)).trajectory
+    assert site_of(SCENARIO.object, SCENARIO.robot, target).kind == 'vertex'
+    asked = []
+
+    def answer(_, response):
+        asked.append(len(asked))
+        return response
+
+    with bench(tmp_path, CONTROLLER, 'push_control.controller_node', PARAMETERS) as b:
+        b.node.create_service(Trigger, 'planner/replan', answer)
+        b.listen('cmd_vel')
+        b.listen('diagnostics')
+        b.until(lambda: b.heard['diagnostics'], 60.0)
+        b.clock(0.0)
+        b.speak('push_plan', to_plan_message(target, to_stamp(0.0), 'odom'))
+        b.until(lambda: any('has a plan' in text for text in texts(b)))
+        b.meet(OBJECT, ROBOT)
+        bearing = math.atan2(GOAL.y - OBJECT.y, GOAL.x - OBJECT.x)
+        aside = math.atan2(0.08, math.hypot(GOAL.x - OBJECT.x, GOAL.y - OBJECT.y))
+        way = 0.0
+        while not any('beside the goal' in text for text in texts(b)):
+            way += SPEED * PERIOD
+            assert way < 3.0
+            move = (way * math.cos(bearing + aside), way * math.sin(bearing + aside))
+            place, pose = (Pose(start.x + move[0], start.y + move[1], start.theta)
+                           for start in (ROBOT, OBJECT))
+            command = b.odometry(way / SPEED, place, twist=Twist(SPEED, 0.0, 0.0))
+            command = b.object_pose(way / SPEED, pose)
+        assert command == (0.0, 0.0, 0.0)
+        b.until(lambda: asked)
+        b.odometry(way / SPEED + PERIOD, place)
+        b.spin(0.3)
+    assert asked == [0]

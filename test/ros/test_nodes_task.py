@@ -1,0 +1,336 @@
+"""Tasks over Fast DDS: controller and planner alone, with time in the hands of the test."""
+
+import math
+
+from geometry_msgs.msg import PoseStamped
+from helpers.node_bench import bench
+import numpy as np
+from push_model.geometry import distance, Pose
+from push_model.plan_request import Wanted
+from push_model.signals import ObjectPose
+from push_navigation.occupancy_map import Workspace
+from push_planner.sequence.planner import plan_wanted
+from push_planner.settings import TaskSettings
+from push_ros.conversions.map import to_map_message
+from push_ros.conversions.measurements import from_object_pose_message, to_object_pose_message
+from push_ros.conversions.plan import from_plan_message, no_plan_message, to_plan_message
+from push_ros.conversions.plan_request import from_request_message, to_request_message
+from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message, to_stamp
+from push_ros.diagnostics import ERROR
+from push_ros.parameters import to_values
+from push_ros.topics import CONTROLLER, PLANNER
+from push_scenario.definition.loader import find_scenario, read_scenario
+import pytest
+
+SCENARIO = read_scenario(find_scenario('task_approach'))
+DRIVE = SCENARIO.task.drive
+OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
+PHYSICS = {**to_values(SCENARIO.object, 'object.'), **to_values(SCENARIO.robot, 'robot.')}
+TASK = {**PHYSICS, 'use_sim_time': True, 'task': True}
+ZERO = (0.0, 0.0, 0.0)
+PERIOD = 0.05
+
+
+def statuses(b, name):
+    """List what a node has reported."""
+    return [status for message in b.heard['diagnostics'] for status in message.status
+            if status.name == name]
+
+
+def texts(b, name):
+    """Texts of it."""
+    return [status.message for status in statuses(b, name)]
+
+
+def errors(b, name):
+    """Texts of the errors among it."""
+    return [status.message for status in statuses(b, name) if status.level == ERROR]
+
+
+def goal(pose, time=0.0, frame='odom'):
+    """Make a goal."""
+    message = PoseStamped(pose=to_pose_message(pose))
+    message.header.frame_id, message.header.stamp = frame, to_stamp(time)
+    return message
+
+
+def floor(occupied, frame='odom'):
+    """Make a map of 8 m x 8 m about the origin."""
+    return to_map_message(Workspace(0.1, Pose(-4.0, -4.0, 0.0), occupied), to_stamp(0.0), frame)
+
+
+FREE = np.zeros((80, 80), dtype=bool)
+
+
+@pytest.fixture(scope='module')
+def planned():
+    """Plan the first push from the start, as the planner would."""
+    def plan(request):
+        wanted = from_request_message(request, 'odom', SCENARIO.object)
+        return plan_wanted(wanted, SCENARIO.robot, SCENARIO.planner, DRIVE)
+    return plan
+
+
+class Stand:
+    """A controller at a task, before a robot and an object that do not move."""
+
+    def __init__(self, b):
+        self.b, self.now = b, 0.0
+        for topic in ('cmd_vel', 'diagnostics', 'push_request', 'markers'):
+            b.listen(topic)
+        b.until(lambda: b.heard['diagnostics'], 60.0)
+        b.clock(0.0)
+        b.meet(OBJECT, ROBOT)
+
+    @property
+    def requests(self):
+        """Requests that have come."""
+        return self.b.heard['push_request']
+
+    def measure(self, duration):
+        """Let time pass; return the commands, one for each measurement."""
+        commands = []
+        for _ in range(round(duration / PERIOD)):
+            self.now += PERIOD
+            commands += [self.b.object_pose(self.now, OBJECT), self.b.odometry(self.now, ROBOT)]
+        return commands
+
+    def wait_for_request(self, count):
+        """Let time pass until so many requests have come; the robot must stand."""
+        while len(self.requests) < count:
+            assert set(self.measure(0.2)) == {ZERO}
+            assert self.now < 60.0
+            self.b.spin(0.05)
+        return self.requests[count - 1]
+
+    def answer(self, chain, request, frame='odom'):
+        """Send a plan for a request."""
+        self.b.speak('push_plan', to_plan_message(chain.plan.trajectory, request.header.stamp,
+                                                  frame))
+
+    def says(self, text):
+        """Wait until it has said something."""
+        return self.b.until(lambda: any(text in one for one in texts(self.b, CONTROLLER)))
+
+
+@pytest.fixture(scope='module')
+def stand(tmp_path_factory):
+    """Start a controller for several tests, which follow upon each other."""
+    with bench(tmp_path_factory.mktemp('task'), CONTROLLER, 'push_control.controller_node',
+               TASK) as b:
+        yield Stand(b)
+
+
+def test_nothing_begins_without_goal_and_start(stand):
+    """What is missing is named; a goal alone does not move the robot; a pause makes no sense."""
+    refused = stand.b.call('controller/start')
+    assert not refused.success and 'goal_pose' in refused.message
+    stand.b.speak('goal_pose', goal(GOAL))
+    assert set(stand.measure(1.0)) == {ZERO}
+    assert stand.requests == []
+    for service in ('pause', 'resume'):
+        refused = stand.b.call(f'controller/{service}')
+        assert not refused.success and 'idle' in refused.message
+    stand.b.until(lambda: stand.b.call('controller/start').success)
+
+
+def test_a_request_says_what_is_wanted(stand):
+    """Object and robot as measured, the goal as given, the object as believed."""
+    request = stand.wait_for_request(1)
+    wanted = from_request_message(request, 'odom', SCENARIO.object)
+    assert distance(wanted.object_pose, OBJECT) < 1e-9 and wanted.boldness == 1.0
+    assert distance(wanted.robot_pose, ROBOT) < 1e-9
+    assert wanted.goal == pytest.approx(GOAL)
+    assert 0.0 <= stand.now - seconds(request.header.stamp) < 0.3
+
+
+@pytest.mark.parametrize('topic, message, text', [
+    ('goal_pose', goal(GOAL, frame='camera'), "goal_pose: got frame 'camera', expected 'odom'"),
+    ('goal_pose', goal((math.nan, 0.0, 0.0)), 'goal_pose: got the position (nan, 0), expected'),
+    ('map', floor(FREE, 'world'), "map: got frame 'world', expected 'odom'")],
+    ids=['frame', 'nan', 'map'])
+def test_a_bad_goal_or_map_is_told_and_changes_nothing(stand, topic, message, text):
+    """With the field, what came and what was expected."""
+    stand.b.speak(topic, message)
+    stand.b.until(lambda: any(text in error for error in errors(stand.b, CONTROLLER)))
+    stand.measure(0.2)
+    assert len(stand.requests) == 1
+
+
+def test_a_map_is_taken(stand):
+    """The node says so."""
+    stand.b.speak('map', floor(FREE))
+    stand.says('has a map of 80 times 80 cells')
+
+
+def test_only_the_answer_to_the_request_counts(stand, planned):
+    """An earlier plan is overlooked; no plan, or one that is refused, is asked for again."""
+    first = stand.requests[0]
+    chain = planned(first)
+    older = to_stamp(1e-3)
+    stand.b.speak('push_plan', to_plan_message(chain.plan.trajectory, older, 'odom'))
+    stand.b.spin(0.3)
+    assert set(stand.measure(0.2)) == {ZERO} and len(stand.requests) == 1
+    stand.b.speak('push_plan', no_plan_message(first.header.stamp, 'odom'))
+    second = stand.wait_for_request(2)
+    stand.says('no plan: the planner has found none')
+    assert nanoseconds(second.header.stamp) > nanoseconds(first.header.stamp)
+    stand.answer(chain, second, 'camera')
+    stand.wait_for_request(3)
+    stand.says("push_plan: got frame 'camera', expected 'odom'")
+
+
+def test_a_plan_sets_the_robot_out_and_a_pause_stops_it(stand, planned):
+    """It goes on when it is told to, with a plan from there."""
+    request = stand.requests[-1]
+    stand.answer(planned(request), request)
+    stand.b.repeat(lambda: stand.measure(0.1), lambda: 'task: approach' in texts(
+        stand.b, CONTROLLER))
+    assert any(command != ZERO for command in stand.measure(0.5))
+    assert stand.b.call('controller/pause').success
+    assert set(stand.measure(1.0)) == {ZERO}
+    stand.says('task: paused')
+    assert not stand.b.call('controller/pause').success
+    count = len(stand.requests)
+    assert stand.b.call('controller/resume').success
+    stand.wait_for_request(count + 1)
+    stand.says('task: plan, goes on')
+
+
+def test_a_goal_holds_from_its_time_on(stand):
+    """Not before the time of its stamp; one whose stamp is of another clock, at once."""
+    count, other = len(stand.requests), Pose(-1.0, 0.0, 0.0)
+    stand.b.speak('goal_pose', goal(other, stand.now + 1.0))
+    stand.b.spin(0.3)
+    stand.measure(0.8)
+    assert len(stand.requests) == count
+    later = from_request_message(stand.wait_for_request(count + 1), 'odom', SCENARIO.object)
+    assert later.goal == pytest.approx(other)
+    stand.b.speak('goal_pose', goal(GOAL, 1.7e9))
+    at_once = from_request_message(stand.wait_for_request(count + 2), 'odom', SCENARIO.object)
+    assert at_once.goal == pytest.approx(GOAL)
+
+
+def test_stopped_it_stands_until_it_is_started_anew(stand):
+    """The goal is kept."""
+    assert stand.b.call('controller/stop').success
+    count = len(stand.requests)
+    stand.says('task: idle, was stopped')
+    assert set(stand.measure(1.0)) == {ZERO} and len(stand.requests) == count
+    assert stand.b.call('controller/start').success
+    stand.wait_for_request(count + 1)
+
+
+def test_its_state_is_in_the_markers(stand):
+    """As text, beside object and robot."""
+    stand.b.until(lambda: any(marker.text for message in stand.b.heard['markers']
+                              for marker in message.markers))
+
+
+def test_measurements_wait_for_the_plan(tmp_path, planned):
+    """With wait_for_plans none is answered before, and each once afterwards: the robot stands."""
+    with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
+               {**TASK, 'wait_for_plans': True, 'autostart': True}) as b:
+        stand = Stand(b)
+        b.speak('goal_pose', goal(GOAL))
+        b.spin(0.3)
+        stand.measure(0.45)
+        stand.now += PERIOD
+        commands = b.heard['cmd_vel']
+        commands.clear()
+        for _ in range(3):
+            b.speak('object_pose', to_object_pose_message(ObjectPose(stand.now, OBJECT), 'odom'))
+            b.spin(0.1)
+        b.until(lambda: stand.requests)
+        assert commands == []
+        stand.answer(planned(stand.requests[0]), stand.requests[0])
+        b.until(lambda: len(commands) == 3)
+        assert {nanoseconds(command.header.stamp) for command in commands} == {
+            round(1e9 * stand.now)}
+        assert {command.twist.linear.x for command in commands} == {0.0}
+        b.odometry(stand.now, ROBOT)
+        assert any(command != ZERO for command in stand.measure(0.5))
+
+
+@pytest.fixture(scope='module')
+def planner(tmp_path_factory):
+    """Start a planner of chains."""
+    parameters = {**PHYSICS, 'planner.site': 'chain', **to_values(TaskSettings(), 'task.')}
+    with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
+               parameters) as b:
+        for topic in ('push_plan', 'planned_path', 'diagnostics'):
+            b.listen(topic)
+        b.until(lambda: b.heard['diagnostics'], 60.0)
+        yield b
+
+
+def request(time=1.0, pose=GOAL):
+    """Make a request from the start."""
+    return to_request_message(Wanted(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time), 'odom')
+
+
+def answered(b, message):
+    """Send a request and return the answer to it."""
+    for heard in ('push_plan', 'planned_path'):
+        b.heard[heard].clear()
+    b.speak('push_request', message)
+    b.until(lambda: b.heard['push_plan'])
+    assert nanoseconds(b.heard['push_plan'][0].header.stamp) == nanoseconds(message.header.stamp)
+    return b.heard['push_plan'][0]
+
+
+def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
+    """The plan is that of the planner in process; the path leads to the goal of the whole."""
+    aside = OBJECT @ Pose(-1.0, 0.0, 1.0)
+    message = request(1.5, aside)
+    got = from_plan_message(answered(planner, message), 'odom')
+    chain = plan_wanted(from_request_message(message, 'odom', SCENARIO.object), SCENARIO.robot,
+                        SCENARIO.planner, DRIVE)
+    assert len(chain.pushes) > 1
+    assert np.abs(got.object_poses - chain.plan.trajectory.object_poses).max() < 1e-6
+    planner.until(lambda: planner.heard['planned_path'])
+    poses = [from_object_pose_message(pose, 'odom').pose
+             for pose in planner.heard['planned_path'][0].poses]
+    assert distance(poses[0], OBJECT) < 1e-6 and distance(poses[-1], aside) < 5e-3
+    assert max(distance(*pair) for pair in zip(poses, poses[1:])) < 0.1
+    planner.until(lambda: any(f'has planned {len(chain.pushes)} pushes' in text
+                              for text in texts(planner, PLANNER)))
+
+
+@pytest.mark.parametrize('spoil, text', [
+    (lambda m: m.poses.pop(), 'push_request: got 3 poses, expected 4'),
+    (lambda m: setattr(m.poses[0].position, 'x', math.nan), 'push_request: object: got the posi'),
+    (lambda m: setattr(m.header, 'frame_id', 'map'), "push_request: got frame 'map', expected"),
+    (lambda m: setattr(m.poses[2].position, 'x', 900.0), 'no chain of pushes')],
+    ids=['count', 'nan', 'frame', 'far'])
+def test_a_request_without_a_plan_is_answered_all_the_same(planner, spoil, text):
+    """With no points; the reason is an error on diagnostics."""
+    message = request(2.0)
+    spoil(message)
+    assert len(answered(planner, message).points) == 0
+    planner.until(lambda: any(text in error for error in errors(planner, PLANNER)))
+
+
+def test_a_goal_is_not_planned_for_before_somebody_asks(planner):
+    """It is remembered for planner/replan, which needs measurements."""
+    planner.heard['push_plan'].clear()
+    planner.speak('goal_pose', goal(GOAL))
+    planner.until(lambda: 'has a goal and waits for a request' in texts(planner, PLANNER))
+    refused = planner.call('planner/replan')
+    assert not refused.success and 'odom and object_pose' in refused.message
+    assert planner.heard['push_plan'] == []
+
+
+def test_a_map_is_kept_to(planner):
+    """A bad one is told; in one where the goal is walled in there is no plan."""
+    planner.speak('map', floor(FREE, 'camera'))
+    planner.until(lambda: any("map: got frame 'camera', expected 'odom'" in error
+                              for error in errors(planner, PLANNER)))
+    assert len(answered(planner, request(3.0)).points) > 0
+    wall = FREE.copy()
+    wall[:, 50:52] = True
+    planner.speak('map', floor(wall))
+    planner.until(lambda: 'has a map of 80 times 80 cells' in texts(planner, PLANNER))
+    assert len(answered(planner, request(4.0)).points) == 0
+    planner.until(lambda: any('map' in error and 'obstacle' in error
+                              for error in errors(planner, PLANNER)[1:]))

@@ -1,0 +1,154 @@
+"""Parameter dataclasses as ROS parameters: the same values, described and guarded."""
+
+import contextlib
+import math
+
+from docs.tools.describe import parameters, SECTIONS
+from push_control.settings import ControlSettings
+from push_model.parameters import PushedObject, RoundRobot, Support
+from push_planner.problem import PlannerSettings
+from push_ros.node_settings import ControllerOptions, Frames, SimOptions
+from push_ros.parameters import declare, from_values, layout, to_values
+from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_scenario.definition.data import config_file
+from push_sim_node.disturbance import FrictionChange
+from push_sim_node.sensors import SensorSettings
+from push_sim_node.simulation import SimulationSettings
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+import yaml
+
+BOX = PushedObject(
+    mass=3.0, inertia=0.08, center_of_mass=(0.01, 0.02), contact_friction_coefficient=0.4,
+    outline=((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)),
+    supports=(Support(-0.1, 0.0, 0.3, 0.45), Support(0.1, 0.1, 0.2, 0.375),
+              Support(0.1, -0.1, 0.4, 0.175)))
+DISC = PushedObject(mass=1.0, inertia=0.01, radius=0.2, supports=(Support(0.0, 0.0, 0.5),))
+INSTANCES = [
+    BOX, DISC, RoundRobot(0.17, 'holonomic'), ControlSettings(control_law='open_loop'),
+    PlannerSettings(segments=30), Frames(world_frame='map'), ControllerOptions(autostart=True),
+    SensorSettings(pose_dropouts=((1.0, 2.0), (3.0, 4.5))),
+    SimulationSettings(seed=7, friction_changes=(FrictionChange(1.0, 2.0, 0.5),
+                                                 FrictionChange(3.0, 4.0, 2.0, 1))),
+    SimOptions(lockstep=True, object_start=(1.0, 2.0, 3.0), tape_path='tape.csv')]
+
+
+@contextlib.contextmanager
+def node_with(overrides):
+    """Make a node that was given parameters, as ``--params-file`` does, in a quiet context."""
+    context = rclpy.Context()
+    rclpy.init(args=[], context=context, domain_id=0)
+    node = rclpy.create_node(
+        'probe', context=context, automatically_declare_parameters_from_overrides=True,
+        parameter_overrides=[Parameter(name, value=value) for name, value in overrides.items()])
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        rclpy.shutdown(context=context)
+
+
+@pytest.mark.parametrize('instance', INSTANCES, ids=lambda item: type(item).__name__)
+def test_values_come_back_as_they_went(instance):
+    """Flat values make the same dataclass again, and all have their place in the layout."""
+    values = to_values(instance, 'some.')
+    assert from_values(type(instance), values, 'some.') == instance
+    assert set(values) <= {spec.name for spec in layout(type(instance), 'some.')}
+    assert all(type(value) in (bool, int, float, str, list) for value in values.values())
+
+
+@pytest.mark.parametrize('instance', INSTANCES, ids=lambda item: type(item).__name__)
+def test_a_node_reads_the_same_dataclass(instance):
+    """Also through rclpy, and through a YAML file's types."""
+    values = yaml.safe_load(yaml.safe_dump(to_values(instance, 'some.')))
+    with node_with(values) as node:
+        assert declare(node, [('some.', type(instance))]) == [instance]
+        for name, value in values.items():
+            got = node.get_parameter(name).value
+            assert (list(got) if isinstance(value, list) else got) == value
+
+
+@pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
+def test_defaults_are_those_of_the_dataclasses(name):
+    """Nothing is given but what must be; all the rest is declared with its default."""
+    required = {**to_values(BOX, 'object.'), 'robot.radius': 0.17}
+    with node_with(required) as node:
+        instances = declare(node, SECTIONS[name])
+        for (prefix, cls), instance in zip(SECTIONS[name], instances):
+            if cls not in (PushedObject, RoundRobot):
+                assert instance == cls()
+        for spec in parameters(name):
+            value = node.get_parameter(spec.name).value
+            if spec.name not in required and spec.default is not None:
+                assert (tuple(value) if isinstance(spec.default, tuple) else value) == spec.default
+
+
+@pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
+def test_every_parameter_is_described_and_read_only(name):
+    """Tools see description, unit and range; nobody changes physics under way."""
+    with node_with({**to_values(BOX, 'object.'), 'robot.radius': 0.17}) as node:
+        declare(node, SECTIONS[name])
+        for spec in parameters(name):
+            described = node.describe_parameter(spec.name)
+            assert len(described.description) > 3 and described.read_only
+            assert spec.metadata['unit'] in described.description
+            limits = described.floating_point_range or described.integer_range
+            bounded = math.isfinite(spec.metadata['low']) or spec.metadata['above'] is not None
+            if spec.kind in (int, float) and bounded:
+                assert len(limits) == 1
+            assert not node.set_parameters([Parameter(spec.name, value=1.5)])[0].successful
+
+
+@pytest.mark.parametrize('change, text', [
+    ({'object.mass': -1.0}, 'object.mass: got -1.0, expected a finite number above 0'),
+    ({'object.mass': 'heavy'}, "object.mass: got 'heavy', expected a finite number"),
+    ({'object.mass': math.nan}, 'object.mass: got nan'),
+    ({'object.masss': 1.0}, 'object.masss: got a parameter that probe does not have'),
+    ({'object.supports.x': [0.1, 0.2]}, 'lists of one length'),
+    ({'object.supports.friction_coefficient': [0.1, 0.2, -0.3]},
+     'object.supports.friction_coefficient: got -0.3, expected a finite number from 0 to 10'),
+    ({'object.outline': [0.0, 0.1, 0.2]}, 'object.outline: got 3 numbers, expected pairs'),
+    ({'robot.drive': 'legs'}, "robot.drive: got 'legs', expected one of differential, holonomic"),
+    ({'world_frame': ''}, 'world_frame: got an empty text')])
+def test_a_bad_parameter_is_refused_by_its_name(change, text):
+    """With what came and what was expected."""
+    values = {**to_values(BOX, 'object.'), 'robot.radius': 0.17, **change}
+    sections = (('object.', PushedObject), ('robot.', RoundRobot), ('', Frames))
+    with node_with(values) as node, pytest.raises(ValueError, match=text):
+        declare(node, sections)
+
+
+def test_a_missing_parameter_is_named():
+    """There is no default for what must be measured."""
+    with node_with({'object.inertia': 1.0}) as node, \
+            pytest.raises(ValueError, match='object.mass: got nothing, expected'):
+        declare(node, [('object.', PushedObject)])
+
+
+def test_whole_numbers_do_for_real_ones():
+    """People write ``mass: 3`` in YAML."""
+    with node_with({**to_values(BOX, 'object.'), 'object.mass': 3}) as node:
+        assert declare(node, [('object.', PushedObject)]) == [BOX]
+        assert isinstance(node.get_parameter('object.mass').value, float)
+
+
+@pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
+def test_the_default_file_has_only_parameters_that_its_nodes_have(name):
+    """Each key of push.yaml, in ``/**`` and in the node's own section; values pass the checks."""
+    sections = yaml.safe_load(config_file('push.yaml').read_text())
+    values = {}
+    for part in ('/**', name):
+        values.update(_flat(sections[part]['ros__parameters']))
+    assert set(sections) == {'/**', PLANNER, CONTROLLER, SIM}
+    assert set(values) <= {spec.name for spec in parameters(name)}
+    for prefix, cls in SECTIONS[name]:
+        from_values(cls, values, prefix)
+
+
+def _flat(tree, prefix=''):
+    flat = {}
+    for key, value in tree.items():
+        flat.update(_flat(value, f'{prefix}{key}.') if isinstance(value, dict)
+                    else {prefix + key: value})
+    return flat

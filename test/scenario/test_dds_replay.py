@@ -1,0 +1,234 @@
+"""Whole replays over Fast DDS: three nodes in three processes each."""
+
+from concurrent.futures import ThreadPoolExecutor
+import dataclasses
+import os
+import signal
+
+from mcap.reader import make_reader
+import numpy as np
+from push_control.settings import LAWS
+from push_model.geometry import distance
+from push_model.parameters import CONTACT_KINDS, DRIVES
+from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_scenario.dds.processes import NodeDied
+from push_scenario.dds.replay import run_over_dds
+from push_scenario.dds.session import ReplayFailed
+from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.evaluation.metrics import is_as_expected
+from push_scenario.simulation import loop as closed_loop
+from push_scenario.simulation.loop import SETTLE_TIME
+from push_sim_node.disturbance import change_times
+import pytest
+from rosbags.highlevel import AnyReader
+
+
+def scenario(name, **changes):
+    """Read a scenario that comes with the package, and change some of it."""
+    return dataclasses.replace(read_scenario(find_scenario(name)), **changes)
+
+
+@pytest.fixture(scope='module')
+def side_by_side(tmp_path_factory):
+    """Replay the straight push twice at the same time, the second with Twist commands."""
+    folders = [tmp_path_factory.mktemp(name) for name in ('stamped', 'plain')]
+    with ThreadPoolExecutor(2) as pool:
+        runs = [pool.submit(run_over_dds, scenario('straight_push'), None, folder,
+                            stamped=stamped) for folder, stamped in zip(folders, (True, False))]
+        return [run.result() for run in runs]
+
+
+@pytest.fixture(scope='module')
+def mismatch(tmp_path_factory):
+    """Replay the demo scenario twice."""
+    folder = tmp_path_factory.mktemp('mismatch')
+    return [run_over_dds(scenario('corner_push_mismatch'), 'feedback', folder)
+            for _ in range(2)]
+
+
+def test_replays_side_by_side_do_not_hear_each_other(side_by_side):
+    """Each reaches its goal as if it were alone, stamped commands or not, to the last bit."""
+    assert all(is_as_expected(result) for result in side_by_side)
+    assert side_by_side[0].tape.to_bytes() == side_by_side[1].tape.to_bytes()
+
+
+def test_over_dds_comes_what_comes_in_process(side_by_side):
+    """The same push, but for what conversion to quaternions and stamps rounds."""
+    expected = closed_loop.run(scenario('straight_push'))
+    assert distance(side_by_side[0].tape.poses('object')[-1],
+                    expected.tape.poses('object')[-1]) < 1e-3
+    assert side_by_side[0].end_time == pytest.approx(expected.end_time, abs=0.1)
+    assert np.abs(side_by_side[0].plan.object_poses - expected.plan.object_poses).max() < 1e-6
+
+
+def test_lockstep_twice_gives_the_same_tape(mismatch):
+    """Noise, latency, losses and all, bit by bit; and the goal is reached."""
+    assert mismatch[0].tape.to_bytes() == mismatch[1].tape.to_bytes()
+    assert (mismatch[0].outcome, mismatch[0].end_time) == (mismatch[1].outcome,
+                                                           mismatch[1].end_time)
+    assert is_as_expected(mismatch[0])
+
+
+def test_time_is_measured(mismatch):
+    """Faster than the wall clock, and every pose was answered."""
+    for result in mismatch:
+        assert result.speed_up > 1.0
+        assert 0.0 < result.latency_median <= result.latency_p99 < 1.0
+
+
+def test_a_sensor_dropout_is_ridden_out(tmp_path):
+    """The robot waits for poses to come back, and arrives."""
+    progress = []
+    result = run_over_dds(scenario('sensor_dropout'), None, tmp_path, progress=progress.append)
+    assert is_as_expected(result)
+    times = [item.time for item in progress]
+    assert times == sorted(times) and times[-1] >= result.end_time
+    stages = {item.stage for item in progress}
+    assert {'pushing'} <= stages <= {'planning', 'pushing', 'settling'}
+    start, end = result.scenario.sensors.pose_dropouts[0]
+    inside = (result.tape['time'] > start + 0.5) & (result.tape['time'] < end)
+    assert inside.any() and not result.tape['command_v_x'][inside].any()
+
+
+DISTURBED = {'friction_noise': 'feedback', 'friction_spell': 'mpc', 'friction_shift': 'mpc',
+             'bin_round': 'feedback'}
+
+
+@pytest.fixture(scope='module')
+def disturbed(tmp_path_factory):
+    """Replay scenarios, two at a time."""
+    folders = {name: tmp_path_factory.mktemp(name) for name in DISTURBED}
+    with ThreadPoolExecutor(2) as pool:
+        runs = {name: pool.submit(run_over_dds, scenario(name), law, folders[name], record=False)
+                for name, law in DISTURBED.items()}
+        return {name: run.result() for name, run in runs.items()}
+
+
+@pytest.mark.parametrize('name', DISTURBED)
+def test_a_disturbed_push_arrives(disturbed, name):
+    """Over DDS too, under the law that is asked for."""
+    result = disturbed[name]
+    assert is_as_expected(result), (result.outcome, result.reason)
+    assert result.control_law == DISTURBED[name]
+
+
+def test_disturbed_pushes_cover_what_there_is(disturbed):
+    """Both drives, all contact kinds, both laws; friction that changes once, twice, always."""
+    scenarios = [result.scenario for result in disturbed.values()]
+    assert {one.robot.drive for one in scenarios} == set(DRIVES)
+    assert {one.start.contact.kind for one in scenarios} == set(CONTACT_KINDS)
+    assert set(DISTURBED.values()) == set(LAWS) - {'open_loop'}
+    times = {len([time for time in change_times(one.simulation.friction_changes)
+                  if time < disturbed[one.name].end_time]) for one in scenarios}
+    assert {0, 1, 2} < times and max(times) > 10
+
+
+def test_a_goal_that_cannot_be_reached_is_refused(tmp_path):
+    """The planner's reason arrives."""
+    task = scenario('unreachable_goal')
+    result = run_over_dds(task, None, tmp_path)
+    assert (result.outcome, result.tape, result.plan) == ('refused', None, None)
+    assert result.reason == closed_loop.run(task).reason
+
+
+def test_time_runs_out(tmp_path):
+    """A limit before the goal ends the run there."""
+    result = run_over_dds(scenario('straight_push', time_limit=2.0), None, tmp_path, record=False)
+    assert (result.outcome, result.end_time, result.bag) == ('time_limit', 2.0, None)
+    assert result.tape['time'][-1] == pytest.approx(2.0 + SETTLE_TIME)
+
+
+def test_the_recording_opens_in_another_reader(side_by_side):
+    """What Foxglove needs: ROS 2 messages as CDR, with their definitions, in order of time."""
+    for result in side_by_side:
+        with next(result.bag.glob('*.mcap')).open('rb') as file:
+            reader = make_reader(file)
+            assert reader.get_header().profile == 'ros2'
+            summary = reader.get_summary()
+            times = [message.log_time for _, _, message in reader.iter_messages()]
+        assert times == sorted(times) and len(times) == summary.statistics.message_count > 500
+        assert {'/odom', '/object_pose', '/cmd_vel', '/push_plan'} <= {
+            channel.topic for channel in summary.channels.values()}
+        for channel in summary.channels.values():
+            schema = summary.schemas[channel.schema_id]
+            assert channel.message_encoding == 'cdr' and schema.data
+            assert schema.encoding in ('ros2msg', 'ros2idl')
+
+
+def test_the_recording_reads_back(side_by_side):
+    """All topics, with simulated time; one command for each measurement."""
+    for result, command in zip(side_by_side, ('TwistStamped', 'Twist')):
+        assert (result.bag / 'metadata.yaml').is_file() and list(result.bag.glob('*.mcap'))
+        with AnyReader([result.bag]) as reader:
+            counts = {topic: info.msgcount for topic, info in reader.topics.items()}
+            assert reader.topics['/cmd_vel'].msgtype == f'geometry_msgs/msg/{command}'
+            stamps, commands = _read(reader)
+        for topic in ('/push_plan', '/planned_path', '/goal_pose'):
+            assert counts[topic] == 1
+        for topic in ('/diagnostics', '/markers', '/contact_wrench', '/clock'):
+            assert counts[topic] > 5
+        rate = result.scenario.sensors.odometry_rate
+        assert set(range(int(result.end_time * rate))) <= {round(t * rate) for t in stamps}
+        assert commands >= stamps if command == 'TwistStamped' else counts['/cmd_vel']
+
+
+def _read(reader):
+    stamps = {'/odom': set(), '/cmd_vel': set()}
+    for connection, time, data in reader.messages():
+        if connection.topic in stamps:
+            message = reader.deserialize(data, connection.msgtype)
+            if hasattr(message, 'header'):
+                stamp = message.header.stamp
+                assert time == stamp.sec * 10 ** 9 + stamp.nanosec
+            stamps[connection.topic].add(time / 1e9)
+    return stamps['/odom'], stamps['/cmd_vel']
+
+
+def _is_gone(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+@pytest.mark.parametrize('victim, number, error, text', [
+    (CONTROLLER, signal.SIGKILL, NodeDied, f'{CONTROLLER} ended unexpectedly with signal SIGKILL'),
+    (CONTROLLER, signal.SIGSTOP, ReplayFailed, f'{SIM}: no command for 5 s'),
+    (SIM, signal.SIGTERM, NodeDied, f'{SIM} ended unexpectedly with exit status 0')])
+def test_a_node_that_dies_or_hangs_ends_the_replay(tmp_path, victim, number, error, text):
+    """With its name and what happened; no process is left."""
+    pids = []
+
+    def strike(nodes):
+        pids.extend(nodes.pid(name) for name in (SIM, PLANNER, CONTROLLER))
+        os.kill(nodes.pid(victim), number)
+
+    with pytest.raises(error, match=text):
+        run_over_dds(scenario('corner_push_mismatch'), None, tmp_path, on_start=strike)
+    assert len(pids) == 3 and all(map(_is_gone, pids))
+
+
+@pytest.mark.parametrize('number, ending', [(signal.SIGINT, KeyboardInterrupt),
+                                            (signal.SIGTERM, SystemExit)])
+def test_an_interrupt_leaves_nothing_behind(tmp_path, number, ending):
+    """Ctrl-C or a polite kill, in the middle of a run."""
+    pids = []
+
+    def interrupt(nodes):
+        pids.extend(nodes.pid(name) for name in (SIM, PLANNER, CONTROLLER))
+        os.kill(os.getpid(), number)
+
+    with pytest.raises(ending):
+        run_over_dds(scenario('straight_push'), None, tmp_path, on_start=interrupt)
+    assert len(pids) == 3 and all(map(_is_gone, pids))
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
+def test_a_scenario_on_the_wall_clock(tmp_path):
+    """Real time takes its time, at least, and still arrives."""
+    task = scenario('straight_push')
+    task = dataclasses.replace(task, goal=dataclasses.replace(task.goal, x=0.3))
+    result = run_over_dds(task, None, tmp_path, real_time=True, record=False)
+    assert is_as_expected(result)
+    assert 0.0 < result.speed_up < 1.1

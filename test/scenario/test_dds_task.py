@@ -1,0 +1,108 @@
+"""Whole tasks over Fast DDS, in lockstep: three nodes in three processes each."""
+
+import dataclasses
+
+import numpy as np
+from push_model.geometry import distance
+from push_ros.conversions.primitives import nanoseconds
+from push_scenario.dds.replay import run_over_dds
+from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.scenario import Placement
+from push_scenario.definition.task import LaterGoal
+from push_scenario.evaluation.metrics import is_task_as_expected, measure_task
+from push_scenario.simulation.loop import run_task
+import pytest
+from rosbags.highlevel import AnyReader
+
+NEAR, TURNED = 0.01, np.radians(1.0)
+LATER = Placement(0.0, 0.3, 0.0)
+
+
+def scenario(name, **changes):
+    """Read a scenario that comes with the package, and change some of it."""
+    return dataclasses.replace(read_scenario(find_scenario(name)), **changes)
+
+
+@pytest.fixture(scope='module')
+def twice(tmp_path_factory):
+    """Replay a task twice whose robot stands on the wrong side, the second with Twist commands."""
+    folder = tmp_path_factory.mktemp('twice')
+    return [run_over_dds(scenario('task_approach'), None, folder / name, stamped=stamped)
+            for name, stamped in (('stamped', True), ('plain', False))]
+
+
+def test_the_object_arrives_although_the_robot_stands_on_the_wrong_side(twice):
+    """Within 10 mm and 1 degree, with poor sensors and odometry; the robot is clear of it."""
+    for result in twice:
+        assert result.outcome == 'done' and is_task_as_expected(result)
+        assert result.position_error < NEAR and abs(result.heading_error) < TURNED
+        assert measure_task(result).gap > result.scenario.task.drive.clearance
+
+
+def test_lockstep_twice_gives_the_same_tape(twice):
+    """However long the planner thinks: time waits for it."""
+    assert twice[0].tape.to_bytes() == twice[1].tape.to_bytes()
+    assert twice[0].history == twice[1].history
+
+
+def test_over_dds_comes_what_comes_in_process(twice):
+    """The same states, but for when late poses count as new."""
+    expected = run_task(scenario('task_approach'), planning_time=0.0)
+    assert [change.state for change in twice[0].history] == [
+        change.state for change in expected.history]
+    assert twice[0].duration == pytest.approx(expected.duration, abs=0.5)
+    assert twice[0].single == pytest.approx(expected.single, rel=1e-3)
+
+
+def test_the_recording_has_request_and_answer(twice):
+    """One plan for each request, with its stamp; the path leads to the goal; the text is shown."""
+    with AnyReader([twice[0].bag]) as reader:
+        heard = {}
+        for connection, _, data in reader.messages():
+            if connection.topic in ('/push_request', '/push_plan', '/planned_path', '/markers'):
+                heard.setdefault(connection.topic, []).append(
+                    reader.deserialize(data, connection.msgtype))
+    stamps = [[nanoseconds(message.header.stamp) for message in heard[topic]]
+              for topic in ('/push_request', '/push_plan', '/planned_path')]
+    assert stamps[0] == stamps[1] == stamps[2] and len(stamps[0]) == twice[0].pushes
+    end = heard['/planned_path'][0].poses[-1].pose.position
+    assert distance((end.x, end.y), twice[0].scenario.goal.pose) < 5e-3
+    shown = {marker.text for message in heard['/markers'] for marker in message.markers}
+    assert {'approach', 'push'} <= shown
+
+
+@pytest.fixture(scope='module')
+def redirected(tmp_path_factory):
+    """Replay a task whose goal changes on the way, twice."""
+    first = scenario('task_map')
+    task = dataclasses.replace(first.task, map=None, goals=(LaterGoal(LATER, 12.0),))
+    return [run_over_dds(dataclasses.replace(first, name='redirected', task=task), None,
+                         tmp_path_factory.mktemp('redirected'), record=False) for _ in range(2)]
+
+
+def test_a_goal_that_changes_on_the_way_is_gone_to(redirected):
+    """From the time on that the scenario says; the same tape twice all the same."""
+    for result in redirected:
+        assert result.outcome == 'done' and is_task_as_expected(result)
+        assert distance(result.tape.poses('object')[-1], LATER.pose) < NEAR
+        changed, = [change for change in result.history[1:] if change.reason == 'has a new goal']
+        assert changed.time == pytest.approx(12.0, abs=0.1)
+    assert redirected[0].tape.to_bytes() == redirected[1].tape.to_bytes()
+
+
+def test_in_a_map_nothing_is_touched(tmp_path):
+    """The map reaches both nodes before the task begins."""
+    result = run_over_dds(scenario('task_map'), None, tmp_path, record=False)
+    assert is_task_as_expected(result) and measure_task(result).within_map
+
+
+def test_a_task_without_a_way_fails_and_says_so(tmp_path):
+    """The robot never moves; after the tries that are allowed it gives up."""
+    walled = scenario('task_map')
+    task = dataclasses.replace(walled.task, supervision=dataclasses.replace(
+        walled.task.supervision, tries=2))
+    goal = Placement(5.0, 0.0, 0.0)
+    result = run_over_dds(dataclasses.replace(walled, goal=goal, task=task), None, tmp_path,
+                          record=False)
+    assert result.outcome == 'failed' and 'the planner has found none' in result.reason
+    assert not result.tape['robot_v_x'].any() and result.recoveries == 2

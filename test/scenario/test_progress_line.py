@@ -1,0 +1,46 @@
+"""The progress line, in a terminal and in a log."""
+
+import io
+
+from push_scenario.cli import ProgressLine
+from push_scenario.simulation.loop import Progress
+
+
+class Terminal(io.StringIO):
+    """Text stream that says it is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def play(stream):
+    """Show a run of 20 s that takes 10 s on the clock, 100 calls a second."""
+    now = [0.0]
+    line = ProgressLine(stream, lambda: now[0], 'case')
+    line(Progress('planning', 0.0, 2.0))
+    for call in range(1, 1001):
+        now[0] = call / 100
+        line(Progress('pushing', call / 50, 2.0 - call / 500))
+    line.end('done')
+    return stream.getvalue()
+
+
+def test_terminal_shows_one_line_that_is_written_over():
+    text = play(Terminal())
+    assert text.count('\n') == 1 and text.endswith('\n')
+    shown = text.strip('\r\n').split('\r')
+    assert 90 < len(shown) < 110
+    assert shown[-1].startswith('case: done, 10.0 s')
+    assert all(len(after) >= len(before.rstrip()) for before, after in zip(shown, shown[1:]))
+
+
+def test_log_gets_a_line_now_and_then():
+    lines = play(io.StringIO()).splitlines()
+    assert lines[0] == 'case: planning, 0.0 s simulated, 2.000 m to the goal'
+    assert lines[-1] == 'case: done, 10.0 s'
+    assert 3 <= len(lines) <= 6
+    assert not any('\r' in line for line in lines)
+
+
+def test_speed_is_simulated_over_wall_time():
+    assert 'at 2.0 x real time' in play(io.StringIO())

@@ -1,0 +1,165 @@
+"""The command ``replay`` as a user meets it, in process."""
+
+import os
+from pathlib import Path
+import re
+import signal
+import subprocess
+import sys
+
+from PIL import Image
+from push_scenario.batch.interrupts import Interrupts
+from push_scenario.cli import main
+from push_scenario.definition.loader import (
+    find_scenario, read_scenario, scenario_names, scenario_text,
+)
+from push_sim_node.tape import Tape
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def replay(tmp_path, *words):
+    """Call the command in this process, without ROS."""
+    return main([*words, '--in-process', '--out', str(tmp_path / 'out')])
+
+
+def write(tmp_path, name, **changes):
+    """Write a scenario with some lines at its top level changed."""
+    lines = scenario_text(read_scenario(find_scenario('straight_push'))).splitlines()
+    for key, value in changes.items():
+        lines = [f'{key}: {value}' if line.startswith(f'{key}:') else line for line in lines]
+    path = tmp_path / f'{name}.yaml'
+    path.write_text('\n'.join(lines))
+    return path
+
+
+def test_list_names_every_scenario_with_its_description(capsys):
+    assert main(['--list']) == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in listed] == scenario_names()
+    assert all(len(line.split()) > 5 for line in listed)
+
+
+def test_a_run_that_arrives_ends_with_status_0_and_leaves_its_tape(tmp_path, capsys):
+    assert replay(tmp_path, 'straight_push', '--no-pictures') == 0
+    printed = capsys.readouterr()
+    assert 'final position error' in printed.out
+    assert 'straight_push, feedback: done' in printed.err
+    out = tmp_path / 'out'
+    assert {path.name for path in out.iterdir()} == {'straight_push.yaml',
+                                                     'straight_push_feedback.csv'}
+    tape = Tape.load(out / 'straight_push_feedback.csv')
+    assert tape['object_x'][-1] == pytest.approx(1.0, abs=0.01)
+    assert read_scenario(out / 'straight_push.yaml') == read_scenario(
+        find_scenario('straight_push'))
+
+
+def test_two_runs_leave_equal_tapes(tmp_path):
+    for name in ('one', 'two'):
+        assert replay(tmp_path / name, 'straight_push', '--no-pictures') == 0
+    one, two = ((tmp_path / name / 'out' / 'straight_push_feedback.csv').read_bytes()
+                for name in ('one', 'two'))
+    assert one == two
+
+
+def test_refusal_is_success_where_it_is_expected(tmp_path, capsys):
+    assert replay(tmp_path, 'unreachable_goal') == 0
+    assert 'at most 3 m is accepted' in capsys.readouterr().out
+    assert not list((tmp_path / 'out').glob('*.png'))
+
+
+def test_refusal_is_failure_where_it_is_not_expected(tmp_path):
+    path = tmp_path / 'case.yaml'
+    text = scenario_text(read_scenario(find_scenario('unreachable_goal')))
+    path.write_text(text.replace('expected: refused', 'expected: reached'))
+    assert replay(tmp_path, str(path), '--no-pictures') == 1
+
+
+def test_a_run_that_misses_its_bounds_ends_with_status_1(tmp_path):
+    path = write(tmp_path, 'hasty', time_limit=2.0)
+    assert replay(tmp_path, str(path), '--no-pictures') == 1
+
+
+def test_closed_loops_decide_where_laws_are_compared(tmp_path, capsys):
+    laws = ('--law', 'mpc', '--law', 'feedback', '--law', 'open_loop')
+    assert replay(tmp_path, 'corner_push_mismatch', *laws, '--no-pictures') == 0
+    header = capsys.readouterr().out.splitlines()[1]
+    assert header.split() == ['mpc', 'feedback', 'open', 'loop', 'bound']
+
+
+def test_open_loop_alone_is_judged(tmp_path):
+    words = ('corner_push_mismatch', '--law', 'open_loop', '--no-pictures')
+    assert replay(tmp_path, *words) == 1
+
+
+@pytest.mark.parametrize('missing', ['feedback', 'mpc'])
+def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
+    def judge(result):
+        return result.control_law != missing
+
+    monkeypatch.setattr('push_scenario.cli.is_as_expected', judge)
+    laws = ('--law', 'feedback', '--law', 'mpc')
+    assert replay(tmp_path, 'straight_push', *laws, '--no-pictures') == 1
+
+
+def test_demo_takes_several_pushes_and_leaves_picture_and_animation(tmp_path, capsys):
+    assert replay(tmp_path, '--demo') == 0
+    table = capsys.readouterr().out
+    assert int(re.search(r'^pushes +(\d+)', table, re.MULTILINE)[1]) >= 2
+    with Image.open(tmp_path / 'out' / 'demo.png') as picture:
+        assert picture.format == 'PNG' and min(picture.size) > 700
+        assert len(picture.convert('RGB').getcolors(1 << 24)) > 100
+    with Image.open(tmp_path / 'out' / 'demo.gif') as animation:
+        assert animation.format == 'GIF' and animation.n_frames > 30
+    assert (tmp_path / 'out' / 'demo.gif').stat().st_size < 1.5e6
+
+
+@pytest.mark.parametrize('words, message', [
+    (('nowhere',), 'nowhere: got no such scenario, expected a path or one of'),
+    (('nowhere.yaml',), 'nowhere.yaml: No such file'),
+    (('straight_push', '--real-time'), '--real-time: got --in-process too'),
+])
+def test_misuse_ends_with_status_2_and_a_message(tmp_path, capsys, words, message):
+    assert replay(tmp_path, *words) == 2
+    printed = capsys.readouterr()
+    assert message in printed.err and not printed.out
+
+
+def test_a_wrong_scenario_names_file_and_key(tmp_path, capsys):
+    path = write(tmp_path, 'wrong', time_limit='-3')
+    assert replay(tmp_path, str(path)) == 2
+    assert f'{path}: time_limit: got -3, expected' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('words', [(), ('straight_push', '--law', 'hope')])
+def test_wrong_words_show_the_usage(capsys, words):
+    with pytest.raises(SystemExit) as error:
+        main(words)
+    assert error.value.code == 2
+    assert 'usage: replay' in capsys.readouterr().err
+
+
+def test_an_interrupt_that_a_compiled_library_hides_is_still_one():
+    with pytest.raises(KeyboardInterrupt), Interrupts():
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt as hidden:
+            raise SystemError('a result with an exception set') from hidden
+    with pytest.raises(SystemError), Interrupts():
+        raise SystemError('nobody pressed Ctrl-C')
+
+
+def test_interrupt_ends_with_status_130_and_keeps_what_is_done(tmp_path):
+    command = [sys.executable, '-m', 'push_scenario.cli', 'corner_push_mismatch', '--law',
+               'open_loop', '--law', 'feedback', '--in-process', '--out', str(tmp_path)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                          env={**os.environ, 'PYTHONPATH': str(ROOT)}) as process:
+        for line in process.stderr:
+            if 'feedback: planning' in line:
+                process.send_signal(signal.SIGINT)
+                break
+        printed, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert 'interrupted' in errors and 'open loop' in printed
+    assert (tmp_path / 'corner_push_mismatch_open_loop.csv').is_file()

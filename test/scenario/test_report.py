@@ -1,0 +1,58 @@
+"""The table that a replay prints."""
+
+import re
+
+from helpers.tapes import make_result, make_tape, straight_plan, TIMES
+from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.evaluation.report import table
+from push_scenario.simulation.result import Result
+import pytest
+
+
+def runs():
+    """Two runs: one that misses by 30 mm, one that arrives."""
+    near = make_tape(object_x=0.2 * TIMES, robot_x=0.2 * TIMES, mode=1)
+    far = make_tape(object_x=0.203 * TIMES, robot_x=0.2 * TIMES, object_theta=0.1, mode=1)
+    for law, tape in (('open_loop', far), ('feedback', near)):
+        result = make_result(tape, straight_plan(), (2.0, 0.0, 0.0))
+        yield Result(result.scenario, law, 'done', '', result.plan, tape, 9.0)
+
+
+def cells(text, title):
+    """Words behind a row's title."""
+    line = next(line for line in text.splitlines() if line.startswith(title))
+    return re.split(r' {2,}', line.strip())[1:]
+
+
+def test_rows_tell_both_runs_and_the_bound():
+    text = table(list(runs()))
+    assert cells(text, 'final position error') == ['[mm]', '30.0', '0.0', '10.0']
+    assert cells(text, 'final heading error') == ['[deg]', '+5.73', '+0.00', '1.50']
+    assert cells(text, 'path length against the plan') == ['[%]', '100.0', '100.0']
+    assert cells(text, 'time in contact') == ['[s]', '10.00', '10.00']
+    assert cells(text, 'within bounds') == ['no', 'yes']
+
+
+def test_columns_are_aligned():
+    lines = table(list(runs())).splitlines()[1:]
+    header = lines[0]
+    ends = [header.index('open loop') + len('open loop'),
+            header.index('feedback') + len('feedback')]
+    for line in lines[2:]:
+        for end in ends:
+            assert line[end - 1] != ' ' and line[end:end + 1] in ('', ' ')
+
+
+def test_refusal_is_told_with_its_reason():
+    scenario = read_scenario(find_scenario('unreachable_goal'))
+    text = table([Result(scenario, 'feedback', 'refused', 'it is too far')])
+    assert cells(text, 'final position error') == ['[mm]', '-', '20.0']
+    assert text.endswith('feedback: it is too far')
+
+
+def test_a_result_without_its_parts_is_refused():
+    scenario = read_scenario(find_scenario('unreachable_goal'))
+    with pytest.raises(ValueError, match='Result.tape: got plan None'):
+        Result(scenario, 'feedback', 'done')
+    with pytest.raises(ValueError, match='Result.outcome: got .great.'):
+        Result(scenario, 'feedback', 'great')

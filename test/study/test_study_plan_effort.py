@@ -1,0 +1,70 @@
+"""Effort of planning over the number of segments."""
+
+import functools
+
+import numpy as np
+from push_study.chapter3 import effort as plan_effort
+from push_study.framework.run import run_here
+from push_study.framework.values import read_table, values_of
+import pytest
+
+pytestmark = pytest.mark.physics
+STUDY, = plan_effort.STUDIES
+
+
+@functools.lru_cache(maxsize=None)
+def found(**changes):
+    """Compute the table, with other values where wanted; return table and findings."""
+    changes = {name: list(value) if isinstance(value, tuple) else value
+               for name, value in changes.items()}
+    outcome = STUDY.compute(values_of(STUDY, read_table(), changes), run_here)
+    assert STUDY.sentences(outcome.findings)
+    return outcome.tables['effort'], {name: one.value for name, one in outcome.findings.items()}
+
+
+def test_work_hardly_grows_up_to_the_steps_of_the_programme():
+    table, findings = found()
+    counts = np.array(table['segments'])
+    within = counts <= findings['steps']
+    for name in plan_effort.GOALS:
+        work = table[f'{name}_relative_work']
+        assert work[counts == 6] == [1.0]
+        assert work[within].max() < 2.0 * work[within].min()
+        assert work[-1] < 0.7 * table['integrations_relative'][-1]
+    assert counts[within][-1] == 4 * 6 and counts[-1] == 48
+
+
+def test_work_grows_with_the_steps_once_there_are_more_segments_than_those():
+    """Up to 24 segments it is the iterations alone that differ."""
+    table, _ = found(counts=(2, 24, 48, 96))
+    for name in plan_effort.GOALS:
+        counts, work = table['segments'], table[f'{name}_relative_work']
+        at = {count: work[counts.index(count)] for count in counts}
+        steps = np.array(work) / table[f'{name}_iterations']
+        assert steps[:3] == pytest.approx(steps[0]) and counts[2] == 24
+        assert at[24] < 2.0 * at[2]
+        assert 1.5 < at[96] / at[48] < 3.0
+
+
+def test_more_segments_make_a_push_no_longer():
+    table, findings = found()
+    for name in plan_effort.GOALS:
+        longer = table[f'{name}_longer']
+        assert (np.diff(longer) < 0.0).all()
+        assert findings[f'{name}_few'] > 5.0 * findings[f'{name}_six'] > 0.0
+
+
+def test_the_symmetrical_push_is_symmetrical_and_gains_less():
+    _, findings = found()
+    assert findings['symmetrical_uneven'] < 0.05
+    assert findings['asymmetrical_uneven'] > 0.3
+    assert findings['asymmetrical_few'] > 2.0 * findings['symmetrical_few']
+
+
+def test_a_mirrored_goal_takes_the_same_work_and_time():
+    table, _ = found()
+    mirrored, _ = found(goal=(2.0, -0.5, 0.0), asymmetrical_goal=(2.0, -0.5, 0.5))
+    for name in plan_effort.GOALS:
+        assert mirrored[f'{name}_iterations'] == table[f'{name}_iterations']
+        assert mirrored[f'{name}_duration_s'] == pytest.approx(table[f'{name}_duration_s'],
+                                                               rel=1e-6)
