@@ -3,8 +3,8 @@
 import sys
 
 from push_control.observation import Observation
-from push_control.ros.single_push import SinglePush
-from push_control.ros.task import SupervisedTask
+from push_control.ros.single_push import SinglePushMode
+from push_control.ros.task import TaskMode
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
 from push_model.parameters import PushedObject, RoundRobot
@@ -57,20 +57,20 @@ class ControllerNode(PushNode):
         *parts, self._frames, self._options = self.settings
         # Also where nothing is ever asked for: a node has the topics of the list.
         self.requests = self.publisher('push_request')
-        self._work = (SupervisedTask if self._options.task else SinglePush)(
+        self._work = (TaskMode if self._options.task else SinglePushMode)(
             self, parts, self._frames.world_frame, self._options.autostart)
         self._forget()
         self._command = self.publisher('cmd_vel', self._options.stamped_cmd_vel)
-        self.subscribe('odom', self._on_odometry, urgent=True)
-        self.subscribe('object_pose', self._on_object_pose, urgent=True)
+        self.subscribe('odom', self._on_odometry, real_time=True)
+        self.subscribe('object_pose', self._on_object_pose, real_time=True)
         work, stops = self._work, not self._options.task
-        self.subscribe('push_plan', lambda message: self._hear(work.take_plan, message, stops))
-        self.subscribe('goal_pose', lambda message: self._hear(work.take_goal, message))
-        self.subscribe('map', lambda message: self._hear(work.take_map, message))
-        self.serve('controller/start', self._start)
-        self.serve('controller/stop', self._stop)
-        self.serve('controller/pause', lambda: self._obey(work.pause))
-        self.serve('controller/resume', lambda: self._obey(work.resume))
+        self.subscribe('push_plan', lambda message: self._hear(work.on_plan, message, stops))
+        self.subscribe('goal_pose', lambda message: self._hear(work.on_goal, message))
+        self.subscribe('map', lambda message: self._hear(work.on_map, message))
+        self.serve_trigger('controller/start', self._start)
+        self.serve_trigger('controller/stop', self._stop)
+        self.serve_trigger('controller/pause', lambda: self._obey(work.pause))
+        self.serve_trigger('controller/resume', lambda: self._obey(work.resume))
         self._watchdog = self.create_timer(WATCHDOG_PERIOD, self._watch)
         self.reporter.report(OK, f'waits for {self._work.awaited}', self._now())
 
@@ -110,7 +110,7 @@ class ControllerNode(PushNode):
         else:
             self._answer_late()
             self._send(command, stamp)
-        self._work.tell(stamp, self._time)
+        self._work.report(stamp, self._time)
 
     def _step(self):
         times = [m.time for m in (self._odometry, self._object_pose) if m is not None]
@@ -129,7 +129,7 @@ class ControllerNode(PushNode):
     def _follow_up(self):
         self._answer_late()
         if self._options.task:
-            self._work.tell(self._now(), self._time)
+            self._work.report(self._now(), self._time)
 
     def _hear(self, take, message, stops=False):
         try:

@@ -41,15 +41,15 @@ class DubinsPath(NamedTuple):
         """
         pose, left = self.start, s
         if s < 0.0:
-            return advance(pose, s, 0.0), 0.0
+            return advance_along_arc(pose, s, 0.0), 0.0
         for length, curvature in zip(self.lengths, self.curvatures):
             if left <= length:
-                return advance(pose, left, curvature), curvature
-            pose, left = advance(pose, length, curvature), left - length
-        return advance(pose, left, 0.0), 0.0
+                return advance_along_arc(pose, left, curvature), curvature
+            pose, left = advance_along_arc(pose, length, curvature), left - length
+        return advance_along_arc(pose, left, 0.0), 0.0
 
 
-def advance(pose, length, curvature):
+def advance_along_arc(pose, length, curvature):
     """
     Follow an arc.
 
@@ -64,7 +64,7 @@ def advance(pose, length, curvature):
                 pose.y + chord * math.sin(pose.theta + half), pose.theta + 2.0 * half)
 
 
-def words(start, goal, radius_left, radius_right):
+def dubins_paths(start, goal, radius_left, radius_right):
     """
     Find every Dubins path between two poses, shortest first.
 

@@ -34,7 +34,7 @@ def friction_center(obj):
             sum(q * s.y for q, s in zip(obj.capacities, obj.supports)) / total)
 
 
-def mean_square(obj, angle):
+def c_squared(obj, angle):
     """
     Friction-weighted mean square of the support coordinates along a push, ``c^2 = <x^2>``.
 
@@ -52,7 +52,7 @@ def mean_square(obj, angle):
                for q, foot in zip(obj.capacities, obj.supports)) / total
 
 
-def ellipsoid_square(obj):
+def ellipsoid_c_squared(obj):
     """
     Square of ``tau_max / f_max``, which the ellipsoidal limit surface takes for c^2 [m^2].
 
@@ -73,7 +73,7 @@ def _total_capacity(obj):
     return total
 
 
-LEAST_SHARE = 0.1
+MIN_FRICTION_RATIO = 0.1
 
 
 def with_friction_center(obj, center):
@@ -89,7 +89,7 @@ def with_friction_center(obj, center):
     capacities = np.array(obj.capacities)
     second = offsets.T @ (capacities[:, None] * offsets) / capacities.sum()
     tilt = offsets @ np.linalg.pinv(second, rcond=1e-9) @ (np.array(center) - friction_center(obj))
-    tilt *= min(1.0, (1.0 - LEAST_SHARE) / max(1e-12, -tilt.min()))
+    tilt *= min(1.0, (1.0 - MIN_FRICTION_RATIO) / max(1e-12, -tilt.min()))
     supports = tuple(
         dataclasses.replace(foot, friction_coefficient=foot.friction_coefficient * float(share))
         for foot, share in zip(obj.supports, 1.0 + tilt))

@@ -43,7 +43,7 @@ BALANCE_TOLERANCE = 0.01
 STIFF = 1e5
 
 
-def load_shares(points, given, center):
+def load_fractions(points, given, center):
     """
     Share of the weight on each support.
 
@@ -103,8 +103,8 @@ class Support:
     x: float = quantity('position in the object frame, x', 'm')
     y: float = quantity('position in the object frame, y', 'm')
     friction_coefficient: float = quantity('Coulomb friction on the floor', '', 0.0, 10.0)
-    load_share: float = quantity('share of the weight, relative to the other supports; 0 for all: '
-                                 'as the mass centre has it', '', 0.0, default=0.0)
+    load_fraction: float = quantity('share of the weight, relative to the other supports; 0 for all: '
+                                    'as the mass centre has it', '', 0.0, default=0.0)
 
     def __post_init__(self):
         """Validate the fields."""
@@ -212,8 +212,8 @@ class Contact:
 @functools.lru_cache(maxsize=256)
 def _balanced_shares(supports, center_of_mass):
     try:
-        return load_shares([(foot.x, foot.y) for foot in supports],
-                           [foot.load_share for foot in supports], center_of_mass)
+        return load_fractions([(foot.x, foot.y) for foot in supports],
+                              [foot.load_fraction for foot in supports], center_of_mass)
     except ValueError as error:
         raise ValueError(f'PushedObject.supports: {error}') from error
 

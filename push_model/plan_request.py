@@ -6,7 +6,7 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 
 
-class Wanted(NamedTuple):
+class PlanRequest(NamedTuple):
     """
     A plan that is wanted.
 
@@ -14,7 +14,7 @@ class Wanted(NamedTuple):
     :param robot_pose: ``Pose`` of the robot, anywhere.
     :param goal: ``Pose`` wanted for the object in the end.
     :param obj: the ``PushedObject`` as known by now.
-    :param boldness: share of the planner's friction cone that the plan should use; below 1 where
+    :param cone_fraction: share of the planner's friction cone that the plan should use; below 1 where
         plans have brought the object no nearer.
     """
 
@@ -22,4 +22,4 @@ class Wanted(NamedTuple):
     robot_pose: Pose
     goal: Pose
     obj: PushedObject
-    boldness: float = 1.0
+    cone_fraction: float = 1.0

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from push_model.friction import ellipsoid_square, friction_center, friction_weight, mean_square
+from push_model.friction import c_squared, ellipsoid_c_squared, friction_center, friction_weight
 from scipy.optimize import brentq
 
 
@@ -15,33 +15,33 @@ class Vehicle(NamedTuple):
     ``tan(steer) = L * curvature of z``. Exact for the ellipsoidal limit surface.
 
     :param arm: r, distance from C to the friction centre F [m].
-    :param mean_square: c^2 of the supports along the push [m^2].
+    :param c_squared: c^2 of the supports along the push [m^2].
     :param angle: direction from C to F in the object frame [rad].
     :param contact_point: C in the object frame (x, y) [m].
-    :param flat_point: z = F + (c^2 / r) e in the object frame (x, y) [m].
+    :param flat_output: z = F + (c^2 / r) e in the object frame (x, y) [m].
     """
 
     arm: float
-    mean_square: float
+    c_squared: float
     angle: float
     contact_point: tuple
-    flat_point: tuple
+    flat_output: tuple
 
     @property
     def wheelbase(self):
         """Distance from C to z, ``L = (r^2 + c^2) / r`` [m]."""
-        return (self.arm ** 2 + self.mean_square) / self.arm
+        return (self.arm ** 2 + self.c_squared) / self.arm
 
-    def turning(self, share):
+    def with_c_squared_ratio(self, share):
         """
         See it with supports that turn more or less easily.
 
         :param share: of the present c^2 that they have.
         :return: ``Vehicle``, its flat point moved along the line from C to F.
         """
-        more = (share - 1.0) * self.mean_square / self.arm
-        x, y = self.flat_point
-        return self._replace(mean_square=share * self.mean_square, flat_point=(
+        more = (share - 1.0) * self.c_squared / self.arm
+        x, y = self.flat_output
+        return self._replace(c_squared=share * self.c_squared, flat_output=(
             x + more * math.cos(self.angle), y + more * math.sin(self.angle)))
 
 
@@ -61,13 +61,13 @@ def vehicle(obj, contact_point, center=None):
         raise ValueError(f'contact_point: got {contact_point}, the friction centre itself, '
                          'expected a point apart from it')
     angle = math.atan2(y_f - contact_point[1], x_f - contact_point[0])
-    square = mean_square(obj, angle)
+    square = c_squared(obj, angle)
     ahead = square / arm
     return Vehicle(arm, square, angle, tuple(contact_point),
                    (x_f + ahead * math.cos(angle), y_f + ahead * math.sin(angle)))
 
 
-def turning_rate(obj, contact_point, v_x, v_y):
+def quasi_static_yaw_rate(obj, contact_point, v_x, v_y):
     """
     Quasi-static turning rate on the supports themselves: ``sum (s_i - C) x f_i = 0``.
 
@@ -97,7 +97,7 @@ def turning_rate(obj, contact_point, v_x, v_y):
     return brentq(moment, -bound, bound, xtol=1e-13 * bound)
 
 
-def ellipsoid_turning_rate(square, x_c, y_c, v_x, v_y):
+def ellipsoid_yaw_rate(square, x_c, y_c, v_x, v_y):
     """
     Turn by the ellipsoidal limit surface: ``(x_c v_y - y_c v_x) / (c^2 + x_c^2 + y_c^2)``.
 
@@ -113,7 +113,7 @@ def ellipsoid_turning_rate(square, x_c, y_c, v_x, v_y):
     return (x_c * v_y - y_c * v_x) / (square + x_c * x_c + y_c * y_c)
 
 
-class TurningRates(NamedTuple):
+class YawRates(NamedTuple):
     """
     Turn per way of the contact, by three models, for one pushing direction [rad/m].
 
@@ -129,21 +129,21 @@ class TurningRates(NamedTuple):
     ellipsoid: float
 
 
-def compare_turning_rates(obj, contact_point, angles):
+def compare_yaw_rates(obj, contact_point, angles):
     """
     Hold the quasi-static limit on the supports against the ellipsoidal limit surface.
 
     :param obj: the ``PushedObject``.
     :param contact_point: C in the object frame (x, y) [m].
     :param angles: alpha of each row [rad].
-    :return: list of ``TurningRates``.
+    :return: list of ``YawRates``.
     """
     view, center = vehicle(obj, contact_point), friction_center(obj)
     x_c, y_c = contact_point[0] - center[0], contact_point[1] - center[1]
     rows = []
     for angle in angles:
         push = math.cos(view.angle + angle), math.sin(view.angle + angle)
-        rows.append(TurningRates(angle, turning_rate(obj, contact_point, *push), *(
-            ellipsoid_turning_rate(square, x_c, y_c, *push)
-            for square in (view.mean_square, ellipsoid_square(obj)))))
+        rows.append(YawRates(angle, quasi_static_yaw_rate(obj, contact_point, *push), *(
+            ellipsoid_yaw_rate(square, x_c, y_c, *push)
+            for square in (view.c_squared, ellipsoid_c_squared(obj)))))
     return rows

@@ -5,7 +5,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_navigation.path_ends import NoWay
+from push_navigation.path_ends import NoPathFound
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
@@ -29,26 +29,26 @@ class Lattice(NamedTuple):
     spacing: float
 
 
-def grid_track(workspace, room, body, object_pose, start, goal):
+def grid_waypoints(occupancy_map, room, body, object_pose, start, goal):
     """
     Find the shortest track on a lattice, and pull it straight.
 
     It is looked for up to 4 m beyond start and goal.
 
-    :param workspace: ``Workspace``.
+    :param occupancy_map: ``OccupancyMap``.
     :param room: distance from obstacles that the robot's centre keeps [m].
-    :param body: ``Inflated`` object that it keeps out of.
+    :param body: ``InflatedObstacle`` object that it keeps out of.
     :param object_pose: ``Pose`` of the object.
     :param start: (x, y) in the world [m].
     :param goal: the same.
     :return: list of (x, y, 0.0) behind the start.
     :raises NoWay: where there is none.
     """
-    space = _Space(workspace, room, body, object_pose)
+    space = _Space(occupancy_map, room, body, object_pose)
     ends = np.array([start, goal], dtype=float)
     if space.sees(ends[0], ends[1:])[0]:
         return [(*goal, 0.0)]
-    lattice = _lattice(workspace, room, _window(workspace, ends))
+    lattice = _lattice(occupancy_map, room, _window(occupancy_map, ends))
     links = [_links(space, lattice, number, place) for number, place in enumerate(ends)]
     points = np.concatenate([lattice.points, ends])
     edges = np.concatenate([lattice.edges[space.object_allows(lattice)], *links])
@@ -57,7 +57,7 @@ def grid_track(workspace, room, body, object_pose, start, goal):
     graph = csr_matrix((lengths, edges.T), shape=(count, count))
     away, before = dijkstra(graph, directed=False, indices=count - 2, return_predecessors=True)
     if not math.isfinite(away[count - 1]):
-        raise NoWay('obstacles of the map, or the object between them, are in the way')
+        raise NoPathFound('obstacles of the map, or the object between them, are in the way')
     path = [count - 1]
     while path[-1] != count - 2:
         path.append(before[path[-1]])
@@ -68,8 +68,8 @@ def grid_track(workspace, room, body, object_pose, start, goal):
 class _Space:
     """Where the robot's centre may be."""
 
-    def __init__(self, workspace, room, body, object_pose):
-        self._workspace, self._room, self._body = workspace, room, body
+    def __init__(self, occupancy_map, room, body, object_pose):
+        self._workspace, self._room, self._body = occupancy_map, room, body
         c, s = math.cos(object_pose.theta), math.sin(object_pose.theta)
         self._turn, self._shift = np.array([[c, -s], [s, c]]), np.array(object_pose[:2])
 
@@ -97,23 +97,23 @@ class _Space:
         return allowed
 
 
-def _window(workspace, ends):
+def _window(occupancy_map, ends):
     # In whole steps, so that ways near each other share their lattice.
-    cells = workspace.to_map(ends) / workspace.resolution
-    step = math.ceil(BEYOND / workspace.resolution)
+    cells = occupancy_map.to_map(ends) / occupancy_map.resolution
+    step = math.ceil(BEYOND / occupancy_map.resolution)
     low = (np.floor(cells.min(axis=0) / step).astype(int) - 1) * step
     high = (np.floor(cells.max(axis=0) / step).astype(int) + 2) * step
-    return tuple(np.clip([low, high], 0, workspace.occupied.shape[::-1]).ravel().tolist())
+    return tuple(np.clip([low, high], 0, occupancy_map.occupied.shape[::-1]).ravel().tolist())
 
 
 @functools.lru_cache(maxsize=4)
-def _lattice(workspace, room, window):
-    cells = math.ceil(SPACING / workspace.resolution - 1e-9)
+def _lattice(occupancy_map, room, window):
+    cells = math.ceil(SPACING / occupancy_map.resolution - 1e-9)
     left, bottom, right, top = window
     ys, xs = np.mgrid[bottom:top:cells, left:right:cells]
     local = np.stack((xs, ys), axis=-1).reshape(-1, 2) + 0.5
-    points = workspace.from_map(workspace.resolution * local)
-    free = workspace.clearance(points) >= room
+    points = occupancy_map.from_map(occupancy_map.resolution * local)
+    free = occupancy_map.clearance(points) >= room
     numbers = np.arange(len(points)).reshape(xs.shape)
     pairs = []
     for right, up in NEIGHBOURS:
@@ -122,9 +122,9 @@ def _lattice(workspace, room, window):
         pairs.append(np.stack((low.ravel(), high.ravel()), axis=1))
     edges = np.concatenate(pairs)
     edges = edges[free[edges].all(axis=1)]
-    samples = _between(points[edges[:, 0]], points[edges[:, 1]], workspace.resolution / 2)
-    clear = workspace.clearance(samples).reshape(len(edges), -1) >= room
-    return Lattice(points, edges[clear.all(axis=1)], cells * workspace.resolution)
+    samples = _between(points[edges[:, 0]], points[edges[:, 1]], occupancy_map.resolution / 2)
+    clear = occupancy_map.clearance(samples).reshape(len(edges), -1) >= room
+    return Lattice(points, edges[clear.all(axis=1)], cells * occupancy_map.resolution)
 
 
 def _between(first, last, spacing):

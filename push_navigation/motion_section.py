@@ -3,13 +3,13 @@
 import itertools
 import math
 
-from push_navigation.speed_profile import goes_on, joint_speeds, leg_limits
+from push_navigation.speed_profile import is_continuous, joint_speeds, segment_limits
 
 BRAKING = 0.9
-SETTLE = 0.15
+FADE_TIME = 0.15
 
 
-def braked(left, acceleration):
+def stopping_speed(left, acceleration):
     """
     Speed from which the rest can still be stopped on; it fades out at the end.
 
@@ -18,26 +18,26 @@ def braked(left, acceleration):
     :return: speed [m/s or rad/s].
     """
     acceleration *= BRAKING
-    fading = acceleration * SETTLE ** 2
+    fading = acceleration * FADE_TIME ** 2
     if left < fading:
-        return left / SETTLE
+        return left / FADE_TIME
     return math.sqrt(acceleration * (2.0 * left - fading))
 
 
-class Run:
+class MotionSection:
     """
     Legs that are driven without a stop.
 
-    :param legs: ``Leg`` sequence, each with a length.
+    :param segments: ``PathSegment`` sequence, each with a length.
     :param limits: ``DriveSettings`` within the limits of the robot.
     """
 
-    def __init__(self, legs, limits):
-        self.legs, self._limits = tuple(legs), limits
-        self._begins = [0.0, *itertools.accumulate(leg.length for leg in self.legs)]
-        self._speeds = joint_speeds(self.legs, limits)
+    def __init__(self, segments, limits):
+        self.segments, self._limits = tuple(segments), limits
+        self._begins = [0.0, *itertools.accumulate(segment.length for segment in self.segments)]
+        self._speeds = joint_speeds(self.segments, limits)
         self._number = 0
-        first = self.legs[0]
+        first = self.segments[0]
         self.is_backwards = math.cos(first.start.theta - first.directions[0]) < 0.0
 
     @property
@@ -53,9 +53,9 @@ class Run:
         :return: (way from the beginning [m], distance to the left of the run [m]).
         """
         while True:
-            leg = self.legs[self._number]
-            way, aside = leg.project(point)
-            if way < leg.length or self._number == len(self.legs) - 1:
+            segment = self.segments[self._number]
+            way, aside = segment.project(point)
+            if way < segment.length or self._number == len(self.segments) - 1:
                 return self._begins[self._number] + way, aside
             self._number += 1
 
@@ -68,10 +68,10 @@ class Run:
         :param way: from the beginning [m].
         """
         i = self._number
-        top, braking = leg_limits(self.legs[i], self._limits)
+        top, braking = segment_limits(self.segments[i], self._limits)
         left = self._begins[i + 1] - way
-        if i == len(self.legs) - 1:
-            return math.copysign(min(top, braked(abs(left), braking)), left)
+        if i == len(self.segments) - 1:
+            return math.copysign(min(top, stopping_speed(abs(left), braking)), left)
         return min(top, math.sqrt(self._speeds[i + 1] ** 2
                                   + 2.0 * BRAKING * braking * max(0.0, left)))
 
@@ -81,8 +81,8 @@ class Run:
 
         :param way: from the beginning [m].
         """
-        leg, along = self._leg_at(way)
-        return leg.direction(along)
+        segment, along = self._leg_at(way)
+        return segment.direction(along)
 
     def smooth_direction(self, way, speed):
         """
@@ -92,12 +92,12 @@ class Run:
         :param speed: of the robot [m/s].
         :return: direction [rad], curvature [1/m].
         """
-        bent = max(abs(leg.bend) / leg.length for leg in self.legs)
+        bent = max(abs(segment.arc_angle) / segment.length for segment in self.segments)
         window = speed * speed * bent / (2.0 * self._limits.yaw_acceleration)
         here = self.direction(way)
         if window < 1e-6:
-            leg = self._leg_at(way)[0]
-            return here, leg.bend / leg.length
+            segment = self._leg_at(way)[0]
+            return here, segment.arc_angle / segment.length
         before, after = self.direction(way - window), self.direction(way + window)
         before, after = (math.remainder(angle - here, 2.0 * math.pi) for angle in (before, after))
         return here + 0.25 * (before + after), (after - before) / (2.0 * window)
@@ -109,29 +109,29 @@ class Run:
         :param way: from the beginning [m].
         :return: heading [rad], change per way [rad/m].
         """
-        leg, along = self._leg_at(way)
-        return leg.heading(along), leg.turn / leg.length
+        segment, along = self._leg_at(way)
+        return segment.heading(along), segment.heading_change / segment.length
 
     def _leg_at(self, way):
         way = min(self.length, max(0.0, way))
-        number = len(self.legs) - 1
+        number = len(self.segments) - 1
         while number and way < self._begins[number]:
             number -= 1
-        return self.legs[number], way - self._begins[number]
+        return self.segments[number], way - self._begins[number]
 
 
-def stretches(way, limits):
+def split_at_stops(way, limits):
     """
     Cut a way where the robot must stop.
 
-    :param way: the ``Way``.
+    :param way: the ``Path``.
     :param limits: ``DriveSettings`` within the limits of the robot.
-    :return: list of ``Run``, and of the ``Leg`` of each turn on the spot.
+    :return: list of ``MotionSection``, and of the ``PathSegment`` of each turn on the spot.
     """
     groups = []
-    for leg in way.legs:
-        if groups and goes_on(groups[-1][-1], leg):
-            groups[-1].append(leg)
-        elif leg.length or leg.turn:
-            groups.append([leg])
-    return [Run(group, limits) if group[0].length else group[0] for group in groups]
+    for segment in way.segments:
+        if groups and is_continuous(groups[-1][-1], segment):
+            groups[-1].append(segment)
+        elif segment.length or segment.heading_change:
+            groups.append([segment])
+    return [MotionSection(group, limits) if group[0].length else group[0] for group in groups]

@@ -11,7 +11,7 @@ from push_model.outline import closest_on_polygon
 ON_IT = 1e-6
 
 
-class Cone(NamedTuple):
+class VisibilityCone(NamedTuple):
     """
     What an obstacle hides from a point: angles, and where the outermost rays touch.
 
@@ -26,7 +26,7 @@ class Cone(NamedTuple):
     left: float
     left_index: int
 
-    def hides(self, angle):
+    def occludes(self, angle):
         """
         Tell whether a ray meets the obstacle.
 
@@ -36,7 +36,7 @@ class Cone(NamedTuple):
         return abs(wrap_angle(angle - self.right - 0.5 * width)) < 0.5 * width - 1e-6
 
 
-class Inflated(NamedTuple):
+class InflatedObstacle(NamedTuple):
     """
     All points nearer than a radius to a convex core, in the object frame.
 
@@ -87,7 +87,7 @@ class Inflated(NamedTuple):
 
         :param x: the point, not inside, x [m].
         :param y: the same, y [m].
-        :return: ``Cone``.
+        :return: ``VisibilityCone``.
         """
         ahead = math.atan2(self.center[1] - y, self.center[0] - x)
         right, left, right_index, left_index = math.inf, -math.inf, 0, 0
@@ -100,9 +100,9 @@ class Inflated(NamedTuple):
                 right, right_index = angle - half, i
             if angle + half > left:
                 left, left_index = angle + half, i
-        return Cone(ahead + right, right_index, ahead + left, left_index)
+        return VisibilityCone(ahead + right, right_index, ahead + left, left_index)
 
-    def exit(self, x, y, direction):
+    def ray_exit(self, x, y, direction):
         """
         Find where a ray from inside leaves.
 
@@ -123,15 +123,15 @@ class Inflated(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
-def inflated(outline, object_radius, growth):
+def inflate(outline, object_radius, growth):
     """
     Grow an outline.
 
     :param outline: vertices of a polygon, counter-clockwise; empty for a disc.
     :param object_radius: of a disc [m].
     :param growth: by how much [m].
-    :return: ``Inflated``.
+    :return: ``InflatedObstacle``.
     """
     core = outline or ((0.0, 0.0),)
     center = tuple(sum(values) / len(core) for values in zip(*core))
-    return Inflated(core, object_radius + growth, center)
+    return InflatedObstacle(core, object_radius + growth, center)

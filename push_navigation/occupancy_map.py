@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 from push_model.geometry import Pose
-from push_navigation.obstacle import inflated
+from push_navigation.obstacle import inflate
 from scipy.ndimage import distance_transform_edt, map_coordinates
 
 # Between cell centres the distance to the nearest occupied centre is at most this much shorter
@@ -14,7 +14,7 @@ INTERPOLATION = (2.0 + math.sqrt(2.0)) / 4.0 - math.sqrt(0.5)
 CONSERVATIVE = math.sqrt(0.5) + INTERPOLATION
 
 
-class Workspace:
+class OccupancyMap:
     """
     An occupancy map; everything outside it is an obstacle.
 
@@ -67,9 +67,9 @@ class Workspace:
         :param points: (x, y) in the world, shape (n, 2) [m].
         :return: distances [m], negative in obstacles, shape (n,).
         """
-        return self.room_at(*self.to_map(points).T)
+        return self.clearance_in_map_frame(*self.to_map(points).T)
 
-    def room_at(self, x, y):
+    def clearance_in_map_frame(self, x, y):
         """
         Find the same for points in the frame of the map.
 
@@ -81,7 +81,7 @@ class Workspace:
         cells = map_coordinates(self._cells, places, order=1, mode='nearest')
         return self.resolution * (cells - CONSERVATIVE)
 
-    def robot_hit(self, robot, poses, margin):
+    def first_robot_collision(self, robot, poses, margin):
         """
         Find the first pose at which the robot is nearer to an obstacle than a margin.
 
@@ -93,7 +93,7 @@ class Workspace:
         poses = np.asarray(poses, dtype=float)
         return _first(self.clearance(poses[:, :2]) < robot.radius + margin)
 
-    def object_hit(self, obj, poses, margin):
+    def first_object_collision(self, obj, poses, margin):
         """
         Find the first pose at which the object is nearer to an obstacle than a margin.
 
@@ -121,7 +121,7 @@ class Workspace:
         :param poses: (x, y, theta) or (x, y) in the world, shape (n, 3) or (n, 2).
         :param margin: distance [m].
         """
-        return self.robot_hit(robot, poses, margin) is None
+        return self.first_robot_collision(robot, poses, margin) is None
 
     def object_is_free(self, obj, poses, margin):
         """
@@ -131,7 +131,7 @@ class Workspace:
         :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
         :param margin: distance [m].
         """
-        return self.object_hit(obj, poses, margin) is None
+        return self.first_object_collision(obj, poses, margin) is None
 
 
 def _first(hits):
@@ -154,6 +154,6 @@ def _filled(outline, spacing):
     low, high = corners.min(axis=0), corners.max(axis=0)
     grid = np.stack(np.meshgrid(*(np.arange(a, b, spacing) for a, b in zip(low, high))), axis=-1)
     grid = grid.reshape(-1, 2)
-    points = np.concatenate([*rim, grid[inflated(outline, 0.0, 0.0).distances(grid) < 0.0]])
+    points = np.concatenate([*rim, grid[inflate(outline, 0.0, 0.0).distances(grid) < 0.0]])
     center = 0.5 * (low + high)
     return points, float(np.linalg.norm(corners - center, axis=1).max()), center

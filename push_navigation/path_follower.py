@@ -4,8 +4,8 @@ import math
 
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import STOP, Twist
-from push_navigation.motion_section import braked, Run, SETTLE, stretches
-from push_navigation.path import driven_way, turned_way, Way
+from push_navigation.motion_section import FADE_TIME, MotionSection, split_at_stops, stopping_speed
+from push_navigation.path import differential_path, holonomic_path, Path
 
 # Way on which a differential drive comes back to its line.
 RETURN = 0.15
@@ -13,7 +13,7 @@ ASTRAY = 0.6
 SIDEWAYS = 0.1
 
 
-def limited_change(before, wanted, limits, dt):
+def limit_command(before, wanted, limits, dt):
     """
     Bring a command within the limits, the change from the one before included.
 
@@ -33,22 +33,22 @@ def limited_change(before, wanted, limits, dt):
     return Twist(x / excess, y / excess, min(limits.yaw_rate, max(-limits.yaw_rate, omega)))
 
 
-def turning(left, limits):
+def turn_in_place(left, limits):
     """
     Yaw rate of a turn on the spot [rad/s].
 
     :param left: angle left [rad].
     :param limits: ``DriveSettings`` within the limits of the robot.
     """
-    rate = min(limits.yaw_rate, braked(abs(left), limits.yaw_acceleration))
+    rate = min(limits.yaw_rate, stopping_speed(abs(left), limits.yaw_acceleration))
     return math.copysign(rate, left)
 
 
-def driven(run, pose, way, aside, limits):
+def track_differential(run, pose, way, aside, limits):
     """
     Command of a differential drive: curvature by how far it is off, sideways and in heading.
 
-    :param run: the ``Run``.
+    :param run: the ``MotionSection``.
     :param pose: ``Pose`` of the robot.
     :param way: how far it has come [m].
     :param aside: how far it is to the left of the run [m].
@@ -59,18 +59,18 @@ def driven(run, pose, way, aside, limits):
     direction, curvature = run.smooth_direction(way, speed)
     off = wrap_angle(pose.theta + math.pi * run.is_backwards - direction)
     if abs(off) > ASTRAY:
-        return Twist(0.0, 0.0, turning(-off, limits))
+        return Twist(0.0, 0.0, turn_in_place(-off, limits))
     aside = min(RETURN, max(-RETURN, aside))
     omega = max(0.0, speed) * (curvature - aside / RETURN ** 2 - 2.0 * math.sin(off) / RETURN)
     share = min(1.0, limits.yaw_rate / abs(omega)) if omega else 1.0
     return Twist(share * (-speed if run.is_backwards else speed), 0.0, share * omega)
 
 
-def held(run, pose, way, aside, limits):
+def track_holonomic(run, pose, way, aside, limits):
     """
     Command of a holonomic base: along the run, back to it sideways, and turned as it should be.
 
-    :param run: the ``Run``.
+    :param run: the ``MotionSection``.
     :param pose: ``Pose`` of the robot.
     :param way: how far it has come [m].
     :param aside: how far it is to the left of the run [m].
@@ -80,9 +80,9 @@ def held(run, pose, way, aside, limits):
     speed = run.speed(way)
     direction, _ = run.smooth_direction(way, speed)
     heading, turned = run.heading(way)
-    across = min(SIDEWAYS, max(-SIDEWAYS, aside / SETTLE))
+    across = min(SIDEWAYS, max(-SIDEWAYS, aside / FADE_TIME))
     x, y = Pose(0.0, 0.0, direction - pose.theta).rotate((speed, -across))
-    return Twist(x, y, speed * turned + turning(wrap_angle(heading - pose.theta), limits))
+    return Twist(x, y, speed * turned + turn_in_place(wrap_angle(heading - pose.theta), limits))
 
 
 POSITION_TOLERANCE = 0.003
@@ -91,7 +91,7 @@ PATIENCE, DWELL = 0.4, 0.1
 CLOSE, ALIGNED = 0.001, math.radians(0.2)
 
 
-class WayFollower:
+class PathFollower:
     """
     Commands along a way, one after the other.
 
@@ -100,22 +100,22 @@ class WayFollower:
 
     :param robot: the ``RoundRobot``.
     :param settings: ``DriveSettings``.
-    :param way: the ``Way``.
+    :param way: the ``Path``.
     """
 
     def __init__(self, robot, settings, way):
-        self._robot, self._limits = robot, settings.capped(robot)
+        self._robot, self._limits = robot, settings.limited_to(robot)
         self._goal = way.poses[-1]
-        self._stretches = stretches(way, self._limits)
+        self._stretches = split_at_stops(way, self._limits)
         self._along, self._late, self._stood = 0.0, None, 0.0
         self._command, self._motion = STOP, STOP
         self.finished = False
 
     @property
-    def remaining(self):
+    def remaining_distance(self):
         """Way left [m]."""
-        runs = [stretch.length for stretch in self._stretches if isinstance(stretch, Run)]
-        first = isinstance(self._stretches[0], Run) if self._stretches else False
+        runs = [stretch.length for stretch in self._stretches if isinstance(stretch, MotionSection)]
+        first = isinstance(self._stretches[0], MotionSection) if self._stretches else False
         return max(0.0, sum(runs) - (self._along if first else 0.0))
 
     def step(self, pose, dt):
@@ -134,7 +134,7 @@ class WayFollower:
         pose = Pose(*pose)
         ahead = self._ahead(pose, dt)
         wanted = STOP if self._arrived(pose, ahead, dt) else self._wanted(ahead, dt)
-        self._command = limited_change(self._command, wanted, self._limits, dt)
+        self._command = limit_command(self._command, wanted, self._limits, dt)
         return self._command
 
     def _ahead(self, pose, dt):
@@ -144,16 +144,16 @@ class WayFollower:
         share = -math.expm1(-dt / lag) if lag else 1.0
         self._motion = Twist(*(moving + share * (commanded - moving)
                                for moving, commanded in zip(self._motion, self._command)))
-        turn = self._motion.omega * lag
-        x, y = pose._replace(theta=pose.theta + 0.5 * turn).rotate(self._motion)
-        return Pose(pose.x + lag * x, pose.y + lag * y, pose.theta + turn)
+        heading_change = self._motion.omega * lag
+        x, y = pose._replace(theta=pose.theta + 0.5 * heading_change).rotate(self._motion)
+        return Pose(pose.x + lag * x, pose.y + lag * y, pose.theta + heading_change)
 
     def _arrived(self, pose, ahead, dt):
         resting = self._command == STOP and not self._stretches
         self._stood = self._stood + dt if resting else 0.0
         self.finished = resting and self._is_there(pose) and self._is_there(ahead)
         if self._stood > PATIENCE and not self.finished:
-            self._stretches = stretches(self._directly(pose), self._limits)
+            self._stretches = split_at_stops(self._directly(pose), self._limits)
         return not self._stretches
 
     def _is_there(self, pose):
@@ -162,17 +162,17 @@ class WayFollower:
 
     def _directly(self, pose):
         if distance(pose, self._goal) <= 0.5 * POSITION_TOLERANCE:
-            return Way((pose, pose._replace(theta=self._goal.theta)))
-        track = [(self._goal.x, self._goal.y, 0.0)]
+            return Path((pose, pose._replace(theta=self._goal.theta)))
+        waypoints = [(self._goal.x, self._goal.y, 0.0)]
         if self._robot.drive == 'holonomic':
-            return turned_way(pose, self._goal, track)
+            return holonomic_path(pose, self._goal, waypoints)
         toward = math.atan2(self._goal.y - pose.y, self._goal.x - pose.x)
-        return driven_way(pose, self._goal, track, [math.cos(toward - pose.theta) < 0.0])
+        return differential_path(pose, self._goal, waypoints, [math.cos(toward - pose.theta) < 0.0])
 
     def _wanted(self, ahead, dt):
         while self._stretches:
             stretch = self._stretches[0]
-            law = self._along_run if isinstance(stretch, Run) else self._turned
+            law = self._along_run if isinstance(stretch, MotionSection) else self._turned
             wanted = law(stretch, ahead, dt)
             if wanted is not None:
                 return wanted
@@ -180,12 +180,12 @@ class WayFollower:
             self._along, self._late = 0.0, None
         return STOP
 
-    def _turned(self, leg, ahead, dt):
-        left = wrap_angle(leg.end.theta - ahead.theta)
+    def _turned(self, segment, ahead, dt):
+        left = wrap_angle(segment.end.theta - ahead.theta)
         # A run that follows puts the heading right by itself.
         if self._settled(left, ALIGNED, dt) or len(self._stretches) > 1 and abs(left) < ALIGNED:
             return None
-        return Twist(0.0, 0.0, turning(left, self._limits))
+        return Twist(0.0, 0.0, turn_in_place(left, self._limits))
 
     def _along_run(self, run, ahead, dt):
         self._along, aside = run.locate(ahead)
@@ -193,7 +193,7 @@ class WayFollower:
         holonomic = self._robot.drive == 'holonomic'
         if self._settled(complex(left, aside) if holonomic else left, CLOSE, dt):
             return None
-        return (held if holonomic else driven)(run, ahead, self._along, aside, self._limits)
+        return (track_holonomic if holonomic else track_differential)(run, ahead, self._along, aside, self._limits)
 
     def _settled(self, left, tolerance, dt):
         # Not while it only passes by: what is left must have been little for a while.

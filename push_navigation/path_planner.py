@@ -3,19 +3,21 @@
 import math
 
 from push_model.geometry import Pose
-from push_navigation.grid_planner import grid_track
-from push_navigation.obstacle import inflated
-from push_navigation.path import sampled, travel_time
-from push_navigation.path_ends import joined, NoWay, off_goal, off_start
+from push_navigation.grid_planner import grid_waypoints
+from push_navigation.obstacle import inflate
+from push_navigation.path import sample_path, travel_time
+from push_navigation.path_ends import (
+    assemble_paths, departure_from_goal, departure_from_start, NoPathFound,
+)
 
 LONGEST_ARC = 2.0
 
 
-def tracks(body, start, goal):
+def waypoints_around_object(body, start, goal):
     """
     Find the shortest tracks past the object: the straight one, or those to either side of it.
 
-    :param body: ``Inflated``.
+    :param body: ``InflatedObstacle``.
     :param start: (x, y), not inside [m].
     :param goal: the same.
     :return: list of tracks, each a list of (x, y, bend of the leg that leads there [rad]) without
@@ -23,7 +25,7 @@ def tracks(body, start, goal):
     """
     ahead = math.atan2(goal[1] - start[1], goal[0] - start[0])
     here, there = body.cone(*start), body.cone(*goal)
-    if not (here.hides(ahead) and there.hides(ahead + math.pi)):
+    if not (here.occludes(ahead) and there.occludes(ahead + math.pi)):
         return [[(*goal, 0.0)]]
     count = len(body.core)
     found = []
@@ -44,7 +46,7 @@ def _face(core, number, following):
 
 
 def _wound(body, side, numbers, angles, goal):
-    track = []
+    waypoints = []
 
     def touch(number, angle):
         x, y = body.core[number]
@@ -52,16 +54,16 @@ def _wound(body, side, numbers, angles, goal):
                 y - side * body.radius * math.cos(angle))
 
     for number, before, after in zip(numbers, angles, angles[1:]):
-        bend = (side * (after - before) + 1e-6) % (2.0 * math.pi) - 1e-6
-        track.append((*touch(number, before), 0.0))
-        pieces = max(1, math.ceil(bend / LONGEST_ARC))
+        arc_angle = (side * (after - before) + 1e-6) % (2.0 * math.pi) - 1e-6
+        waypoints.append((*touch(number, before), 0.0))
+        pieces = max(1, math.ceil(arc_angle / LONGEST_ARC))
         for i in range(pieces):
             share = (i + 1) / pieces
-            track.append((*touch(number, before + side * share * bend), side * bend / pieces))
-    return [*track, (*goal, 0.0)]
+            waypoints.append((*touch(number, before + side * share * arc_angle), side * arc_angle / pieces))
+    return [*waypoints, (*goal, 0.0)]
 
 
-def find_way(robot, obj, object_pose, start, goal, settings, workspace=None):
+def plan_path(robot, obj, object_pose, start, goal, settings, occupancy_map=None):
     """
     Find the quickest way to a pose that keeps clear of the object, and of obstacles.
 
@@ -75,8 +77,8 @@ def find_way(robot, obj, object_pose, start, goal, settings, workspace=None):
     :param start: ``Pose`` of the robot.
     :param goal: ``Pose`` of the robot.
     :param settings: ``DriveSettings``.
-    :param workspace: ``Workspace``, or None for free floor all around.
-    :return: ``Way``.
+    :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
+    :return: ``Path``.
     :raises NoWay: where a pose lies inside the object, or obstacles are in the way.
     :raises ValueError: naming what is not finite, or a robot that is not round.
     """
@@ -85,37 +87,37 @@ def find_way(robot, obj, object_pose, start, goal, settings, workspace=None):
                          'a point nor a fence')
     object_pose, start, goal = (_finite(name, pose) for name, pose in (
         ('object_pose', object_pose), ('start', start), ('goal', goal)))
-    body = inflated(obj.outline, obj.radius, robot.radius + settings.clearance)
+    body = inflate(obj.outline, obj.radius, robot.radius + settings.clearance)
     inside = object_pose.inverse()
-    off = off_start(robot, body, inside @ start, settings.clearance)
-    on = off_goal(robot, body, inside @ goal, settings.clearance)
+    off = departure_from_start(robot, body, inside @ start, settings.clearance)
+    on = departure_from_goal(robot, body, inside @ goal, settings.clearance)
 
-    found = tracks(body, off.place, on.place)
+    found = waypoints_around_object(body, off.place, on.place)
     off, on = (end._replace(place=object_pose.transform(end.place)) for end in (off, on))
     ways = []
-    for track in found:
-        track = [(*object_pose.transform((x, y)), bend) for x, y, bend in track]
-        ways += joined(robot, start, goal, off, on, track, settings.reverse)
-    if workspace is not None:
-        margin = _margin(robot, start, goal, settings, workspace)
-        ways = [way for way in ways if workspace.robot_is_free(
-            robot, sampled(way, robot, workspace.resolution), margin)]
+    for waypoints in found:
+        waypoints = [(*object_pose.transform((x, y)), arc_angle) for x, y, arc_angle in waypoints]
+        ways += assemble_paths(robot, start, goal, off, on, waypoints, settings.max_reverse_distance)
+    if occupancy_map is not None:
+        margin = _margin(robot, start, goal, settings, occupancy_map)
+        ways = [way for way in ways if occupancy_map.robot_is_free(
+            robot, sample_path(way, robot, occupancy_map.resolution), margin)]
         if not ways:
-            track = grid_track(workspace, robot.radius + margin, body, object_pose, off.place,
-                               on.place)
-            ways = joined(robot, start, goal, off, on, track, settings.reverse)
+            waypoints = grid_waypoints(occupancy_map, robot.radius + margin, body, object_pose, off.place,
+                                       on.place)
+            ways = assemble_paths(robot, start, goal, off, on, waypoints, settings.max_reverse_distance)
     return min(ways, key=lambda way: travel_time(way, robot, settings))
 
 
-def _margin(robot, start, goal, settings, workspace):
-    here, there = workspace.clearance([start[:2], goal[:2]]) - robot.radius
+def _margin(robot, start, goal, settings, occupancy_map):
+    here, there = occupancy_map.clearance([start[:2], goal[:2]]) - robot.radius
     if here < 0.0:
-        raise NoWay(f'the robot at {start.x:.2f} m, {start.y:.2f} m stands in an obstacle of the '
-                    'map, or too near to one')
+        raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m stands in an obstacle of the '
+                          'map, or too near to one')
     margin = min(settings.map_clearance, here)
     if there < margin:
-        raise NoWay(f'the goal of the way, {goal.x:.2f} m, {goal.y:.2f} m, is too near to an '
-                    'obstacle of the map')
+        raise NoPathFound(f'the goal of the way, {goal.x:.2f} m, {goal.y:.2f} m, is too near to an '
+                          'obstacle of the map')
     return margin
 
 

@@ -22,16 +22,16 @@ class DriveSettings:
                                     0.0, 1.0, default=0.05)
     standoff: float = quantity('gap at which the last straight piece to the contact begins', 'm',
                                0.0, 1.0, default=0.06)
-    retreat: float = quantity('straight way off the object after a push', 'm', above=0.0,
-                              high=1.0, default=0.15)
-    reverse: float = quantity('longest way round the object that a differential drive goes '
-                              'backwards', 'm', 0.0, 100.0, default=0.5)
+    retreat_distance: float = quantity('straight way off the object after a push', 'm', above=0.0,
+                                       high=1.0, default=0.15)
+    max_reverse_distance: float = quantity('longest way round the object that a differential drive goes '
+                                           'backwards', 'm', 0.0, 100.0, default=0.5)
 
     def __post_init__(self):
         """Validate the fields."""
         check(self)
 
-    def capped(self, robot):
+    def limited_to(self, robot):
         """
         Bring speeds and accelerations within the limits of a robot.
 

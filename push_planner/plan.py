@@ -8,8 +8,8 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.trajectory import COLUMNS, PushTrajectory
-from push_planner.problem import PlannerSettings, PresentMotion, PushProblem
-from push_planner.verification.verification import re_integrate
+from push_planner.problem import InitialMotion, PlannerSettings, PushProblem
+from push_planner.verification.verification import verify
 
 
 class Switch(NamedTuple):
@@ -65,7 +65,7 @@ class Plan:
 
         :return: ``push_planner.verification.verification.Verification``.
         """
-        return re_integrate(self)
+        return verify(self)
 
     def save(self, path):
         """
@@ -143,7 +143,7 @@ def _problem(values):
     return PushProblem(PushedObject(**obj), RoundRobot(**values['robot']),
                        Contact(**values['contact']), Pose(*values['start']), values['normal'],
                        values['heading'], Pose(*values['goal']),
-                       PlannerSettings(**values['settings']), PresentMotion(*values['motion']))
+                       PlannerSettings(**values['settings']), InitialMotion(*values['motion']))
 
 
 def _plain(value):

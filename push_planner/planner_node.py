@@ -6,9 +6,9 @@ from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlannerSettings, PlanningFailed
-from push_planner.ros.sequence_planner import ChainPlanner, said
+from push_planner.ros.sequence_planner import describe_task_plan, SequenceRequestHandler
 from push_planner.settings import TaskSettings
-from push_planner.single_push.replanning import plan_measured
+from push_planner.single_push.replanning import plan_from_measurements
 from push_ros import qos
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
@@ -47,8 +47,8 @@ class PlannerNode(PushNode):
     def __init__(self):
         super().__init__(PLANNER, SECTIONS)
         self._obj, self._robot, self._planner, drive, task, self._frames = self.settings
-        self._chains = ChainPlanner(self._obj, (self._robot, self._planner, drive, task),
-                                    self._frames.world_frame)
+        self._chains = SequenceRequestHandler(self._obj, (self._robot, self._planner, drive, task),
+                                              self._frames.world_frame)
         self._odometry = self._object_pose = self._goal = self._last_goal = self._former = None
         self._plan = self.publisher('push_plan')
         self._path = self.publisher('planned_path')
@@ -57,7 +57,7 @@ class PlannerNode(PushNode):
         self.subscribe('goal_pose', self._on_goal)
         self.subscribe('map', self._on_map)
         self.subscribe('push_request', self._on_request)
-        self.serve('planner/replan', self._replan)
+        self.serve_trigger('planner/replan', self._replan)
         self._report(OK, 'waits for a goal')
 
     def _on_odometry(self, message):
@@ -84,7 +84,7 @@ class PlannerNode(PushNode):
 
     def _on_map(self, message):
         try:
-            self._report(OK, self._chains.take_map(message))
+            self._report(OK, self._chains.on_map(message))
         except MessageRefused as error:
             self._report(ERROR, str(error))
 
@@ -128,8 +128,8 @@ class PlannerNode(PushNode):
             if self._planner.site == 'chain':
                 chain = self._chains.plan(measured.pose, odometry.pose, goal)
                 return True, self._publish_chain(chain, self._stamp())
-            choice = plan_measured(self._obj, self._robot, measured, odometry, goal,
-                                   self._planner, self._former)
+            choice = plan_from_measurements(self._obj, self._robot, measured, odometry, goal,
+                                            self._planner, self._former)
         except MessageRefused as error:
             return False, self._report(ERROR, str(error))
         except PlanningFailed as failure:
@@ -150,13 +150,13 @@ class PlannerNode(PushNode):
             text += f' for a robot at {begin.x:.3f} m, {begin.y:.3f} m, {begin.theta:.3f} rad'
         return self._report(WARN if away else OK, text, {
             **answer.report, 'robot_start': tuple(begin),
-            'present_speed': answer.problem.motion.speed, **_told({'sites': choice.table})})
+            'present_speed': answer.problem.motion.speed, **_told({'sites': choice.candidates})})
 
     def _publish_chain(self, chain, stamp):
         plan, path = self._chains.messages(chain, stamp)
         self._plan.publish(plan)
         self._path.publish(path)
-        return self._report(OK, *said(chain))
+        return self._report(OK, *describe_task_plan(chain))
 
     def _report(self, level, text, values=None):
         self.reporter.report(level, text, self._stamp(), values)

@@ -10,7 +10,7 @@ from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.quasi_static import vehicle
-from push_planner.push_parameters import Constants
+from push_planner.push_parameters import PushParameters
 from push_planner.settings import PlannerSettings
 
 
@@ -29,7 +29,7 @@ class PlanningFailed(Exception):
         self.report = dict(report or {})
 
 
-class PresentMotion(NamedTuple):
+class InitialMotion(NamedTuple):
     """
     How a push goes on at present, to plan on from it.
 
@@ -56,7 +56,7 @@ class PushProblem:
     :param heading: phi, world heading of the robot at the start [rad].
     :param goal: ``Pose`` of the object in the world.
     :param settings: ``PlannerSettings``.
-    :param motion: ``PresentMotion``, where a push is under way already.
+    :param motion: ``InitialMotion``, where a push is under way already.
     """
 
     obj: PushedObject
@@ -67,11 +67,11 @@ class PushProblem:
     heading: float
     goal: Pose
     settings: PlannerSettings = PlannerSettings()
-    motion: PresentMotion = PresentMotion()
+    motion: InitialMotion = InitialMotion()
 
     @property
     def kind(self):
-        """How the contact goes with the robot, one of ``push_planner.push_parameters.KINDS``."""
+        """How the contact goes with the robot, one of ``push_planner.push_parameters.PUSH_KINDS``."""
         if self.robot.drive == 'differential':
             return 'differential'
         # The normal of a point robot is that of the face: it turns with the object in any case.
@@ -79,9 +79,9 @@ class PushProblem:
         return 'held' if turns else 'rolling'
 
     @functools.cached_property
-    def constants(self):
-        """What the equations need of it, ``push_planner.push_parameters.Constants``."""
-        return Constants.of(self)
+    def push_parameters(self):
+        """What the equations need of it, ``push_planner.push_parameters.PushParameters``."""
+        return PushParameters.of(self)
 
     @functools.cached_property
     def contact_point(self):
@@ -134,7 +134,7 @@ class PushProblem:
         return math.atan(self.obj.contact_friction_coefficient)
 
     @property
-    def planning_angle(self):
+    def planning_cone_angle(self):
         """Half-angle of the cone that the plan keeps to, discount and margin included [rad]."""
         friction = self.settings.friction_discount * self.obj.contact_friction_coefficient
         return self.settings.cone_margin * math.atan(friction)
@@ -160,7 +160,7 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
             raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
-    refuse_fence(robot)
+    check_robot_is_round(robot)
     contact, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
     if abs(gap) > settings.contact_tolerance:
         kind = 'away from' if gap > 0.0 else 'inside'
@@ -171,7 +171,7 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
                        float(robot_pose[2]), Pose(*map(float, goal)), settings)
 
 
-def refuse_fence(robot):
+def check_robot_is_round(robot):
     """
     Refuse a robot that is not round.
 

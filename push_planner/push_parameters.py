@@ -13,14 +13,14 @@ import numpy as np
 from push_model.geometry import wrap_angle
 from push_model.state import ObjectTerms
 
-KINDS = ('held', 'rolling', 'differential')
-VERTEX_RESERVE = 0.02
+PUSH_KINDS = ('held', 'rolling', 'differential')
+VERTEX_MARGIN = 0.02
 UNLIMITED = 1e3
 # Numbers of the constants besides those of the supports.
-COUNT = 13
+PARAMETER_COUNT = 13
 
 
-class Constants(NamedTuple):
+class PushParameters(NamedTuple):
     """
     Constants of a push; numbers or casadi symbols.
 
@@ -72,12 +72,12 @@ class Constants(NamedTuple):
         Make symbols for an object on a number of supports.
 
         :param supports: number of supports.
-        :return: (``Constants`` of symbols, the same as one column).
+        :return: (``PushParameters`` of symbols, the same as one column).
         """
-        flat = ca.SX.sym('constants', COUNT + 3 * supports)
+        flat = ca.SX.sym('constants', PARAMETER_COUNT + 3 * supports)
         parts = ca.vertsplit(flat)
-        feet = tuple(tuple(parts[COUNT + 3 * i:COUNT + 3 + 3 * i]) for i in range(supports))
-        return cls(ObjectTerms(*parts[:4], feet), *parts[4:COUNT]), flat
+        feet = tuple(tuple(parts[PARAMETER_COUNT + 3 * i:PARAMETER_COUNT + 3 + 3 * i]) for i in range(supports))
+        return cls(ObjectTerms(*parts[:4], feet), *parts[4:PARAMETER_COUNT]), flat
 
     def column(self):
         """Return the numbers in the order of ``symbols``, shape (13 + 3 k,)."""
@@ -85,25 +85,25 @@ class Constants(NamedTuple):
         return np.array([*self.terms[:4], *self[1:], *feet])
 
 
-def place(constants, theta, phi):
+def place(push_parameters, theta, phi):
     """
     Find the contact in the object frame.
 
-    :param constants: ``Constants``.
+    :param push_parameters: ``PushParameters``.
     :param theta: turn of the object since the start [rad].
     :param phi: turn of the robot since the start [rad].
     :return: (angle of n [rad], c_x, c_y [m]).
     """
     apart = theta - phi
-    delta = constants.delta + (constants.share - 1.0) * apart
+    delta = push_parameters.delta + (push_parameters.share - 1.0) * apart
     # casadi would take arrays apart.
     trig = np if isinstance(delta, np.ndarray) else ca
     n_x, n_y = trig.cos(delta), trig.sin(delta)
-    along = constants.roll * apart
-    return (delta, constants.base_x - along * n_y - constants.round * n_x,
-            constants.base_y + along * n_x - constants.round * n_y)
+    along = push_parameters.roll * apart
+    return (delta, push_parameters.base_x - along * n_y - push_parameters.round * n_x,
+            push_parameters.base_y + along * n_x - push_parameters.round * n_y)
 
 
-def places(constants, theta, phi):
+def places(push_parameters, theta, phi):
     """Find the contact at many turns; as ``place``, with arrays of shape (n,)."""
-    return tuple(value + 0.0 * theta for value in place(constants, theta, phi))
+    return tuple(value + 0.0 * theta for value in place(push_parameters, theta, phi))

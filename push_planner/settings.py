@@ -46,8 +46,8 @@ class PlannerSettings:
                                   0.05, 1.0, default=0.65)
     friction_discount: float = quantity('factor on the believed contact friction coefficient', '',
                                         above=0.0, high=1.0, default=0.8)
-    run_in: float = quantity('straight push at the end of a plan, shortened for near goals; 0: '
-                             'none', 'm', 0.0, 5.0, default=0.4)
+    final_straight: float = quantity('straight push at the end of a plan, shortened for near goals; 0: '
+                                     'none', 'm', 0.0, 5.0, default=0.4)
     heading_free: bool = quantity('whether the object may reach the goal with any heading', '',
                                   default=False)
     max_path_length: float = quantity('longest push that is accepted', 'm', above=0.0,
@@ -71,22 +71,22 @@ class TaskSettings:
     """How chains of pushes are searched for."""
 
     max_pushes: int = quantity('most pushes in a chain', '', 1, 4, default=4)
-    shortest_push: float = quantity('straight end of every push, at least', 'm', above=0.0,
-                                    high=5.0, default=0.25)
-    last_run_in: float = quantity('straight end of the last push, at least', 'm', above=0.0,
-                                  high=5.0, default=0.6)
+    min_straight: float = quantity('straight end of every push, at least', 'm', above=0.0,
+                                   high=5.0, default=0.25)
+    min_last_straight: float = quantity('straight end of the last push, at least', 'm', above=0.0,
+                                        high=5.0, default=0.6)
     switch_time: float = quantity('settling, touch and retreat, per push', 's', 0.0, 60.0,
                                   default=5.0)
-    mending_time: float = quantity('time of the pushes that mend a miss of the last one; weighed '
-                                   'with how likely that is', 's', 0.0, 600.0, default=16.0)
-    widest_turn: float = quantity('most that one push of a chain turns the object', 'rad',
-                                  above=0.0, high=2.0 * math.pi, default=math.pi)
-    turn_slack: float = quantity('radius of turns in a chain over that of the tightest', '', 1.0,
-                                 10.0, default=1.05)
-    turn_steps: int = quantity('turns that are tried for each push but the last, at least', '', 3,
-                               100, default=7)
-    trials: int = quantity('combinations of sites and turns that are tried for each number of '
-                           'pushes, at most, about', '', 1000, 10000000, default=50000)
+    correction_time: float = quantity('time of the pushes that mend a miss of the last one; weighed '
+                                      'with how likely that is', 's', 0.0, 600.0, default=16.0)
+    max_rotation: float = quantity('most that one push of a chain turns the object', 'rad',
+                                   above=0.0, high=2.0 * math.pi, default=math.pi)
+    radius_factor: float = quantity('radius of turns in a chain over that of the tightest', '', 1.0,
+                                    10.0, default=1.05)
+    rotation_steps: int = quantity('turns that are tried for each push but the last, at least', '', 3,
+                                   100, default=7)
+    max_evaluations: int = quantity('combinations of sites and turns that are tried for each number of '
+                                    'pushes, at most, about', '', 1000, 10000000, default=50000)
     alternatives: int = quantity('chains that are kept, different in their sites', '', 1, 1000,
                                  default=10)
 

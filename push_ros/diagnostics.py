@@ -22,7 +22,7 @@ class Reporter:
         node.create_timer(PERIOD, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._message = None
 
-    def report(self, level, text, stamp, values=None, anew=False):
+    def report(self, level, text, stamp, values=None, always=False):
         """
         Say what the node does; published at once where level or text differ from the last.
 
@@ -30,14 +30,14 @@ class Reporter:
         :param text: one sentence.
         :param stamp: ``builtin_interfaces/Time`` to which it applies.
         :param values: dict of names to anything that has a text.
-        :param anew: whether it is published at once in any case.
+        :param always: whether it is published at once in any case.
         """
         status = DiagnosticStatus(level=level, name=self._name, message=text)
         status.values = [KeyValue(key=key, value=str(value))
                          for key, value in (values or {}).items()]
         self._message = DiagnosticArray(status=[status])
         self._message.header.stamp = stamp
-        if anew or (level, text) != self._last:
+        if always or (level, text) != self._last:
             self._last = level, text
             self._log(level, text)
             self.publish()

@@ -10,7 +10,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 
-def take(subscription):
+def take_message(subscription):
     """
     Take the next message of a subscription, as an executor would.
 
@@ -76,10 +76,10 @@ def spin(node, stopped):
     while not stopped():
         now = time.monotonic()
         if now >= patient_due:
-            node.patient.opened = True
+            node.background.opened = True
             for _ in range(PATIENT_CALLBACKS):
                 executor.spin_once(timeout_sec=0.0)
-            node.patient.opened = False
+            node.background.opened = False
             busy = now < busy_until
             patient_due = time.monotonic() + (BUSY_PATIENCE if busy else PATIENCE)
         elif node.poll():

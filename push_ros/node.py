@@ -1,14 +1,14 @@
 """What the nodes share: parameters, topics by name, diagnostics, and two kinds of callbacks."""
 
 from push_ros.diagnostics import Reporter
-from push_ros.executor import take
-from push_ros.parameters import declare
+from push_ros.executor import take_message
+from push_ros.parameters import declare_parameters
 from push_ros.topics import SERVICES, TOPICS
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 
 
-class PatientGroup(MutuallyExclusiveCallbackGroup):
+class BackgroundGroup(MutuallyExclusiveCallbackGroup):
     """
     Callbacks that can wait a little: services, plans, the clock.
 
@@ -31,7 +31,7 @@ class PushNode(Node):
     """
     A node with parameters from dataclasses, whose topics and services are those of the list.
 
-    Callbacks belong to ``patient`` unless they are made with ``urgent=True``.
+    Callbacks belong to ``background`` unless they are made with ``real_time=True``.
 
     :param name: of the node.
     :param sections: (prefix with its dot, dataclass) sequence; the instances are ``settings``.
@@ -40,16 +40,16 @@ class PushNode(Node):
 
     def __init__(self, name, sections):
         self._polled = []
-        self.patient = PatientGroup()
-        self.urgent = MutuallyExclusiveCallbackGroup()
+        self.background = BackgroundGroup()
+        self.real_time = MutuallyExclusiveCallbackGroup()
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
-        self.settings = declare(self, sections)
+        self.settings = declare_parameters(self, sections)
         self.reporter = Reporter(self, self.publisher('diagnostics'))
 
     @property
     def default_callback_group(self):
         """Group of everything that rclpy makes for itself, and of what may wait."""
-        return self.patient
+        return self.background
 
     def publisher(self, topic, stamped=True):
         """
@@ -61,22 +61,22 @@ class PushNode(Node):
         entry = TOPICS[topic]
         return self.create_publisher(entry.message_type(stamped), topic, entry.publish_qos)
 
-    def subscribe(self, topic, callback, urgent=False, stamped=True, qos=None):
+    def subscribe(self, topic, callback, real_time=False, stamped=True, qos=None):
         """
         Subscribe to a topic of the list.
 
         :param topic: its name.
         :param callback: takes the message.
-        :param urgent: whether the callback is run at once.
+        :param real_time: whether the callback is run at once.
         :param stamped: whether commands have a stamp.
         :param qos: another quality of service than that of the list.
         """
         entry = TOPICS[topic]
-        group = self.urgent if urgent else self.patient
+        group = self.real_time if real_time else self.background
         subscription = self.create_subscription(
             entry.message_type(stamped), topic, callback, qos or entry.subscribe_qos,
             callback_group=group)
-        if urgent:
+        if real_time:
             self._polled.append((subscription, callback))
         return subscription
 
@@ -84,13 +84,13 @@ class PushNode(Node):
         """Handle an urgent message of each topic that has one; tell whether there was any."""
         found = False
         for subscription, callback in self._polled:
-            message = take(subscription)
+            message = take_message(subscription)
             if message is not None:
                 found = True
                 callback(message)
         return found
 
-    def serve(self, service, action):
+    def serve_trigger(self, service, action):
         """
         Offer a Trigger service of the list.
 
@@ -102,7 +102,7 @@ class PushNode(Node):
             return response
         return self.create_service(SERVICES[service][0], service, answer)
 
-    def ask(self, service):
+    def trigger_client(self, service):
         """
         Make what calls a Trigger service of another node, and does not wait for its answer.
 
@@ -116,7 +116,7 @@ class PushNode(Node):
         """Say good-bye: called once, while publishers still work."""
 
 
-class Rate:
+class RateLimiter:
     """
     Lets something happen at most so often in simulated or measured time.
 

@@ -31,7 +31,7 @@ class ParameterSpec:
         return expectation(self.kind, self.metadata)
 
 
-def layout(cls, prefix=''):
+def parameter_specs(cls, prefix=''):
     """
     List the parameters of a dataclass.
 
@@ -45,10 +45,10 @@ def layout(cls, prefix=''):
         kind, name, default = hints[field.name], prefix + field.name, _default(field)
         item = _item(kind)
         if dataclasses.is_dataclass(kind):
-            specs += layout(kind, f'{name}.')
+            specs += parameter_specs(kind, f'{name}.')
         elif dataclasses.is_dataclass(item):
             optional = default == ()
-            for spec in layout(item, f'{name}.'):
+            for spec in parameter_specs(item, f'{name}.'):
                 given = () if optional or spec.default is not None else None
                 specs.append(dataclasses.replace(spec, kind=list[spec.kind], default=given))
         elif kind in (bool, int, float, str):
@@ -59,11 +59,11 @@ def layout(cls, prefix=''):
     return specs
 
 
-def to_values(instance, prefix=''):
+def to_parameter_values(instance, prefix=''):
     """
     Flatten a dataclass instance; empty lists are left out.
 
-    :param instance: of a class that ``layout`` describes.
+    :param instance: of a class that ``parameter_specs`` describes.
     :param prefix: put before the names, with its dot.
     :return: dict of names to numbers, texts and lists.
     """
@@ -71,7 +71,7 @@ def to_values(instance, prefix=''):
     for field in dataclasses.fields(instance):
         name, value = prefix + field.name, getattr(instance, field.name)
         if dataclasses.is_dataclass(value):
-            values.update(to_values(value, f'{name}.'))
+            values.update(to_parameter_values(value, f'{name}.'))
         elif isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0]):
             for part in dataclasses.fields(value[0]):
                 values[f'{name}.{part.name}'] = [getattr(item, part.name) for item in value]
@@ -82,7 +82,7 @@ def to_values(instance, prefix=''):
     return values
 
 
-def from_values(cls, values, prefix=''):
+def from_parameter_values(cls, values, prefix=''):
     """
     Make a dataclass instance of flat values.
 
@@ -96,7 +96,7 @@ def from_values(cls, values, prefix=''):
     for field in dataclasses.fields(cls):
         kind, name = hints[field.name], prefix + field.name
         if dataclasses.is_dataclass(kind):
-            arguments[field.name] = from_values(kind, values, f'{name}.')
+            arguments[field.name] = from_parameter_values(kind, values, f'{name}.')
         elif dataclasses.is_dataclass(_item(kind)):
             arguments[field.name] = _items(_item(kind), values, f'{name}.')
         elif name in values:
@@ -118,7 +118,7 @@ def _items(cls, values, prefix):
         raise ValueError(', '.join(counts) + f': got lists of {list(counts.values())} numbers, '
                          'expected lists of one length')
     rows = [dict(zip(given, row)) for row in zip(*given.values())]
-    return tuple(from_values(cls, {prefix + name: value for name, value in row.items()}, prefix)
+    return tuple(from_parameter_values(cls, {prefix + name: value for name, value in row.items()}, prefix)
                  for row in rows)
 
 
@@ -161,7 +161,7 @@ SCALARS = {bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parame
 ARRAYS = {int: Parameter.Type.INTEGER_ARRAY, float: Parameter.Type.DOUBLE_ARRAY}
 
 
-def declare(node, sections):
+def declare_parameters(node, sections):
     """
     Declare the parameters of a node, read-only, and read them.
 
@@ -173,14 +173,14 @@ def declare(node, sections):
     :return: the dataclass instances, in the same order.
     :raises ValueError: naming every unknown parameter, or the first one that is missing or wrong.
     """
-    specs = [spec for prefix, cls in sections for spec in layout(cls, prefix)]
+    specs = [spec for prefix, cls in sections for spec in parameter_specs(cls, prefix)]
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
              if parameter.type_ != Parameter.Type.NOT_SET and not _is_own(name)}
     unknown = sorted(set(given) - {spec.name for spec in specs})
     if unknown:
         raise ValueError(f'{", ".join(unknown)}: got a parameter that {node.get_name()} does not '
                          'have, expected one of its own (see README)')
-    instances = [from_values(cls, given, prefix) for prefix, cls in sections]
+    instances = [from_parameter_values(cls, given, prefix) for prefix, cls in sections]
     for spec in specs:
         _declare(node, spec, given.get(spec.name, spec.default))
     return instances

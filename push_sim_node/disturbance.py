@@ -26,7 +26,7 @@ class FrictionChange:
 
 
 @dataclasses.dataclass(frozen=True)
-class Shove:
+class ObjectDisplacement:
     """Somebody puts the object elsewhere, at once; it is at rest afterwards."""
 
     time: float = quantity('when', 's', 0.0)

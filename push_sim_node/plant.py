@@ -6,7 +6,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_sim_node.kernel import layout as at
-from push_sim_node.kernel.actuation import limited
+from push_sim_node.kernel.actuation import limit_command
 from push_sim_node.kernel.compiled import IS_COMPILED, sequence
 from push_sim_node.kernel.contact_law import nearest, surface_velocity
 from push_sim_node.kernel.encoding import (
@@ -60,7 +60,7 @@ class Plant:
         self._supports = sequence(support_rows(self.obj, self._capacities, factors))
         self._forget_acceleration()
 
-    def put_object(self, pose):
+    def set_object_pose(self, pose):
         """
         Put the object elsewhere, at rest, as a hand would; the robot goes on.
 
@@ -86,7 +86,7 @@ class Plant:
         if not (math.isfinite(duration) and duration > 0.0):
             raise ValueError(f'duration: got {duration!r}, expected a finite time above 0 [s]')
         if command != self._command:
-            self._target = sequence(limited(self.robot, command))
+            self._target = sequence(limit_command(self.robot, command))
             self._command = command
             self._forget_acceleration()
         advance(self._state, self._body, self._supports, self._outline, self._floor,

@@ -3,7 +3,7 @@
 import dataclasses
 
 from push_model.quantity import check, quantity
-from push_sim_node.disturbance import FrictionChange, Shove
+from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
 from push_sim_node.kernel.floor import FloorPatch
 
 
@@ -21,14 +21,14 @@ class SimulationSettings:
                                                             default=())
     floor_patches: tuple[FloorPatch, ...] = quantity('places of other support friction',
                                                      default=())
-    shoves: tuple[Shove, ...] = quantity('moves of the object by another than the robot',
-                                         default=())
+    object_displacements: tuple[ObjectDisplacement, ...] = quantity('moves of the object by another than the robot',
+                                                                    default=())
 
     def __post_init__(self):
         """Validate the fields."""
         check(self)
         for name, kind in (('friction_changes', FrictionChange), ('floor_patches', FloorPatch),
-                           ('shoves', Shove)):
+                           ('object_displacements', ObjectDisplacement)):
             for item in getattr(self, name):
                 if not isinstance(item, kind):
                     raise ValueError(f'SimulationSettings.{name}: got {item!r}, expected a '

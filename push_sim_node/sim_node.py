@@ -16,7 +16,7 @@ from push_ros.executor import run
 from push_ros.node import PushNode
 from push_ros.node_settings import Frames, SimOptions
 from push_ros.topics import SIM
-from push_sim_node.ros.lockstep import Exchange
+from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import SimOutputs
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation, SimulationSettings
@@ -50,20 +50,20 @@ class SimNode(PushNode):
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
                                       Pose(*self._options.robot_start), settings, sensors)
         self._outputs = SimOutputs(self, obj, robot, self._frames, self._options)
-        self._exchange = Exchange(self._options.answer_timeout,
-                                  self._options.stamped_cmd_vel)
+        self._exchange = MeasurementExchange(self._options.answer_timeout,
+                                             self._options.stamped_cmd_vel)
         self._latencies = []
         self._hold(self._options.autostart)
-        self.subscribe('cmd_vel', self._on_command, urgent=True,
+        self.subscribe('cmd_vel', self._on_command, real_time=True,
                        stamped=self._options.stamped_cmd_vel)
         self.subscribe('initialpose', self._on_initial_pose)
-        self.serve('sim/start', self._start)
-        self.serve('sim/reset', self._reset)
+        self.serve_trigger('sim/start', self._start)
+        self.serve_trigger('sim/reset', self._reset)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         if self._options.lockstep:
             self.create_timer(TICK, self._tick, clock=wall)
         else:
-            self.create_timer(REAL_TIME_TICK, self._tick, clock=wall, callback_group=self.urgent)
+            self.create_timer(REAL_TIME_TICK, self._tick, clock=wall, callback_group=self.real_time)
 
     def close(self):
         """Write the tape, and times on the wall."""
@@ -116,8 +116,8 @@ class SimNode(PushNode):
         if self._exchange.is_abandoned(now):
             self._end(ERROR, f'no command for {self._options.answer_timeout:g} s: the controller '
                       'is gone; stopped')
-        elif self._exchange.should_repeat(now):
-            self._exchange.sent_again(now)
+        elif self._exchange.is_resend_due(now):
+            self._exchange.resent(now)
             self._outputs.again(self._message)
 
     def _keep_time(self, now):

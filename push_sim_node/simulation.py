@@ -8,7 +8,7 @@ from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_sim_node.disturbance import change_times, friction_factors
 from push_sim_node.kernel import layout
-from push_sim_node.kernel.actuation import limited
+from push_sim_node.kernel.actuation import limit_command
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 from push_sim_node.settings import SimulationSettings
@@ -74,7 +74,7 @@ class Simulation:
         self._now, self._deadline, self._command = 0, 0, STOP
         self._events, self._count = [], 0
         self._changes = [_nanoseconds(t) for t in change_times(settings.friction_changes)]
-        self._shoves = sorted(settings.shoves, key=lambda shove: shove.time)
+        self._shoves = sorted(settings.object_displacements, key=lambda shove: shove.time)
         self.tape = []
         self._apply_friction()
         self._schedule(0, MEASURE_POSE, 0)
@@ -103,7 +103,7 @@ class Simulation:
         :param twist: ``Twist`` in the robot's own axes.
         :raises ValueError: where it is not finite or not possible for the drive.
         """
-        limited(self.robot, twist)
+        limit_command(self.robot, twist)
         self._command = Twist(*(float(value) for value in twist))
         self._deadline = self._now + _nanoseconds(self.settings.command_timeout)
 
@@ -139,14 +139,14 @@ class Simulation:
     def _advance_to(self, time):
         while self._now < time:
             driven = self._now < self._deadline
-            shoves = [max(self._now, _nanoseconds(shove.time)) for shove in self._shoves[:1]]
-            until = min([time] + self._changes[:1] + shoves + ([self._deadline] if driven else []))
+            object_displacements = [max(self._now, _nanoseconds(shove.time)) for shove in self._shoves[:1]]
+            until = min([time] + self._changes[:1] + object_displacements + ([self._deadline] if driven else []))
             if until > self._now:
                 self.plant.advance((until - self._now) / NANOSECONDS,
                                    self._command if driven else STOP)
             self._now = until
             self._apply_friction()
-            if shoves and until == shoves[0]:
+            if object_displacements and until == object_displacements[0]:
                 self._shove(self._shoves.pop(0))
 
     def _apply_friction(self):
@@ -160,7 +160,7 @@ class Simulation:
 
     def _shove(self, shove):
         try:
-            self.plant.put_object(self.plant.object_pose @ shove.displacement)
+            self.plant.set_object_pose(self.plant.object_pose @ shove.displacement)
         except ValueError as error:
             raise ValueError(f'SimulationSettings.shoves: at {self.time:g} s {error}') from error
 

@@ -2,7 +2,7 @@
 
 import casadi as ca
 import numpy as np
-from push_control.laws.mpc import optimal_weights, PredictiveLaw, SolverTrouble
+from push_control.laws.mpc import optimal_weights, PredictiveLaw, SolverFailed
 from push_control.laws.mpc_problem import horizon_problem, SCALARS
 
 OPTIONS = {'print_time': False, 'error_on_fail': False, 'ipopt': {
@@ -32,7 +32,7 @@ class ConvergedLaw(PredictiveLaw):
         found = self._nlp(x0=[*self._start, 0.0], p=self._parameters, ubg=0.0,
                           lbx=[*low, 0.0], ubx=[*high, WIDEST_SLACK])
         if not self._nlp.stats()['success']:
-            raise SolverTrouble(f"ipopt: {self._nlp.stats()['return_status']}")
+            raise SolverFailed(f"ipopt: {self._nlp.stats()['return_status']}")
         self._plan[:] = np.array(found['x']).ravel()[:-1]
         return float(self._plan[0])
 

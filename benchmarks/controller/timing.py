@@ -20,7 +20,7 @@ from push_control.push.controller import Controller
 from push_model.geometry import distance
 from push_model.signals import Odometry
 from push_planner.problem import PlanningFailed
-from push_planner.single_push.replanning import plan_measured
+from push_planner.single_push.replanning import plan_from_measurements
 from push_scenario.simulation.loop import make_simulation
 
 CONVERGED = 'converged ipopt'
@@ -60,7 +60,7 @@ class Watched:
         :param weights: as ``optimal_weights`` gives them.
         """
         self._law, self._weights = law, weights
-        self.times, self.cost, self.restart = [], 0.0, law.restart
+        self.times, self.cost, self.reset = [], 0.0, law.reset
 
     @property
     def report(self):
@@ -71,7 +71,7 @@ class Watched:
         """
         Choose as the law does.
 
-        :param situation: ``Situation``.
+        :param situation: ``SteeringInput``.
         :return: curvature [1/m].
         """
         began = time.process_time()
@@ -115,8 +115,8 @@ def timed(kind, seed, name):
             return None
         simulation = make_simulation(case)
         pose, odometry = simulation.next(), simulation.next()
-        target = plan_measured(case.object, case.robot, pose, odometry, case.goal.pose,
-                               case.planner).plan.trajectory
+        target = plan_from_measurements(case.object, case.robot, pose, odometry, case.goal.pose,
+                                        case.planner).plan.trajectory
     except PlanningFailed:
         return None
     law = Watched(STEERING[name](case.robot, case.control), optimal_weights(case.control))

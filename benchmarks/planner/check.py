@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.drive import yaw_rate
 from push_model.dynamics import equation_of_motion, impulse, SMOOTHING
 from push_model.geometry import Pose, wrap_angle
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
+from push_model.robot_kinematics import yaw_rate
 from push_model.state import ObjectTerms, State
 from scipy.integrate import solve_ivp
 
@@ -121,8 +121,8 @@ class Push:
         held[:] = state[:7]
         if self._slow:
             ahead = state[4] + angle - state[2]
-            held[3] = turning_rate(self.problem.obj, state[5:7], speed * math.cos(ahead),
-                                   speed * math.sin(ahead))
+            held[3] = quasi_static_yaw_rate(self.problem.obj, state[5:7], speed * math.cos(ahead),
+                                            speed * math.sin(ahead))
         turn = 0.0
         if self._turns:
             turn = float(yaw_rate(robot.drive, robot.radius, angle, state[4] - state[7], held[3],

@@ -116,7 +116,7 @@ def _random_end(rng, problem):
     """End of a push at random angles, or None where it does not stay on the face in the cone."""
     push, speed = Push(problem), problem.settings.pushing_speed
     length = rng.uniform(*ROLLED_WAYS) / (ROLLED_KNOTS - 1)
-    angles = rng.uniform(-1.0, 1.0, ROLLED_KNOTS) * problem.planning_angle
+    angles = rng.uniform(-1.0, 1.0, ROLLED_KNOTS) * problem.planning_cone_angle
     state = np.array([*problem.start, 0.0, problem.normal, *problem.contact_point, 0.0])
     state = push.jump(state, (0.0, 0.0), (speed, angles[0]))
     for bend in zip(angles, angles[1:]):
@@ -126,7 +126,7 @@ def _random_end(rng, problem):
         forces = np.array([push.force(t, y) for t, y in zip(answer.t, answer.y.T)])
         steepest = np.abs(np.arctan2(forces[:, 1], forces[:, 0])).max()
         state = answer.y[:, -1]
-        if steepest > ROLLED_SHARE * problem.planning_angle or abs(state[6]) > 0.45 * SIDE:
+        if steepest > ROLLED_SHARE * problem.planning_cone_angle or abs(state[6]) > 0.45 * SIDE:
             return None
     return Pose(*state[:3].tolist())
 
@@ -148,7 +148,7 @@ def _push(rng, obj, contact, robot, normal, heading, speeds, wanted):
 
 
 def _steers(problem):
-    return abs(problem.normal_offset) < (1.0 - STEERING_RESERVE) * problem.planning_angle
+    return abs(problem.normal_offset) < (1.0 - STEERING_RESERVE) * problem.planning_cone_angle
 
 
 def problems(make, count, seed):

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
-from push_model.dubins import DubinsPath, words
+from push_model.dubins import dubins_paths, DubinsPath
 from push_model.geometry import Pose
 from push_planner.collocation.formulation import formulate
-from push_planner.collocation.nlp_solver import FATROP, IPOPT, Programme, programme
+from push_planner.collocation.nlp_solver import FATROP, IPOPT, nlp_solver, NlpSolver
 from push_planner.initial_guess.dubins_routes import Route, routes, SteadyTurn, tightest_turns
 
 PIECES, FINE_PIECES, ONE_SHAPE = 24, 48, 20.0
@@ -78,22 +78,22 @@ def starts(problem, rng, count):
     :return: list of ``Route``.
     """
     vehicle, tightest = problem.vehicle, tightest_turns(problem)
-    begin = Pose(*vehicle.flat_point, vehicle.angle)
+    begin = Pose(*vehicle.flat_output, vehicle.angle)
     goal = problem.relative_goal @ begin
     size, found = REACH + math.hypot(goal.x, goal.y), []
     while len(found) < count:
-        left, right = (SteadyTurn(share * turn.steer, share * turn.w) for turn, share in
+        left, right = (SteadyTurn(share * turn.steering_angle, share * turn.w) for turn, share in
                        zip(tightest, rng.uniform(GENTLEST, 1.0, 2)))
         between = Pose(*rng.uniform(-size, size, 2), rng.uniform(-math.pi, math.pi))
         path, pose = (), begin
         for end in (between, goal) if rng.random() < 0.5 else (goal,):
-            ways = words(pose, end, 1.0 / left.curvature, -1.0 / right.curvature)
+            ways = dubins_paths(pose, end, 1.0 / left.curvature, -1.0 / right.curvature)
             path, pose = (*path, ways[rng.integers(len(ways))]), end
         lengths, curvatures = (sum((getattr(part, name) for part in path), ())
                                for name in ('lengths', 'curvatures'))
         turns = tuple((left if c > 0.0 else right) if c else SteadyTurn(0.0, 0.0)
                       for c in curvatures)
-        cost = sum(length / math.cos(turn.steer) for length, turn in zip(lengths, turns))
+        cost = sum(length / math.cos(turn.steering_angle) for length, turn in zip(lengths, turns))
         word = ''.join(part.word for part in path)
         found.append(Route(DubinsPath(begin, word, lengths, curvatures), turns, 0.0, cost))
     return found
@@ -105,12 +105,12 @@ def solve(problem, route, solver=None):
 
     :param problem: the ``PushProblem``.
     :param route: the ``Route``.
-    :param solver: function of a ``Shape`` that returns a ``Programme``; the planner's if None.
+    :param solver: function of a ``Dimensions`` that returns a ``NlpSolver``; the planner's if None.
     :return: (duration of the push [s], CPU time [s], iterations); the first is infinite where
         there is none.
     """
     asked, guess = formulate(problem, route)
-    made = (solver or programme)(asked.shape)
+    made = (solver or nlp_solver)(asked.shape)
     began = time.process_time()
     found, count = made.solve(asked.parameters(), asked.box, guess)
     cpu = time.process_time() - began
@@ -164,7 +164,7 @@ def compare_solvers(problems, collect, compiled):
 
         def made(shape, plugin=plugin, options=options, built=built):
             if shape not in built:
-                built[shape] = Programme(shape, plugin, options)
+                built[shape] = NlpSolver(shape, plugin, options)
             return built[shape]
         if tasks:
             solve(*tasks[0], made)

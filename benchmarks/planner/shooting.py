@@ -13,7 +13,7 @@ from typing import NamedTuple
 from benchmarks.planner.check import Push
 from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
 import numpy as np
-from push_model.dubins import words
+from push_model.dubins import dubins_paths
 from push_model.dynamics import impulse
 from push_model.geometry import Pose, wrap_angle
 from push_model.state import State
@@ -50,11 +50,11 @@ def dubins_guess(problem, segments):
     :param segments: number of segments.
     :return: way of the contact [m], followed by the pushing angles [rad].
     """
-    vehicle, beta, zeta = problem.vehicle, problem.planning_angle, problem.normal_offset
-    ahead = vehicle.mean_square / vehicle.arm
-    local = Pose(*vehicle.flat_point, vehicle.angle)
+    vehicle, beta, zeta = problem.vehicle, problem.planning_cone_angle, problem.normal_offset
+    ahead = vehicle.c_squared / vehicle.arm
+    local = Pose(*vehicle.flat_output, vehicle.angle)
     path = min((math.hypot(1.0, vehicle.wheelbase * max(map(abs, path.curvatures))) * path.length,
-                i, path) for i, path in enumerate(words(
+                i, path) for i, path in enumerate(dubins_paths(
                     problem.start @ local, problem.goal @ local, ahead / (beta - zeta),
                     ahead / (beta + zeta))))[2]
     stretched = [length * math.hypot(1.0, vehicle.wheelbase * curvature)
@@ -94,7 +94,7 @@ class Shooting:
 
     def _integrate(self, unknowns):
         problem, push = self.problem, self._push
-        speed, slope = problem.settings.pushing_speed, math.tan(problem.planning_angle)
+        speed, slope = problem.settings.pushing_speed, math.tan(problem.planning_cone_angle)
         count = len(unknowns) - 1
         duration = max(unknowns[0], 1e-3) / speed / count
         samples = np.linspace(0.0, duration, SAMPLES // count + 1)

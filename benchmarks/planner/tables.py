@@ -35,7 +35,7 @@ def row(name, answers):
     return [name, f'{len(good)}/{len(answers)}', *spread([answer.cpu for answer in answers]),
             greatest([run.position_error for run in driven], '{:.3f}', 1e3),
             greatest([math.degrees(run.heading_error) for run in driven], '{:.4f}'),
-            greatest([run.steepest / answer.problem.planning_angle for answer in answers
+            greatest([run.steepest / answer.problem.planning_cone_angle for answer in answers
                       if (run := answer.replay)], '{:.2f}'),
             f'{np.median(over):.2f} / {min(over):.2f}' if over else '']
 

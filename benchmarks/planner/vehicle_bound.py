@@ -10,10 +10,10 @@ import dataclasses
 import math
 
 from benchmarks.planner.nlp_solvers import solve
-from push_model.friction import mean_square
-from push_planner.collocation.nlp_solver import Programme
+from push_model.friction import c_squared
+from push_planner.collocation.nlp_solver import NlpSolver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
-from push_planner.single_push.bounds import flat_ways
+from push_planner.single_push.bounds import flat_paths
 
 VISCOUS = 30.0
 EXACT = {'fatrop': {'print_level': 0, 'tol': 1e-7, 'mu_init': 1e-3, 'max_iter': 200}}
@@ -28,8 +28,8 @@ def bounds(problem):
     :return: (least, greatest) time of the quickest push [s].
     """
     flat = problem.vehicle
-    square = sum(mean_square(problem.obj, flat.angle + turn) for turn in (0.0, 0.5 * math.pi))
-    paths = flat_ways(problem, square)
+    square = sum(c_squared(problem.obj, flat.angle + turn) for turn in (0.0, 0.5 * math.pi))
+    paths = flat_paths(problem, square)
     wheelbase = flat.arm + square / flat.arm
     way = min(sum(length * math.hypot(1.0, wheelbase * curvature)
                   for length, curvature in zip(path.lengths, path.curvatures)) for path in paths)
@@ -60,5 +60,5 @@ class Bounded:
 
     def _programme(self, shape):
         if shape not in self._built:
-            self._built[shape] = Programme(shape, options=EXACT, smoothing=VISCOUS)
+            self._built[shape] = NlpSolver(shape, options=EXACT, smoothing=VISCOUS)
         return self._built[shape]

@@ -11,7 +11,7 @@ import math
 import mujoco
 import numpy as np
 from push_model.geometry import Pose
-from push_sim_node.kernel.actuation import approach, chord_velocity, limited
+from push_sim_node.kernel.actuation import chord_velocity, limit_command, track_command
 
 FOOT = 0.005
 HALF_HEIGHT = 0.002
@@ -163,12 +163,12 @@ class Rival:
         :param command: ``Twist`` for the robot, its own axes.
         :param together: steps between two settings of the robot's velocity.
         """
-        command = limited(self.robot, command)
+        command = limit_command(self.robot, command)
         count = int(round(duration / self.engine.step))
         data, h = self.data, self.engine.step
         while count > 0:
             steps = min(together, count)
-            *self.twist, m_x, m_y, m_omega = approach(*self.twist, command, self.drive, steps * h)
+            *self.twist, m_x, m_y, m_omega = track_command(*self.twist, command, self.drive, steps * h)
             u_x, u_y = chord_velocity(data.qpos[9], m_x, m_y, m_omega, steps * h)
             data.qvel[6:9] = u_x, u_y, m_omega
             mujoco.mj_step(self.model, data, steps)

@@ -11,7 +11,7 @@ from push_model.analysis.stability import equilibria, tolerances
 from push_model.contact import contact_point
 from push_model.friction import friction_center
 from push_model.parameters import Contact, PushedObject, Support
-from push_model.quasi_static import compare_turning_rates, turning_rate, vehicle
+from push_model.quasi_static import compare_yaw_rates, quasi_static_yaw_rate, vehicle
 
 OUT = Path(__file__).resolve().parents[2] / 'docs' / 'physics'
 BLUE, ORANGE, GREEN, GREY, INK = '#0B3C8C', '#C96A00', '#007A5E', '#8A8A8A', '#202020'
@@ -33,7 +33,7 @@ def square():
 def draw_alpha(axes, title, location):
     """Draw alpha over rho, with equilibria, cone and senses of rotation."""
     rho = np.linspace(-0.75, 0.75, 601)
-    alpha = location.alpha(location.turn_at(rho))
+    alpha = location.alpha(location.rotation_at(rho))
     inside = np.abs(rho) <= math.atan(FRICTION)
     alpha[np.abs(np.diff(alpha, append=alpha[-1])) > 1.0] = np.nan
     axes.axhline(0.0, color=GREY, linewidth=0.8)
@@ -75,9 +75,9 @@ def draw_vehicle(axes, obj):
     axes.add_patch(Polygon(obj.outline, facecolor='#EFE6DA', edgecolor=INK, linewidth=1.5))
     for foot in obj.supports:
         axes.add_patch(Circle((foot.x, foot.y), 0.012, color=GREY, zorder=3))
-    axes.plot([place[0], view.flat_point[0]], [place[1], view.flat_point[1]], color=BLUE)
+    axes.plot([place[0], view.flat_output[0]], [place[1], view.flat_output[1]], color=BLUE)
     marks = ((place, 'C', ORANGE, (-0.02, 0.03)), (center, 'F', INK, (-0.005, 0.02)),
-             (view.flat_point, 'z', BLUE, (0.015, 0.02)))
+             (view.flat_output, 'z', BLUE, (0.015, 0.02)))
     for (x, y), name, colour, (right, up) in marks:
         axes.plot(x, y, 'o', color=colour, zorder=4)
         axes.text(x + right, y + up, name, color=colour, fontsize=12)
@@ -85,14 +85,14 @@ def draw_vehicle(axes, obj):
     push = math.cos(angle), math.sin(angle)
     axes.annotate('', place, (place[0] - 0.14 * push[0], place[1] - 0.14 * push[1]),
                   arrowprops={'arrowstyle': '-|>', 'color': ORANGE, 'linewidth': 2})
-    rate = turning_rate(obj, place, *push)
+    rate = quasi_static_yaw_rate(obj, place, *push)
     # The pole: where the object does not move sees C go square to the line there.
     pole = place[0] - push[1] / rate, place[1] + push[0] / rate
     axes.plot(*pole, 'x', color=GREEN, markersize=9)
     axes.text(pole[0] + 0.015, pole[1] - 0.02, 'centre of rotation', color=GREEN, fontsize=9)
-    for x, y in (place, view.flat_point):
+    for x, y in (place, view.flat_output):
         axes.plot([x, pole[0]], [y, pole[1]], color=GREEN, linewidth=0.8, linestyle=':')
-    axes.annotate('', (place[0], -0.26), (view.flat_point[0], -0.26),
+    axes.annotate('', (place[0], -0.26), (view.flat_output[0], -0.26),
                   arrowprops={'arrowstyle': '<->', 'color': BLUE})
     axes.text(0.0, -0.31, f'wheelbase L = {view.wheelbase:.2f} m', color=BLUE, ha='center',
               va='bottom', fontsize=9)
@@ -107,7 +107,7 @@ def picture_of_the_vehicle():
     obj = square()
     draw_vehicle(left, obj)
     angles = np.linspace(0.0, 1.4, 57)
-    rows = compare_turning_rates(obj, contact_point(obj, Contact('face', 3)), angles)
+    rows = compare_yaw_rates(obj, contact_point(obj, Contact('face', 3)), angles)
     for name, label, style in (
             ('supports', 'four supports', {'color': BLUE, 'linewidth': 2.4}),
             ('near_straight', 'vehicle, L = 0.4 m', {'color': GREEN, 'linestyle': '--'}),

@@ -83,7 +83,7 @@ def disturbed(case):
     """Return the scenario with what the hand has done."""
     done = case.hand and case.hand.shove
     return dataclasses.replace(case.scenario, simulation=dataclasses.replace(
-        case.scenario.simulation, shoves=(done,) if done else ()))
+        case.scenario.simulation, object_displacements=(done,) if done else ()))
 
 
 def main():

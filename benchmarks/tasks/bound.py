@@ -56,7 +56,7 @@ def least_time(scenario, drive=None):
     :param scenario: the ``Scenario``.
     :param drive: ``DriveSettings``, or None for the defaults.
     """
-    speed = (drive or DriveSettings()).capped(scenario.robot_truth).speed
+    speed = (drive or DriveSettings()).limited_to(scenario.robot_truth).speed
     way = contact_way(scenario.truth, scenario.start.object.pose, scenario.goal.pose)
     if math.isclose(way, 0.0):
         return 0.0

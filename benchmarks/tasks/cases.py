@@ -139,7 +139,7 @@ def _apart(name, floor, start, goal):
 def _stand(obj, robot, start, floor, rng):
     """Place the robot near the object, clear of it and of what stands around."""
     drive = DriveSettings()
-    workspace = floor and floor.map.workspace
+    occupancy_map = floor and floor.map.occupancy_map
     while True:
         away, bearing, heading = (ROBOT_WITHIN * math.sqrt(rng.uniform()),
                                   *rng.uniform(-math.pi, math.pi, 2))
@@ -147,5 +147,5 @@ def _stand(obj, robot, start, floor, rng):
                     heading)
         clear = find_contact(obj, start, pose[:2], robot.radius)[2] >= drive.clearance
         if clear and (floor is None
-                      or workspace.robot_is_free(robot, [pose], 2.0 * drive.map_clearance)):
+                      or occupancy_map.robot_is_free(robot, [pose], 2.0 * drive.map_clearance)):
             return pose

@@ -3,7 +3,7 @@
 import math
 
 from push_model.geometry import Pose
-from push_sim_node.disturbance import Shove
+from push_sim_node.disturbance import ObjectDisplacement
 
 MOVES = ('shoved by 0.2 m', 'turned by 45 degrees')
 SHOVE, TURN, DIRECTIONS = 0.2, math.radians(45.0), 8
@@ -34,10 +34,10 @@ class Hand:
             return
         for move in self._displacements():
             try:
-                simulation.plant.put_object(simulation.plant.object_pose @ move)
+                simulation.plant.set_object_pose(simulation.plant.object_pose @ move)
             except ValueError:
                 continue
-            self.shove, self.state = Shove(simulation.time, *move), supervisor.status.state
+            self.shove, self.state = ObjectDisplacement(simulation.time, *move), supervisor.status.state
             return
 
     def _displacements(self):

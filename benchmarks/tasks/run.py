@@ -8,12 +8,12 @@ from benchmarks.tasks.cases import draw, OPEN
 from benchmarks.tasks.maps import object_room, robot_room
 import numpy as np
 from push_model.geometry import Pose
-from push_navigation.path_planner import NoWay
+from push_navigation.path_planner import NoPathFound
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
-from push_planner.sequence.costs import way_to
+from push_planner.sequence.costs import plan_approach
 from push_planner.single_push.site_selection import choose_site
-from push_scenario.evaluation.metrics import robot_way
+from push_scenario.evaluation.metrics import distance_travelled
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, run_task
 
 POSITION, HEADING, CLEAR = 0.01, math.radians(1.0), 0.02
@@ -34,12 +34,12 @@ class Watch:
         :param simulation: the ``Simulation``.
         :param supervisor: the ``Supervisor``.
         """
-        now, wants = time.process_time(), supervisor.wants
-        if self._asked is not None and wants is not self._asked:
+        now, plan_request = time.process_time(), supervisor.plan_request
+        if self._asked is not None and plan_request is not self._asked:
             self.planning.append(now - self._since)
         if self._hand is not None:
             self._hand(simulation, supervisor)
-        self._asked, self._since = wants, time.process_time()
+        self._asked, self._since = plan_request, time.process_time()
 
 
 def run(job):
@@ -87,7 +87,7 @@ def _end(result):
     there = abs(result.position_error) <= POSITION and abs(result.heading_error) <= HEADING
     return {'position_error': result.position_error, 'heading_error': abs(result.heading_error),
             'gap': float(last['gap']), 'duration': result.duration,
-            'way': float(robot_way(tape)[-1]),
+            'way': float(distance_travelled(tape)[-1]),
             'success': bool(result.outcome == 'done' and there and still
                             and last['gap'] >= CLEAR)}
 
@@ -111,9 +111,9 @@ def _ways(scenario):
     try:
         push = choose_site(scenario.object, scenario.robot, start, goal,
                            scenario.planner).plan.trajectory
-        way = way_to(scenario.robot, scenario.object, start, robot, Pose(*push.robot_poses[0]),
-                     DriveSettings())
-    except (PlanningFailed, NoWay):
+        way = plan_approach(scenario.robot, scenario.object, start, robot, Pose(*push.robot_poses[0]),
+                            DriveSettings())
+    except (PlanningFailed, NoPathFound):
         return {'least_way': least, 'single_way': math.inf}
     pushed = np.hypot(*np.diff(push.robot_poses[:, :2], axis=0).T).sum()
     return {'least_way': least, 'single_way': float(way.length + pushed)}

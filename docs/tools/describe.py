@@ -5,7 +5,7 @@ import sys
 
 from push_control import controller_node
 from push_planner import planner_node
-from push_ros.parameters import layout
+from push_ros.parameters import parameter_specs
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
 from push_sim_node import sim_node
 
@@ -23,7 +23,7 @@ def parameters(node):
     :param node: its name.
     :return: ``ParameterSpec`` list.
     """
-    return [spec for prefix, cls in SECTIONS[node] for spec in layout(cls, prefix)]
+    return [spec for prefix, cls in SECTIONS[node] for spec in parameter_specs(cls, prefix)]
 
 
 def topic_table():

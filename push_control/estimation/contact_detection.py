@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from push_control.estimation.contact_site import Offset
+from push_control.estimation.contact_site import ContactOffset
 
 STEP_LIMIT = 3.0
 SLACK = 0.75
@@ -13,7 +13,7 @@ GAP_SHARE = 0.4
 ASIDE_SHARE = 1.4
 
 
-class Alarm:
+class CusumTest:
     """Page's test: sums up what exceeds noise, so that a small lasting change counts."""
 
     def __init__(self, threshold):
@@ -25,7 +25,7 @@ class Alarm:
         self._threshold = threshold
         self._above = self._below = 0.0
 
-    def raised(self, score):
+    def update(self, score):
         """
         Take in an error, in standard deviations; one wild error alone does not raise it.
 
@@ -72,19 +72,19 @@ class _Split:
         return self._moved + 2.0 * self._cross + self._drift + self._noise
 
 
-class Findings(NamedTuple):
+class ContactUpdate(NamedTuple):
     """
     What a look at the contact tells.
 
     :param slid: how far the contact has slid, along t [m].
-    :param drift: ``Offset`` that is none: error of the robot's place.
+    :param drift: ``ContactOffset`` that is none: error of the robot's place.
     """
 
     slid: float
-    drift: Offset
+    drift: ContactOffset
 
 
-class ContactWatch:
+class ContactDetector:
     """
     Finds from every measured pose whether the robot touches, and how far its contact has slid.
 
@@ -98,42 +98,42 @@ class ContactWatch:
 
         :param settings: ``ControlSettings``.
         :param robot_radius: R_p [m].
-        :param site: the contact ``Site`` at the start.
+        :param site: the contact ``ContactSite`` at the start.
         """
         self._settings = settings
         self._noise = noise = math.hypot(settings.pose_noise,
                                          settings.heading_noise * math.hypot(*site.point))
-        self._aside = _Split(settings.placement_spread * robot_radius, noise,
+        self._aside = _Split(settings.push_direction_std * robot_radius, noise,
                              ASIDE_SHARE * settings.odometry_walk)
         self._back = _Split(0.0, noise, settings.odometry_walk)
-        self._slip, self._loss = Alarm(settings.contact_alarm), Alarm(settings.contact_alarm)
+        self._slip, self._loss = CusumTest(settings.cusum_threshold), CusumTest(settings.cusum_threshold)
         self._travelled, self._approached, self._calm_at = 0.0, 0.0, -math.inf
-        self.slips = self.losses = 0
+        self.slips = self.contact_losses = 0
         self.gap, self.lost, self.slipping = 0.0, False, False
 
-    def look(self, seen, travelled):
+    def look(self, seen, travelled_distance):
         """
         Take in where the robot was when a pose was measured.
 
-        :param seen: ``Offset`` from where rolling contact has it.
-        :param travelled: way of the contact until then [m].
-        :return: ``Findings``.
+        :param seen: ``ContactOffset`` from where rolling contact has it.
+        :param travelled_distance: way of the contact until then [m].
+        :return: ``ContactUpdate``.
         """
-        way, self._travelled = travelled - self._travelled, travelled
+        way, self._travelled = travelled_distance - self._travelled, travelled_distance
         back = self._watch_gap(seen.gap, way)
         score = seen.slid / self._aside.deviation(way)
         if self.lost or self.gap < -self._settings.contact_gap:
             self.slipping = False
-            return Findings(0.0, Offset(back, 0.0))
-        if self._slip.raised(score):
-            self.slips += travelled > self._calm_at
-            self._calm_at = travelled + CALM_WAY
+            return ContactUpdate(0.0, ContactOffset(back, 0.0))
+        if self._slip.update(score):
+            self.slips += travelled_distance > self._calm_at
+            self._calm_at = travelled_distance + CALM_WAY
             self._aside.expect(4.0 * self._noise)
-        self.slipping = travelled <= self._calm_at
+        self.slipping = travelled_distance <= self._calm_at
         if self.slipping:
             self._aside.expect(0.5 * way)
         slid, aside = self._aside.split(seen.slid)
-        return Findings(slid, Offset(back, aside))
+        return ContactUpdate(slid, ContactOffset(back, aside))
 
     @property
     def notice(self):
@@ -150,7 +150,7 @@ class ContactWatch:
         :return: the reason, or an empty text.
         """
         self._approached += way
-        if max(self.gap, self._approached) <= self._settings.approach_limit:
+        if max(self.gap, self._approached) <= self._settings.max_approach_distance:
             return ''
         return f'contact is lost: the object is at least {1e3 * self.gap:.0f} mm away'
 
@@ -162,7 +162,7 @@ class ContactWatch:
             if self.gap < 0.3 * limit:
                 self.lost = False
                 self._aside.expect(limit)
-        elif self._loss.raised(score) > 0 and self.gap > limit:
+        elif self._loss.update(score) > 0 and self.gap > limit:
             self.lost, self._approached = True, 0.0
-            self.losses += 1
+            self.contact_losses += 1
         return 0.0 if self.lost or seen > limit else self._back.split(seen)[1]

@@ -12,7 +12,7 @@ GAP_LIMIT = 0.01
 SAME_POINT, NEAR, TURN = 0.02, 0.5, 0.5
 
 
-class Offset(NamedTuple):
+class ContactOffset(NamedTuple):
     """
     Where the robot's centre is beside the place that rolling contact gives it.
 
@@ -24,7 +24,7 @@ class Offset(NamedTuple):
     slid: float
 
 
-class Site(NamedTuple):
+class ContactSite(NamedTuple):
     """
     The contact in the object frame, for any turn of the robot relative to the object.
 
@@ -74,12 +74,12 @@ class Site(NamedTuple):
         :param pose: ``Pose`` of the object in the world, its angle not wrapped.
         :param phi: heading of the robot [rad].
         :param center: of the robot in the world (x, y) [m].
-        :return: ``Offset``.
+        :return: ``ContactOffset``.
         """
         place = self.robot_center(pose, phi)
         gamma = pose.theta + self.at(phi - pose.theta)[2]
         ahead, aside = Pose(0.0, 0.0, -gamma).rotate((center[0] - place[0], center[1] - place[1]))
-        return Offset(-ahead, aside)
+        return ContactOffset(-ahead, aside)
 
     def robot_center(self, pose, phi):
         """
@@ -98,7 +98,7 @@ class Site(NamedTuple):
         Find the contact of a robot that has slid along the object.
 
         :param travel: of the robot's centre along t, the normal turned by +90 degrees [m].
-        :return: ``Site`` that rolls on from there.
+        :return: ``ContactSite`` that rolls on from there.
         """
         if self.kind == 'face':
             return self._replace(point=(self.point[0] - travel * math.sin(self.normal),
@@ -113,26 +113,26 @@ class Site(NamedTuple):
         """
         Tell whether a push at another site is this one, only seen a little later or earlier.
 
-        :param other: the other ``Site``.
+        :param other: the other ``ContactSite``.
         :param shift: ``Pose`` of the object there, relative to where it is now.
         """
         return (self.kind == other.kind and math.dist(self.point, other.point) <= SAME_POINT
                 and math.hypot(shift.x, shift.y) <= NEAR and abs(wrap_angle(shift.theta)) <= TURN)
 
     @property
-    def lead(self):
+    def heading_offset(self):
         """Angle from the robot's heading to the contact normal at the start [rad]."""
         return math.remainder(self.normal - self.heading, 2.0 * math.pi)
 
 
-def site_of(obj, robot, trajectory):
+def initial_contact_site(obj, robot, trajectory):
     """
     Find the contact that a trajectory starts from.
 
     :param obj: the ``PushedObject`` as believed.
     :param robot: the ``RoundRobot``.
     :param trajectory: the ``PushTrajectory``.
-    :return: ``Site``.
+    :return: ``ContactSite``.
     :raises ValueError: where the robot is not round, or its first pose does not touch the object.
     """
     if not 0.0 < robot.radius < math.inf:
@@ -152,8 +152,8 @@ def site_of(obj, robot, trajectory):
     normal = gamma - pose.theta
     normal += 2.0 * math.pi * round((0.5 * (low + high) - normal) / (2.0 * math.pi)
                                     if contact.kind == 'vertex' else 0.0)
-    return Site(contact.kind, share, robot.radius, curved, contact_point(obj, contact), normal,
-                phi - pose.theta, (low, high), _edges(obj, contact))
+    return ContactSite(contact.kind, share, robot.radius, curved, contact_point(obj, contact), normal,
+                       phi - pose.theta, (low, high), _edges(obj, contact))
 
 
 def _edges(obj, contact):

@@ -7,7 +7,7 @@ Odometry is the input; poses are measured late and enter at their own time.
 import math
 
 import numpy as np
-from push_control.estimation.push_motion import Belief, PushMotion
+from push_control.estimation.push_motion import PushMotion, PushState
 from push_model.geometry import Pose, wrap_angle
 
 MEMORY = 1.0
@@ -24,8 +24,8 @@ class Estimator:
         Start from one object pose and one odometry.
 
         :param robot: the ``RoundRobot``.
-        :param site: the contact ``Site``.
-        :param supports: the ``SupportTable`` as believed.
+        :param site: the contact ``ContactSite``.
+        :param supports: the ``LimitSurfaceTable`` as believed.
         :param settings: ``ControlSettings``.
         :param center: believed friction centre, object frame (x, y) [m].
         :param pose: first ``ObjectPose``.
@@ -34,19 +34,19 @@ class Estimator:
         self._settings, self._center = settings, center
         arm = math.hypot(center[0] - site.point[0], center[1] - site.point[1])
         self._motion = PushMotion(robot.radius, site, supports)
-        self._limit = settings.center_limit * arm
+        self._limit = settings.max_center_offset_ratio * arm
         theta = pose.pose.theta
         turn = wrap_angle(odometry.pose.theta - theta - site.heading)
-        self._belief = Belief(*pose.pose[:2], theta, theta + site.heading + turn, *center)
+        self._belief = PushState(*pose.pose[:2], theta, theta + site.heading + turn, *center)
         deviations = (settings.pose_noise, settings.pose_noise, settings.heading_noise,
-                      settings.placement_spread, settings.center_spread * arm,
-                      settings.center_spread * arm, settings.square_spread)
+                      settings.push_direction_std, settings.center_std_ratio * arm,
+                      settings.center_std_ratio * arm, settings.c_squared_log_std)
         self._covariance = np.diag(np.square(deviations))
         self._noise = np.diag(np.square(deviations[:3]))
         self._walk = np.square((settings.position_walk, settings.position_walk,
-                                settings.heading_walk, settings.direction_drift,
+                                settings.heading_walk, settings.push_direction_walk,
                                 settings.center_walk, settings.center_walk,
-                                settings.square_walk))
+                                settings.c_squared_log_walk))
         self._time = min(pose.time, odometry.time)
         self._inputs = [(self._time, odometry.time, odometry.twist)]
         self._last, self._ahead = odometry, None
@@ -63,12 +63,12 @@ class Estimator:
         """Where the contact is at that time, object frame (x, y) [m]."""
         return self._motion.site.at(self._belief.phi - self._belief.theta)[:2]
 
-    def beside_contact(self, measured):
+    def contact_offset(self, measured):
         """
         See where the robot is, by a pose that has just been added.
 
         :param measured: ``ObjectPose``.
-        :return: ``push_control.estimation.contact_site.Offset`` from where rolling contact has it.
+        :return: ``push_control.estimation.contact_site.ContactOffset`` from where rolling contact has it.
         """
         belief, pose = self._belief, measured.pose
         theta = belief.theta + wrap_angle(pose.theta - belief.theta)
@@ -78,8 +78,8 @@ class Estimator:
         """
         Go on with a contact as seen, and with a better place of the robot.
 
-        :param site: the contact ``Site``.
-        :param drift: ``Offset`` by which the place was wrong.
+        :param site: the contact ``ContactSite``.
+        :param drift: ``ContactOffset`` by which the place was wrong.
         :param lost: whether the robot does not touch the object.
         """
         belief = self._belief
@@ -119,12 +119,12 @@ class Estimator:
         error = np.array([measured.pose.x - belief.x, measured.pose.y - belief.y,
                           wrap_angle(measured.pose.theta - belief.theta)])
         inverse = np.linalg.inv(covariance[:3, :3] + self._noise)
-        if error @ inverse @ error > self._settings.gate:
+        if error @ inverse @ error > self._settings.pose_gate:
             self._reject()
             return False
         self._in_a_row = 0
         gain = covariance[:, :3] @ inverse
-        self._belief = self._clamped(Belief(*(np.array(belief) + gain @ error).tolist()))
+        self._belief = self._clamped(PushState(*(np.array(belief) + gain @ error).tolist()))
         covariance = covariance - gain @ covariance[:3, :]
         self._covariance = 0.5 * (covariance + covariance.T)
         return True
@@ -134,20 +134,20 @@ class Estimator:
         Carry the estimate to a later time.
 
         :param time: when [s], not before the last odometry.
-        :return: ``Belief``.
+        :return: ``PushState``.
         """
         if self._ahead is None:
             self._ahead = self._carried(self._belief, self._time, self._last.time)
         return self._carried(self._ahead, max(self._time, self._last.time), time)
 
-    def carry_on(self, belief, twist, duration):
+    def propagate(self, belief, twist, duration):
         """
         Carry a belief on under an expected motion.
 
-        :param belief: ``Belief``.
+        :param belief: ``PushState``.
         :param twist: mean motion, body axes.
         :param duration: how long it lasts [s].
-        :return: ``Belief``.
+        :return: ``PushState``.
         """
         return self._motion.moved(belief, twist, duration) if duration > 0.0 else belief
 

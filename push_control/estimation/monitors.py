@@ -8,7 +8,7 @@ NORMAL_SLACK = 0.15
 ALMOST_STRAIGHT = 0.1
 
 
-def unusable(observation, last_pose_time, settings):
+def measurement_fault(observation, last_pose_time, settings):
     """
     Say why the measurements cannot be used.
 
@@ -47,7 +47,7 @@ def jackknifed(site, normal, angle):
     """
     Say how the contact has turned beyond recovery.
 
-    :param site: the contact ``Site``.
+    :param site: the contact ``ContactSite``.
     :param normal: estimated angle of the normal in the object frame [rad].
     :param angle: from the normal to the wanted contact velocity [rad].
     :return: the reason, or an empty text.
@@ -69,21 +69,21 @@ class FollowMonitor:
 
         :param settings: ``ControlSettings``.
         """
-        self._window, self._ratio = settings.contact_window, settings.contact_ratio
+        self._window, self._ratio = settings.follow_window, settings.follow_ratio
         self._seen = deque()
 
-    def lost(self, travelled, contact):
+    def lost(self, travelled_distance, contact):
         """
         Tell whether the object has stopped following.
 
-        :param travelled: way of the robot's contact point since the start [m].
+        :param travelled_distance: way of the robot's contact point since the start [m].
         :param contact: measured place of the contact in the world (x, y) [m].
         """
-        self._seen.append((travelled, contact))
-        while len(self._seen) > 1 and travelled - self._seen[1][0] >= self._window:
+        self._seen.append((travelled_distance, contact))
+        while len(self._seen) > 1 and travelled_distance - self._seen[1][0] >= self._window:
             self._seen.popleft()
         before, place = self._seen[0]
-        way = travelled - before
+        way = travelled_distance - before
         moved = math.hypot(contact[0] - place[0], contact[1] - place[1])
         return way >= self._window and moved < self._ratio * way
 
@@ -97,19 +97,19 @@ class OneSidedMonitor:
 
         :param settings: ``ControlSettings``.
         """
-        self._longest, self._straight = settings.one_sided_way, 0.0
+        self._longest, self._straight = settings.one_sided_distance, 0.0
 
-    def trouble(self, limits, travelled):
+    def trouble(self, limits, travelled_distance):
         """
         Say why the push is of no use.
 
         :param limits: ``CurvatureLimits``.
-        :param travelled: way of the contact since the start [m].
+        :param travelled_distance: way of the contact since the start [m].
         :return: the reason, or an empty text.
         """
         if limits.low - ALMOST_STRAIGHT <= 0.0 <= limits.high + ALMOST_STRAIGHT:
-            self._straight = travelled
-        if travelled - self._straight <= self._longest:
+            self._straight = travelled_distance
+        if travelled_distance - self._straight <= self._longest:
             return ''
         return ('the friction centre lies too far aside of this contact: friction does not hold '
                 'a straight push there')

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from push_model.contact import contact_velocity
 from push_model.geometry import Pose
-from push_model.quasi_static import ellipsoid_turning_rate
+from push_model.quasi_static import ellipsoid_yaw_rate
 
 
-class Belief(NamedTuple):
+class PushState(NamedTuple):
     """
     Estimated state of a push [m, m, rad, rad, m, m, -].
 
@@ -52,8 +52,8 @@ class PushMotion(NamedTuple):
     Motion of belief under odometry, for a contact that sticks or rolls.
 
     :param robot_radius: R_p [m].
-    :param site: the contact ``Site``.
-    :param supports: the ``SupportTable`` of the contact.
+    :param site: the contact ``ContactSite``.
+    :param supports: the ``LimitSurfaceTable`` of the contact.
     :param lost: whether the robot does not touch the object.
     """
 
@@ -66,7 +66,7 @@ class PushMotion(NamedTuple):
         """
         Velocity of the object; zero while the robot does not press.
 
-        :param belief: ``Belief``.
+        :param belief: ``PushState``.
         :param twist: robot (v_x, v_y, omega_p), body axes.
         :return: ``Rates``.
         """
@@ -78,8 +78,8 @@ class PushMotion(NamedTuple):
             return Rates(0.0, 0.0, 0.0, lever, (0.0, 0.0))
         cosine, sine = math.cos(belief.theta), math.sin(belief.theta)
         push = cosine * u_x + sine * u_y, cosine * u_y - sine * u_x
-        square = math.exp(belief.q) * self.supports.mean_square(push_angle(lever, push))
-        omega = ellipsoid_turning_rate(square, *lever, *push)
+        square = math.exp(belief.q) * self.supports.c_squared(push_angle(lever, push))
+        omega = ellipsoid_yaw_rate(square, *lever, *push)
         return Rates(u_x + omega * (sine * c_x + cosine * c_y),
                      u_y - omega * (cosine * c_x - sine * c_y), omega, lever, push)
 
@@ -87,32 +87,32 @@ class PushMotion(NamedTuple):
         """
         Carry a belief over one step (midpoint rule).
 
-        :param belief: ``Belief``.
+        :param belief: ``PushState``.
         :param twist: mean motion of the robot over the step, body axes.
         :param duration: of the step [s].
-        :return: ``Belief``.
+        :return: ``PushState``.
         """
         half = 0.5 * duration
         rates = self.rates(belief, twist)
         middle = belief._replace(theta=belief.theta + half * rates.omega,
                                  phi=belief.phi + half * twist[2])
         rates = self.rates(middle, twist)
-        return Belief(belief.x + duration * rates.x, belief.y + duration * rates.y,
-                      belief.theta + duration * rates.omega, belief.phi + duration * twist[2],
-                      belief.p_x, belief.p_y, belief.q)
+        return PushState(belief.x + duration * rates.x, belief.y + duration * rates.y,
+                         belief.theta + duration * rates.omega, belief.phi + duration * twist[2],
+                         belief.p_x, belief.p_y, belief.q)
 
     def jacobian(self, belief, twist, duration):
         """
         Linearise one step; the shift of a rolling contact with theta and phi is left out.
 
-        :param belief: ``Belief``.
+        :param belief: ``PushState``.
         :param twist: mean motion of the robot over the step, body axes.
         :param duration: of the step [s].
         :return: transition matrix, shape (7, 7); way of the contact in the step [m].
         """
         rates = self.rates(belief, twist)
         (a_x, a_y), (v_x, v_y) = rates.lever, rates.push
-        own = math.exp(belief.q) * self.supports.mean_square(push_angle(rates.lever, rates.push))
+        own = math.exp(belief.q) * self.supports.c_squared(push_angle(rates.lever, rates.push))
         square = own + a_x * a_x + a_y * a_y
         turn = (a_x * v_x + a_y * v_y) / square
         slopes = np.array([-turn, turn, (2.0 * a_x * rates.omega - v_y) / square,

@@ -2,17 +2,17 @@
 
 from typing import Callable, NamedTuple, Optional
 
-from push_control.laws.curvature_limits import CurvatureLimits, wanted_curvature
-from push_control.path.guidance import Track
+from push_control.laws.curvature_limits import CurvatureLimits, feedback_curvature
+from push_control.path.guidance import PathProjection
 from push_model.quasi_static import Vehicle
 
 
-class Situation(NamedTuple):
+class SteeringInput(NamedTuple):
     """
     The push at one instant; ways are those of z [m].
 
-    :param track: ``Track`` of z one drive lag ahead.
-    :param present: gives the ``Track`` of z now.
+    :param track: ``PathProjection`` of z one drive lag ahead.
+    :param present: gives the ``PathProjection`` of z now.
     :param preview: gives the curvatures of the path at ways beyond the present place.
     :param flat: the ``Vehicle``.
     :param zeta: angle from C->F to the contact normal now [rad].
@@ -27,7 +27,7 @@ class Situation(NamedTuple):
     :param lag: way that the drive lags behind.
     """
 
-    track: Track
+    track: PathProjection
     present: Callable
     preview: Callable
     flat: Vehicle
@@ -65,16 +65,16 @@ class ClosedFormLaw:
         self._settings = settings
         self.report = {'solver_failures': 0, 'solver_reason': ''}
 
-    def restart(self):
+    def reset(self):
         """Set out anew; this law remembers nothing."""
 
     def curvature(self, situation):
         """
         Choose the curvature of z, before any limit.
 
-        :param situation: ``Situation``.
+        :param situation: ``SteeringInput``.
         :return: curvature [1/m].
         """
         track = situation.track
-        return wanted_curvature(track.lateral_error, track.heading_error, track.curvature,
-                                self._settings)
+        return feedback_curvature(track.lateral_error, track.heading_error, track.curvature,
+                                  self._settings)

@@ -2,41 +2,41 @@
 
 import math
 
-from push_model.drive import center_velocity, yaw_rate
 from push_model.geometry import Pose
+from push_model.robot_kinematics import center_velocity, yaw_rate
 from push_model.signals import Twist
 
 
-def differential_command(speed, angle, lead, robot_radius):
+def differential_command(speed, angle, heading_offset, robot_radius):
     """
     Command of a differential drive; valid while the contact sticks.
 
     :param speed: v_c, of the wanted contact velocity [m/s].
     :param angle: b, from the contact normal to that velocity [rad].
-    :param lead: d, from the robot's heading to the contact normal [rad].
+    :param heading_offset: d, from the robot's heading to the contact normal [rad].
     :param robot_radius: R_p [m].
     :return: ``Twist``.
     """
-    omega = yaw_rate('differential', robot_radius, angle, lead, 0.0, speed)
-    return holonomic_command(speed, angle, lead, robot_radius, omega)._replace(v_y=0.0)
+    omega = yaw_rate('differential', robot_radius, angle, heading_offset, 0.0, speed)
+    return holonomic_command(speed, angle, heading_offset, robot_radius, omega)._replace(v_y=0.0)
 
 
-def holonomic_command(speed, angle, lead, robot_radius, omega):
+def holonomic_command(speed, angle, heading_offset, robot_radius, omega):
     """
     Command of a holonomic base that turns at a chosen rate.
 
     :param speed: v_c, of the wanted contact velocity [m/s].
     :param angle: b, from the contact normal to that velocity [rad].
-    :param lead: d, from the robot's heading to the contact normal [rad].
+    :param heading_offset: d, from the robot's heading to the contact normal [rad].
     :param robot_radius: R_p [m].
     :param omega: omega_p, chosen yaw rate [rad/s].
     :return: ``Twist``.
     """
     along, across = center_velocity(robot_radius, angle, omega, speed)
-    return Twist(*Pose(0.0, 0.0, lead).rotate((along, across)), omega)
+    return Twist(*Pose(0.0, 0.0, heading_offset).rotate((along, across)), omega)
 
 
-def limited(command, robot):
+def limit_command(command, robot):
     """
     Scale a command into the robot's limits; the contact keeps its direction.
 
@@ -49,7 +49,7 @@ def limited(command, robot):
     return Twist(*(value / excess for value in command))
 
 
-def mean_motion(twist, command, time_constant):
+def mean_twist(twist, command, time_constant):
     """
     Mean motion over one time constant while a first-order drive follows a command.
 

@@ -29,7 +29,7 @@ class CurvatureLimits(NamedTuple):
         return CurvatureLimits(max(self.low, other.low), min(self.high, other.high))
 
 
-def trailing_limits(flat, robot_radius, lead, cone):
+def jackknife_limits(flat, robot_radius, heading_offset, cone):
     """
     Limits where the normal turns with the robot: a differential drive at a vertex.
 
@@ -38,15 +38,15 @@ def trailing_limits(flat, robot_radius, lead, cone):
 
     :param flat: the ``Vehicle``.
     :param robot_radius: R_p [m].
-    :param lead: D, angle from the robot's heading to the normal [rad].
+    :param heading_offset: D, angle from the robot's heading to the normal [rad].
     :param cone: half angle of the friction cone that may be used [rad].
     :return: ``CurvatureLimits``.
     """
     length = flat.arm + robot_radius
-    return CurvatureLimits((lead - cone) / length, (lead + cone) / length)
+    return CurvatureLimits((heading_offset - cone) / length, (heading_offset + cone) / length)
 
 
-def staying_limits(flat, robot_radius, lead, room):
+def vertex_limits(flat, robot_radius, heading_offset, room):
     """
     Limits where a turn of a differential drive would roll the contact off its vertex.
 
@@ -54,22 +54,22 @@ def staying_limits(flat, robot_radius, lead, room):
 
     :param flat: the ``Vehicle``.
     :param robot_radius: R_p [m].
-    :param lead: D, angle from the robot's heading to the normal [rad].
+    :param heading_offset: D, angle from the robot's heading to the normal [rad].
     :param room: lowest and highest zeta at the vertex [rad].
     :return: ``CurvatureLimits``.
     """
     length = flat.wheelbase + robot_radius
-    return CurvatureLimits((lead - room[1] + VERTEX_RESERVE) / length,
-                           (lead - room[0] - VERTEX_RESERVE) / length)
+    return CurvatureLimits((heading_offset - room[1] + VERTEX_RESERVE) / length,
+                           (heading_offset - room[0] - VERTEX_RESERVE) / length)
 
 
-def held_limits(supports, flat, normal, cone):
+def friction_cone_limits(supports, flat, normal, cone):
     """
     Limits where the normal is held in the object: a holonomic base that turns along.
 
     The force stays in the cone; on the ellipsoid, ``|zeta + kappa c^2 / r| <= cone``.
 
-    :param supports: the ``SupportTable``.
+    :param supports: the ``LimitSurfaceTable``.
     :param flat: the ``Vehicle``.
     :param normal: angle of the contact normal in the object frame [rad].
     :param cone: half angle of the friction cone that may be used [rad].
@@ -79,7 +79,7 @@ def held_limits(supports, flat, normal, cone):
     return CurvatureLimits(*supports.curvatures(flat, zeta - cone, zeta + cone))
 
 
-def wanted_curvature(lateral_error, heading_error, path_curvature, settings):
+def feedback_curvature(lateral_error, heading_error, path_curvature, settings):
     """
     Curvature of z that brings it back to its path, before any limit.
 
@@ -95,16 +95,16 @@ def wanted_curvature(lateral_error, heading_error, path_curvature, settings):
             - settings.heading_gain * heading_error)
 
 
-def contact_speed(elapsed, remaining, fastest, settings):
+def contact_speed(elapsed, remaining_distance, fastest, settings):
     """
     Speed of the contact: rises after the start, falls towards the goal.
 
     :param elapsed: time since the robot set out [s].
-    :param remaining: way of z that is left [m].
+    :param remaining_distance: way of z that is left [m].
     :param fastest: speed of the plan [m/s].
     :param settings: ``ControlSettings``.
     :return: speed [m/s].
     """
     start = settings.start_speed
-    braking = math.sqrt(start ** 2 + 2.0 * settings.deceleration * max(0.0, remaining))
+    braking = math.sqrt(start ** 2 + 2.0 * settings.deceleration * max(0.0, remaining_distance))
     return min(fastest, start + settings.acceleration * elapsed, braking)

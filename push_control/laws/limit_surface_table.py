@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 from push_model.friction import friction_weight
-from push_model.quasi_static import turning_rate, vehicle
+from push_model.quasi_static import quasi_static_yaw_rate, vehicle
 
 STEEPEST = 1.2
 STEEPEST_USED = 0.7
 SPACING = 0.1
 
 
-class SupportTable:
+class LimitSurfaceTable:
     """
     Turning and force of the supports themselves, over alpha, the push's angle from C->F.
 
@@ -32,15 +32,15 @@ class SupportTable:
         squares, forces = [], []
         for alpha in self._angles.tolist():
             push = math.cos(flat.angle + alpha), math.sin(flat.angle + alpha)
-            omega = turning_rate(obj, point, *push)
+            omega = quasi_static_yaw_rate(obj, point, *push)
             force = _force_angle(obj, point, push, omega)
             forces.append(math.remainder(force - flat.angle, 2.0 * math.pi))
-            squares.append(flat.mean_square if abs(alpha) < 0.5 * SPACING else
+            squares.append(flat.c_squared if abs(alpha) < 0.5 * SPACING else
                            -flat.arm * math.sin(alpha) / omega - flat.arm ** 2)
         self._squares = [max(1e-6, square) for square in squares]
         self._forces = np.maximum.accumulate(forces)
 
-    def mean_square(self, alpha):
+    def c_squared(self, alpha):
         """
         Effective c^2 of a push [m^2].
 
@@ -77,8 +77,8 @@ class SupportTable:
         return tuple(-math.tan(alpha) / self._wheelbase(flat, alpha) for alpha in bounds)
 
     def _wheelbase(self, flat, alpha):
-        share = self.mean_square(alpha) / self.mean_square(0.0)
-        return flat.arm + share * flat.mean_square / flat.arm
+        share = self.c_squared(alpha) / self.c_squared(0.0)
+        return flat.arm + share * flat.c_squared / flat.arm
 
 
 def _force_angle(obj, point, push, omega):

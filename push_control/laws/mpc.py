@@ -10,7 +10,7 @@ TOLERANCE = 1e-4
 WIDEST = 10.0
 
 
-class SolverTrouble(Exception):
+class SolverFailed(Exception):
     """The solver gave no answer that can be used; says why."""
 
 
@@ -45,7 +45,7 @@ class PredictiveLaw:
         self._curvature = None
         self.report = {'solver_failures': 0, 'solver_reason': ''}
 
-    def restart(self):
+    def reset(self):
         """Set out anew, without a plan."""
         self._curvature = None
 
@@ -53,12 +53,12 @@ class PredictiveLaw:
         """
         Choose the curvature of z, before any limit.
 
-        :param situation: ``Situation``.
+        :param situation: ``SteeringInput``.
         :return: curvature [1/m].
         """
         try:
             return self._optimum(situation)
-        except SolverTrouble as trouble:
+        except SolverFailed as trouble:
             self._curvature = None
             self.report = {'solver_failures': self.report['solver_failures'] + 1,
                            'solver_reason': str(trouble)}
@@ -67,12 +67,12 @@ class PredictiveLaw:
     def _optimum(self, situation):
         self._fill(situation)
         if not math.isfinite(self._parameters.sum()):
-            raise SolverTrouble('the problem is not finite')
+            raise SolverFailed('the problem is not finite')
         self._run()
         if not math.isfinite(self._plan.sum()):
-            raise SolverTrouble('the solution is not finite')
+            raise SolverFailed('the solution is not finite')
         if not self._beyond[0] <= TOLERANCE:
-            raise SolverTrouble('the solver was stopped before it met the limits')
+            raise SolverFailed('the solver was stopped before it met the limits')
         return float(self._plan[0])
 
     def _fill(self, situation):
@@ -100,10 +100,10 @@ class PredictiveLaw:
         bound = self._settings.lateral_saturation
         self._scalars[:] = (
             min(bound, max(-bound, track.lateral_error)), track.heading_error, situation.zeta,
-            self._curvature, flat.wheelbase, flat.mean_square / flat.arm, self._robot.radius,
-            situation.rest, self._settings.normal_gain, lag, situation.cone,
+            self._curvature, flat.wheelbase, flat.c_squared / flat.arm, self._robot.radius,
+            situation.rest, self._settings.rolling_gain, lag, situation.cone,
             *situation.zeta_limits, low, high, max(low, held - first), min(high, held + first),
-            self._settings.curvature_rate * self._step)
+            self._settings.max_curvature_rate * self._step)
 
 
 def optimal_weights(settings):

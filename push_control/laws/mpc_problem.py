@@ -11,7 +11,7 @@ import math
 
 import casadi as ca
 import numpy as np
-from push_model.drive import yaw_rate
+from push_model.robot_kinematics import yaw_rate
 from scipy.linalg import cholesky, solve_discrete_are
 
 SOLVER = 'daqp'

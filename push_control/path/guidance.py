@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from push_control.path.path import locate, new_path
+from push_control.path.path import path_to_goal, project_on_path
 
 # What is believed of the pose is off by some millimetres itself.
 ARRIVED_SHARE = 0.85
@@ -11,20 +11,20 @@ LEAST_CARE, GENTLER = 0.5, 0.8
 LOOKS_AHEAD = np.linspace(0.0, 1.0, 11)
 
 
-class Track(NamedTuple):
+class PathProjection(NamedTuple):
     """
     Where z is on its path.
 
     :param lateral_error: left of the path is positive [m].
     :param heading_error: to the left is positive [rad].
     :param curvature: of the path [1/m].
-    :param remaining: way that is left [m].
+    :param remaining_distance: way that is left [m].
     """
 
     lateral_error: float
     heading_error: float
     curvature: float
-    remaining: float
+    remaining_distance: float
 
 
 class Guidance:
@@ -34,25 +34,25 @@ class Guidance:
         """
         Begin at the start of a path.
 
-        :param path: ``SampledPath`` or ``RunInPath``.
+        :param path: ``SampledPath`` or ``FinalStraightPath``.
         :param settings: ``ControlSettings``.
         """
         self._path, self._settings = path, settings
         self._way = 0.0
         self._since_new = settings.replan_period
         self.budget = path.length
-        self.replans = 0
-        self.go_arounds = 0
+        self.path_replans = 0
+        self.reapproaches = 0
 
     def follow(self, pose):
         """
         Find z on the path.
 
         :param pose: ``Pose`` of z in the frame of the z-goal.
-        :return: ``Track``.
+        :return: ``PathProjection``.
         """
-        self._way, aside, turned, curvature = locate(self._path, pose, self._way)
-        return Track(aside, turned, curvature, self._path.length - self._way)
+        self._way, aside, turned, curvature = project_on_path(self._path, pose, self._way)
+        return PathProjection(aside, turned, curvature, self._path.length - self._way)
 
     def preview(self, ways):
         """
@@ -63,45 +63,45 @@ class Guidance:
         """
         return self._path.curvatures(self._way + ways)
 
-    def revise(self, pose, track, limits, firm, travelled, dt):
+    def revise(self, pose, track, limits, firm, travelled_distance, dt):
         """
         Draw a new path if errors or limits ask for it and it is worth its length.
 
         :param pose: ``Pose`` of z in the frame of the z-goal.
-        :param track: ``Track`` on the present path.
+        :param track: ``PathProjection`` on the present path.
         :param limits: ``CurvatureLimits`` for a new path.
         :param firm: ``CurvatureLimits`` that no path may exceed.
-        :param travelled: way of the contact since the start [m].
+        :param travelled_distance: way of the contact since the start [m].
         :param dt: time since the last call [s].
-        :return: ``Track`` on the path that now holds.
+        :return: ``PathProjection`` on the path that now holds.
         """
         settings = self._settings
         self._since_new += dt
-        if self._since_new < settings.replan_period or travelled < settings.replan_after:
+        if self._since_new < settings.replan_period or travelled_distance < settings.replan_min_distance:
             return track
-        if track.remaining < settings.go_around_distance:
-            far = self.is_off(track, settings.go_around_share)
-            return self.go_around(pose, limits) or track if far else track
-        if (abs(track.lateral_error) <= settings.replan_lateral
-                and abs(track.heading_error) <= settings.replan_heading
+        if track.remaining_distance < settings.reapproach_distance:
+            far = self.is_off(track, settings.reapproach_tolerance_ratio)
+            return self.reapproach(pose, limits) or track if far else track
+        if (abs(track.lateral_error) <= settings.replan_lateral_error
+                and abs(track.heading_error) <= settings.replan_heading_error
                 and not self._is_too_sharp(track, firm)):
             return track
         self._since_new = 0.0
-        path = new_path(pose, limits, settings.run_in)
-        if path.length > settings.replan_growth * track.remaining:
+        path = path_to_goal(pose, limits, settings.final_straight)
+        if path.length > settings.replan_length_ratio * track.remaining_distance:
             return track
-        self.replans += 1
+        self.path_replans += 1
         return self._take(path, pose)
 
     def _is_too_sharp(self, track, firm):
-        ahead = self.preview(np.minimum(LOOKS_AHEAD, track.remaining))
+        ahead = self.preview(np.minimum(LOOKS_AHEAD, track.remaining_distance))
         return ahead.max() > firm.high or ahead.min() < firm.low
 
     def is_off(self, track, share=1.0):
         """
         Tell whether the errors exceed a share of the tolerances.
 
-        :param track: ``Track``.
+        :param track: ``PathProjection``.
         :param share: of the tolerances.
         """
         settings = self._settings
@@ -116,31 +116,31 @@ class Guidance:
             from the contact: supports rub otherwise than believed, and so turn otherwise.
         :return: less the more that is, and with every turn that has missed.
         """
-        return max(LEAST_CARE, 1.0 - wrong) * GENTLER ** self.go_arounds
+        return max(LEAST_CARE, 1.0 - wrong) * GENTLER ** self.reapproaches
 
     def arrive(self, pose, track, limits):
         """
         Approach the goal anew unless the push has come near enough.
 
         :param pose: ``Pose`` of z in the frame of the z-goal.
-        :param track: ``Track`` at the end of the present path.
+        :param track: ``PathProjection`` at the end of the present path.
         :param limits: ``CurvatureLimits`` for the new path.
-        :return: ``Track`` on the new path, or None where there is none.
+        :return: ``PathProjection`` on the new path, or None where there is none.
         """
-        return self.go_around(pose, limits) if self.is_off(track, ARRIVED_SHARE) else None
+        return self.reapproach(pose, limits) if self.is_off(track, ARRIVED_SHARE) else None
 
-    def go_around(self, pose, limits):
+    def reapproach(self, pose, limits):
         """
         Approach the goal anew, as often as the settings allow.
 
         :param pose: ``Pose`` of z in the frame of the z-goal.
         :param limits: ``CurvatureLimits`` for the new path.
-        :return: ``Track`` on the new path, or None.
+        :return: ``PathProjection`` on the new path, or None.
         """
-        if self.go_arounds >= self._settings.go_around_limit:
+        if self.reapproaches >= self._settings.max_reapproaches:
             return None
-        self.go_arounds += 1
-        path = new_path(pose, limits, self._settings.run_in)
+        self.reapproaches += 1
+        path = path_to_goal(pose, limits, self._settings.final_straight)
         self.budget += path.length
         return self._take(path, pose)
 

@@ -8,20 +8,20 @@ turns out to be.
 import math
 
 import numpy as np
-from push_model.dubins import advance, words
+from push_model.dubins import advance_along_arc, dubins_paths
 from push_model.geometry import Pose, wrap_angle
 
 SPACING = 0.02
 LONGEST_RADIUS = 20.0
 
 
-def flat_pose(flat):
+def flat_output_pose(flat):
     """
     Pose of the frame of z in the object frame: at z, along the direction from C to F.
 
     :param flat: the ``Vehicle``.
     """
-    return Pose(*flat.flat_point, flat.angle)
+    return Pose(*flat.flat_output, flat.angle)
 
 
 class SampledPath:
@@ -59,7 +59,7 @@ class SampledPath:
         if s <= 0.0 or s >= self.length:
             *pose, curvature = self._rows[0 if s <= 0.0 else -1]
             beyond = s if s <= 0.0 else s - self.length
-            return advance(Pose(*pose), beyond, 0.0), curvature
+            return advance_along_arc(Pose(*pose), beyond, 0.0), curvature
         index = min(int(s / self._spacing), len(self._rows) - 2)
         share = s / self._spacing - index
         row = [a + share * (b - a) for a, b in zip(self._rows[index], self._rows[index + 1])]
@@ -75,18 +75,18 @@ class SampledPath:
         return np.interp(ways, self._even, self._curvature, 0.0, 0.0)
 
 
-class RunInPath:
+class FinalStraightPath:
     """A Dubins path that ends in a straight run to the z-goal."""
 
-    def __init__(self, dubins, run_in):
+    def __init__(self, dubins, final_straight):
         """
         Append the straight run.
 
         :param dubins: ``DubinsPath`` to the beginning of the run.
-        :param run_in: length of the run [m].
+        :param final_straight: length of the run [m].
         """
         self._dubins = dubins
-        self.length = dubins.length + run_in
+        self.length = dubins.length + final_straight
         self._ends = np.cumsum((0.0, *dubins.lengths))
         self._pieces = np.array((0.0, *dubins.curvatures, 0.0))
 
@@ -109,21 +109,21 @@ class RunInPath:
         return self._pieces[np.searchsorted(self._ends, ways)]
 
 
-def new_path(start, limits, run_in):
+def path_to_goal(start, limits, final_straight):
     """
     Find the shortest path to the z-goal.
 
     :param start: ``Pose`` of z in the frame of the z-goal.
     :param limits: (lowest, highest) curvature, on either side of 0 [1/m].
-    :param run_in: length of the straight end [m].
-    :return: ``RunInPath``.
+    :param final_straight: length of the straight end [m].
+    :return: ``FinalStraightPath``.
     """
     left = min(LONGEST_RADIUS, 1.0 / max(limits[1], 1e-9))
     right = min(LONGEST_RADIUS, 1.0 / max(-limits[0], 1e-9))
-    return RunInPath(words(start, Pose(-run_in, 0.0, 0.0), left, right)[0], run_in)
+    return FinalStraightPath(dubins_paths(start, Pose(-final_straight, 0.0, 0.0), left, right)[0], final_straight)
 
 
-def locate(path, pose, s):
+def project_on_path(path, pose, s):
     """
     Find a pose's place on a path, near a given place.
 
@@ -146,7 +146,7 @@ def locate(path, pose, s):
 
 def _flat_poses(flat, trajectory):
     """Return z (x, y, psi) for each sample in the frame of the last, shape (3, n)."""
-    local = flat_pose(flat)
+    local = flat_output_pose(flat)
     rows = [Pose(*pose) @ local for pose in trajectory.object_poses.tolist()]
     home = rows[-1].inverse()
     rows = np.array([home @ row for row in rows]).T
@@ -167,7 +167,7 @@ def _refined(poses):
         start = Pose(x[i], y[i], bearing - 0.5 * turn)
         count = max(1, math.ceil(length / SPACING))
         for k in range(1, count + 1):
-            point = advance(start, length * k / count, turn / length)
+            point = advance_along_arc(start, length * k / count, turn / length)
             for column, value in zip(fine, (*point[:2], psi[i] + turn * k / count)):
                 column.append(value)
             ways.append(ways[-1] + length / count)

@@ -4,15 +4,15 @@ import functools
 import math
 
 import numpy as np
-from push_control.estimation.contact_site import site_of
+from push_control.estimation.contact_site import initial_contact_site
 from push_control.estimation.monitors import OneSidedMonitor
-from push_control.laws.closed_form import Situation
-from push_control.laws.contact_drive import ContactDrive
+from push_control.laws.closed_form import SteeringInput
+from push_control.laws.contact_steering import ContactSteering
 from push_control.laws.curvature_limits import contact_speed
-from push_control.laws.limit_surface_table import SupportTable
+from push_control.laws.limit_surface_table import LimitSurfaceTable
 from push_control.path.guidance import Guidance
-from push_control.path.path import flat_pose, SampledPath
-from push_control.push.tracking import Tracking
+from push_control.path.path import flat_output_pose, SampledPath
+from push_control.push.tracking import PushTracker
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.quasi_static import vehicle
@@ -35,19 +35,19 @@ class ClosedLoopPush:
         :raises ValueError: where this robot cannot push so at the target's contact.
         """
         self._obj, self._robot, self._settings, self._law = obj, robot, settings, law
-        site = site_of(obj, robot, target)
-        self._believed, supports = vehicle(obj, site.point), SupportTable(obj, site.point)
-        self._drive = ContactDrive(obj, robot, settings, site, supports)
+        site = initial_contact_site(obj, robot, target)
+        self._believed, supports = vehicle(obj, site.point), LimitSurfaceTable(obj, site.point)
+        self._drive = ContactSteering(obj, robot, settings, site, supports)
         self._center = friction_center(obj)
-        self._tracking = Tracking(robot, site, supports, settings, self._center, observation)
+        self._tracking = PushTracker(robot, site, supports, settings, self._center, observation)
         self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
         self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
-        self._belief = self._tracking.beliefs(observation.time, STOP)[0]
+        self._belief = self._tracking.states(observation.time, STOP)[0]
         self._anew = 0
-        law.restart()
+        law.reset()
         self._aim(target)
 
-    def go_on(self, target, observation):
+    def continue_with(self, target, observation):
         """
         Take up another target without a stop, where it starts at the push that is under way.
 
@@ -56,7 +56,7 @@ class ClosedLoopPush:
         :return: whether it does.
         :raises ValueError: where the robot does not touch the object at the target's start.
         """
-        meant = site_of(self._obj, self._robot, target)
+        meant = initial_contact_site(self._obj, self._robot, target)
         shift = self._belief.pose.inverse() @ Pose(*target.object_poses[0].tolist())
         tracking, settings = self._tracking, self._settings
         if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
@@ -90,7 +90,7 @@ class ClosedLoopPush:
         :param odometry: ``Odometry`` to take in meanwhile, or None.
         """
         self._elapsed, self._command = 0.0, STOP
-        self._law.restart()
+        self._law.reset()
         if odometry is not None:
             self._tracking.roll(odometry)
 
@@ -102,31 +102,31 @@ class ClosedLoopPush:
         :param dt: time since the last call [s].
         :return: ``Twist``; STOP once ``finished`` or ``failure`` is set.
         """
-        now, self._belief = self._tracking.beliefs(time, self._command)
+        now, self._belief = self._tracking.states(time, self._command)
         ahead, site = self._belief, self._tracking.site
         self._drive.site = site
         c_x, c_y, normal = site.at(ahead.phi - ahead.theta)
-        flat = self._vehicle((c_x, c_y), ahead.center).turning(math.exp(ahead.q))
+        flat = self._vehicle((c_x, c_y), ahead.center).with_c_squared_ratio(math.exp(ahead.q))
         pose = self._from_goal(flat, ahead)
-        planning = self._drive.limits(flat, normal, self._settings.plan_margin * self._care)
+        planning = self._drive.limits(flat, normal, self._settings.replan_cone_fraction * self._care)
         self._track = track = self._guidance.follow(pose)
         if self._tracking.watch.lost:
             self._command = self._approach(dt)
             return self._command
-        firm = self._drive.limits(flat, normal, self._settings.feedback_margin)
-        self._track = track = self._guidance.revise(pose, track, planning, firm, self.travelled,
+        firm = self._drive.limits(flat, normal, self._settings.feedback_cone_fraction)
+        self._track = track = self._guidance.revise(pose, track, planning, firm, self.travelled_distance,
                                                     dt)
-        if track.remaining <= self._settings.stop_distance:
+        if track.remaining_distance <= self._settings.stop_distance:
             self._track = track = self._arrive(pose, track, planning)
-        if self.travelled > self._settings.overrun * self._guidance.budget + 1.0:
-            self._ask_anew(f'gave up after {self.travelled:.1f} m, planned were '
+        if self.travelled_distance > self._settings.max_length_ratio * self._guidance.budget + 1.0:
+            self._ask_anew(f'gave up after {self.travelled_distance:.1f} m, planned were '
                            f'{self._guidance.budget:.1f} m')
         over = self.finished or self.failure
         self._command = STOP if over else self._steer(flat, now, track, dt)
         return self._command
 
     @property
-    def travelled(self):
+    def travelled_distance(self):
         """Way of the contact since the target was taken up [m]."""
         return self._tracking.way - self._begin
 
@@ -141,13 +141,13 @@ class ClosedLoopPush:
         belief, goal = self._belief, self._goal
         return {'position_error': math.hypot(belief.x - goal.x, belief.y - goal.y),
                 'heading_error': wrap_angle(belief.theta - goal.theta),
-                'remaining': self._track.remaining if self._track else self._guidance.budget,
-                'travelled': self.travelled, 'friction_center': belief.center,
+                'remaining_distance': self._track.remaining_distance if self._track else self._guidance.budget,
+                'travelled_distance': self.travelled_distance, 'friction_center': belief.center,
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'robot_pose': Pose(*self._tracking.site.robot_center(belief.pose, belief.phi),
                                    belief.phi),
                 'replan': self.failure if self._asks else '',
-                'replans': self._guidance.replans, 'go_arounds': self._guidance.go_arounds,
+                'path_replans': self._guidance.path_replans, 'reapproaches': self._guidance.reapproaches,
                 **self._tracking.report, **self._law.report}
 
     @property
@@ -161,7 +161,7 @@ class ClosedLoopPush:
         way = self._settings.start_speed * dt
         self.failure = self.failure or self._tracking.watch.out_of_reach(way)
         self._elapsed, self._curvature = 0.0, None
-        self._law.restart()
+        self._law.reset()
         return STOP if self.failure else self._drive.approach(self._belief)
 
     def _arrive(self, pose, track, planning):
@@ -173,25 +173,25 @@ class ClosedLoopPush:
         return again or track
 
     def _ask_anew(self, failure):
-        self.failure, self._asks = failure, self._anew < self._settings.replan_limit
+        self.failure, self._asks = failure, self._anew < self._settings.max_replan_requests
 
     def _from_goal(self, flat, belief):
-        local = flat_pose(flat)
+        local = flat_output_pose(flat)
         return local.inverse() @ self._goal.inverse() @ belief.pose @ local
 
     def _steer(self, flat, now, track, dt):
         self._elapsed += dt
-        self._speed = speed = contact_speed(self._elapsed, track.remaining, self._fastest,
+        self._speed = speed = contact_speed(self._elapsed, track.remaining_distance, self._fastest,
                                             self._settings)
         normal = self._tracking.site.at(now.phi - now.theta)[2]
-        limits = self._drive.limits(flat, normal, self._settings.feedback_margin)
-        self.failure = self._one_sided.trouble(limits, self.travelled)
+        limits = self._drive.limits(flat, normal, self._settings.feedback_cone_fraction)
+        self.failure = self._one_sided.trouble(limits, self.travelled_distance)
         if self.failure:
             return STOP
-        situation = Situation(
+        situation = SteeringInput(
             track, lambda: self._guidance.follow(self._from_goal(flat, now)),
             self._guidance.preview, flat, limits=limits, before=self._curvature,
-            change=self._settings.curvature_rate * speed * dt, moved=speed * dt,
+            change=self._settings.max_curvature_rate * speed * dt, moved=speed * dt,
             lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
         self._curvature = situation.allowed(self._law.curvature(situation))
         command, self.failure = self._drive.command(flat, self._belief, self._curvature, speed)

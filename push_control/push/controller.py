@@ -2,12 +2,12 @@
 
 import dataclasses
 
-from push_control.estimation.monitors import is_finite_odometry, unusable
+from push_control.estimation.monitors import is_finite_odometry, measurement_fault
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.mpc import PredictiveLaw
 from push_control.push.closed_loop import ClosedLoopPush
 from push_control.push.open_loop import OpenLoopPush
-from push_control.push.start import misplaced
+from push_control.push.start import start_fault
 from push_model.geometry import Pose
 from push_model.signals import STOP
 
@@ -23,18 +23,18 @@ class ControllerStatus:
     :param reason: one sentence, empty while all is well.
     :param position_error: distance of the object from its goal [m].
     :param heading_error: object heading less that of the goal [rad].
-    :param remaining: way of the flat point that is left [m].
-    :param travelled: way of the contact since the start [m].
+    :param remaining_distance: way of the flat point that is left [m].
+    :param travelled_distance: way of the contact since the start [m].
     :param friction_center: estimate in the object frame (x, y) [m].
     :param push_direction: estimated effective robot heading [rad].
     :param object_pose: estimated ``Pose`` of the object, one drive lag ahead.
     :param robot_pose: ``Pose`` of the robot at that time, as it must be to touch the object.
-    :param touches: whether the robot is seen to touch the object.
+    :param in_contact: whether the robot is seen to touch the object.
     :param replan: why a push has failed that a plan from there may bring to its goal, else empty.
-    :param replans: number of new paths.
-    :param go_arounds: number of new approaches near the goal.
+    :param path_replans: number of new paths.
+    :param reapproaches: number of new approaches near the goal.
     :param slips: number of times that the contact was seen to slide.
-    :param losses: number of times that the object was seen to be out of touch.
+    :param contact_losses: number of times that the object was seen to be out of touch.
     :param rejected_poses: number of measurements that did not fit.
     :param solver_failures: number of times that the closed-form law stood in for the solver.
     :param solver_reason: why it did so last, empty while it did not.
@@ -44,18 +44,18 @@ class ControllerStatus:
     reason: str = ''
     position_error: float = 0.0
     heading_error: float = 0.0
-    remaining: float = 0.0
-    travelled: float = 0.0
+    remaining_distance: float = 0.0
+    travelled_distance: float = 0.0
     friction_center: tuple = (0.0, 0.0)
     push_direction: float = 0.0
     object_pose: Pose = Pose(0.0, 0.0, 0.0)
     robot_pose: Pose = Pose(0.0, 0.0, 0.0)
-    touches: bool = True
+    in_contact: bool = True
     replan: str = ''
-    replans: int = 0
-    go_arounds: int = 0
+    path_replans: int = 0
+    reapproaches: int = 0
     slips: int = 0
-    losses: int = 0
+    contact_losses: int = 0
     rejected_poses: int = 0
     solver_failures: int = 0
     solver_reason: str = ''
@@ -119,7 +119,7 @@ class Controller:
         if target is None or not (self._phase == 'pushing' or self.status.replan):
             return False
         try:
-            kept = self._push.go_on(target, observation)
+            kept = self._push.continue_with(target, observation)
         except ValueError:
             # It is said when the push begins anew.
             return False
@@ -132,7 +132,7 @@ class Controller:
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
         if not open_loop:
-            self._reason = unusable(observation, self._pose_time, self._parts[2])
+            self._reason = measurement_fault(observation, self._pose_time, self._parts[2])
         if self._reason:
             return self._wait(observation.odometry)
         if self._push is None:
@@ -142,7 +142,7 @@ class Controller:
                                                   observation))
             except ValueError as error:
                 self._reason = str(error)
-            self._reason = self._reason or misplaced(
+            self._reason = self._reason or start_fault(
                 *self._parts[1:], self._target, observation)
             if self._reason:
                 self._phase = 'failed'

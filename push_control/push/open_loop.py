@@ -31,7 +31,7 @@ class OpenLoopPush:
         self._speeds = speeds
         self.failure, self.notice, self.report = '', '', {}
 
-    def go_on(self, target, observation):
+    def continue_with(self, target, observation):
         """
         Refuse to take up another target: only its start is known.
 

@@ -5,7 +5,7 @@ import math
 from push_model.geometry import distance, Pose, wrap_angle
 
 
-def robot_at_start(target, pose):
+def robot_start_pose(target, pose):
     """
     Place the robot for a push of an object that stands elsewhere than planned.
 
@@ -17,7 +17,7 @@ def robot_at_start(target, pose):
     return pose @ planned.inverse() @ Pose(*target.robot_poses[0].tolist())
 
 
-def contact_at_start(target):
+def contact_start_point(target):
     """
     Find where a push begins on the object.
 
@@ -28,7 +28,7 @@ def contact_at_start(target):
     return planned.inverse().transform(target.contact_poses[0][:2].tolist())
 
 
-def misplaced(robot, settings, target, observation):
+def start_fault(robot, settings, target, observation):
     """
     Say how far the robot stands from the start of a plan, and where it should.
 
@@ -41,10 +41,10 @@ def misplaced(robot, settings, target, observation):
     if observation.object_pose is None:
         return ''
     pose, place = observation.object_pose.pose, observation.odometry.pose
-    meant = robot_at_start(target, pose)
+    meant = robot_start_pose(target, pose)
     away, turn = distance(meant, place), wrap_angle(place.theta - meant.theta)
     aside = robot.radius * abs(turn) if robot.drive == 'differential' else 0.0
-    if max(away, aside) <= settings.placement_tolerance:
+    if max(away, aside) <= settings.start_tolerance:
         return ''
     return (f'the robot is not where the plan starts, but {away:.3f} m away and turned by '
             f'{math.degrees(turn):.1f} deg: it must stand at {meant.x:.3f} m, {meant.y:.3f} m, '

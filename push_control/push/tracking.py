@@ -2,14 +2,14 @@
 
 import math
 
-from push_control.estimation.contact_detection import ContactWatch
+from push_control.estimation.contact_detection import ContactDetector
 from push_control.estimation.estimator import Estimator
 from push_control.estimation.monitors import FollowMonitor
-from push_control.laws.command import mean_motion
+from push_control.laws.command import mean_twist
 from push_model.contact import contact_velocity
 
 
-class Tracking:
+class PushTracker:
     """Estimator, contact watch and the ways gone, fed with every measurement once."""
 
     def __init__(self, robot, site, supports, settings, center, observation):
@@ -17,8 +17,8 @@ class Tracking:
         Begin in contact.
 
         :param robot: the ``RoundRobot``.
-        :param site: the contact ``Site``.
-        :param supports: the ``SupportTable`` as believed.
+        :param site: the contact ``ContactSite``.
+        :param supports: the ``LimitSurfaceTable`` as believed.
         :param settings: ``ControlSettings``.
         :param center: believed friction centre, object frame (x, y) [m].
         :param observation: first ``Observation``, with an object pose.
@@ -27,7 +27,7 @@ class Tracking:
         self._robot, self.site = robot, site
         self._estimator = Estimator(robot, site, supports, settings, center, measured, odometry)
         self._monitor = FollowMonitor(settings)
-        self.watch = ContactWatch(settings, robot.radius, site)
+        self.watch = ContactDetector(settings, robot.radius, site)
         self.last, self._pose_time = odometry, measured.time
         self.way = 0.0
 
@@ -44,7 +44,7 @@ class Tracking:
             return ''
         self._pose_time = measured.time
         self._estimator.add_pose(measured)
-        found = self.watch.look(self._estimator.beside_contact(measured), self.way)
+        found = self.watch.look(self._estimator.contact_offset(measured), self.way)
         self.site = self.site.slid(found.slid)
         self._estimator.place_contact(self.site, found.drift, self.watch.lost)
         if self._monitor.lost(self.way, measured.pose.transform(self._estimator.contact)):
@@ -59,27 +59,27 @@ class Tracking:
         """
         if odometry.time > self.last.time:
             twist, last = odometry.twist, self._estimator.predict(self.last.time)
-            lead = last.theta + self.site.at(last.phi - last.theta)[2] - last.phi
-            speed = math.hypot(*contact_velocity(0.0, lead, self._robot.radius, twist))
+            heading_offset = last.theta + self.site.at(last.phi - last.theta)[2] - last.phi
+            speed = math.hypot(*contact_velocity(0.0, heading_offset, self._robot.radius, twist))
             self.way += speed * (odometry.time - self.last.time)
             self._estimator.add_odometry(odometry)
             self.last = odometry
 
-    def beliefs(self, time, command):
+    def states(self, time, command):
         """
         Predict over delay and drive lag.
 
         :param time: now [s].
         :param command: ``Twist`` that the robot follows.
-        :return: ``Belief`` now, and one drive lag later.
+        :return: ``PushState`` now, and one drive lag later.
         """
         now, lag = self._estimator.predict(time), self._robot.time_constant
-        motion = mean_motion(self.last.twist, command, lag)
-        return now, self._estimator.carry_on(now, motion, lag)
+        motion = mean_twist(self.last.twist, command, lag)
+        return now, self._estimator.propagate(now, motion, lag)
 
     @property
     def report(self):
         """Counts for the status."""
-        return {'touches': not self.watch.lost, 'slips': self.watch.slips,
-                'losses': self.watch.losses,
+        return {'in_contact': not self.watch.lost, 'slips': self.watch.slips,
+                'contact_losses': self.watch.contact_losses,
                 'rejected_poses': self._estimator.rejected}

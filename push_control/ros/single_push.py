@@ -1,17 +1,17 @@
 """One push: the controller's node follows the plan that there is."""
 
-from push_control.push.controller import make_controller
+from push_control.push.controller import Controller
 from push_model.signals import STOP
 from push_ros.conversions.markers import GREY, plan_markers, scene_markers
 from push_ros.conversions.plan import from_plan_message
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
-from push_ros.node import Rate
+from push_ros.node import RateLimiter
 
 LEVELS = {'waiting': WARN, 'failed': ERROR}
 
 
-class SinglePush:
+class SinglePushMode:
     """
     What the controller's node does with one plan at a time.
 
@@ -31,11 +31,11 @@ class SinglePush:
         :param running: whether to follow a plan as soon as it comes.
         """
         self._parts, self._frame, self._reporter = parts[:2], frame, node.reporter
-        self._controller = make_controller(*parts[:3])
+        self._controller = Controller(*parts[:3])
         self._running, self._target = running, None
-        self._markers, self._marker_rate = node.publisher('markers'), Rate(2.0)
-        self._replan = node.ask('planner/replan')
-        self._robot_pose, self._said, self._report_rate = None, None, Rate(1.0)
+        self._markers, self._marker_rate = node.publisher('markers'), RateLimiter(2.0)
+        self._replan = node.trigger_client('planner/replan')
+        self._robot_pose, self._said, self._report_rate = None, None, RateLimiter(1.0)
 
     @property
     def is_set(self):
@@ -55,9 +55,9 @@ class SinglePush:
         """Begin anew."""
         self._controller.reset()
         self._target = self._robot_pose = self._said = None
-        self._report_rate = Rate(1.0)
+        self._report_rate = RateLimiter(1.0)
 
-    def take_plan(self, message):
+    def on_plan(self, message):
         """
         Take a plan.
 
@@ -76,10 +76,10 @@ class SinglePush:
         self._reporter.report(OK, 'has a plan' + ('' if self._running else
                                                   ' and waits for controller/start'), stamp)
 
-    def take_goal(self, _):
+    def on_goal(self, _):
         """Leave a goal to the planner."""
 
-    def take_map(self, _):
+    def on_map(self, _):
         """Leave obstacles to whoever gives the goal."""
 
     def start(self):
@@ -109,7 +109,7 @@ class SinglePush:
         self._robot_pose = observation.odometry.pose
         return self._controller.step(self._target, observation, dt) if self.is_active else STOP
 
-    def tell(self, stamp, time):
+    def report(self, stamp, time):
         """
         Report what has changed, and draw now and then.
 

@@ -1,6 +1,6 @@
 """A task: the controller's node brings the object to its goal, with as many pushes as it takes."""
 
-from push_control.ros.task_report import TaskReport
+from push_control.ros.task_report import TaskReporter
 from push_control.task.supervisor import STANDING, Supervisor
 from push_ros.conversions.map import from_map_message
 from push_ros.conversions.measurements import from_object_pose_message
@@ -13,7 +13,7 @@ NO_PLAN = 'the planner has found none, and says why on diagnostics'
 LONGEST_AHEAD = 3600.0
 
 
-class SupervisedTask:
+class TaskMode:
     """
     What the controller's node does in a task; a ``Supervisor`` decides.
 
@@ -36,7 +36,7 @@ class SupervisedTask:
         self._parts, self._frame = parts, frame
         self._running, self._workspace = running, None
         self._requests = node.requests
-        self._report = TaskReport(node, *parts[:2], frame)
+        self._report = TaskReporter(node, *parts[:2], frame)
         self.forget()
 
     @property
@@ -52,7 +52,7 @@ class SupervisedTask:
     @property
     def awaits_plan(self):
         """Whether a plan is wanted."""
-        return self._supervisor.wants is not None
+        return self._supervisor.plan_request is not None
 
     def repeat(self):
         """Say at the next measurement what it does, changed or not."""
@@ -61,12 +61,12 @@ class SupervisedTask:
     def forget(self):
         """Begin anew."""
         self._supervisor = Supervisor(*self._parts)
-        self._supervisor.set_workspace(self._workspace)
+        self._supervisor.set_map(self._workspace)
         self._goal = self._asked = self._observation = None
         self._later, self._request_stamp = [], 0
         self.repeat()
 
-    def take_goal(self, message):
+    def on_goal(self, message):
         """
         Take a goal, or keep it until its time has come.
 
@@ -80,7 +80,7 @@ class SupervisedTask:
         else:
             self._set_goal(goal.pose)
 
-    def take_map(self, message):
+    def on_map(self, message):
         """
         Take a map, for the next way.
 
@@ -88,10 +88,10 @@ class SupervisedTask:
         :raises MessageRefused: where it cannot be used; the former one stays.
         """
         self._workspace = from_map_message(message, self._frame)
-        self._supervisor.set_workspace(self._workspace)
+        self._supervisor.set_map(self._workspace)
         self._report.has_map(message)
 
-    def take_plan(self, message):
+    def on_plan(self, message):
         """
         Take the plan that was asked for; one that was not is ignored.
 
@@ -102,12 +102,12 @@ class SupervisedTask:
         if not self.awaits_plan or nanoseconds(stamp) != self._request_stamp:
             return
         if not message.points:
-            self._supervisor.refused(NO_PLAN)
+            self._supervisor.on_planning_failed(NO_PLAN)
             return
         try:
             target = from_plan_message(message, self._frame)
         except MessageRefused as error:
-            self._supervisor.refused(str(error))
+            self._supervisor.on_planning_failed(str(error))
             raise
         self._supervisor.take(target)
         self._report.draw_plan(target, stamp)
@@ -151,7 +151,7 @@ class SupervisedTask:
         while self._later and self._later[0].time <= observation.time:
             self._set_goal(self._later.pop(0).pose)
         command = self._supervisor.step(observation, dt)
-        wanted = self._supervisor.wants
+        wanted = self._supervisor.plan_request
         if wanted is not self._asked and wanted is not None:
             # Of its own, so that answers can be told apart.
             newest = round(observation.time * NANOSECONDS)
@@ -161,14 +161,14 @@ class SupervisedTask:
         self._asked = wanted
         return command
 
-    def tell(self, stamp, time):
+    def report(self, stamp, time):
         """
         Report what has changed, and draw now and then.
 
         :param stamp: of the measurement.
         :param time: of the newest measurement [s].
         """
-        self._report.tell(self._supervisor.status, stamp, time)
+        self._report.report(self._supervisor.status, stamp, time)
         if self._observation is not None:
             self._report.draw(self._supervisor.status, self._observation, stamp)
 

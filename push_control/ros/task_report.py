@@ -1,15 +1,15 @@
 """What the controller's node says and shows of a task."""
 
-from push_control.task.status import Change
+from push_control.task.status import StateChange
 from push_ros.conversions.map import map_text
 from push_ros.conversions.markers import GREY, plan_markers, scene_markers, text_markers
 from push_ros.diagnostics import ERROR, OK, WARN
-from push_ros.node import Rate
+from push_ros.node import RateLimiter
 
 LEVELS = {'failed': ERROR, 'paused': WARN}
 
 
-class TaskReport:
+class TaskReporter:
     """Reports every change of state, and draws object, robot, plan and state."""
 
     def __init__(self, node, obj, robot, frame):
@@ -22,15 +22,15 @@ class TaskReport:
         :param frame: id of the world frame.
         """
         self._parts, self._frame, self._reporter = (obj, robot), frame, node.reporter
-        self._markers, self._marker_rate = node.publisher('markers'), Rate(2.0)
+        self._markers, self._marker_rate = node.publisher('markers'), RateLimiter(2.0)
         self._history = ()
         self.repeat()
 
     def repeat(self):
         """Say the present state next time, changed or not."""
-        self._said, self._rate = None, Rate(1.0)
+        self._said, self._rate = None, RateLimiter(1.0)
 
-    def tell(self, status, stamp, time):
+    def report(self, status, stamp, time):
         """
         Report every change of state, and what is waited for.
 
@@ -41,10 +41,10 @@ class TaskReport:
         known, self._history = self._history, status.history
         goes_on = status.history[:len(known)] == known
         for change in status.history[len(known) if goes_on else 0:]:
-            self._report(status, change, stamp, time, anew=True)
+            self._report(status, change, stamp, time, always=True)
         due = self._rate.due(time)
         if due or (status.state, status.reason) != self._said:
-            self._report(status, Change(status.since, status.state, status.reason), stamp, time)
+            self._report(status, StateChange(status.since, status.state, status.reason), stamp, time)
 
     def draw(self, status, observation, stamp):
         """
@@ -83,14 +83,14 @@ class TaskReport:
         """
         self._markers.publish(plan_markers(stamp, self._frame, target))
 
-    def _report(self, status, now, stamp, time, anew=False):
+    def _report(self, status, now, stamp, time, always=False):
         self._said = now.state, now.reason
         values = {'time': time, 'state': now.state, 'reason': now.reason, 'since': now.time,
                   'pushes': status.pushes, 'recoveries': status.recoveries,
                   'robot_pose': status.robot_pose and tuple(status.robot_pose)}
         values.update({f'push.{key}': value for key, value in vars(status.push).items()})
         self._reporter.report(LEVELS.get(now.state, WARN if now.reason else OK),
-                              f'task: {_sentence(now.state, now.reason)}', stamp, values, anew)
+                              f'task: {_sentence(now.state, now.reason)}', stamp, values, always)
 
 
 def _sentence(state, reason):

@@ -3,10 +3,10 @@
 import dataclasses
 import math
 
-from push_control.push.start import contact_at_start
+from push_control.push.start import contact_start_point
 from push_control.task.approach import Approach
-from push_control.task.guarded_approach import Touch
-from push_control.task.object_model import LearntObject
+from push_control.task.guarded_approach import GuardedApproach
+from push_control.task.object_model import ObjectModelEstimator
 from push_control.task.push import SupervisedPush
 from push_control.task.retreat import Retreat
 
@@ -17,12 +17,12 @@ STIFFER, FEEDBACK_MARGIN = 1.5, 0.9
 INSIDE = 0.002
 
 
-class Legs:
+class BehaviorFactory:
     """
     Makes the legs of a task, one after the other.
 
-    Each has ``step(sight, dt)``, which gives the ``Twist``, ``halt()``, ``finished`` and
-    ``trouble``.
+    Each has ``step(perception, dt)``, which gives the ``Twist``, ``pause()``, ``finished`` and
+    ``failure_reason``.
     """
 
     def __init__(self, obj, robot, control, drive, supervision):
@@ -37,47 +37,47 @@ class Legs:
         :param supervision: ``SupervisionSettings``.
         """
         self._control = dataclasses.replace(
-            control, position_tolerance=1.0, heading_tolerance=1.0, go_around_limit=0,
-            replan_limit=0, feedback_margin=max(control.feedback_margin, FEEDBACK_MARGIN),
+            control, position_tolerance=1.0, heading_tolerance=1.0, max_reapproaches=0,
+            max_replan_requests=0, feedback_cone_fraction=max(control.feedback_cone_fraction, FEEDBACK_MARGIN),
             lateral_gain=min(100.0, STIFFER ** 2 * control.lateral_gain),
             heading_gain=min(50.0, STIFFER * control.heading_gain),
-            curvature_rate=min(1000.0, STIFFER ** 2 * control.curvature_rate))
+            max_curvature_rate=min(1000.0, STIFFER ** 2 * control.max_curvature_rate))
         self._robot, self._drive, self._settings = robot, drive, supervision
-        self.learnt, self.workspace = LearntObject(obj, control), None
+        self.object_model, self.occupancy_map = ObjectModelEstimator(obj, control), None
 
-    def begin(self, state, target, sight):
+    def create(self, state, target, perception):
         """
         Make the leg of a state.
 
         :param state: one of ``push_control.task.status.STATES``.
         :param target: the ``PushTrajectory``, or None.
-        :param sight: ``Sight`` of robot and object.
+        :param perception: ``TaskPerception`` of robot and object.
         :return: the leg, or None where the robot stands.
         """
-        obj, robot, drive, settings = self.learnt.obj, self._robot, self._drive, self._settings
+        obj, robot, drive, settings = self.object_model.obj, self._robot, self._drive, self._settings
         if state == 'approach':
-            return Approach(obj, robot, drive, settings, target, self.workspace)
+            return Approach(obj, robot, drive, settings, target, self.occupancy_map)
         if state == 'align':
-            return Touch(obj, robot, self._control, drive, settings, target,
-                         sight.rest)
+            return GuardedApproach(obj, robot, self._control, drive, settings, target,
+                                   perception.object_at_rest)
         if state == 'push':
-            return SupervisedPush(self.learnt, robot, self._as_known(target, sight), settings,
-                                  target, self.workspace)
+            return SupervisedPush(self.object_model, robot, self._as_known(target, perception), settings,
+                                  target, self.occupancy_map)
         if state == 'retreat':
-            return Retreat(obj, robot, drive, settings, self.workspace)
+            return Retreat(obj, robot, drive, settings, self.occupancy_map)
         return None
 
-    def look_round(self, sight):
+    def correct_overlap(self, perception):
         """
         See that the robot does not stand inside the object.
 
-        :param sight: ``Sight`` of robot and object.
+        :param perception: ``TaskPerception`` of robot and object.
         """
-        sight.step_out(self.learnt.obj, self._robot, INSIDE)
+        perception.correct_overlap(self.object_model.obj, self._robot, INSIDE)
 
-    def _as_known(self, target, sight):
+    def _as_known(self, target, perception):
         """Tell the controller how well robot and friction centre are known by now."""
-        spread = self.learnt.spread(contact_at_start(target))
+        spread = self.object_model.spread(contact_start_point(target))
         return dataclasses.replace(
-            self._control, center_spread=math.hypot(CENTER_SPREAD, spread),
-            placement_spread=math.hypot(PLACEMENT_SPREAD, sight.placement.deviations[2]))
+            self._control, center_std_ratio=math.hypot(CENTER_SPREAD, spread),
+            push_direction_std=math.hypot(PLACEMENT_SPREAD, perception.localization.standard_deviations[2]))

@@ -16,7 +16,7 @@ MEMORY = 1.0
 GATE = 4.0
 
 
-class Placement:
+class RobotLocalization:
     """Pose of the robot in the world, from odometry and touches."""
 
     def __init__(self, settings):
@@ -29,7 +29,7 @@ class Placement:
         self._walk = settings.odometry_walk, settings.odometry_heading_walk
         self._last = self._pose = None
 
-    def roll(self, odometry):
+    def predict(self, odometry):
         """
         Take in the robot's motion.
 
@@ -55,7 +55,7 @@ class Placement:
         return self._pose
 
     @property
-    def deviations(self):
+    def standard_deviations(self):
         """Standard deviations of x, y [m] and heading [rad]."""
         return np.sqrt(np.diag(self._covariance)[:3])
 
@@ -74,7 +74,7 @@ class Placement:
         return Pose(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y),
                     a.theta + share * wrap_angle(b.theta - a.theta))
 
-    def must_be(self, error, covariance, sure=True):
+    def update_pose(self, error, covariance, sure=True):
         """
         Learn from a robot that is seen to be elsewhere.
 
@@ -86,21 +86,21 @@ class Placement:
         if sure or not self._is_odd(rows, error, covariance):
             self._learn(rows, error, covariance)
 
-    def must_be_along(self, direction, error, deviation, sure=True):
+    def update_along(self, direction, error, deviation, sure=True):
         """
         Learn from a robot that is seen to be elsewhere along one direction, as where it touches.
 
         :param direction: world angle [rad].
         :param error: true place less that believed, along it [m].
         :param deviation: standard deviation of that [m].
-        :param sure: as of ``must_be``.
+        :param sure: as of ``update_pose``.
         """
         row = np.array([[math.cos(direction), math.sin(direction), 0.0, 0.0, 0.0]])
         error, noise = np.array([error]), np.array([[deviation ** 2]])
         if sure or not self._is_odd(row, error, noise):
             self._learn(row, error, noise)
 
-    def doubt(self, distance):
+    def inflate_covariance(self, distance):
         """
         Reckon with a robot that is elsewhere, after it has looked for the object in vain.
 

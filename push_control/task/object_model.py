@@ -14,7 +14,7 @@ from push_model.friction import friction_center, with_friction_center
 DEVIATION, WALK = 0.004, 0.002
 
 
-class LearntObject:
+class ObjectModelEstimator:
     """A believed object, and where its friction centre has been seen since."""
 
     def __init__(self, obj, control):
@@ -26,7 +26,7 @@ class LearntObject:
         """
         self._believed, self.obj = obj, obj
         reach = max([obj.radius, *(math.hypot(*point) for point in obj.outline)])
-        self._covariance = (control.center_spread * reach) ** 2 * np.eye(2)
+        self._covariance = (control.center_std_ratio * reach) ** 2 * np.eye(2)
 
     def learn(self, point, seen, unsure=0.0):
         """
@@ -44,7 +44,7 @@ class LearntObject:
         center = center + gain * (across @ (np.array(seen) - center))
         self.obj = with_friction_center(self._believed, center)
 
-    def beside(self, point, seen):
+    def lateral_innovation(self, point, seen):
         """
         Compare a friction centre as a push sees it with what is known, across the push.
 

@@ -5,13 +5,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_control.estimation.monitors import is_finite_odometry, unusable
-from push_control.task.localization import Placement
+from push_control.estimation.monitors import is_finite_odometry, measurement_fault
+from push_control.task.localization import RobotLocalization
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 
 
-class Rest(NamedTuple):
+class ObjectAtRest(NamedTuple):
     """
     An object at rest.
 
@@ -27,7 +27,7 @@ class Rest(NamedTuple):
     heading_error: float
 
 
-class RestWindow:
+class StationarityWindow:
     """Averages measured poses, and begins anew where one tells that the object has moved."""
 
     def __init__(self, control, supervision):
@@ -38,7 +38,7 @@ class RestWindow:
         :param supervision: ``SupervisionSettings``.
         """
         self._noise = control.pose_noise, control.heading_noise
-        self._gate, self._longest = supervision.rest_gate, supervision.longest_look
+        self._gate, self._longest = supervision.motion_gate_sigmas, supervision.max_averaging_time
         self.clear()
 
     def clear(self):
@@ -61,8 +61,8 @@ class RestWindow:
         self._rest = self._averaged()
 
     @property
-    def rest(self):
-        """What is known as ``Rest``, or None before the first measurement."""
+    def object_at_rest(self):
+        """What is known as ``ObjectAtRest``, or None before the first measurement."""
         return self._rest
 
     def _has_moved(self, pose):
@@ -77,8 +77,8 @@ class RestWindow:
                          for _, pose in self._seen])
         x, y, turn = rows.mean(axis=0).tolist()
         share = 1.0 / math.sqrt(len(rows))
-        return Rest(Pose(x, y, wrap_angle(first + turn)), self._seen[-1].time - self._seen[0].time,
-                    share * self._noise[0], share * self._noise[1])
+        return ObjectAtRest(Pose(x, y, wrap_angle(first + turn)), self._seen[-1].time - self._seen[0].time,
+                            share * self._noise[0], share * self._noise[1])
 
 
 def has_moved(before, now, settings):
@@ -89,8 +89,8 @@ def has_moved(before, now, settings):
     :param now: ``Pose`` that it has.
     :param settings: ``SupervisionSettings``.
     """
-    return (distance(now, before) > settings.shove_distance
-            or abs(wrap_angle(now.theta - before.theta)) > settings.shove_angle)
+    return (distance(now, before) > settings.moved_distance
+            or abs(wrap_angle(now.theta - before.theta)) > settings.moved_angle)
 
 
 # Where the robot is found by the motion of the object alone: standard deviations [m, m, rad].
@@ -98,7 +98,7 @@ BEHIND, LOST = (0.15, 0.15, 1.0), 10.0
 ENOUGH, TRACINGS = 2, 12
 
 
-class Sight:
+class TaskPerception:
     """Takes in every measurement once."""
 
     def __init__(self, control, supervision):
@@ -109,8 +109,8 @@ class Sight:
         :param supervision: ``SupervisionSettings``.
         """
         self._settings = control
-        self.placement = Placement(supervision)
-        self._window = RestWindow(control, supervision)
+        self.localization = RobotLocalization(supervision)
+        self._window = StationarityWindow(control, supervision)
         self._from, self._pose_time, self._observation = 0.0, None, None
         self._moved = 0
 
@@ -122,8 +122,8 @@ class Sight:
         """
         odometry, measured = observation.odometry, observation.object_pose
         if is_finite_odometry(odometry):
-            self.placement.roll(odometry)
-            odometry = odometry._replace(pose=self.placement.pose)
+            self.localization.predict(odometry)
+            odometry = odometry._replace(pose=self.localization.pose)
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
             if measured.time >= self._from:
@@ -138,9 +138,9 @@ class Sight:
         :param robot: the ``RoundRobot``.
         :return: the gap [m], negative on overlap.
         """
-        return find_contact(obj, self.rest.pose, self.robot_pose[:2], robot.radius)[2]
+        return find_contact(obj, self.object_at_rest.pose, self.robot_pose[:2], robot.radius)[2]
 
-    def feel(self, obj, robot, deviation, sure=True):
+    def update_from_contact(self, obj, robot, deviation, sure=True):
         """
         Learn where the robot stands from its touching the object, when that was last measured.
 
@@ -150,11 +150,11 @@ class Sight:
         :param sure: whether it touches for certain.
         """
         measured = self._observation.object_pose
-        there = self.placement.at(measured.time)
+        there = self.localization.at(measured.time)
         _, normal, gap = find_contact(obj, measured.pose, there[:2], robot.radius)
-        self.placement.must_be_along(normal, gap, deviation, sure)
+        self.localization.update_along(normal, gap, deviation, sure)
 
-    def step_out(self, obj, robot, deviation):
+    def correct_overlap(self, obj, robot, deviation):
         """
         Learn from a robot that seems to stand inside the object, as it stands beside it.
 
@@ -163,15 +163,15 @@ class Sight:
         :param deviation: standard deviation of the gap [m].
         """
         measured = self._observation.object_pose
-        there = self.placement.at(measured.time)
+        there = self.localization.at(measured.time)
         if find_contact(obj, measured.pose, there[:2], robot.radius)[2] < 0.0:
-            self.feel(obj, robot, deviation)
+            self.update_from_contact(obj, robot, deviation)
 
-    def have_pushed(self):
+    def on_push_succeeded(self):
         """Note that a push went well: the robot is where it is believed to be."""
         self._moved = 0
 
-    def see_moved(self, obj, robot, before):
+    def on_object_moved(self, obj, robot, before):
         """
         Note that the object has moved while it was not pushed.
 
@@ -183,7 +183,7 @@ class Sight:
         :param before: ``Pose`` that the object had.
         """
         self._moved += 1
-        pose, here = self.rest.pose, self.placement.pose
+        pose, here = self.object_at_rest.pose, self.localization.pose
         way = distance(pose, before)
         if self._moved < ENOUGH or way == 0.0:
             return
@@ -192,9 +192,9 @@ class Sight:
         for _ in range(TRACINGS):
             place = pose.x - away * x, pose.y - away * y
             away += abs(find_contact(obj, pose, place, robot.radius)[2])
-        self.placement.doubt(LOST)
+        self.localization.inflate_covariance(LOST)
         error = place[0] - here.x, place[1] - here.y, 0.0
-        self.placement.must_be(error, np.diag(np.square(BEHIND)))
+        self.localization.update_pose(error, np.diag(np.square(BEHIND)))
 
     def look_anew(self, time):
         """
@@ -205,7 +205,7 @@ class Sight:
         self._window.clear()
         self._from = time
 
-    def trouble(self, blind=False):
+    def failure_reason(self, blind=False):
         """
         Say why the measurements cannot be used.
 
@@ -213,7 +213,7 @@ class Sight:
         :return: the reason, or an empty text.
         """
         seen = self._observation.time if blind else self._pose_time
-        return unusable(self._observation, seen, self._settings)
+        return measurement_fault(self._observation, seen, self._settings)
 
     @property
     def observation(self):
@@ -221,9 +221,9 @@ class Sight:
         return self._observation
 
     @property
-    def placed(self):
+    def corrected_observation(self):
         """The same, with what was learnt of the robot's place since."""
-        odometry = self._observation.odometry._replace(pose=self.placement.pose)
+        odometry = self._observation.odometry._replace(pose=self.localization.pose)
         return self._observation._replace(odometry=odometry)
 
     @property
@@ -234,9 +234,9 @@ class Sight:
     @property
     def robot_pose(self):
         """``Pose`` of the robot in the world."""
-        return self.placement.pose
+        return self.localization.pose
 
     @property
-    def rest(self):
-        """``push_control.task.perception.Rest`` of the object, or None before it was seen at rest."""
-        return self._window.rest
+    def object_at_rest(self):
+        """``push_control.task.perception.ObjectAtRest`` of the object, or None before it was seen at rest."""
+        return self._window.object_at_rest

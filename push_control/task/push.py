@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from push_control.estimation.contact_site import site_of
-from push_control.laws.command import mean_motion
-from push_control.push.controller import make_controller
-from push_control.push.start import contact_at_start
+from push_control.estimation.contact_site import initial_contact_site
+from push_control.laws.command import mean_twist
+from push_control.push.controller import Controller
+from push_control.push.start import contact_start_point
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import STOP
@@ -25,53 +25,53 @@ FAILED_PLACE, REJECTED = 0.03, 1
 class SupervisedPush:
     """Runs a controller until it ends the push, well or not."""
 
-    def __init__(self, learnt, robot, control, supervision, target, workspace=None):
+    def __init__(self, object_model, robot, control, supervision, target, occupancy_map=None):
         """
         Prepare.
 
-        :param learnt: the ``LearntObject``; it learns from this push.
+        :param object_model: the ``ObjectModelEstimator``; it learns from this push.
         :param robot: the ``RoundRobot``.
         :param control: ``ControlSettings``.
         :param supervision: ``SupervisionSettings``.
         :param target: the ``PushTrajectory``.
-        :param workspace: the ``Workspace``, or None.
+        :param occupancy_map: the ``OccupancyMap``, or None.
         """
-        self._controller = make_controller(learnt.obj, robot, control)
-        self._learnt, self._robot, self._target = learnt, robot, target
-        self._workspace = workspace
-        self._off_path = supervision.off_path
+        self._controller = Controller(object_model.obj, robot, control)
+        self._learnt, self._robot, self._target = object_model, robot, target
+        self._workspace = occupancy_map
+        self._off_path = supervision.max_path_deviation
         self._tells_place = control.control_law != 'open_loop'
-        self._unsure, self.finished, self.trouble = None, False, ''
+        self._unsure, self.finished, self.failure_reason = None, False, ''
 
     @property
     def status(self):
         """The ``ControllerStatus``."""
         return self._controller.status
 
-    def halt(self):
+    def pause(self):
         """Do nothing: a controller waits by itself."""
 
-    def step(self, sight, dt):
+    def step(self, perception, dt):
         """
         Compute the command; learn where the robot stands at the end.
 
-        :param sight: ``Sight`` of robot and object.
+        :param perception: ``TaskPerception`` of robot and object.
         :param dt: time since the last call [s].
         :return: ``Twist``.
         """
         if self._unsure is None:
-            self._unsure = float(sight.placement.deviations[:2].max())
-        command = self._controller.step(self._target, sight.observation, dt)
+            self._unsure = float(perception.localization.standard_deviations[:2].max())
+        command = self._controller.step(self._target, perception.observation, dt)
         status = self.status
         self.finished = status.phase == 'done'
-        self.trouble = (status.reason if status.phase == 'failed' else
-                        self._astray(sight) or self._near_obstacle(status))
-        if (self.finished or self.trouble) and self._tells_place and status.touches:
-            self._look_back(sight, status, command)
-        return STOP if self.trouble else command
+        self.failure_reason = (status.reason if status.phase == 'failed' else
+                               self._astray(perception) or self._near_obstacle(status))
+        if (self.finished or self.failure_reason) and self._tells_place and status.in_contact:
+            self._look_back(perception, status, command)
+        return STOP if self.failure_reason else command
 
-    def _astray(self, sight):
-        x, y, _ = sight.observation.object_pose.pose
+    def _astray(self, perception):
+        x, y, _ = perception.observation.object_pose.pose
         way = self._target.object_poses[:, :2]
         off = float(np.hypot(*(way - (x, y)).T).min())
         # A pose that is not finite is left to the controller, which waits.
@@ -87,9 +87,9 @@ class SupervisedPush:
         way = target.object_poses[:, :2] - status.object_pose[:2]
         row = int(np.hypot(*way.T).argmin())
         for name, hit, body, here, planned in (
-                ('object', room.object_hit, self._learnt.obj, status.object_pose,
+                ('object', room.first_object_collision, self._learnt.obj, status.object_pose,
                  target.object_poses[row]),
-                ('robot', room.robot_hit, self._robot, status.robot_pose,
+                ('robot', room.first_robot_collision, self._robot, status.robot_pose,
                  target.robot_poses[row])):
             for margin in GUARDS:
                 if (hit(body, [here], margin) is not None
@@ -99,45 +99,45 @@ class SupervisedPush:
 
     def _learn(self, seen, odd):
         unsure = self._unsure if self._aside else 0.0
-        self._learnt.learn(contact_at_start(self._target), seen,
+        self._learnt.learn(contact_start_point(self._target), seen,
                            math.hypot(unsure, DOUBT * odd * PLACE))
 
     @property
     def _aside(self):
         """Whether a robot that stands aside touches elsewhere, as it does not at a vertex."""
-        return site_of(self._learnt.obj, self._robot, self._target).kind != 'vertex'
+        return initial_contact_site(self._learnt.obj, self._robot, self._target).kind != 'vertex'
 
-    def _look_back(self, sight, status, command):
+    def _look_back(self, perception, status, command):
         """Learn from a push that is over; little from one in which the contact did not hold."""
-        odd = status.slips + status.losses
+        odd = status.slips + status.contact_losses
         if self.finished or not odd and status.rejected_poses <= REJECTED:
-            sight.feel(self._learnt.obj, self._robot, GAP_DEVIATION, sure=False)
-            self._place(sight, status, command, 1 + DOUBT * odd)
-            sight.have_pushed()
+            perception.update_from_contact(self._learnt.obj, self._robot, GAP_DEVIATION, sure=False)
+            self._place(perception, status, command, 1 + DOUBT * odd)
+            perception.on_push_succeeded()
             self._learn(status.friction_center, odd)
         else:
-            sight.placement.doubt(FAILED_PLACE)
-            sight.step_out(self._learnt.obj, self._robot, GAP_DEVIATION)
+            perception.localization.inflate_covariance(FAILED_PLACE)
+            perception.correct_overlap(self._learnt.obj, self._robot, GAP_DEVIATION)
 
-    def _place(self, sight, status, command, doubt):
+    def _place(self, perception, status, command, inflate_covariance):
         seen = status.robot_pose
-        odometry, lag = sight.placed.odometry, self._robot.time_constant
-        motion = mean_motion(odometry.twist, command, lag)
+        odometry, lag = perception.corrected_observation.odometry, self._robot.time_constant
+        motion = mean_twist(odometry.twist, command, lag)
         x, y, heading = odometry.pose
         ahead = Pose(x, y, heading + 0.5 * lag * motion.omega).transform(
             (lag * motion.v_x, lag * motion.v_y))
         turn = wrap_angle(seen.theta - heading - lag * motion.omega)
-        if abs(turn) > TURNED + 4.0 * sight.placement.deviations[2]:
+        if abs(turn) > TURNED + 4.0 * perception.localization.standard_deviations[2]:
             # Somebody has turned the object: what it tells of the robot is wrong.
             return
-        elsewhere = self._aside or doubt > 1
+        elsewhere = self._aside or inflate_covariance > 1
         across, shift, unsure = self._beside(status) if elsewhere else (0.0, 0.0, 0.0)
         x, y = math.cos(across), math.sin(across)
         axes = np.array([(x, -y, 0.0), (y, x, 0.0), (0.0, 0.0, 1.0)])
-        spread = doubt * np.array((math.hypot(PLACE, unsure), PLACE, HEADING))
-        sight.placement.must_be((seen.x - shift * x - ahead[0], seen.y - shift * y - ahead[1],
-                                 turn), axes @ np.diag(spread ** 2) @ axes.T,
-                                self.finished and doubt == 1)
+        spread = inflate_covariance * np.array((math.hypot(PLACE, unsure), PLACE, HEADING))
+        perception.localization.update_pose((seen.x - shift * x - ahead[0], seen.y - shift * y - ahead[1],
+                                             turn), axes @ np.diag(spread ** 2) @ axes.T,
+                                            self.finished and inflate_covariance == 1)
 
     def _beside(self, status):
         """
@@ -151,7 +151,7 @@ class SupervisedPush:
         normal = find_contact(obj, pose, (x, y), radius)[1]
         point = pose.inverse().transform((x + radius * math.cos(normal),
                                           y + radius * math.sin(normal)))
-        across, shift, unsure = self._learnt.beside(point, status.friction_center)
+        across, shift, unsure = self._learnt.lateral_innovation(point, status.friction_center)
         # The contact on a round side is off by less than the robot.
         share = 1.0 if obj.outline else 1.0 + radius / obj.radius
         return across + pose.theta, share * shift, share * unsure

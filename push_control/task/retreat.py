@@ -2,11 +2,11 @@
 
 import math
 
-from push_control.task.approach import Travel
+from push_control.task.approach import PathExecution
 from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.signals import STOP
-from push_navigation.path import sampled, Way
+from push_navigation.path import Path, sample_path
 
 SPACING = 0.02
 
@@ -14,7 +14,7 @@ SPACING = 0.02
 class Retreat:
     """Goes straight off the object, where drive and map allow it."""
 
-    def __init__(self, obj, robot, drive, supervision, workspace=None):
+    def __init__(self, obj, robot, drive, supervision, occupancy_map=None):
         """
         Prepare.
 
@@ -22,38 +22,38 @@ class Retreat:
         :param robot: the ``RoundRobot``.
         :param drive: ``DriveSettings``.
         :param supervision: ``SupervisionSettings``.
-        :param workspace: the ``Workspace``, or None.
+        :param occupancy_map: the ``OccupancyMap``, or None.
         """
-        self._parts, self._workspace = (obj, robot, drive), workspace
-        self._patience, self._travel = supervision.stall_time, None
-        self.finished, self.trouble = False, ''
+        self._parts, self._workspace = (obj, robot, drive), occupancy_map
+        self._patience, self._travel = supervision.stall_timeout, None
+        self.finished, self.failure_reason = False, ''
 
-    def halt(self):
+    def pause(self):
         """Stand; the next step sets out anew."""
         self._travel = None
 
-    def step(self, sight, dt):
+    def step(self, perception, dt):
         """
         Compute the command.
 
-        :param sight: ``Sight`` of the robot, and of where the object was seen last.
+        :param perception: ``TaskPerception`` of the robot, and of where the object was seen last.
         :param dt: time since the last call [s].
-        :return: ``Twist``; STOP once there is ``trouble``.
+        :return: ``Twist``; STOP once there is ``failure_reason``.
         """
         _, robot, drive = self._parts
         if self._travel is None:
-            way = retreat_way(*self._parts, sight.robot_pose,
-                              sight.observation.object_pose.pose, self._workspace)
+            way = retreat_path(*self._parts, perception.robot_pose,
+                               perception.observation.object_pose.pose, self._workspace)
             if way is None:
                 self.finished = True
                 return STOP
-            self._travel = Travel(robot, drive, way, self._patience)
-        command = self._travel.step(sight.robot_pose, dt)
-        self.finished, self.trouble = self._travel.finished, self._travel.trouble
+            self._travel = PathExecution(robot, drive, way, self._patience)
+        command = self._travel.step(perception.robot_pose, dt)
+        self.finished, self.failure_reason = self._travel.finished, self._travel.failure_reason
         return command
 
 
-def retreat_way(obj, robot, drive, robot_pose, object_pose, workspace=None):
+def retreat_path(obj, robot, drive, robot_pose, object_pose, occupancy_map=None):
     """
     Find the straight way off an object.
 
@@ -62,24 +62,24 @@ def retreat_way(obj, robot, drive, robot_pose, object_pose, workspace=None):
     :param drive: ``DriveSettings``.
     :param robot_pose: ``Pose`` of the robot, at the object.
     :param object_pose: ``Pose`` of the object.
-    :param workspace: the ``Workspace``, or None.
-    :return: ``Way``, or None where the drive or the map allow none that leads away.
+    :param occupancy_map: the ``OccupancyMap``, or None.
+    :return: ``Path``, or None where the drive or the map allow none that leads away.
     """
     _, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
     x, y, heading = robot_pose
     angles = (heading + math.pi, heading) if robot.drive == 'differential' else (
         normal + math.pi,)
     found = None
-    for length in (drive.retreat, 0.5 * drive.retreat):
+    for length in (drive.retreat_distance, 0.5 * drive.retreat_distance):
         for angle in angles:
             end = Pose(x + length * math.cos(angle), y + length * math.sin(angle), heading)
-            way = Way((robot_pose, end))
+            way = Path((robot_pose, end))
             gain = find_contact(obj, object_pose, end[:2], robot.radius)[2] - gap
-            if gain > 0.5 * length and _is_free(way, robot, drive, workspace):
+            if gain > 0.5 * length and _is_free(way, robot, drive, occupancy_map):
                 found = found or way
     return found
 
 
-def _is_free(way, robot, drive, workspace):
-    return workspace is None or workspace.robot_is_free(
-        robot, sampled(way, robot, SPACING), drive.map_clearance)
+def _is_free(way, robot, drive, occupancy_map):
+    return occupancy_map is None or occupancy_map.robot_is_free(
+        robot, sample_path(way, robot, SPACING), drive.map_clearance)

@@ -9,7 +9,7 @@ from push_model.geometry import Pose
 STATES = ('idle', 'plan', 'approach', 'align', 'push', 'retreat', 'done', 'failed', 'paused')
 
 
-class Change(NamedTuple):
+class StateChange(NamedTuple):
     """
     A change of state.
 
@@ -35,7 +35,7 @@ class SupervisorStatus:
     :param recoveries: number of times that something went wrong.
     :param robot_pose: ``Pose`` of the robot in the world, drift of odometry taken off; None before
         the first odometry.
-    :param history: ``Change`` of every state since the goal was set.
+    :param history: ``StateChange`` of every state since the goal was set.
     :param push: ``ControllerStatus`` of the present or last push.
     """
 

@@ -2,12 +2,12 @@
 
 import dataclasses
 
-from push_control.task.behaviors import Legs
-from push_control.task.perception import Sight
-from push_control.task.progress import Tries
-from push_control.task.status import Change, SupervisorStatus
+from push_control.task.behaviors import BehaviorFactory
+from push_control.task.perception import TaskPerception
+from push_control.task.progress import ProgressMonitor
+from push_control.task.status import StateChange, SupervisorStatus
 from push_model.geometry import Pose
-from push_model.plan_request import Wanted
+from push_model.plan_request import PlanRequest
 from push_model.signals import STOP
 
 AT_OBJECT = ('align', 'push', 'retreat')
@@ -29,16 +29,16 @@ class Supervisor:
         :param drive: ``DriveSettings``.
         :param supervision: ``SupervisionSettings``.
         """
-        self._settings, self._tries = supervision, Tries(supervision)
-        self._legs = Legs(obj, robot, control, drive, supervision)
-        self._sight = Sight(control, supervision)
+        self._settings, self._tries = supervision, ProgressMonitor(supervision)
+        self._legs = BehaviorFactory(obj, robot, control, drive, supervision)
+        self._sight = TaskPerception(control, supervision)
         self._goal = self._target = self._leg = self._resume = None
         self._wants, self._asked, self._waiting = None, 0.0, ''
         self._stamps, self._command, self._status = None, STOP, SupervisorStatus()
 
     @property
-    def wants(self):
-        """The plan that is ``Wanted``, or None."""
+    def plan_request(self):
+        """The plan that is ``PlanRequest``, or None."""
         return self._wants
 
     @property
@@ -61,18 +61,18 @@ class Supervisor:
             return self.stop('has no goal')
         if not Pose(*pose).is_finite():
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
-        self._goal, self._tries = Pose(*pose), Tries(self._settings)
+        self._goal, self._tries = Pose(*pose), ProgressMonitor(self._settings)
         self._status = dataclasses.replace(self._status, pushes=0, recoveries=0, history=())
         if self._status.state != 'paused':
             self._begin_anew('has a new goal')
 
-    def set_workspace(self, workspace):
+    def set_map(self, occupancy_map):
         """
         Take a map, for the next way.
 
-        :param workspace: the ``Workspace``, or None.
+        :param occupancy_map: the ``OccupancyMap``, or None.
         """
-        self._legs.workspace = workspace
+        self._legs.occupancy_map = occupancy_map
         self._tries.look_anew()
 
     def take(self, trajectory):
@@ -87,7 +87,7 @@ class Supervisor:
         self._tries.look_anew()
         self._enter('approach')
 
-    def refused(self, reason):
+    def on_planning_failed(self, reason):
         """
         Hear that there is no plan.
 
@@ -95,7 +95,7 @@ class Supervisor:
         """
         if self._wants is not None:
             self._sight.look_anew(self._sight.time)
-            self._tries.refused(self._wants, reason)
+            self._tries.on_planning_failed(self._wants, reason)
             self._recover(f'no plan: {reason}')
 
     def pause(self):
@@ -141,36 +141,36 @@ class Supervisor:
         if state in STANDING:
             return STOP
         if state != 'push':
-            self._waiting = self._sight.trouble(blind=state == 'retreat')
+            self._waiting = self._sight.failure_reason(blind=state == 'retreat')
         if self._waiting or state == 'plan':
             if self._leg is not None:
-                self._leg.halt()
+                self._leg.pause()
             return STOP if self._waiting else self._plan()
         command = self._leg.step(self._sight, dt)
-        if self._leg.trouble:
-            self._recover(self._leg.trouble)
+        if self._leg.failure_reason:
+            self._recover(self._leg.failure_reason)
             return STOP
         if self._leg.finished:
             self._next(state)
         return command
 
     def _plan(self):
-        rest, now = self._sight.rest, self._sight.time
-        if rest is None or rest.duration < self._settings.rest_window:
+        object_at_rest, now = self._sight.object_at_rest, self._sight.time
+        if object_at_rest is None or object_at_rest.duration < self._settings.min_averaging_time:
             return STOP
         if self._wants is not None:
             if now - self._asked > self._settings.plan_timeout:
                 self._recover(f'no plan came within {self._settings.plan_timeout:g} s')
             return STOP
-        verdict = self._tries.judge(rest, self._goal)
+        verdict = self._tries.check_goal(object_at_rest, self._goal)
         if verdict == 'reached':
             self._enter('done')
-        elif verdict == 'off' and self._tries.exhausted:
-            self._enter('failed', self._tries.exhausted)
+        elif verdict == 'off' and self._tries.abort_reason:
+            self._enter('failed', self._tries.abort_reason)
         elif verdict == 'off':
-            self._legs.look_round(self._sight)
-            self._wants = Wanted(rest.pose, self._sight.robot_pose, self._goal,
-                                 self._legs.learnt.obj, self._tries.boldness)
+            self._legs.correct_overlap(self._sight)
+            self._wants = PlanRequest(object_at_rest.pose, self._sight.robot_pose, self._goal,
+                                      self._legs.object_model.obj, self._tries.cone_fraction)
             self._asked = now
         return STOP
 
@@ -179,11 +179,11 @@ class Supervisor:
             self._tries.count()
         self._enter(FOLLOWING[state])
 
-    def _recover(self, trouble):
-        self._tries.count(trouble)
+    def _recover(self, failure_reason):
+        self._tries.count(failure_reason)
         self._status = dataclasses.replace(self._status, recoveries=self._status.recoveries + 1)
         # A retreat that fails is not tried again: a way to elsewhere may lead off the object.
-        self._enter('retreat' if self._status.state in ('align', 'push') else 'plan', trouble)
+        self._enter('retreat' if self._status.state in ('align', 'push') else 'plan', failure_reason)
 
     def _begin_anew(self, reason):
         state = self._resume if self._status.state == 'paused' else self._status.state
@@ -192,10 +192,10 @@ class Supervisor:
     def _enter(self, state, reason=''):
         status, time = self.status, self._sight.time
         self._wants, self._waiting = None, ''
-        self._leg = self._legs.begin(state, self._target, self._sight)
+        self._leg = self._legs.create(state, self._target, self._sight)
         if state == 'retreat':
             self._sight.look_anew(time + SETTLING)
         self._status = dataclasses.replace(
             self._status, state=state, reason=reason, since=time, push=status.push,
             pushes=status.pushes + (state == 'push'),
-            history=(*status.history, Change(time, state, reason)))
+            history=(*status.history, StateChange(time, state, reason)))

@@ -10,16 +10,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from push_model.analysis.time_integration import integrate
 from push_model.contact import contact_point, face_normal
 from push_model.dynamics import equation_of_motion, impulse
 from push_model.geometry import Pose
-from push_model.motion import integrate
 from push_model.state import Input, ObjectTerms, State
 
 SPACING = 0.004
 
 
-class AnglePush(NamedTuple):
+class IntegratedPush(NamedTuple):
     """
     A push that was integrated; two samples at a jump, before and after.
 
@@ -53,7 +53,7 @@ def push_at_angles(obj, contact, angles, lengths, speed, radius=0.0, start=Pose(
     :param radius: of a robot that does not turn [m]; 0 for a point, or for a robot that turns
         with the object, so that the contact stays in place.
     :param start: ``Pose`` of the object.
-    :return: ``AnglePush``.
+    :return: ``IntegratedPush``.
     :raises RuntimeError: where the integration fails.
     """
     rolling, terms = (1.0, radius), ObjectTerms.of(obj)
@@ -72,7 +72,7 @@ def push_at_angles(obj, contact, angles, lengths, speed, radius=0.0, start=Pose(
         parts.append((begin + times, states, _forces(obj, rolling, push, states)))
         state, begin = State(*states[-1]), begin + times[-1]
         before = _velocity(state, angle, speed)
-    return AnglePush(*map(np.concatenate, zip(*parts)), np.array(impulses))
+    return IntegratedPush(*map(np.concatenate, zip(*parts)), np.array(impulses))
 
 
 def _velocity(state, angle, speed):

@@ -51,7 +51,7 @@ class PushingLocation(NamedTuple):
         """
         return self.pushing_angle - self.rolling[0] * turn
 
-    def turn_at(self, rho):
+    def rotation_at(self, rho):
         """
         Turn of the object at which the pushing angle is rho [rad].
 

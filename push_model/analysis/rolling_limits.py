@@ -13,14 +13,14 @@ from push_model.analysis.stability import equilibrium_at, Tolerance, tolerances
 from push_model.contact import contact_point, normal_range
 from push_model.friction import friction_weight
 from push_model.geometry import Pose
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from scipy.optimize import brentq
 
 ACCURACY = 1e-6
 SMOOTHING = 1e-9
 
 
-def rolled(obj, contact, location, turn):
+def rolled_contact(obj, contact, location, turn):
     """
     Find the contact after the object has turned while it rolls on a robot that does not spin.
 
@@ -46,7 +46,7 @@ def quasi_static_force(obj, place, v_x, v_y):
     :param v_y: the same, y [m/s].
     :return: (x, y) in the object frame.
     """
-    omega, smoothing = turning_rate(obj, place, v_x, v_y), SMOOTHING * math.hypot(v_x, v_y)
+    omega, smoothing = quasi_static_yaw_rate(obj, place, v_x, v_y), SMOOTHING * math.hypot(v_x, v_y)
     force_x = force_y = 0.0
     for foot, capacity in zip(obj.supports, obj.capacities):
         slide = v_x - omega * (foot.y - place[1]), v_y + omega * (foot.x - place[0])
@@ -67,7 +67,7 @@ def force_tolerances(obj, contact, location):
     cone = math.atan(obj.contact_friction_coefficient)
 
     def inside(turn):
-        now = rolled(obj, contact, location, turn)
+        now = rolled_contact(obj, contact, location, turn)
         forward = location.forward - turn
         force = quasi_static_force(obj, contact_point(obj, now), math.cos(forward),
                                    math.sin(forward))
@@ -86,7 +86,7 @@ def force_tolerances(obj, contact, location):
     return tuple(result)
 
 
-def least_robot_radius(obj, location):
+def min_robot_radius(obj, location):
     """
     Find the radius above which a robot pushes stably at a place, ``R_e cos(rho) = h``.
 

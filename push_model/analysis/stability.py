@@ -15,7 +15,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.friction import friction_center, mean_square
+from push_model.friction import c_squared, friction_center
 from scipy.optimize import brentq
 
 SAMPLES = 4096
@@ -174,7 +174,7 @@ def linear_motion(obj, location, equilibrium, speed):
                        obj.center_of_mass[1] - y_f + arm * math.sin(forward))
     capacity = sum(obj.capacities)
     return LinearMotion(obj.inertia + obj.mass * lever ** 2,
-                        capacity / speed * (arm ** 2 + mean_square(obj, forward)),
+                        capacity / speed * (arm ** 2 + c_squared(obj, forward)),
                         capacity * equilibrium.margin)
 
 

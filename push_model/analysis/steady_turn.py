@@ -9,7 +9,7 @@ object, ``a_C = omega k x v_C``, and in ``moment_balance`` the inertial term bec
 import math
 
 from push_model.dynamics import contact_force, moment_balance
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.state import Input, ObjectTerms, State
 from scipy.optimize import brentq
 
@@ -17,7 +17,7 @@ FIXED = (1.0, 0.0)
 SMOOTHING = 1e-7
 
 
-def steady_turning_rate(obj, contact_point, direction, speed):
+def steady_yaw_rate(obj, contact_point, direction, speed):
     """
     Find the turning rate at which the push goes on for ever.
 
@@ -41,8 +41,8 @@ def steady_turning_rate(obj, contact_point, direction, speed):
 
     # Inertia only damps the turn, so the quasi-static rate bounds it; a little more on both ends,
     # for rounding, and for the smoothing where the turn is about a support.
-    bound = turning_rate(obj, contact_point, speed * math.cos(direction),
-                         speed * math.sin(direction))
+    bound = quasi_static_yaw_rate(obj, contact_point, speed * math.cos(direction),
+                                  speed * math.sin(direction))
     more = math.copysign(1e-5 * speed, bound)
     return brentq(residual, -more, bound + more, xtol=1e-13) if residual(0.0) else 0.0
 
@@ -58,7 +58,7 @@ def steady_force(obj, contact_point, direction, speed, normal):
     :param normal: angle of the contact normal in the object frame [rad].
     :return: (F_n, F_t) [N].
     """
-    omega = steady_turning_rate(obj, contact_point, direction, speed)
+    omega = steady_yaw_rate(obj, contact_point, direction, speed)
     state, inputs = _steady(contact_point, direction, speed, omega)
     force = contact_force(ObjectTerms.of(obj), state._replace(gamma=normal), inputs, 0.0, FIXED,
                           SMOOTHING * speed)

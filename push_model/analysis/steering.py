@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 from push_model.analysis.pushing_location import pushing_location
-from push_model.analysis.steady_turn import steady_force, steady_turning_rate
+from push_model.analysis.steady_turn import steady_force, steady_yaw_rate
 from push_model.contact import contact_point, normal_range
-from push_model.drive import center_velocity, yaw_rate
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
+from push_model.robot_kinematics import center_velocity, yaw_rate
 from scipy.optimize import brentq
 
 SAMPLES = 25
@@ -71,13 +71,13 @@ def steering_range(obj, contact, robot, speed, heading_offset=0.0):
         ends = _turns(location)
 
         def push_at(turn):
-            return trailing_push(obj, location, turn, speed)
+            return steady_differential_push(obj, location, turn, speed)
     else:
         normal, toward = _facing(obj, contact)
         ends = toward - RIGHT_ANGLE, toward + RIGHT_ANGLE
 
         def push_at(direction):
-            return held_push(obj, contact, robot.radius, normal, direction, speed)
+            return steady_holonomic_push(obj, contact, robot.radius, normal, direction, speed)
 
     holding = _holding(push_at, ends, lambda push: _reserve(obj, robot, push))
     if not holding:
@@ -86,7 +86,7 @@ def steering_range(obj, contact, robot, speed, heading_offset=0.0):
             max(holding, key=lambda push: push.curvature))
 
 
-def held_push(obj, contact, robot_radius, normal, direction, speed):
+def steady_holonomic_push(obj, contact, robot_radius, normal, direction, speed):
     """
     Find the steady turn in which a holonomic robot, which faces the contact, holds it.
 
@@ -102,7 +102,7 @@ def held_push(obj, contact, robot_radius, normal, direction, speed):
                         robot_radius)
 
 
-def trailing_push(obj, location, turn, speed):
+def steady_differential_push(obj, location, turn, speed):
     """
     Find the steady turn that a differential drive holds, once it has rolled to a place.
 
@@ -121,7 +121,7 @@ def trailing_push(obj, location, turn, speed):
         return None
 
     def residual(angle):
-        return (steady_turning_rate(obj, point, heading + angle, speed)
+        return (steady_yaw_rate(obj, point, heading + angle, speed)
                 - float(yaw_rate('differential', location.robot_radius, angle - offset, offset,
                                  0.0, speed)))
 
@@ -138,7 +138,7 @@ def _steady_push(obj, point, normal, heading, direction, speed, radius):
         return None
     x_f, y_f = friction_center(obj)
     along = math.cos(direction - math.atan2(y_f - point[1], x_f - point[0]))
-    omega = steady_turning_rate(obj, point, direction, speed)
+    omega = steady_yaw_rate(obj, point, direction, speed)
     force_n, force_t = steady_force(obj, point, direction, speed, normal)
     base = map(float, center_velocity(radius, direction - normal, omega, speed))
     twist = (*Pose(0.0, 0.0, normal - heading).rotate(tuple(base)), omega)

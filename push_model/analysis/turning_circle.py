@@ -10,7 +10,7 @@ import math
 from push_model.geometry import Pose
 
 
-def turning_center(contact_point, direction, speed, omega):
+def rotation_center(contact_point, direction, speed, omega):
     """
     Find the point about which the object turns, in the object frame (x, y) [m].
 
@@ -26,7 +26,7 @@ def turning_center(contact_point, direction, speed, omega):
             contact_point[1] + speed * math.cos(direction) / omega)
 
 
-def turned_about(center, angle):
+def rotated_about(center, angle):
     """
     Pose of an object that was at the world's origin and turned about a point of its own.
 

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 
-class Part(NamedTuple):
+class Block(NamedTuple):
     """
     Rows on some unknowns, and a cost on them.
 
@@ -44,11 +44,11 @@ class Part(NamedTuple):
                                ca.cse([ca.densify(gradient), hessian])))
 
 
-class Stages:
+class BlockStructuredNlp:
     """
     The programme of n stages; unknowns are theirs in order, followed by those of the end.
 
-    :param parts: ``Part`` of (a stage, the first stage besides, the end); stages are given their
+    :param parts: ``Block`` of (a stage, the first stage besides, the end); stages are given their
         numbers and the common ones, the end the common ones only.
     :param sizes: number of (stages, unknowns of a stage, unknowns of the end, given of a stage,
         common numbers).

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from push_model.drive import center_velocity, yaw_rate
 from push_model.dynamics import contact_force, impulse, kinematics, moment_balance
+from push_model.robot_kinematics import center_velocity, yaw_rate
 from push_model.state import Input, State
 from push_planner.push_parameters import place
 
@@ -57,7 +57,7 @@ class Step(NamedTuple):
     smoothing: Any
 
 
-class Outcome(NamedTuple):
+class StepResult(NamedTuple):
     """
     What comes of a step.
 
@@ -96,50 +96,50 @@ def radau(points):
 ZERO = Input(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def touch(kind, constants, node, change=None):
+def contact_impulse(kind, push_parameters, node, change=None):
     """
     Jump of w where the velocity imposed at the contact changes at once, and its impulse.
 
-    :param kind: one of ``push_planner.push_parameters.KINDS``.
-    :param constants: ``Constants``.
+    :param kind: one of ``push_planner.push_parameters.PUSH_KINDS``.
+    :param push_parameters: ``PushParameters``.
     :param node: ``Node`` before.
     :param change: jump of the pushing angle [rad]; None: first touch, nothing moved before.
     :return: (jump of w [1/m], J_n, J_t [m/s per v]; impulses per mass and speed).
     """
     phi = node.theta if kind == 'held' else node.phi
-    delta, c_x, c_y = place(constants, node.theta, phi)
+    delta, c_x, c_y = place(push_parameters, node.theta, phi)
     before = delta + node.rho
     v_x, v_y = ca.cos(before), ca.sin(before)
     if change is not None:
         v_x, v_y = ca.cos(before + change) - v_x, ca.sin(before + change) - v_y
     state = State(0.0, 0.0, 0.0, 0.0, delta, c_x, c_y)
-    jump, j_n, j_t = impulse(constants.terms, state, v_x, v_y)
-    return jump, j_n / constants.terms.mass, j_t / constants.terms.mass
+    jump, j_n, j_t = impulse(push_parameters.terms, state, v_x, v_y)
+    return jump, j_n / push_parameters.terms.mass, j_t / push_parameters.terms.mass
 
 
-def collocate(kind, constants, node, step, rates):
+def collocate(kind, push_parameters, node, step, rates):
     """
     Write one Radau step.
 
-    :param kind: one of ``push_planner.push_parameters.KINDS``.
-    :param constants: ``Constants``.
+    :param kind: one of ``push_planner.push_parameters.PUSH_KINDS``.
+    :param push_parameters: ``PushParameters``.
     :param node: ``Node`` at the begin.
     :param step: ``Step``.
     :param rates: w at the points of the step, unknowns [1/m].
-    :return: ``Outcome``.
+    :return: ``StepResult``.
     """
     places, matrix, inverse = radau(len(rates))
     h = step.length
-    w = node.w + (touch(kind, constants, node, step.change)[0] if step.jumps else 0.0)
+    w = node.w + (contact_impulse(kind, push_parameters, node, step.change)[0] if step.jumps else 0.0)
     angles = [node.rho + (1.0 if step.jumps else float(c)) * step.change for c in places]
     bend = 0.0 if step.jumps else step.change / h
-    turns = [robot_turn(kind, constants, angle, rate) for angle, rate in zip(angles, rates)]
+    turns = [robot_yaw_rate(kind, push_parameters, angle, rate) for angle, rate in zip(angles, rates)]
     residuals, forces, turned, ways = [], [], [], []
     for i, c in enumerate(places):
         theta = node.theta + h * _dot(matrix[i], rates)
         phi = _robot_heading(kind, node, theta, h, matrix[i], turns)
         slope_w = _dot(inverse[i], [rate - w for rate in rates]) / h
-        residual, force, gamma = balance(constants, (theta, phi, rates[i], angles[i], turns[i]),
+        residual, force, gamma = balance(push_parameters, (theta, phi, rates[i], angles[i], turns[i]),
                                          bend, slope_w, step, float(c))
         residuals.append(residual)
         forces.append(force)
@@ -148,33 +148,33 @@ def collocate(kind, constants, node, step, rates):
     samples = [Node(rate, angle, theta, node.q_x + h * _dot(row, [way[0] for way in ways]),
                     node.q_y + h * _dot(row, [way[1] for way in ways]), phi)
                for rate, angle, (theta, phi), row in zip(rates, angles, turned, matrix)]
-    return Outcome(samples, residuals, forces)
+    return StepResult(samples, residuals, forces)
 
 
-def robot_turn(kind, constants, angle, w):
+def robot_yaw_rate(kind, push_parameters, angle, w):
     """
     Robot's yaw rate over the pushing speed [1/m].
 
-    :param kind: one of ``push_planner.push_parameters.KINDS``.
-    :param constants: ``Constants``.
+    :param kind: one of ``push_planner.push_parameters.PUSH_KINDS``.
+    :param push_parameters: ``PushParameters``.
     :param angle: pushing angle [rad].
     :param w: the object's yaw rate over the pushing speed [1/m].
     """
     if kind == 'rolling':
         return 0.0
     drive = 'holonomic' if kind == 'held' else 'differential'
-    return yaw_rate(drive, constants.radius, angle, constants.heading_offset, w)
+    return yaw_rate(drive, push_parameters.radius, angle, push_parameters.heading_offset, w)
 
 
-def robot_speed(constants, angle, turn):
+def robot_speed(push_parameters, angle, turn):
     """
     Square of the speed of the robot's centre over that of the contact.
 
-    :param constants: ``Constants``.
+    :param push_parameters: ``PushParameters``.
     :param angle: pushing angle [rad].
     :param turn: robot's yaw rate over the pushing speed [1/m].
     """
-    along, across = center_velocity(constants.radius, angle, turn)
+    along, across = center_velocity(push_parameters.radius, angle, turn)
     return along ** 2 + across ** 2
 
 
@@ -184,11 +184,11 @@ def _robot_heading(kind, node, theta, h, row, turns):
     return node.phi + h * _dot(row, turns) if kind == 'differential' else 0.0
 
 
-def balance(constants, point, bend, slope_w, step, c):
+def balance(push_parameters, point, bend, slope_w, step, c):
     """
     Write the equation of motion at one point, in axes of the object.
 
-    :param constants: ``Constants``.
+    :param push_parameters: ``PushParameters``.
     :param point: (theta, phi, w, pushing angle, robot's yaw rate over the pushing speed).
     :param bend: rate of the pushing angle [rad/m].
     :param slope_w: dw/ds [1/m^2].
@@ -197,20 +197,20 @@ def balance(constants, point, bend, slope_w, step, c):
     :return: (residual of the moment [N m], (F_n, F_t) [N], gamma since the start [rad]).
     """
     theta, phi, w, angle, turn = point
-    delta, c_x, c_y = place(constants, theta, phi)
-    rolling = constants.share, constants.effective
+    delta, c_x, c_y = place(push_parameters, theta, phi)
+    rolling = push_parameters.share, push_parameters.effective
     state = State(0.0, 0.0, 0.0, w, delta, c_x, c_y)
     u_x, u_y = ca.cos(delta + angle), ca.sin(delta + angle)
     turned = kinematics(state, ZERO._replace(omega_p=turn), 0.0, rolling).gamma + bend
     square = step.square + c * step.length * step.slope
-    terms = constants.terms._replace(mass=constants.terms.mass * square,
-                                     inertia=constants.terms.inertia * square)
+    terms = push_parameters.terms._replace(mass=push_parameters.terms.mass * square,
+                                           inertia=push_parameters.terms.inertia * square)
     inputs = Input(u_x, u_y, -turned * u_y, turned * u_x, turn)
     residual = moment_balance(terms, state, inputs, slope_w, rolling, step.smoothing)
     force = contact_force(terms, state, inputs, slope_w, rolling, step.smoothing)
     # d(v w)/dt = V w' + V'/2 w, and a_C has V'/2 along the push: inertia without friction.
     half = 0.5 * step.slope
-    bare, still = constants.terms._replace(supports=()), state._replace(omega=0.0)
+    bare, still = push_parameters.terms._replace(supports=()), state._replace(omega=0.0)
     faster = Input(0.0, 0.0, half * u_x, half * u_y, 0.0)
     residual += moment_balance(bare, still, faster, half * w, rolling)
     more = contact_force(bare, still, faster, half * w, rolling)

@@ -10,11 +10,11 @@ ROWS_OF = {
 STEP_FIELDS = ('length', 'share', 'square', 'slope', 'free', 'rate', 'pace')
 
 
-class Shape(NamedTuple):
+class Dimensions(NamedTuple):
     """
     What a programme is built for.
 
-    :param kind: one of ``push_planner.push_parameters.KINDS``.
+    :param kind: one of ``push_planner.push_parameters.PUSH_KINDS``.
     :param supports: number of supports.
     :param steps: number of steps.
     :param jumps: whether the pushing angle jumps between steps, or changes linearly.
@@ -62,7 +62,7 @@ class Limits(NamedTuple):
     highest: float
 
 
-class Ends(NamedTuple):
+class BoundaryValues(NamedTuple):
     """
     Where the push begins and ends, in the object's start frame.
 

@@ -7,10 +7,10 @@ import numpy as np
 from push_model.contact import face_length, normal_range
 from push_model.geometry import wrap_angle
 from push_planner.collocation.collocation import radau
-from push_planner.collocation.dimensions import Ends, Limits, POINTS, Shape
-from push_planner.collocation.mesh import Grid, make_grid
-from push_planner.collocation.nlp_solver import Box, Solution
-from push_planner.push_parameters import UNLIMITED, VERTEX_RESERVE
+from push_planner.collocation.dimensions import BoundaryValues, Dimensions, Limits, POINTS
+from push_planner.collocation.mesh import build_mesh, Mesh
+from push_planner.collocation.nlp_solver import Solution, VariableBounds
+from push_planner.push_parameters import UNLIMITED, VERTEX_MARGIN
 
 STEEPEST_ANGLE = 1.3
 SAME_ANGLE = 2e-3
@@ -20,18 +20,18 @@ class Formulation(NamedTuple):
     """
     A programme's input.
 
-    :param shape: ``Shape``.
-    :param grid: ``Grid``.
-    :param box: ``Box``.
-    :param ends: ``Ends``.
+    :param shape: ``Dimensions``.
+    :param grid: ``Mesh``.
+    :param box: ``VariableBounds``.
+    :param ends: ``BoundaryValues``.
     :param common: parameters of the whole push, shape (c,).
     :param steps: parameters of the steps, shape (n, s).
     """
 
-    shape: Shape
-    grid: Grid
-    box: Box
-    ends: Ends
+    shape: Dimensions
+    grid: Mesh
+    box: VariableBounds
+    ends: BoundaryValues
     common: np.ndarray
     steps: np.ndarray
 
@@ -55,13 +55,13 @@ def formulate(problem, route, finer=False):
     :param finer: whether linear pushing angles get twice as many pieces.
     :return: (``Formulation``, ``Solution`` to start from).
     """
-    grid = make_grid(problem, route.cost, route.run_in, finer)
+    grid = build_mesh(problem, route.path_length, route.final_straight, finer)
     settings = problem.settings
-    shape = Shape(problem.kind, len(problem.obj.supports), len(grid.lengths),
-                  settings.pushing_angles == 'constant', route.run_in > 0.0,
-                  settings.heading_free)
+    shape = Dimensions(problem.kind, len(problem.obj.supports), len(grid.lengths),
+                       settings.pushing_angles == 'constant', route.final_straight > 0.0,
+                       settings.heading_free)
     ends = _ends(problem, route)
-    common = np.concatenate([problem.constants.column(), _limits(problem), ends])
+    common = np.concatenate([problem.push_parameters.column(), _limits(problem), ends])
     weight = 1.0 if settings.motion_model == 'dynamic' else 0.0
     last = grid.ends
     steps = np.column_stack([grid.lengths, grid.shares, weight * grid.squares,
@@ -70,7 +70,7 @@ def formulate(problem, route, finer=False):
     formulation = Formulation(shape, grid, _box(problem), ends, common, steps)
     guess = _first_guess(problem, route, formulation)
     followed = guess.nodes[:, 3:5]
-    box = formulation.box._replace(places=(followed - route.aside, followed + route.aside))
+    box = formulation.box._replace(places=(followed - route.max_deviation, followed + route.max_deviation))
     return formulation._replace(box=box), guess
 
 
@@ -97,7 +97,7 @@ def _limits(problem):
     lowest, highest = -UNLIMITED, UNLIMITED
     if problem.kind == 'differential':
         lowest, highest = _normals(problem)
-    return Limits(math.tan(problem.planning_angle), 0.0 if cone else UNLIMITED,
+    return Limits(math.tan(problem.planning_cone_angle), 0.0 if cone else UNLIMITED,
                   0.0 if cone and dynamic and not moving else UNLIMITED, robot.max_speed,
                   robot.max_yaw_rate, lowest, highest)
 
@@ -106,7 +106,7 @@ def _normals(problem):
     """Range of the normal at a vertex, in the object frame, next to the one at the start."""
     low, high = normal_range(problem.obj, problem.contact)
     shift = problem.start_normal - wrap_angle(problem.start_normal - low) - low
-    return low + shift + VERTEX_RESERVE, high + shift - VERTEX_RESERVE
+    return low + shift + VERTEX_MARGIN, high + shift - VERTEX_MARGIN
 
 
 def _ends(problem, route):
@@ -115,12 +115,12 @@ def _ends(problem, route):
         c_x -= problem.robot.radius * math.cos(problem.start_normal)
         c_y -= problem.robot.radius * math.sin(problem.start_normal)
     goal, motion = problem.relative_goal, problem.motion
-    theta = route.turned + wrap_angle(goal.theta - route.turned)
+    theta = route.rotation + wrap_angle(goal.theta - route.rotation)
     moving = motion.speed > 0.0
     delta = problem.vehicle.angle + problem.heading_offset
     delta = problem.start_normal + wrap_angle(delta - problem.start_normal)
-    return Ends(c_x, c_y, motion.yaw_rate / motion.speed if moving else 0.0, float(moving),
-                goal.x, goal.y, theta, delta, *problem.friction_center)
+    return BoundaryValues(c_x, c_y, motion.yaw_rate / motion.speed if moving else 0.0, float(moving),
+                          goal.x, goal.y, theta, delta, *problem.friction_center)
 
 
 def _box(problem):
@@ -131,10 +131,10 @@ def _box(problem):
     first = -angle, angle
     if motion.speed > 0.0:
         first = motion.pushing_angle - SAME_ANGLE, motion.pushing_angle + SAME_ANGLE
-    return Box(angle, first, turn_range(problem))
+    return VariableBounds(angle, first, rotation_range(problem))
 
 
-def turn_range(problem):
+def rotation_range(problem):
     """
     Find the turns for which a rolling contact stays on its face or vertex.
 
@@ -153,9 +153,9 @@ def turn_range(problem):
 
 def _first_guess(problem, route, formulation):
     grid = formulation.grid
-    way = max(route.cost - grid.fixed, 0.1 * route.cost)
+    way = max(route.path_length - grid.fixed, 0.1 * route.path_length)
     lengths = grid.steps(way)
-    nodes, rates = route.guess(problem, lengths * (route.cost / lengths.sum()),
+    nodes, rates = route.guess(problem, lengths * (route.path_length / lengths.sum()),
                                radau(POINTS)[0])
     rho = nodes[:, 1]
     if formulation.shape.jumps:

@@ -17,7 +17,7 @@ COUNT_STEP = 8
 FAST, FINER = 0.4, 0.8
 
 
-class Grid(NamedTuple):
+class Mesh(NamedTuple):
     """
     Steps of a push; all arrays have shape (n,).
 
@@ -60,15 +60,15 @@ class Grid(NamedTuple):
         return 2.0 * self.steps(way) / (np.sqrt(self.squares) + np.sqrt(self.ends))
 
 
-def make_grid(problem, way, run_in, finer=False):
+def build_mesh(problem, way, final_straight, finer=False):
     """
     Divide a push into steps.
 
     :param problem: the ``PushProblem``.
     :param way: way of the contact, about, run-in included [m].
-    :param run_in: straight push at its end [m]; 0: none.
+    :param final_straight: straight push at its end [m]; 0: none.
     :param finer: whether linear pushing angles get twice as many pieces.
-    :return: ``Grid``.
+    :return: ``Mesh``.
     """
     settings = problem.settings
     speeds = ramps(settings, problem.motion, way)
@@ -90,7 +90,7 @@ def make_grid(problem, way, run_in, finer=False):
         stretches.append((RAMP_STEPS, speeds.rise, 0.0, speeds.first,
                           (speeds.highest - speeds.first) / speeds.rise, 0.0 if jumps else 1.0))
     stretches.append((pieces * per_piece, 0.0, 1.0, speeds.highest, 0.0, 1.0))
-    stretches += _ending(speeds, run_in, 0.0 if jumps else 1.0, way / pieces)
+    stretches += _ending(speeds, final_straight, 0.0 if jumps else 1.0, way / pieces)
     columns = [np.concatenate([np.full(n, value / n if i < 2 else value)
                                for n, *values in stretches for value in (values[i],)])
                for i in range(5)]
@@ -103,20 +103,20 @@ def make_grid(problem, way, run_in, finer=False):
         main = stretches[0][0] if speeds.rise > 0.0 else 0
         free[main:main + pieces * per_piece] = np.arange(pieces * per_piece) % per_piece == 0
         free[main] = 0.0
-    return Grid(lengths, shares, squares, slopes, free, math.sqrt(speeds.highest),
+    return Mesh(lengths, shares, squares, slopes, free, math.sqrt(speeds.highest),
                 float(lengths.sum()))
 
 
-def _ending(speeds, run_in, free, longest):
+def _ending(speeds, final_straight, free, longest):
     """Stretches (steps, length, share, V, dV/ds, free) of braking and run-in."""
     slope = (speeds.last - speeds.highest) / speeds.fall if speeds.fall > 0.0 else 0.0
     found = []
-    early, straight = max(0.0, speeds.fall - run_in), min(speeds.fall, run_in)
+    early, straight = max(0.0, speeds.fall - final_straight), min(speeds.fall, final_straight)
     if early > 0.0:
         steps = max(RAMP_STEPS, math.ceil(early / longest))
         found.append((steps, early, 0.0, speeds.highest, slope, free))
-    if run_in > speeds.fall:
-        found.append((RUN_IN_STEPS, run_in - speeds.fall, 0.0, speeds.highest, 0.0, 0.0))
+    if final_straight > speeds.fall:
+        found.append((RUN_IN_STEPS, final_straight - speeds.fall, 0.0, speeds.highest, 0.0, 0.0))
     if straight > 0.0:
         found.append((RUN_IN_STEPS, straight, 0.0, speeds.highest + slope * early, slope, 0.0))
     return found

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 from push_planner.collocation.dimensions import POINTS, ROWS_OF
-from push_planner.collocation.transcription import Equations, PENALTY, SMOOTHING
+from push_planner.collocation.transcription import PENALTY, SMOOTHING, Transcription
 
 
 class Buffered:
@@ -78,7 +78,7 @@ class Solution(NamedTuple):
         """
         Return the unknowns as one vector.
 
-        :param shape: ``Shape`` of the programme.
+        :param shape: ``Dimensions`` of the programme.
         """
         n, states = shape.steps, shape.states
         table = np.zeros((n + 1, shape.width))
@@ -94,7 +94,7 @@ class Solution(NamedTuple):
         Take the unknowns from a vector.
 
         :param column: the vector.
-        :param shape: ``Shape`` of the programme.
+        :param shape: ``Dimensions`` of the programme.
         """
         n, states = shape.steps, shape.states
         table = np.append(column, np.zeros(1 + POINTS)).reshape(n + 1, shape.width)
@@ -106,7 +106,7 @@ class Solution(NamedTuple):
                    table[:n, states + 1:].copy())
 
 
-class Box(NamedTuple):
+class VariableBounds(NamedTuple):
     """
     Bounds on unknowns.
 
@@ -122,11 +122,11 @@ class Box(NamedTuple):
     places: tuple = (-np.inf, np.inf)
 
 
-class Programme:
+class NlpSolver:
     """
     The programme of a shape.
 
-    :param shape: ``Shape``.
+    :param shape: ``Dimensions``.
     :param solver: casadi's name of the solver.
     :param options: for it.
     :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
@@ -135,23 +135,23 @@ class Programme:
     def __init__(self, shape, solver='fatrop', options=FATROP, smoothing=SMOOTHING):
         """Build the programme."""
         self.shape = shape
-        self._equations = e = Equations(shape, smoothing)
+        self._equations = e = Transcription(shape, smoothing)
         self._upper = np.where(e.equality, 0.0, np.inf)
         options = {**QUIET, **options}
         if solver == 'fatrop':
             options.update(structure_detection='auto', equality=e.equality.tolist(),
-                           cache=e.stages.derivatives())
+                           cache=e.nlp.derivatives())
         else:
             options['expand'] = True
         self._solver = Buffered(ca.nlpsol('push', solver, {
-            'x': e.stages.x, 'p': e.stages.p, 'f': e.stages.cost, 'g': e.stages.rows}, options))
+            'x': e.nlp.x, 'p': e.nlp.p, 'f': e.nlp.cost, 'g': e.nlp.rows}, options))
 
     def solve(self, parameters, box, guess):
         """
         Solve the programme.
 
-        :param parameters: numbers of ``Stages.p``.
-        :param box: ``Box``.
+        :param parameters: numbers of ``BlockStructuredNlp.p``.
+        :param box: ``VariableBounds``.
         :param guess: ``Solution`` to start from.
         :return: (``Solution`` or None, number of iterations).
         """
@@ -167,8 +167,8 @@ class Programme:
         """
         Solve with bounds that give way at a price, more slowly and more surely.
 
-        :param parameters: numbers of ``Stages.p``.
-        :param box: ``Box``.
+        :param parameters: numbers of ``BlockStructuredNlp.p``.
+        :param box: ``VariableBounds``.
         :param guess: ``Solution`` to start from.
         :return: (``Solution`` or None, what stands in the way, number of iterations).
         """
@@ -190,11 +190,11 @@ class Programme:
     @functools.cached_property
     def _relaxed(self):
         e = self._equations
-        excess, stages = ca.MX.sym('excess'), e.stages
+        excess, nlp = ca.MX.sym('excess'), e.nlp
         return ca.nlpsol('relaxed', 'ipopt', {
-            'x': ca.vertcat(stages.x, excess), 'p': stages.p,
-            'f': stages.cost + PENALTY * excess,
-            'g': stages.rows + ca.DM(np.where(e.equality, 0.0, 1.0)) * excess},
+            'x': ca.vertcat(nlp.x, excess), 'p': nlp.p,
+            'f': nlp.cost + PENALTY * excess,
+            'g': nlp.rows + ca.DM(np.where(e.equality, 0.0, 1.0)) * excess},
             {**QUIET, **IPOPT, 'expand': True})
 
     def _bounds(self, box):
@@ -211,11 +211,11 @@ class Programme:
 
 
 @functools.lru_cache(maxsize=32)
-def programme(shape):
+def nlp_solver(shape):
     """
     Build a programme, or take it from earlier.
 
-    :param shape: ``Shape``.
-    :return: ``Programme``.
+    :param shape: ``Dimensions``.
+    :return: ``NlpSolver``.
     """
-    return Programme(shape)
+    return NlpSolver(shape)

@@ -3,13 +3,13 @@
 import math
 from typing import NamedTuple
 
-from push_planner.problem import PresentMotion
+from push_planner.problem import InitialMotion
 
 RAMP_SHARE = 0.5
 NEARLY = 0.98
 
 
-class Ramps(NamedTuple):
+class SpeedProfile(NamedTuple):
     """
     Squared speeds and the lengths over which they change.
 
@@ -32,9 +32,9 @@ def ramps(settings, motion, way):
     Find the speeds of a push; near goals get a lower one, for which there is room.
 
     :param settings: ``PlannerSettings``.
-    :param motion: ``PresentMotion``.
+    :param motion: ``InitialMotion``.
     :param way: way of the contact, about [m].
-    :return: ``Ramps``.
+    :return: ``SpeedProfile``.
     """
     highest = settings.pushing_speed ** 2
     last = min(settings.end_speed ** 2, highest) if settings.deceleration > 0.0 else highest
@@ -53,7 +53,7 @@ def ramps(settings, motion, way):
         highest = (room + (0.0 if touches else rise * first) + fall * last) / (rise + fall)
         highest = max(highest, last, 0.0 if touches else first)
         first = highest if touches else first
-    return Ramps(first, highest, last, rise * (highest - first), fall * (highest - last))
+    return SpeedProfile(first, highest, last, rise * (highest - first), fall * (highest - last))
 
 
 def push_time(settings, way):
@@ -63,7 +63,7 @@ def push_time(settings, way):
     :param settings: ``PlannerSettings``.
     :param way: of the contact [m].
     """
-    speeds = ramps(settings, PresentMotion(), way)
+    speeds = ramps(settings, InitialMotion(), way)
     highest = math.sqrt(speeds.highest)
     even = way - speeds.rise - speeds.fall
     return even / highest + sum(

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.dubins import advance
+from push_model.dubins import advance_along_arc
 from push_model.geometry import wrap_angle
 from push_planner.push_parameters import places
 
@@ -34,17 +34,17 @@ def guess(problem, route, lengths, points):
     course = _Course(problem, route)
     ends = np.concatenate([[0.0], np.cumsum(lengths)])
     theta, x, y = course.at(ends)
-    steer, w = course.smooth(ends, np.median(lengths))
+    steering_angle, w = course.smooth(ends, np.median(lengths))
     rates = course.smooth(ends[:-1, None] + lengths[:, None] * points, np.median(lengths))[1]
     gamma = theta + problem.start_normal
     if problem.kind == 'differential':
-        return _followed(problem, theta, x, y, steer, w, lengths, rates)
+        return _followed(problem, theta, x, y, steering_angle, w, lengths, rates)
     psi = theta + problem.vehicle.angle
     c_x, c_y = problem.contact_point
     phi = theta
     if problem.kind == 'rolling':
         phi = np.zeros(len(theta))
-        delta, c_x, c_y = places(problem.constants, theta, phi)
+        delta, c_x, c_y = places(problem.push_parameters, theta, phi)
         gamma = theta + delta
         f_x, f_y = problem.friction_center
         psi = theta + np.unwrap(np.arctan2(f_y - c_y, f_x - c_x))
@@ -53,7 +53,7 @@ def guess(problem, route, lengths, points):
     if problem.kind == 'rolling':
         q_x = q_x - problem.robot.radius * np.cos(gamma)
         q_y = q_y - problem.robot.radius * np.sin(gamma)
-    rho = steer + psi - gamma
+    rho = steering_angle + psi - gamma
     rho += 2.0 * math.pi * np.round(-rho[0] / (2.0 * math.pi))
     return Guess(np.column_stack([w, rho, theta, q_x, q_y, phi]), rates)
 
@@ -63,16 +63,16 @@ class _Course:
 
     def __init__(self, problem, route):
         self.vehicle, path = problem.vehicle, route.path
-        factors = [1.0 / math.cos(turn.steer) for turn in route.turns] + [1.0]
-        lengths = [*path.lengths, max(route.run_in, 1e-9)]
+        factors = [1.0 / math.cos(turn.steering_angle) for turn in route.turns] + [1.0]
+        lengths = [*path.lengths, max(route.final_straight, 1e-9)]
         self.ways = np.concatenate([[0.0], np.cumsum(np.multiply(lengths, factors))])
-        self.steers = np.array([turn.steer for turn in route.turns] + [0.0])
+        self.steers = np.array([turn.steering_angle for turn in route.turns] + [0.0])
         self.rates = np.array([turn.w for turn in route.turns] + [0.0])
         self.factors, self.curvatures = np.array(factors), np.array([*path.curvatures, 0.0])
         poses, pose = [], path.start
         for length, curvature in zip(lengths, self.curvatures):
             poses.append(pose)
-            pose = advance(pose, length, float(curvature))
+            pose = advance_along_arc(pose, length, float(curvature))
         self.poses = np.array(poses)
 
     def at(self, ways):
@@ -85,7 +85,7 @@ class _Course:
         x, y, theta = self.poses[piece].T
         z_x, z_y = x + chord * np.cos(theta + half), y + chord * np.sin(theta + half)
         theta = theta + 2.0 * half - self.vehicle.angle
-        f_x, f_y = self.vehicle.flat_point
+        f_x, f_y = self.vehicle.flat_output
         return (theta, z_x - np.cos(theta) * f_x + np.sin(theta) * f_y,
                 z_y - np.sin(theta) * f_x - np.cos(theta) * f_y)
 
@@ -101,9 +101,9 @@ class _Course:
         return found
 
 
-def _followed(problem, theta, x, y, steer, w, lengths, rates):
+def _followed(problem, theta, x, y, steering_angle, w, lengths, rates):
     """Let a differential drive's heading settle on the direction of the push."""
-    direction = theta + problem.vehicle.angle + steer
+    direction = theta + problem.vehicle.angle + steering_angle
     reach = problem.robot.radius * math.cos(problem.heading_offset)
     start = problem.start_normal
     start = direction[0] + wrap_angle(start - direction[0])

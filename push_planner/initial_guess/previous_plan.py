@@ -11,26 +11,26 @@ TURN_REACH = 0.3
 SHORTEST = 0.02
 
 
-class Remainder(NamedTuple):
+class PreviousRoute(NamedTuple):
     """
     The rest of a plan, as a route.
 
     :param nodes: ``push_planner.collocation.collocation.Node`` of its samples in the new start frame, shape (n, 6).
     :param ways: of the contact from now to each sample, shape (n,) [m].
-    :param run_in: straight way at its end [m].
-    :param turned: angle by which the object turns [rad].
+    :param final_straight: straight way at its end [m].
+    :param rotation: angle by which the object turns [rad].
     """
 
     nodes: np.ndarray
     ways: np.ndarray
-    run_in: float
-    turned: float
+    final_straight: float
+    rotation: float
 
-    name = 'former plan'
-    aside = math.inf
+    name = 'previous plan'
+    max_deviation = math.inf
 
     @property
-    def cost(self):
+    def path_length(self):
         """Way of the contact [m]."""
         return float(self.ways[-1])
 
@@ -49,13 +49,13 @@ class Remainder(NamedTuple):
         return Guess(nodes, np.interp(places, self.ways, self.nodes[:, 0]))
 
 
-def remainder(problem, previous):
+def previous_route(problem, previous):
     """
     Cut off what has been pushed already.
 
     :param problem: the ``PushProblem``, from the present pose.
     :param previous: ``Plan`` of the same contact.
-    :return: ``Remainder``; None where next to nothing is left, or another contact is meant.
+    :return: ``PreviousRoute``; None where next to nothing is left, or another contact is meant.
     """
     former = previous.problem
     if (former.kind, former.contact.kind, former.contact.index) != (
@@ -81,5 +81,5 @@ def remainder(problem, previous):
                              (rho + math.pi) % (2.0 * math.pi) - math.pi, turns,
                              c * x + s * y, c * y - s * x, phi])[now:]
     left = ways[now:] - ways[now]
-    return Remainder(nodes, left, min(previous.report['run_in'], 0.9 * float(left[-1])),
-                     float(nodes[-1, 2]))
+    return PreviousRoute(nodes, left, min(previous.report['final_straight'], 0.9 * float(left[-1])),
+                         float(nodes[-1, 2]))

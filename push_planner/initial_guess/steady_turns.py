@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from push_planner.collocation.collocation import balance, Step
 from push_planner.collocation.nlp_solver import Buffered
-from push_planner.push_parameters import Constants, COUNT, place
+from push_planner.push_parameters import PARAMETER_COUNT, place, PushParameters
 
 ANGLES = 41
 STEEPEST = 1.2
@@ -25,17 +25,17 @@ class SteadyTurn(NamedTuple):
     """
     A steady turn.
 
-    :param steer: angle from the line C to F to the push [rad].
+    :param steering_angle: angle from the line C to F to the push [rad].
     :param w: turning rate over the pushing speed [1/m].
     """
 
-    steer: float
+    steering_angle: float
     w: float
 
     @property
     def curvature(self):
         """Curvature of the way of the flat point [1/m]."""
-        return self.w / math.cos(self.steer)
+        return self.w / math.cos(self.steering_angle)
 
 
 class SteadyTurns(NamedTuple):
@@ -79,9 +79,9 @@ class SteadyTurns(NamedTuple):
         if 0 < here < len(room) - 1:
             share = room[here] / max(room[here] - room[here + side], 1e-12)
         after = min(max(here + side, 0), len(room) - 1)
-        steer, w = (values[here] + share * (values[after] - values[here])
-                    for values in (self.steers, self.rates))
-        return SteadyTurn(float(steer), float(w))
+        steering_angle, w = (values[here] + share * (values[after] - values[here])
+                             for values in (self.steers, self.rates))
+        return SteadyTurn(float(steering_angle), float(w))
 
 
 @functools.lru_cache(maxsize=64)
@@ -93,7 +93,7 @@ def steady_turns(problem_key):
     :return: ``SteadyTurns``.
     """
     steers = np.linspace(-STEEPEST, STEEPEST, ANGLES)
-    supports = (len(problem_key.column) - COUNT) // 3
+    supports = (len(problem_key.column) - PARAMETER_COUNT) // 3
     column = np.array(problem_key.column)
     rates, forces = _table(supports)(steers[:, None] - problem_key.offset, problem_key.square,
                                      column)
@@ -104,7 +104,7 @@ class TurnKey(NamedTuple):
     """
     What steady turns depend on.
 
-    :param column: the ``Constants`` as numbers.
+    :param column: the ``PushParameters`` as numbers.
     :param offset: of the normal from the line C to F [rad].
     :param square: V [m^2/s^2].
     """
@@ -116,16 +116,16 @@ class TurnKey(NamedTuple):
 
 @functools.lru_cache(maxsize=16)
 def _table(supports):
-    constants, flat = Constants.symbols(supports)
+    push_parameters, flat = PushParameters.symbols(supports)
     angle, square, w = ca.SX.sym('angle'), ca.SX.sym('square'), ca.SX.sym('w')
     step = Step(0.0, 0.0, square, 0.0, False, SMOOTHING)
-    residual, force, _ = balance(constants, (0.0, 0.0, w, angle, w), 0.0, 0.0, step, 0.0)
+    residual, force, _ = balance(push_parameters, (0.0, 0.0, w, angle, w), 0.0, 0.0, step, 0.0)
     given = [w, angle, square, flat]
     moment = ca.Function('moment', given, [residual])
     forces = ca.Function('forces', given, [ca.vertcat(*force)])
     # The moment rises with w: friction and inertia both resist turning.
-    _, c_x, c_y = place(constants, 0.0, 0.0)
-    reach = 4.0 / ca.sqrt((constants.terms.com_x - c_x) ** 2 + (constants.terms.com_y - c_y) ** 2)
+    _, c_x, c_y = place(push_parameters, 0.0, 0.0)
+    reach = 4.0 / ca.sqrt((push_parameters.terms.com_x - c_x) ** 2 + (push_parameters.terms.com_y - c_y) ** 2)
     low, high = -reach, reach
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)

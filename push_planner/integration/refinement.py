@@ -6,12 +6,12 @@ import math
 import casadi as ca
 import numpy as np
 from push_model.geometry import wrap_angle
-from push_planner.collocation.collocation import collocate, Node, Step, touch
+from push_planner.collocation.collocation import collocate, contact_impulse, Node, Step
 from push_planner.collocation.dimensions import POINTS
 from push_planner.collocation.nlp_solver import Buffered
 from push_planner.collocation.transcription import origin, SMOOTHING
-from push_planner.integration.rollout import FinePush, Track
-from push_planner.push_parameters import Constants, place
+from push_planner.integration.rollout import ClosedLoopRollout, ReferenceTrack
+from push_planner.push_parameters import place, PushParameters
 
 WEIGHTS = np.diag([0.0, 0.0, 1.0, 1.0, 1.0, 0.1, 0.0])
 END_WEIGHTS = np.diag([0.0, 0.0, 1e4, 1e4, 1e4, 0.0, 0.0])
@@ -33,7 +33,7 @@ def refine(problem, formulation, solution):
     :return: (``Rollout``, or None where the integration breaks down; S [m]).
     """
     grid, shape, way = formulation.grid, formulation.shape, solution.way
-    push = FinePush(problem, formulation, way)
+    push = ClosedLoopRollout(problem, formulation, way)
     free = grid.free.copy()
     # The first of angles that jump is a jump as well: impulses add up.
     free[0] = 1.0 if shape.jumps else free[0]
@@ -43,7 +43,7 @@ def refine(problem, formulation, solution):
     nodes, changes, best = _begin(problem, formulation, solution), solution.changes * free, None
     for attempt in range(PASSES):
         first = attempt == 0
-        found = push.run(Track(nodes, changes, gains[:, :6]), way, coarse=first)
+        found = push.run(ReferenceTrack(nodes, changes, gains[:, :6]), way, coarse=first)
         miss = _miss(problem, formulation, found[0][-1])
         size = float(np.abs(MATTERS * miss).max())
         if not np.isfinite(size) or (best is not None and size > 0.9 * best[0]):
@@ -73,22 +73,22 @@ def _begin(problem, formulation, solution):
     w = ends.w
     if not ends.moving:
         begin = Node(0.0, rho, 0.0, ends.q_x, ends.q_y)
-        w = float(touch(problem.kind, problem.constants, begin)[0])
+        w = float(contact_impulse(problem.kind, problem.push_parameters, begin)[0])
     nodes[0] = w, rho, 0.0, ends.q_x, ends.q_y, 0.0
     return nodes
 
 
 def _miss(problem, formulation, last):
     """By how much the end misses the goal, as a deviation of the last node and S."""
-    constants, node = problem.constants, Node(*last.tolist())
-    x, y = (float(value) for value in origin(problem.kind, constants, node))
+    push_parameters, node = problem.push_parameters, Node(*last.tolist())
+    x, y = (float(value) for value in origin(problem.kind, push_parameters, node))
     goal = problem.relative_goal
     turn = 0.0 if problem.settings.heading_free else wrap_angle(node.theta - goal.theta)
     # The followed point moves along as the object turns back.
     arm_x, arm_y = node.q_x - x, node.q_y - y
     angle = heading = 0.0
     if formulation.shape.straight:
-        delta, c_x, c_y = (float(value) for value in place(constants, node.theta, node.phi))
+        delta, c_x, c_y = (float(value) for value in place(push_parameters, node.theta, node.phi))
         f_x, f_y = problem.friction_center
         angle = delta + node.rho - math.atan2(f_y - c_y, f_x - c_x)
         if problem.kind == 'differential':
@@ -100,7 +100,7 @@ def _miss(problem, formulation, last):
 def _maps(problem, shape, free, formulation, solution):
     """End of each step by its begin, S and change: one matrix (7, 8) per step."""
     count, grid, steps = len(free), formulation.grid, formulation.steps
-    column = problem.constants.column()
+    column = problem.push_parameters.column()
     given = np.column_stack([grid.lengths, grid.shares, steps[:, 2], steps[:, 3], free])
     found, = _linear(shape)(solution.nodes[:-1], solution.way, solution.changes[:, None], given,
                             solution.rates, column)
@@ -132,7 +132,7 @@ def _feed_forward(maps, values, gains, miss):
 
 @functools.lru_cache(maxsize=16)
 def _linear(shape):
-    constants, flat = Constants.symbols(shape.supports)
+    push_parameters, flat = PushParameters.symbols(shape.supports)
     node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
     data, way, change = ca.SX.sym('data', 5), ca.SX.sym('way'), ca.SX.sym('change')
     length, share, square, slope, free = ca.vertsplit(data)
@@ -140,7 +140,7 @@ def _linear(shape):
     begin = Node(*ca.vertsplit(node))
     if shape.kind == 'held':
         begin = begin._replace(phi=begin.theta)
-    out = collocate(shape.kind, constants, begin, step, ca.vertsplit(rates))
+    out = collocate(shape.kind, push_parameters, begin, step, ca.vertsplit(rates))
     end, residual = ca.vertcat(*out.node, way), ca.vertcat(*out.residuals)
     rest = ca.vertcat(node, way, change)
     settle = ca.solve(ca.jacobian(residual, rates), ca.jacobian(residual, rest))

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 from push_model.dynamics import SMOOTHING
-from push_planner.collocation.collocation import collocate, Node, radau, Step, touch
+from push_planner.collocation.collocation import collocate, contact_impulse, Node, radau, Step
 from push_planner.collocation.nlp_solver import Buffered
-from push_planner.push_parameters import Constants, COUNT
+from push_planner.push_parameters import PARAMETER_COUNT, PushParameters
 
 POINTS = 3
 FIRST_STEPS, NEWTON_STEPS = 4, 2
@@ -22,7 +22,7 @@ GROWTH = 1.6
 STEP_ROWS = 4
 
 
-def fractions(length, first, longest):
+def graded_fractions(length, first, longest):
     """
     Divide a step into parts that grow from a first one.
 
@@ -41,7 +41,7 @@ def fractions(length, first, longest):
     return np.array(parts) / sum(parts)
 
 
-def settling_way(problem):
+def settling_distance(problem):
     """
     Way over which the turning rate settles after a switch, ``v^2 (I/m + r^2) / (mu g r L)`` [m].
 
@@ -58,7 +58,7 @@ def advance(kind, supports, jumps, parts, steps):
     """
     Build the rollout over steps of equally many parts.
 
-    :param kind: one of ``push_planner.push_parameters.KINDS``.
+    :param kind: one of ``push_planner.push_parameters.PUSH_KINDS``.
     :param supports: number of supports.
     :param jumps: whether the pushing angle jumps at the begin of a step.
     :param parts: number of parts of a step.
@@ -82,7 +82,7 @@ def one_step(kind, supports, jumps, parts):
     """Build one step; arguments as for ``advance``."""
     node, planned, gains = (ca.MX.sym(name, 6) for name in ('node', 'planned', 'gains'))
     change, data = ca.MX.sym('change'), ca.MX.sym('data', STEP_ROWS)
-    shares, flat = ca.MX.sym('shares', parts), ca.MX.sym('flat', COUNT + 3 * supports)
+    shares, flat = ca.MX.sym('shares', parts), ca.MX.sym('flat', PARAMETER_COUNT + 3 * supports)
     driven, begin = _begin(kind, supports, jumps)(node, planned, gains, change, flat)
     along = 0.0 if jumps else driven
     # Within a step w goes on smoothly, and so does the guess.
@@ -99,12 +99,12 @@ def one_step(kind, supports, jumps, parts):
 @functools.lru_cache(maxsize=16)
 def _begin(kind, supports, jumps):
     """Begin a step: the change of the pushing angle, corrected, and the node after its jump."""
-    constants, flat = Constants.symbols(supports)
+    push_parameters, flat = PushParameters.symbols(supports)
     node, planned, gains = (ca.SX.sym(name, 6) for name in ('node', 'planned', 'gains'))
     change, begin = ca.SX.sym('change'), Node(*ca.vertsplit(node))
     driven = change - ca.dot(gains, node - planned)
     if jumps:
-        jump, _, _ = touch(kind, constants, begin, driven)
+        jump, _, _ = contact_impulse(kind, push_parameters, begin, driven)
         begin = begin._replace(w=begin.w + jump, rho=begin.rho + driven)
     return ca.Function('begin', [node, planned, gains, change, flat], [driven,
                                                                        ca.vertcat(*begin)])
@@ -118,7 +118,7 @@ def _part(kind, supports, count):
     From (node, dw/ds, way in the step), share of the step, change of the pushing angle over the
     step, its numbers and the constants to the same after it, samples and forces.
     """
-    constants, flat = Constants.symbols(supports)
+    push_parameters, flat = PushParameters.symbols(supports)
     before, rates = ca.SX.sym('before', 8), ca.SX.sym('rates', POINTS)
     share, along, data = ca.SX.sym('share'), ca.SX.sym('along'), ca.SX.sym('data', STEP_ROWS)
     length, square, slope, smoothing = ca.vertsplit(data)
@@ -128,7 +128,7 @@ def _part(kind, supports, count):
     begin = Node(*ca.vertsplit(node))
     if kind == 'held':
         begin = begin._replace(phi=begin.theta)
-    out = collocate(kind, constants, begin, step, ca.vertsplit(rates))
+    out = collocate(kind, push_parameters, begin, step, ca.vertsplit(rates))
     residual = ca.vertcat(*out.residuals)
     given = [before, share, along, data, flat]
     newton = ca.Function('newton', [rates, *given],
@@ -170,7 +170,7 @@ class Rollout(NamedTuple):
     begins: np.ndarray
 
 
-class Track(NamedTuple):
+class ReferenceTrack(NamedTuple):
     """
     What a rollout follows; arrays over the n steps.
 
@@ -191,7 +191,7 @@ class _Group(NamedTuple):
     shares: np.ndarray
 
 
-class FinePush:
+class ClosedLoopRollout:
     """
     Integrates one push, again and again.
 
@@ -204,17 +204,17 @@ class FinePush:
         """Divide the steps into parts."""
         self._grid, self._shape = formulation.grid, formulation.shape
         self._inertia = formulation.steps[:, 2:4]
-        self._column = problem.constants.column()
+        self._column = problem.push_parameters.column()
         # At most half a part lies between two samples.
         spacing = 2.0 * problem.settings.sample_spacing
-        start = FIRST_SHARE * settling_way(problem)
+        start = FIRST_SHARE * settling_distance(problem)
         lengths = self._grid.steps(way)
         count = len(lengths)
         groups = [range(count)] if self._shape.jumps else [range(1), range(1, count)]
         self._groups = []
         for group in groups:
             rough = group.start == 0
-            shares = [fractions(lengths[k], start, spacing) for k in group] if rough else []
+            shares = [graded_fractions(lengths[k], start, spacing) for k in group] if rough else []
             parts = max([math.ceil(max(lengths[group.start:]) / spacing),
                          *(len(share) for share in shares)])
             self._groups.append(_Group(
@@ -240,7 +240,7 @@ class FinePush:
         """
         Follow a track.
 
-        :param track: ``Track``.
+        :param track: ``ReferenceTrack``.
         :param way: S [m].
         :param coarse: whether in fewer parts, too few samples for a ``rollout``.
         :return: (nodes, shape (n + 1, 6); changes, shape (n,) [rad]; the rest for ``rollout``).

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from push_model.geometry import wrap_angle
 from push_model.trajectory import PushTrajectory
-from push_planner.collocation.collocation import Node, robot_turn, touch
+from push_planner.collocation.collocation import contact_impulse, Node, robot_yaw_rate
 from push_planner.plan import Switch
 from push_planner.push_parameters import places
 
@@ -13,7 +13,7 @@ INSTANT = 1e-6
 NEGLIGIBLE = 1e-9
 
 
-def switches_of(problem, rollout, jumps):
+def find_switches(problem, rollout, jumps):
     """
     List the jumps of a push; the first is the first touch, unless the push is under way already.
 
@@ -24,16 +24,16 @@ def switches_of(problem, rollout, jumps):
     """
     if problem.settings.motion_model == 'quasi_static':
         return ()
-    constants, found = problem.constants, []
+    push_parameters, found = problem.push_parameters, []
     begins = np.flatnonzero(rollout.begins)
     if problem.motion.speed == 0.0:
         node = Node(*rollout.samples[0].tolist())
-        found.append(_switch(problem, touch(problem.kind, constants, node), rollout, begins[0],
+        found.append(_switch(problem, contact_impulse(problem.kind, push_parameters, node), rollout, begins[0],
                              node.rho))
     for k in range(1, len(rollout.changes)) if jumps else ():
         change = float(rollout.changes[k])
         if change != 0.0:
-            jump = touch(problem.kind, constants, Node(*rollout.nodes[k].tolist()), change)
+            jump = contact_impulse(problem.kind, push_parameters, Node(*rollout.nodes[k].tolist()), change)
             found.append(_switch(problem, jump, rollout, begins[k], change))
     return tuple(found)
 
@@ -54,7 +54,7 @@ def _switch(problem, jump, rollout, sample, change):
                   float(blend))
 
 
-def report_of(problem, rollout, trajectory, switches):
+def build_report(problem, rollout, trajectory, switches):
     """
     Say what a push does to the contact, in numbers.
 
@@ -77,16 +77,16 @@ def report_of(problem, rollout, trajectory, switches):
             'duration': trajectory.duration,
             'position_error': math.hypot(x - goal.x, y - goal.y),
             'heading_error': abs(turned),
-            'cone_usage': steepest / problem.planning_angle,
+            'cone_usage': steepest / problem.planning_cone_angle,
             'friction_usage': steepest / problem.friction_angle,
-            'way_beyond_planning_cone': float(
-                steps[use > problem.planning_angle + 1e-3].sum()),
+            'distance_beyond_planning_cone': float(
+                steps[use > problem.planning_cone_angle + 1e-3].sum()),
             'impulses_outside_cone': sum(not switch.in_cone for switch in switches[1:]),
             'longest_blend': max([switch.blend for switch in switches], default=0.0),
             'peak_angle_change': float(np.abs(rollout.changes).max())}
 
 
-def trajectory_of(problem, rollout):
+def sample_trajectory(problem, rollout):
     """
     Sample a rollout in the world.
 
@@ -112,9 +112,9 @@ def trajectory_of(problem, rollout):
 
 def _motion(problem, samples, speed):
     w, rho, theta, q_x, q_y, phi = samples.T
-    constants, radius = problem.constants, problem.robot.radius
-    delta, c_x, c_y = places(constants, theta, phi)
-    turn = np.array(robot_turn(problem.kind, constants, rho, w)).ravel() * speed
+    push_parameters, radius = problem.push_parameters, problem.robot.radius
+    delta, c_x, c_y = places(push_parameters, theta, phi)
+    turn = np.array(robot_yaw_rate(problem.kind, push_parameters, rho, w)).ravel() * speed
     gamma, omega, start = theta + delta, speed * w, problem.start
     share = problem.rolling[0]
     bend = omega if problem.kind == 'held' else share * omega + (1.0 - share) * turn

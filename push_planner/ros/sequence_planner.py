@@ -1,8 +1,8 @@
 """Chains of pushes: the planner's node asks for them here, and says here what came of it."""
 
-from push_model.plan_request import Wanted
-from push_planner.sequence.planner import plan_wanted
-from push_planner.sequence.steps import chain_poses
+from push_model.plan_request import PlanRequest
+from push_planner.sequence.planner import plan_for_request
+from push_planner.sequence.steps import sequence_poses
 from push_ros.conversions.map import from_map_message, map_text
 from push_ros.conversions.plan import to_path_message, to_plan_message
 from push_ros.conversions.plan_request import from_request_message
@@ -10,7 +10,7 @@ from push_ros.conversions.plan_request import from_request_message
 PATH_SPACING = 0.05
 
 
-class ChainPlanner:
+class SequenceRequestHandler:
     """Plans chains of pushes, in a map where there is one."""
 
     def __init__(self, obj, parts, frame):
@@ -23,7 +23,7 @@ class ChainPlanner:
         """
         self._obj, self._parts, self._frame, self._workspace = obj, parts, frame, None
 
-    def take_map(self, message):
+    def on_map(self, message):
         """
         Take a map; return what to say of it.
 
@@ -54,7 +54,7 @@ class ChainPlanner:
         :return: ``push_planner.sequence.planner.TaskPlan``.
         :raises PlanningFailed: with the reason.
         """
-        return self._plan(Wanted(object_pose, robot_pose, goal, self._obj))
+        return self._plan(PlanRequest(object_pose, robot_pose, goal, self._obj))
 
     def messages(self, chain, stamp):
         """
@@ -64,15 +64,15 @@ class ChainPlanner:
         :param stamp: of the request, or of the measurements.
         """
         trajectory = chain.plan.trajectory
-        poses = chain_poses(trajectory, chain.later, PATH_SPACING)
+        poses = sequence_poses(trajectory, chain.later_steps, PATH_SPACING)
         return (to_plan_message(trajectory, stamp, self._frame),
                 to_path_message(poses, stamp, self._frame))
 
     def _plan(self, wanted):
-        return plan_wanted(wanted, *self._parts, self._workspace)
+        return plan_for_request(wanted, *self._parts, self._workspace)
 
 
-def said(chain):
+def describe_task_plan(chain):
     """
     Say in a sentence, and in a dict of values, what chain was found.
 

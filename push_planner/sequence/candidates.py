@@ -6,14 +6,14 @@ import math
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_navigation.path import travel_time
-from push_navigation.path_planner import NoWay
+from push_navigation.path_planner import NoPathFound
 from push_planner.problem import PlanningFailed
-from push_planner.sequence.costs import way_to
-from push_planner.sequence.miss_probability import chance_of_missing
+from push_planner.sequence.costs import plan_approach
+from push_planner.sequence.miss_probability import miss_probability
 from push_planner.sequence.steps import PlannedPush
 from push_planner.single_push.contact_sites import robot_start
-from push_planner.single_push.planner import Demand, plan
-from push_planner.single_push.site_selection import SLACK
+from push_planner.single_push.planner import plan, PlanRequirements
+from push_planner.single_push.site_selection import ROUTE_SLACK
 
 SHORTEST = 0.01
 # Plans are shorter than the way that is ranked first, by 20 % at most in 40 random tasks.
@@ -24,20 +24,20 @@ ASIDE = 0.1
 STILL = 0.035
 
 
-class Option:
+class Candidate:
     """
     A chain whose first push is still to be solved.
 
     Attributes: ``pushes``; ``duration`` of everything [s], about until it is solved; ``hazard``:
     time that mending a miss of the last push takes, times its chance [s]; ``plan`` of the first
     push, None until then; ``way`` to it; ``reason`` why it cannot be, empty while it
-    can; ``sure``: share of the time of another solution above which this one is not worth
-    solving; ``worth``: time that others must beat [s]; ``later``: ``push_planner.sequence.steps.Step`` of
+    can; ``optimality_ratio``: share of the time of another solution above which this one is not worth
+    solving; ``worth``: time that others must beat [s]; ``later_steps``: ``push_planner.sequence.steps.SequenceStep`` of
     each push but the first.
     """
 
-    later = ()
-    sure = 1.0
+    later_steps = ()
+    optimality_ratio = 1.0
     worth = math.inf
 
     def __init__(self, problem, pushes, duration, hazard):
@@ -65,16 +65,16 @@ class Option:
         :param robot_pose: ``Pose`` of the robot.
         :param drive: ``DriveSettings``.
         :param worth: time above which the answer is of no use [s].
-        :param room: ``push_planner.sequence.clearance.Room``, or None for open floor.
+        :param room: ``push_planner.sequence.clearance.ClearanceCheck``, or None for open floor.
         """
         problem = self._limited(worth)
         try:
-            self.way = way_to(problem.robot, problem.obj, problem.start, robot_pose,
-                              robot_start(problem), drive, room and room.workspace)
-            found = plan(problem, demand=self._demand(room))
+            self.way = plan_approach(problem.robot, problem.obj, problem.start, robot_pose,
+                                     robot_start(problem), drive, room and room.occupancy_map)
+            found = plan(problem, requirements=self._requirements(room))
             if room is not None:
                 self.duration += self._detours(robot_pose, drive, room)
-        except NoWay as failure:
+        except NoPathFound as failure:
             self.reason = f'no way for the robot, {failure.reason}'
         except PlanningFailed as failure:
             self.reason = failure.reason
@@ -95,15 +95,15 @@ class Option:
         ends = [(first.start, robot_pose, first.robot_start)]
         ends += [(before.end, before.robot_end, after.robot_start)
                  for before, after in zip(self.pushes, self.pushes[1:])]
-        times = [[travel_time(way_to(robot, obj, *end, drive, workspace), robot, drive)
-                  for end in ends] for workspace in (room.workspace, None)]
+        times = [[travel_time(plan_approach(robot, obj, *end, drive, occupancy_map), robot, drive)
+                  for end in ends] for occupancy_map in (room.occupancy_map, None)]
         return sum(times[0]) - sum(times[1])
 
     def _limited(self, worth):
         return self.problem
 
-    def _demand(self, room):
-        return Demand(most=MOST) if room is None else Demand(None, room.fault, IN_MAP)
+    def _requirements(self, room):
+        return PlanRequirements(max_solves=MOST) if room is None else PlanRequirements(None, room.fault, IN_MAP)
 
     def __str__(self):
         """Say it in one line."""
@@ -111,27 +111,27 @@ class Option:
         return f'{sites}: {self.reason or f"{self.duration:.1f} + {self.hazard:.1f} s"}'
 
 
-class SingleOption(Option):
+class SinglePushCandidate(Candidate):
     """One push to the goal; until it is solved its duration is a lower bound."""
 
-    def __init__(self, problem, before, bound, mending_time):
+    def __init__(self, problem, before, bound, correction_time):
         """
         Take a push to the goal.
 
         :param problem: the ``PushProblem``.
         :param before: time until it begins [s].
         :param bound: time of the push at least [s].
-        :param mending_time: time that mending a miss takes [s].
+        :param correction_time: time that mending a miss takes [s].
         """
         place = robot_start(problem)
         push = PlannedPush(problem.contact, problem.start, problem.goal, place,
                            problem.goal @ problem.start.inverse() @ place, bound,
                            bound * problem.settings.pushing_speed)
-        least = mending_time * float(chance_of_missing(
+        least = correction_time * float(miss_probability(
             abs(wrap_angle(problem.goal.theta - problem.start.theta)), math.inf, math.inf, False))
         super().__init__(problem, (push,), before + bound, least)
-        self._before, self._about = before, before + bound / SLACK
-        self._mending_time = mending_time
+        self._before, self._about = before, before + bound / ROUTE_SLACK
+        self._mending_time = correction_time
 
     @property
     def about(self):
@@ -141,7 +141,7 @@ class SingleOption(Option):
     def _take(self, found):
         super()._take(found)
         turned, straight = _end_of(found.trajectory)
-        self.hazard = self._mending_time * float(chance_of_missing(
+        self.hazard = self._mending_time * float(miss_probability(
             turned, straight, found.report['path_length'], self.problem.contact.kind == 'face'))
 
     def _limited(self, worth):
@@ -151,31 +151,31 @@ class SingleOption(Option):
             settings, max_path_length=min(longest, settings.max_path_length)))
 
 
-class ChainOption(Option):
+class SequenceCandidate(Candidate):
     """Several pushes, all but the first of them as the algebra has them."""
 
-    sure = 0.97
+    optimality_ratio = 0.97
 
-    def __init__(self, steps, expected, mending_time):
+    def __init__(self, steps, expected, correction_time):
         """
         Take a chain.
 
-        :param steps: ``push_planner.sequence.steps.Step`` list.
+        :param steps: ``push_planner.sequence.steps.SequenceStep`` list.
         :param expected: time of everything, and of what may come after it, about [s].
-        :param mending_time: time that mending a miss takes [s].
+        :param correction_time: time that mending a miss takes [s].
         """
         last = steps[-1]
-        hazard = mending_time * float(chance_of_missing(
-            sum(abs(length * curvature) for length, curvature in last.pieces), last.pieces[-1][0],
+        hazard = correction_time * float(miss_probability(
+            sum(abs(length * curvature) for length, curvature in last.segments), last.segments[-1][0],
             last.push.path_length, last.problem.contact.kind == 'face'))
         super().__init__(steps[0].problem, [step.push for step in steps], expected - hazard,
                          hazard)
-        self.steps, self.later, self.worth = steps, tuple(steps[1:]), expected
+        self.steps, self.later_steps, self.worth = steps, tuple(steps[1:]), expected
 
-    def _demand(self, room):
+    def _requirements(self, room):
         if room is None:
-            return super()._demand(room)
-        return Demand(self.steps[0].route(ASIDE), room.fault, IN_MAP)
+            return super()._requirements(room)
+        return PlanRequirements(self.steps[0].route(ASIDE), room.fault, IN_MAP)
 
 
 def _end_of(trajectory):

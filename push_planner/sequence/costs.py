@@ -6,9 +6,9 @@ import math
 import numpy as np
 from push_model.geometry import Pose
 from push_navigation.path import travel_time
-from push_navigation.path_planner import find_way, NoWay
+from push_navigation.path_planner import NoPathFound, plan_path
 from push_planner.collocation.speed_profile import push_time
-from push_planner.sequence.search import Costs
+from push_planner.sequence.search import SequenceCosts
 
 
 def standoff(robot_pose, drive):
@@ -22,7 +22,7 @@ def standoff(robot_pose, drive):
     return robot_pose @ Pose(-drive.standoff, 0.0, 0.0)
 
 
-def way_to(robot, obj, object_pose, start, contact_pose, drive, workspace=None):
+def plan_approach(robot, obj, object_pose, start, contact_pose, drive, occupancy_map=None):
     """
     Find the way to where the last straight piece to the contact begins.
 
@@ -32,15 +32,15 @@ def way_to(robot, obj, object_pose, start, contact_pose, drive, workspace=None):
     :param start: ``Pose`` of the robot.
     :param contact_pose: ``Pose`` of the robot at the contact.
     :param drive: ``DriveSettings``.
-    :param workspace: ``Workspace`` that the way keeps to; None for open floor.
+    :param occupancy_map: ``OccupancyMap`` that the way keeps to; None for open floor.
     :return: ``Way``.
     :raises NoWay: where there is none.
     """
-    more = () if workspace is None else (workspace,)
-    return find_way(robot, obj, object_pose, start, standoff(contact_pose, drive), drive, *more)
+    more = () if occupancy_map is None else (occupancy_map,)
+    return plan_path(robot, obj, object_pose, start, standoff(contact_pose, drive), drive, *more)
 
 
-def times_to(robot, obj, start, contact_poses, drive):
+def approach_times(robot, obj, start, contact_poses, drive):
     """
     Find the times of the ways to several contacts on open floor; infinite where there is none.
 
@@ -54,8 +54,8 @@ def times_to(robot, obj, start, contact_poses, drive):
     times = []
     for pose in contact_poses:
         try:
-            way = way_to(robot, obj, Pose(0.0, 0.0, 0.0), start, pose, drive)
-        except NoWay:
+            way = plan_approach(robot, obj, Pose(0.0, 0.0, 0.0), start, pose, drive)
+        except NoPathFound:
             times.append(math.inf)
         else:
             times.append(travel_time(way, robot, drive))
@@ -63,9 +63,9 @@ def times_to(robot, obj, start, contact_poses, drive):
 
 
 @functools.lru_cache(maxsize=16)
-def times_between(robot, obj, contact_poses, drive):
+def transfer_times(robot, obj, contact_poses, drive):
     """
-    Find the times of the ways from contact to contact; arguments as of ``times_to``.
+    Find the times of the ways from contact to contact; arguments as of ``approach_times``.
 
     :param robot: the ``RoundRobot``.
     :param obj: the ``PushedObject``.
@@ -73,31 +73,31 @@ def times_between(robot, obj, contact_poses, drive):
     :param drive: ``DriveSettings``.
     :return: times [s], shape (n, n), read-only.
     """
-    times = np.array([times_to(robot, obj, pose, contact_poses, drive)
+    times = np.array([approach_times(robot, obj, pose, contact_poses, drive)
                       for pose in contact_poses])
     times.flags.writeable = False
     return times
 
 
-def costs_of(table, obj, robot, robot_pose, settings, drive, task):
+def sequence_costs(table, obj, robot, robot_pose, settings, drive, task):
     """
     Find what chains of the elements of a table cost on open floor.
 
-    :param table: ``push_planner.sequence.primitives.Table``.
+    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param robot_pose: ``Pose`` of the robot in the frame of the object.
     :param settings: ``PlannerSettings``.
     :param drive: ``DriveSettings``.
     :param task: ``TaskSettings``.
-    :return: ``push_planner.sequence.search.Costs``.
+    :return: ``push_planner.sequence.search.SequenceCosts``.
     """
-    first = times_to(robot, obj, robot_pose, table.places, drive)
-    between = times_between(robot, obj, table.places, drive)
+    first = approach_times(robot, obj, robot_pose, table.places, drive)
+    between = transfer_times(robot, obj, table.places, drive)
     ramp = push_time(settings, 1.0) - 1.0 / settings.pushing_speed
     each, numbers = task.switch_time + ramp, table.numbers
     change = between[np.ix_(numbers, numbers)] + each
     # A contact that has rolled is not where it was.
-    rolls = table.elements[0].problem.kind == 'rolling'
+    rolls = table.primitives[0].problem.kind == 'rolling'
     change[numbers[:, None] == numbers] = math.inf if rolls else 0.0
-    return Costs(first[numbers] + each, change, settings.pushing_speed, settings.max_path_length)
+    return SequenceCosts(first[numbers] + each, change, settings.pushing_speed, settings.max_path_length)

@@ -8,7 +8,7 @@ ROUNDING = 1e-9
 NARROW = 1e-3
 
 
-class Weighed(NamedTuple):
+class SequenceMotions(NamedTuple):
     """
     What chains come to; rows are chains, columns their moves.
 
@@ -24,11 +24,11 @@ class Weighed(NamedTuple):
     ways: np.ndarray
 
 
-def last_turns(table, sites, turns, heading):
+def complete_rotations(table, sites, turns, heading):
     """
     Complete turns by those of the last move, which fix the object's heading.
 
-    :param table: ``push_planner.sequence.primitives.Table``.
+    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
     :param sites: numbers of the elements, shape (m, n).
     :param turns: signed turns of all but the last [rad], shape (m, n - 1).
     :param heading: turn of the goal [rad].
@@ -41,16 +41,16 @@ def last_turns(table, sites, turns, heading):
     return np.column_stack([turns, table.sides[last] * left])
 
 
-def weigh(table, sites, turns, goal, least):
+def solve_straights(table, sites, turns, goal, least):
     """
     Find the shortest straight pushes with which chains reach the goal.
 
-    :param table: ``push_planner.sequence.primitives.Table``.
+    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
     :param sites: numbers of the elements, shape (m, n).
-    :param turns: signed turns [rad], shape (m, n), as ``last_turns`` completes them.
+    :param turns: signed turns [rad], shape (m, n), as ``complete_rotations`` completes them.
     :param goal: ``Pose`` in the frame of the object before the first push.
     :param least: straight length after the turn of each move, at least [m], shape (m, n).
-    :return: ``Weighed``.
+    :return: ``SequenceMotions``.
     """
     heading = np.cumsum(turns, axis=1) - turns
     first = heading + table.angles[sites]
@@ -66,16 +66,16 @@ def weigh(table, sites, turns, goal, least):
         straights[rows, column] += length
     before, after = straights[:, :count], straights[:, count:]
     ways = np.abs(turns) * table.radii[sites] * table.stretches[sites] + before + after
-    return Weighed(turns, before, after, np.where(reached[:, None], ways, np.inf))
+    return SequenceMotions(turns, before, after, np.where(reached[:, None], ways, np.inf))
 
 
-def places_along(table, sites, chains, count):
+def object_poses_along(table, sites, chains, count):
     """
     Find where the object is on its way, at equal shares of every piece, up to their ends.
 
-    :param table: ``push_planner.sequence.primitives.Table``.
+    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
     :param sites: numbers of the elements, shape (m, n).
-    :param chains: ``Weighed`` of m chains.
+    :param chains: ``SequenceMotions`` of m chains.
     :param count: places on each piece; the pieces of a move are straight, a turn, and straight.
     :return: (x, y, theta) in the frame of the object before the first push, shape
         (m, n, 3 count, 3).
@@ -87,8 +87,8 @@ def places_along(table, sites, chains, count):
     arcs = _turned(table, sites, heading, turns, first, second)
     moves = np.stack([np.stack((before * np.cos(first), arcs[0], after * np.cos(second)), axis=2),
                       np.stack((before * np.sin(first), arcs[1], after * np.sin(second)), axis=2)])
-    pieces = moves.reshape(2, len(sites), 3 * sites.shape[1])
-    begins = (pieces.cumsum(axis=2) - pieces).reshape(moves.shape)
+    segments = moves.reshape(2, len(sites), 3 * sites.shape[1])
+    begins = (segments.cumsum(axis=2) - segments).reshape(moves.shape)
     found = np.empty((*sites.shape, 3, count, 3))
     for k in range(count):
         share = (k + 1) / count
@@ -129,7 +129,7 @@ def _split(directions, x, y):
     return tuple(np.where(reached, length, 0.0) for length in lengths), which, reached
 
 
-def longest_ways(numbers, ways):
+def longest_pushes(numbers, ways):
     """
     Find the way of the longest push of each chain [m], shape (m,).
 
@@ -143,12 +143,12 @@ def longest_ways(numbers, ways):
     return longest
 
 
-def last_pushes(numbers, chains):
+def last_push(numbers, chains):
     """
     Tell of the last push of each chain how it turns the object, and its way.
 
     :param numbers: of the places of the moves, shape (m, n).
-    :param chains: ``push_planner.sequence.kinematics.Weighed`` of m chains.
+    :param chains: ``push_planner.sequence.kinematics.SequenceMotions`` of m chains.
     :return: (angle to and fro [rad], way of the contact [m]), each of shape (m,).
     """
     there = numbers == numbers[:, -1:]

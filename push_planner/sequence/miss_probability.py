@@ -12,7 +12,7 @@ TURNED, LITTLE, ENOUGH = 0.3, 0.1, 0.4
 FAR_ROUND, ALL_ROUND = 3.5, 6.0
 
 
-def chance_of_missing(turned, straight, way, on_face):
+def miss_probability(turned, straight, way, on_face):
     """
     Tell how likely a push misses; arguments are numbers or arrays of one shape.
 

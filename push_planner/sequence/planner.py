@@ -7,20 +7,20 @@ from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import distance, Pose
-from push_navigation.path import Way
+from push_navigation.path import Path
 from push_navigation.settings import DriveSettings
 from push_planner.plan import Plan
-from push_planner.problem import PlanningFailed, refuse_fence
-from push_planner.sequence.candidates import ChainOption, SingleOption
-from push_planner.sequence.clearance import Room
-from push_planner.sequence.costs import costs_of, times_to
-from push_planner.sequence.primitives import bearing_of, element_table
+from push_planner.problem import check_robot_is_round, PlanningFailed
+from push_planner.sequence.candidates import SequenceCandidate, SinglePushCandidate
+from push_planner.sequence.clearance import ClearanceCheck
+from push_planner.sequence.costs import approach_times, sequence_costs
+from push_planner.sequence.primitives import goal_bearing, primitive_table
 from push_planner.sequence.search import search
-from push_planner.sequence.steps import SETTLING, steps_of
+from push_planner.sequence.steps import build_steps, SETTLING
 from push_planner.settings import PlannerSettings, TaskSettings
 from push_planner.single_push.contact_sites import robot_start, site_problems
-from push_planner.single_push.feasibility import refuse_arrived
-from push_planner.single_push.site_selection import weigh_site
+from push_planner.single_push.feasibility import check_not_at_goal
+from push_planner.single_push.site_selection import bound_site
 
 SINGLES = 3
 HOPEFUL = 1.2
@@ -34,21 +34,21 @@ class TaskPlan(NamedTuple):
 
     :param pushes: ``PlannedPush`` of the whole chain.
     :param plan: the ``Plan`` of the first push.
-    :param way: ``Way`` of the robot to where the last straight piece to its contact begins.
+    :param way: ``Path`` of the robot to where the last straight piece to its contact begins.
     :param duration: of everything, ways, settling and pushes [s].
     :param single: the same of the best single push [s]; infinite where there is none. It is
         solved only where it might be quicker, else about.
     :param report: what the search came to, a dict of names to numbers and texts.
-    :param later: ``push_planner.sequence.steps.Step`` of each push but the first.
+    :param later_steps: ``push_planner.sequence.steps.SequenceStep`` of each push but the first.
     """
 
     pushes: tuple
     plan: Plan
-    way: Way
+    way: Path
     duration: float
     single: float
     report: dict
-    later: tuple
+    later_steps: tuple
 
 
 def _with_room_to_settle(task, robot):
@@ -56,15 +56,15 @@ def _with_room_to_settle(task, robot):
     if robot.drive != 'differential':
         return task
     least = SETTLING * robot.radius
-    return dataclasses.replace(task, shortest_push=max(task.shortest_push, least),
-                               last_run_in=max(task.last_run_in, least))
+    return dataclasses.replace(task, min_straight=max(task.min_straight, least),
+                               min_last_straight=max(task.min_last_straight, least))
 
 
-class Question:
+class SequencePlanner:
     """One question for a chain, and the work on it."""
 
     def __init__(self, obj, robot, object_pose, robot_pose, goal, settings, drive, task,
-                 workspace):
+                 occupancy_map):
         """
         Take the question; all as of ``push_planner.sequence.planner.plan_task``, finite.
 
@@ -73,7 +73,7 @@ class Question:
         self.obj, self.robot, self.start, self.here = obj, robot, object_pose, robot_pose
         self.goal, self.settings, self.drive = goal, settings, drive
         self.task = _with_room_to_settle(task, robot)
-        self.room = workspace and Room(workspace, obj, robot, object_pose, goal, drive)
+        self.room = occupancy_map and ClearanceCheck(occupancy_map, obj, robot, object_pose, goal, drive)
         inside = object_pose.inverse()
         self.local_goal, self.local_robot = inside @ goal, inside @ robot_pose
         self.report = {'weighed': 0, 'tried': []}
@@ -102,7 +102,7 @@ class Question:
         reasons = [option.reason for option in singles] + self.refused
         self.report['single'] = reasons[0] if reasons and math.isinf(single) else ''
         return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report,
-                        found.later)
+                        found.later_steps)
 
     def _first(self, limit, options=()):
         """Look for chains the harder the longer none can be solved."""
@@ -116,7 +116,7 @@ class Question:
     def _best(self, options):
         best, worth = None, min((option.worth for option in options), default=math.inf)
         for option in sorted(options, key=lambda option: option.expected):
-            if best is not None and option.expected >= option.sure * best.expected:
+            if best is not None and option.expected >= option.optimality_ratio * best.expected:
                 continue
             option.solve(self.here, self.drive, worth, self.room)
             self.report['tried'].append(str(option))
@@ -127,14 +127,14 @@ class Question:
 
     def _singles(self):
         problems = site_problems(self.obj, self.robot, self.start, self.goal, self.settings)
-        weighed = [weigh_site(problem) for problem in problems]
+        weighed = [bound_site(problem) for problem in problems]
         self.refused = [site.reason for site in weighed if site.reason]
         places = [self.start.inverse() @ robot_start(site.problem) for site in weighed]
-        ways = times_to(self.robot, self.obj, self.local_robot, tuple(places), self.drive)
+        ways = approach_times(self.robot, self.obj, self.local_robot, tuple(places), self.drive)
         if not np.any(np.isfinite(ways)):
             self.refused.insert(0, 'the robot stands where it cannot get round the object')
-        options = [SingleOption(site.problem, float(way) + self.task.switch_time, site.bound,
-                                self.task.mending_time)
+        options = [SinglePushCandidate(site.problem, float(way) + self.task.switch_time, site.bound,
+                                       self.task.correction_time)
                    for site, way in zip(weighed, ways) if math.isfinite(way + site.bound)]
         return sorted(options, key=lambda option: option.expected)[:SINGLES]
 
@@ -149,32 +149,32 @@ class Question:
             yield self._laid_out(search(table, self._costs, self.local_goal, self.task, limit))
             return
         excess, asked = self.room.excess(table), self.task
-        short = max(asked.shortest_push, min(asked.last_run_in, NARROW_END))
-        few = min(TURN_STEPS, asked.turn_steps)
-        for steps, end in ((few, asked.last_run_in), (few, short),
-                           (asked.turn_steps, asked.last_run_in), (asked.turn_steps, short)):
-            task = dataclasses.replace(asked, turn_steps=steps, trials=TRIALS * asked.trials,
+        short = max(asked.min_straight, min(asked.min_last_straight, NARROW_END))
+        few = min(TURN_STEPS, asked.rotation_steps)
+        for steps, end in ((few, asked.min_last_straight), (few, short),
+                           (asked.rotation_steps, asked.min_last_straight), (asked.rotation_steps, short)):
+            task = dataclasses.replace(asked, rotation_steps=steps, max_evaluations=TRIALS * asked.max_evaluations,
                                        alternatives=ALTERNATIVES * asked.alternatives,
-                                       last_run_in=end)
+                                       min_last_straight=end)
             found = search(table, self._costs, self.local_goal, task, limit, excess)
             free = [option for option in self._laid_out(found)
-                    if self.room.holds_steps(option.steps)]
+                    if self.room.steps_are_free(option.steps)]
             yield free[:asked.alternatives]
 
     def _laid_out(self, found):
         self.report['weighed'] += found.weighed
-        return [ChainOption(steps_of(chain, self._table, self.start, self.goal, self.settings),
-                            chain.duration, self.task.mending_time) for chain in found.chains]
+        return [SequenceCandidate(build_steps(chain, self._table, self.start, self.goal, self.settings),
+                                  chain.duration, self.task.correction_time) for chain in found.chains]
 
     @functools.cached_property
     def _table(self):
-        return element_table(self.obj, self.robot, self.settings, self.task,
-                             bearing_of(self.obj, self.start, self.goal))
+        return primitive_table(self.obj, self.robot, self.settings, self.task,
+                               goal_bearing(self.obj, self.start, self.goal))
 
     @functools.cached_property
     def _costs(self):
-        return costs_of(self._table, self.obj, self.robot, self.local_robot, self.settings,
-                        self.drive, self.task)
+        return sequence_costs(self._table, self.obj, self.robot, self.local_robot, self.settings,
+                              self.drive, self.task)
 
     def _reason(self):
         tried = self.report['tried'] or self.refused
@@ -187,7 +187,7 @@ class Question:
 
 
 def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=None, task=None,
-              workspace=None):
+              occupancy_map=None):
     """
     Find the quickest chain of pushes to the goal, the robot's ways included.
 
@@ -199,45 +199,45 @@ def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=No
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param drive: ``DriveSettings``, or None for the defaults.
     :param task: ``TaskSettings``, or None for the defaults.
-    :param workspace: ``Workspace`` that robot and object keep to; None for open floor.
+    :param occupancy_map: ``OccupancyMap`` that robot and object keep to; None for open floor.
     :return: ``TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
-    refuse_fence(robot)
+    check_robot_is_round(robot)
     poses = {'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal}
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
             raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
     settings = settings or PlannerSettings()
     object_pose, robot_pose, goal = (Pose(*map(float, pose)) for pose in poses.values())
-    refuse_arrived(object_pose, goal, settings)
-    return Question(obj, robot, object_pose, robot_pose, goal, settings, drive or DriveSettings(),
-                    task or TaskSettings(), workspace).answer()
+    check_not_at_goal(object_pose, goal, settings)
+    return SequencePlanner(obj, robot, object_pose, robot_pose, goal, settings, drive or DriveSettings(),
+                           task or TaskSettings(), occupancy_map).answer()
 
 
 SHORT, DETOUR = 1.0, 1.5
 
 
-def plan_wanted(wanted, robot, settings, drive, task=None, workspace=None):
+def plan_for_request(wanted, robot, settings, drive, task=None, occupancy_map=None):
     """
     Answer a supervisor.
 
-    :param wanted: ``push_model.plan_request.Wanted``: poses, goal, object as learnt, boldness.
+    :param wanted: ``push_model.plan_request.PlanRequest``: poses, goal, object as learnt, boldness.
     :param robot: the ``RoundRobot``.
     :param settings: ``PlannerSettings``.
     :param drive: ``DriveSettings``.
     :param task: ``TaskSettings``, or None for the defaults.
-    :param workspace: the ``Workspace``, or None for open floor.
+    :param occupancy_map: the ``OccupancyMap``, or None for open floor.
     :return: ``push_planner.sequence.planner.TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
     ask = functools.partial(plan_task, wanted.obj, robot, wanted.object_pose, wanted.robot_pose,
-                            wanted.goal, drive=drive, task=task, workspace=workspace)
-    if wanted.boldness < 1.0:
+                            wanted.goal, drive=drive, task=task, occupancy_map=occupancy_map)
+    if wanted.cone_fraction < 1.0:
         # Long turns miss most: short pushes that come to the same are asked for first.
         far = distance(wanted.object_pose, wanted.goal)
         careful = dataclasses.replace(
-            settings, cone_margin=wanted.boldness * settings.cone_margin,
+            settings, cone_margin=wanted.cone_fraction * settings.cone_margin,
             max_path_length=min(settings.max_path_length, SHORT + DETOUR * far))
         try:
             return ask(careful)

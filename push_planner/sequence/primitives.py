@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from push_model.contact import normal_range
 from push_model.geometry import Pose, wrap_angle
-from push_planner.collocation.formulation import turn_range
+from push_planner.collocation.formulation import rotation_range
 from push_planner.initial_guess.dubins_routes import tightest_turns
 from push_planner.problem import PlanningFailed, PushProblem
-from push_planner.push_parameters import VERTEX_RESERVE
+from push_planner.push_parameters import VERTEX_MARGIN
 from push_planner.single_push.contact_sites import robot_start, site_problems
-from push_planner.single_push.feasibility import refuse_impossible
+from push_planner.single_push.feasibility import check_feasibility
 
 HOME = Pose(0.0, 0.0, 0.0)
 # Share of a vertex or a face that steady turns may use; the rest is for changes of them.
@@ -22,7 +22,7 @@ STRAIGHT = 0.05
 STEEPEST = 0.8
 
 
-class Element(NamedTuple):
+class PushPrimitive(NamedTuple):
     """
     Pushing at a site, with turns to one side.
 
@@ -58,16 +58,16 @@ class Element(NamedTuple):
                            problem.normal + turn, problem.heading + turn, goal, settings)
 
 
-class Table(NamedTuple):
+class PrimitiveTable(NamedTuple):
     """
     Elements as arrays of shape (n,).
 
     Pushing may go on from one element to another of the same place.
 
-    :param elements: the ``Element`` themselves.
+    :param primitives: the ``PushPrimitive`` themselves.
     :param sides: 1 or -1.
     :param radii: [m].
-    :param stretches: see ``Element``.
+    :param stretches: see ``PushPrimitive``.
     :param widest: [rad].
     :param angles: direction from contact to flat point in the object frame [rad].
     :param flats: the flat points in the object frame, shape (n, 2) [m].
@@ -77,7 +77,7 @@ class Table(NamedTuple):
         and after a straight end.
     """
 
-    elements: tuple
+    primitives: tuple
     sides: np.ndarray
     radii: np.ndarray
     stretches: np.ndarray
@@ -90,7 +90,7 @@ class Table(NamedTuple):
 
 
 @functools.lru_cache(maxsize=16)
-def element_table(obj, robot, settings, task, bearing):
+def primitive_table(obj, robot, settings, task, bearing):
     """
     List what chains can be made of.
 
@@ -102,46 +102,46 @@ def element_table(obj, robot, settings, task, bearing):
     :param task: ``TaskSettings``.
     :param bearing: direction of the goal in the object frame, for a place opposite to it [rad];
         does not matter for a polygon.
-    :return: ``Table``.
+    :return: ``PrimitiveTable``.
     :raises PlanningFailed: where there is no site; with the reason of the last one refused.
     """
     goal = Pose(math.cos(bearing), math.sin(bearing), 0.0)
     best, reason = {}, 'none'
     for problem in site_problems(obj, robot, HOME, goal, settings):
         try:
-            refuse_impossible(problem)
+            check_feasibility(problem)
         except PlanningFailed as failure:
             reason = failure.reason
             continue
-        for element in _elements(problem, task):
-            key = (problem.contact, element.side)
-            if key not in best or element.radius < best[key].radius:
-                best[key] = element
+        for primitive in _elements(problem, task):
+            key = (problem.contact, primitive.side)
+            if key not in best or primitive.radius < best[key].radius:
+                best[key] = primitive
     if not best:
         raise PlanningFailed(f'no site will do for a chain of pushes: {reason}')
     found = tuple(best.values())
-    places = tuple(dict.fromkeys(element.robot_pose for element in found))
-    views = [element.problem.vehicle for element in found]
-    return Table(found, *(np.array(column) for column in zip(*(item[1:] for item in found))),
-                 np.array([view.angle for view in views]),
-                 np.array([view.flat_point for view in views]),
-                 np.array([element.problem.contact.kind == 'face' for element in found]),
-                 np.array([places.index(element.robot_pose) for element in found]), places)
+    places = tuple(dict.fromkeys(primitive.robot_pose for primitive in found))
+    views = [primitive.problem.vehicle for primitive in found]
+    return PrimitiveTable(found, *(np.array(column) for column in zip(*(item[1:] for item in found))),
+                          np.array([view.angle for view in views]),
+                          np.array([view.flat_output for view in views]),
+                          np.array([primitive.problem.contact.kind == 'face' for primitive in found]),
+                          np.array([places.index(primitive.robot_pose) for primitive in found]), places)
 
 
 def _elements(problem, task):
     turns = tightest_turns(problem)
     if turns is None:
         return []
-    low, high = turn_range(problem)
+    low, high = rotation_range(problem)
     found = []
     for side, turn, limit, sharpest in zip((1.0, -1.0), turns, (high, -low), _sharpest(problem)):
-        steer = min(abs(turn.steer), STEEPEST)
-        tightest = abs(turn.curvature) * math.tan(steer) / math.tan(abs(turn.steer))
-        curvature = min(tightest / task.turn_slack, sharpest)
+        steering_angle = min(abs(turn.steering_angle), STEEPEST)
+        tightest = abs(turn.curvature) * math.tan(steering_angle) / math.tan(abs(turn.steering_angle))
+        curvature = min(tightest / task.radius_factor, sharpest)
         if curvature > STRAIGHT:
-            found.append(Element(problem, side, 1.0 / curvature, 1.0 / math.cos(steer),
-                                 min(task.widest_turn, AGILITY * limit)))
+            found.append(PushPrimitive(problem, side, 1.0 / curvature, 1.0 / math.cos(steering_angle),
+                                       min(task.max_rotation, AGILITY * limit)))
     return found
 
 
@@ -152,7 +152,7 @@ def _sharpest(problem):
     # In steady turns the normal is at D - (L + R_p) kappa off the line from contact to F.
     low, high = normal_range(problem.obj, problem.contact)
     settled = problem.vehicle.angle + problem.heading_offset
-    room = high - low - 2.0 * VERTEX_RESERVE
+    room = high - low - 2.0 * VERTEX_MARGIN
     right = wrap_angle(0.5 * (low + high) - settled) + 0.5 * room
     if not 0.0 <= right <= room:
         return 0.0, 0.0
@@ -160,7 +160,7 @@ def _sharpest(problem):
     return tuple(AGILITY * share / reach for share in (room - right, right))
 
 
-def bearing_of(obj, start, goal):
+def goal_bearing(obj, start, goal):
     """
     Direction of the goal in the object frame, where it decides on the sites [rad].
 

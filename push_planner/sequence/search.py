@@ -4,8 +4,10 @@ import itertools
 from typing import NamedTuple
 
 import numpy as np
-from push_planner.sequence.kinematics import last_pushes, last_turns, longest_ways, weigh
-from push_planner.sequence.miss_probability import chance_of_missing
+from push_planner.sequence.kinematics import (
+    complete_rotations, last_push, longest_pushes, solve_straights,
+)
+from push_planner.sequence.miss_probability import miss_probability
 
 CHUNK = 8000
 POLISHED, IN_MAP = 24, 32
@@ -13,7 +15,7 @@ HALVINGS = 11
 SAME = 1e-9
 
 
-class Costs(NamedTuple):
+class SequenceCosts(NamedTuple):
     """
     What chains cost.
 
@@ -37,7 +39,7 @@ class Costs(NamedTuple):
         return self.first[sites[:, 0]] + self.change[sites[:, :-1], sites[:, 1:]].sum(axis=1)
 
 
-class Chain(NamedTuple):
+class PushSequence(NamedTuple):
     """
     A chain of moves; those that follow each other at one place are one push.
 
@@ -56,16 +58,16 @@ class Chain(NamedTuple):
     duration: float
 
 
-class Hunt:
+class SequenceSearch:
     """
     The search for chains of one length.
 
-    :param table: ``push_planner.sequence.primitives.Table``.
-    :param costs: ``Costs``.
+    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
+    :param costs: ``SequenceCosts``.
     :param goal: ``Pose`` in the frame of the object as it stands.
     :param task: ``TaskSettings``.
     :param count: number of moves.
-    :param excess: function of chains (sites, ``Weighed``, whether finely) to times by which they
+    :param excess: function of chains (sites, ``SequenceMotions``, whether finely) to times by which they
         count as longer, shape (m,) [s]; None: by nothing.
     """
 
@@ -82,13 +84,13 @@ class Hunt:
         :return: (time of the quickest, at most the limit [s]; number of chains weighed).
         """
         sites, bounds = self._sequences(limit)
-        steps = self.task.turn_steps
+        steps = self.task.rotation_steps
         per_sequence = steps ** (self.count - 1)
         at_once, weighed = max(1, CHUNK // per_sequence), 0
         for begin in range(0, len(sites), at_once):
             chunk = sites[begin:begin + at_once]
             chunk = chunk[bounds[begin:begin + at_once] < limit]
-            if not len(chunk) or weighed >= self.task.trials:
+            if not len(chunk) or weighed >= self.task.max_evaluations:
                 break
             turns = self._grid(chunk, steps)
             many = np.repeat(chunk, per_sequence, axis=0)
@@ -106,7 +108,7 @@ class Hunt:
         """
         Refine the turns of the best, all at once.
 
-        :return: list of ``Chain``.
+        :return: list of ``PushSequence``.
         """
         if not self.best:
             return []
@@ -117,7 +119,7 @@ class Hunt:
         moves, least = self._moves()
         many, rows = np.repeat(sites, len(moves), axis=0), np.arange(len(sites))
         sides, widest = self.table.sides[sites[:, :-1]], self.table.widest[sites[:, :-1]]
-        step = np.full((len(sites), 1, 1), 0.5 * widest.max() / (self.task.turn_steps - 1))
+        step = np.full((len(sites), 1, 1), 0.5 * widest.max() / (self.task.rotation_steps - 1))
         for _ in range(HALVINGS if self.excess is None else 2 * HALVINGS):
             tried = np.clip(np.abs(turns)[:, None, :] + step * moves, 0.0, widest[:, None, :])
             tried = sides[:, None, :] * tried
@@ -130,7 +132,7 @@ class Hunt:
             times = np.where(better, found[rows, index], times)
             step[np.logical_not(better) | (self.excess is None)] *= 0.5
         chains, times = self._weigh(sites, turns, more)
-        return [Chain(*(tuple(map(kind, values)) for kind, values in (
+        return [PushSequence(*(tuple(map(kind, values)) for kind, values in (
             (int, row), (float, turn), (float, before), (float, after))), float(time))
             for row, turn, before, after, time in zip(sites, *chains[:3], times)
             if time < np.inf]
@@ -157,8 +159,8 @@ class Hunt:
     def _least(self, sites):
         """Straight lengths after the turns, at least; none where the push goes on."""
         numbers = self.table.numbers[sites]
-        least = np.full(sites.shape, self.task.last_run_in)
-        least[:, :-1] = np.where(numbers[:, :-1] == numbers[:, 1:], 0.0, self.task.shortest_push)
+        least = np.full(sites.shape, self.task.min_last_straight)
+        least[:, :-1] = np.where(numbers[:, :-1] == numbers[:, 1:], 0.0, self.task.min_straight)
         return least
 
     def _least_turn(self, sites):
@@ -181,26 +183,26 @@ class Hunt:
     def _weigh(self, sites, turns, more=None):
         """Weigh chains and tell their times; finely where straights are given that are longer."""
         if turns.shape[1] < sites.shape[1]:
-            turns = last_turns(self.table, sites, turns, self.goal.theta)
+            turns = complete_rotations(self.table, sites, turns, self.goal.theta)
         least = self._least(sites) + (0.0 if more is None else more)
-        chains = weigh(self.table, sites, turns, self.goal, least)
+        chains = solve_straights(self.table, sites, turns, self.goal, least)
         times = self.costs.besides(sites) + chains.ways.sum(axis=1) / self.costs.speed
         numbers, faces = self.table.numbers[sites], self.table.faces[sites[:, -1]]
-        turned, way = last_pushes(numbers, chains)
-        missing = chance_of_missing(turned, chains.after[:, -1], way, faces)
-        within = longest_ways(numbers, chains.ways) <= self.costs.longest
-        times = np.where(within & np.isfinite(times), times + self.task.mending_time * missing,
+        turned, way = last_push(numbers, chains)
+        missing = miss_probability(turned, chains.after[:, -1], way, faces)
+        within = longest_pushes(numbers, chains.ways) <= self.costs.longest
+        times = np.where(within & np.isfinite(times), times + self.task.correction_time * missing,
                          np.inf)
         if self.excess is not None:
             times = times + self.excess(sites, chains, more is not None)
         return chains, times
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """
     Outcome of a search.
 
-    :param chains: ``Chain`` list, the quickest first, different in their places.
+    :param chains: ``PushSequence`` list, the quickest first, different in their places.
     :param weighed: number of chains that were weighed.
     """
 
@@ -212,17 +214,17 @@ def search(table, costs, goal, task, limit, excess=None):
     """
     Find the quickest chains of two moves and more.
 
-    :param table: ``push_planner.sequence.primitives.Table``.
-    :param costs: ``Costs``.
+    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
+    :param costs: ``SequenceCosts``.
     :param goal: ``Pose`` in the frame of the object as it stands.
     :param task: ``TaskSettings``.
     :param limit: time above which a chain is of no use [s].
-    :param excess: as of ``Hunt``.
-    :return: ``Found``.
+    :param excess: as of ``SequenceSearch``.
+    :return: ``SearchResult``.
     """
     rows, weighed = [], 0
     for count in range(2, task.max_pushes + 1):
-        hunt = Hunt(table, costs, goal, task, count, excess)
+        hunt = SequenceSearch(table, costs, goal, task, count, excess)
         limit, number = hunt.coarse(limit)
         weighed += number
         rows += hunt.polished()
@@ -234,4 +236,4 @@ def search(table, costs, goal, task, limit, excess=None):
         if key not in places and len(chains) < task.alternatives:
             places.add(key)
             chains.append(chain)
-    return Found(chains, weighed)
+    return SearchResult(chains, weighed)

@@ -5,7 +5,7 @@ import itertools
 import math
 from typing import NamedTuple
 
-from push_model.dubins import advance
+from push_model.dubins import advance_along_arc
 from push_model.geometry import Pose
 from push_model.parameters import Contact
 from push_planner.collocation.speed_profile import push_time
@@ -40,19 +40,19 @@ class PlannedPush(NamedTuple):
     path_length: float
 
 
-class Step(NamedTuple):
+class SequenceStep(NamedTuple):
     """
     One push of a chain as it is asked for.
 
     :param problem: the ``PushProblem``.
     :param push: the ``PlannedPush``, about.
-    :param pieces: (length, signed curvature) of each piece of the way of the flat point
+    :param segments: (length, signed curvature) of each piece of the way of the flat point
         [m, 1/m].
     """
 
     problem: PushProblem
     push: PlannedPush
-    pieces: tuple
+    segments: tuple
 
     def route(self, aside):
         """
@@ -61,7 +61,7 @@ class Step(NamedTuple):
         :param aside: how far from it along either axis a plan may be [m].
         :return: ``push_planner.initial_guess.dubins_routes.Route``.
         """
-        return route_along(self.problem, self.pieces, aside)
+        return route_along(self.problem, self.segments, aside)
 
     def object_poses(self, spacing):
         """
@@ -71,78 +71,78 @@ class Step(NamedTuple):
         :return: list of ``Pose`` in the world.
         """
         view = self.problem.vehicle
-        flat = Pose(*view.flat_point, view.angle)
+        flat = Pose(*view.flat_output, view.angle)
         back, here = flat.inverse(), self.push.start @ flat
         poses = [self.push.start]
-        for length, curvature in self.pieces:
+        for length, curvature in self.segments:
             count = max(1, math.ceil(length * (1.0 + abs(curvature)) / spacing))
-            poses += [advance(here, length * i / count, curvature) @ back
+            poses += [advance_along_arc(here, length * i / count, curvature) @ back
                       for i in range(1, count + 1)]
-            here = advance(here, length, curvature)
+            here = advance_along_arc(here, length, curvature)
         return poses
 
 
-def chain_poses(trajectory, later, spacing):
+def sequence_poses(trajectory, later_steps, spacing):
     """
     Sample the way of the object through a chain.
 
     :param trajectory: ``PushTrajectory`` of the first push.
-    :param later: ``Step`` of each of the others.
+    :param later_steps: ``SequenceStep`` of each of the others.
     :param spacing: largest distance between samples of these [m].
     :return: list of (x, y, theta) in the world.
     """
     poses = trajectory.object_poses.tolist()
-    for step in later:
+    for step in later_steps:
         poses += step.object_poses(spacing)
     return poses
 
 
-def steps_of(chain, table, start, goal, settings):
+def build_steps(chain, table, start, goal, settings):
     """
     Lay out a chain.
 
-    :param chain: the ``push_planner.sequence.search.Chain``.
-    :param table: the ``push_planner.sequence.primitives.Table``.
+    :param chain: the ``push_planner.sequence.search.PushSequence``.
+    :param table: the ``push_planner.sequence.primitives.PrimitiveTable``.
     :param start: ``Pose`` of the object in the world.
     :param goal: ``Pose`` of the object in the world; the last push is asked to end there.
     :param settings: ``PlannerSettings``.
-    :return: list of ``Step``.
+    :return: list of ``SequenceStep``.
     """
     moves = list(zip(*chain[:4]))
     groups = [list(group) for _, group in itertools.groupby(
         moves, key=lambda move: table.numbers[move[0]])]
     steps, pose = [], start
     for group in groups:
-        element = table.elements[group[0][0]]
-        view = element.problem.vehicle
-        pieces, way = _pieces(group, table)
-        flat = Pose(*view.flat_point, view.angle)
+        primitive = table.primitives[group[0][0]]
+        view = primitive.problem.vehicle
+        segments, way = _pieces(group, table)
+        flat = Pose(*view.flat_output, view.angle)
         here = pose @ flat
-        for length, curvature in pieces:
-            here = advance(here, length, curvature)
+        for length, curvature in segments:
+            here = advance_along_arc(here, length, curvature)
         end = goal if group is groups[-1] else here @ flat.inverse()
-        problem = element.moved(pose, end, _asked(settings, element, way, pieces[-1][0]))
-        steps.append(Step(problem, PlannedPush(
-            problem.contact, pose, end, pose @ element.robot_pose, end @ element.robot_pose,
-            push_time(settings, way), way), pieces))
+        problem = primitive.moved(pose, end, _asked(settings, primitive, way, segments[-1][0]))
+        steps.append(SequenceStep(problem, PlannedPush(
+            problem.contact, pose, end, pose @ primitive.robot_pose, end @ primitive.robot_pose,
+            push_time(settings, way), way), segments))
         pose = end
     return steps
 
 
 def _pieces(moves, table):
     """Pieces of the flat point's way in one push, and the way of the contact."""
-    pieces, way = [], 0.0
+    segments, way = [], 0.0
     for site, turn, before, after in moves:
-        element = table.elements[site]
-        arc = abs(turn) * element.radius
-        pieces += [(before, 0.0), (arc, element.side / element.radius), (after, 0.0)]
-        way += before + element.stretch * arc + after
-    return tuple(pieces), way
+        primitive = table.primitives[site]
+        arc = abs(turn) * primitive.radius
+        segments += [(before, 0.0), (arc, primitive.side / primitive.radius), (after, 0.0)]
+        way += before + primitive.stretch * arc + after
+    return tuple(segments), way
 
 
-def _asked(settings, element, way, straight):
+def _asked(settings, primitive, way, straight):
     """Leave room to settle before the run-in, and refuse ways that are much longer than meant."""
-    room = max(straight - SETTLING * element.problem.robot.radius, SHARE * straight)
+    room = max(straight - SETTLING * primitive.problem.robot.radius, SHARE * straight)
     return dataclasses.replace(
-        settings, run_in=min(settings.run_in, room), heading_free=False,
+        settings, final_straight=min(settings.final_straight, room), heading_free=False,
         max_path_length=min(settings.max_path_length, LONGER * way))

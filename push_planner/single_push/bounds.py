@@ -2,8 +2,8 @@
 
 import math
 
-from push_model.dubins import words
-from push_model.friction import ellipsoid_square
+from push_model.dubins import dubins_paths
+from push_model.friction import ellipsoid_c_squared
 from push_model.geometry import Pose, wrap_angle
 from push_planner.push_parameters import place
 
@@ -43,11 +43,11 @@ def vehicle_bound(problem):
                          f'{problem.settings.angle_limit!r}, heading_free '
                          f'{problem.settings.heading_free}, expected a held contact in the cone '
                          'and a heading')
-    shortest = flat_ways(problem, ellipsoid_square(problem.obj))[0]
+    shortest = flat_paths(problem, ellipsoid_c_squared(problem.obj))[0]
     return shortest.length / problem.settings.pushing_speed
 
 
-def flat_ways(problem, square):
+def flat_paths(problem, square):
     """
     Ways of the flat point to the goal in the tightest turns that the planning cone allows.
 
@@ -58,14 +58,14 @@ def flat_ways(problem, square):
     flat, (x, y) = problem.vehicle, problem.friction_center
     ahead = square / flat.arm
     local = Pose(x + ahead * math.cos(flat.angle), y + ahead * math.sin(flat.angle), flat.angle)
-    left, right = (ahead / math.tan(problem.planning_angle + side * problem.normal_offset)
+    left, right = (ahead / math.tan(problem.planning_cone_angle + side * problem.normal_offset)
                    for side in (-1.0, 1.0))
-    return words(local, problem.relative_goal @ local, left, right)
+    return dubins_paths(local, problem.relative_goal @ local, left, right)
 
 
 def _followed(problem, turn):
     """Place of the followed point in the object frame, after a turn."""
     phi = 0.0 if problem.kind == 'rolling' else turn
-    delta, c_x, c_y = (float(value) for value in place(problem.constants, turn, phi))
+    delta, c_x, c_y = (float(value) for value in place(problem.push_parameters, turn, phi))
     out = problem.robot.radius if problem.kind == 'rolling' else 0.0
     return c_x - out * math.cos(delta), c_y - out * math.sin(delta)

@@ -6,10 +6,10 @@ from push_model.contact import contact_point, face_length, face_normal, normal_r
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact
-from push_planner.problem import PlanningFailed, PushProblem, refuse_fence
-from push_planner.push_parameters import VERTEX_RESERVE
+from push_planner.problem import check_robot_is_round, PlanningFailed, PushProblem
+from push_planner.push_parameters import VERTEX_MARGIN
 
-LEADS = (0.0, -0.3, 0.3, -0.6, 0.6)
+HEADING_OFFSET_SHARES = (0.0, -0.3, 0.3, -0.6, 0.6)
 MOST_ASIDE = 0.6
 PLACES = 12
 APART = 0.005
@@ -31,7 +31,7 @@ def site_problems(obj, robot, start, goal, settings):
     :return: list of ``PushProblem``.
     :raises PlanningFailed: where there is no friction centre, or the robot is a fence.
     """
-    refuse_fence(robot)
+    check_robot_is_round(robot)
     try:
         center = friction_center(obj)
     except ValueError as error:
@@ -60,14 +60,14 @@ def _vertices(obj, robot, center, settings):
     """Places (contact, normal in the object frame, D) at the vertices."""
     friction = settings.friction_discount * obj.contact_friction_coefficient
     cone = settings.cone_margin * math.atan(friction)
-    leads = LEADS if robot.drive == 'differential' else (0.0,)
+    leads = HEADING_OFFSET_SHARES if robot.drive == 'differential' else (0.0,)
     places = []
     for index, (x, y) in enumerate(obj.outline):
         contact = Contact('vertex', index)
         low, high = normal_range(obj, contact)
         ahead = low + (math.atan2(center[1] - y, center[0] - x) - low + math.pi) % (
             2.0 * math.pi) - math.pi
-        normal = min(max(ahead, low + VERTEX_RESERVE), high - VERTEX_RESERVE)
+        normal = min(max(ahead, low + VERTEX_MARGIN), high - VERTEX_MARGIN)
         # Nearer to the edge of the cone, a robot a little misplaced would be refused.
         if abs(normal - ahead) <= MOST_ASIDE * cone:
             places += [(contact, normal, share * cone) for share in leads]

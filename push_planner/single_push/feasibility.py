@@ -4,13 +4,13 @@ import math
 
 from push_model.friction import friction_center
 from push_model.geometry import distance, Pose, wrap_angle
-from push_planner.collocation.formulation import turn_range
+from push_planner.collocation.formulation import rotation_range
 from push_planner.problem import PlanningFailed
 
 STEERING = 0.02
 
 
-def refuse_impossible(problem):
+def check_feasibility(problem):
     """
     Refuse what cannot be planned.
 
@@ -37,10 +37,10 @@ def _refuse_values(problem):
     cone = problem.settings.angle_limit == 'cone'
     if cone and problem.obj.contact_friction_coefficient == 0.0:
         raise PlanningFailed('the contact has no friction: a frictionless contact cannot steer')
-    refuse_arrived(problem.start, problem.goal, problem.settings)
+    check_not_at_goal(problem.start, problem.goal, problem.settings)
 
 
-def refuse_arrived(start, goal, settings):
+def check_not_at_goal(start, goal, settings):
     """
     Refuse where the object is at the goal already.
 
@@ -75,10 +75,10 @@ def _refuse_robot(problem):
         raise PlanningFailed('the robot points away from the object: its heading is '
                              f'{math.degrees(abs(offset)):.0f} deg off the contact normal')
     if problem.settings.angle_limit == 'cone' and (
-            abs(offset) > problem.planning_angle - STEERING):
+            abs(offset) > problem.planning_cone_angle - STEERING):
         raise PlanningFailed(
             f'the robot heads {math.degrees(abs(offset)):.1f} deg off the contact normal and so '
-            f'can turn one way only: the planning cone has {_cone(problem.planning_angle)}')
+            f'can turn one way only: the planning cone has {_cone(problem.planning_cone_angle)}')
 
 
 def _refuse_contact(problem):
@@ -90,7 +90,7 @@ def _refuse_contact(problem):
     if problem.settings.angle_limit == 'none':
         return
     if problem.robot.drive == 'holonomic':
-        widest = problem.planning_angle
+        widest = problem.planning_cone_angle
         if problem.settings.angle_limit == 'angle':
             widest = problem.settings.max_pushing_angle
         if abs(offset) > widest - STEERING:
@@ -98,7 +98,7 @@ def _refuse_contact(problem):
                 f'the contact cannot steer both ways: its normal is {abs(degrees):.1f} deg off '
                 f'the friction centre, and the planning cone has {_cone(widest)}')
         return
-    low, high = recoverable(problem)
+    low, high = recoverable_offsets(problem)
     if problem.settings.angle_limit == 'cone' and not low <= offset <= high:
         raise PlanningFailed(
             f'the contact would fold up: its normal is {degrees:.1f} deg off the direction to the '
@@ -109,7 +109,7 @@ def _refuse_contact(problem):
 def _refuse_turn(problem):
     if problem.settings.heading_free:
         return
-    low, high = turn_range(problem)
+    low, high = rotation_range(problem)
     turn = problem.relative_goal.theta
     # Without loops there is one way to turn: a rolling contact that turned full circle is gone.
     if not any(low <= turn + 2.0 * math.pi * k <= high for k in (-1, 0, 1)):
@@ -121,7 +121,7 @@ def _refuse_turn(problem):
             'the object')
 
 
-def recoverable(problem):
+def recoverable_offsets(problem):
     """
     Offsets of the normal from which a differential drive can straighten up.
 
@@ -131,9 +131,9 @@ def recoverable(problem):
     :param problem: the ``PushProblem``.
     :return: (lowest, highest) zeta [rad].
     """
-    vehicle, beta = problem.vehicle, problem.planning_angle
+    vehicle, beta = problem.vehicle, problem.planning_cone_angle
     # Solve (zeta -+ beta) r / c^2 = (zeta - D) / (L + R_p): holds with all the steering there is.
-    authority = vehicle.arm / vehicle.mean_square
+    authority = vehicle.arm / vehicle.c_squared
     drift = 1.0 / (vehicle.wheelbase + problem.robot.radius)
     pull = problem.heading_offset * drift
     span = authority - drift

@@ -4,19 +4,19 @@ import math
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
-from push_planner.collocation.formulation import formulate, Formulation, turn_range
-from push_planner.collocation.nlp_solver import programme, Solution, UNSETTLED
+from push_planner.collocation.formulation import formulate, Formulation, rotation_range
+from push_planner.collocation.nlp_solver import nlp_solver, Solution, UNSETTLED
 from push_planner.initial_guess.dubins_routes import Route, routes, tightest_turns
-from push_planner.initial_guess.previous_plan import remainder
+from push_planner.initial_guess.previous_plan import previous_route
 from push_planner.integration.refinement import refine
-from push_planner.integration.trajectory import report_of, switches_of, trajectory_of
+from push_planner.integration.trajectory import build_report, find_switches, sample_trajectory
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed
 from push_planner.single_push.bounds import displacement_bound
-from push_planner.single_push.feasibility import refuse_impossible
+from push_planner.single_push.feasibility import check_feasibility
 
 
-def accepted(trajectory):
+def accept_any(trajectory):
     """
     Find no fault with any plan.
 
@@ -26,24 +26,24 @@ def accepted(trajectory):
     return ''
 
 
-class Demand(NamedTuple):
+class PlanRequirements(NamedTuple):
     """
     What is asked of a plan.
 
     :param route: ``Route`` that is tried before all others; None for none.
-    :param fault: function of a ``PushTrajectory`` to what is wrong with it, empty if nothing is.
-    :param most: programmes that are solved at most.
+    :param violation: function of a ``PushTrajectory`` to what is wrong with it, empty if nothing is.
+    :param max_solves: programmes that are solved at most.
     """
 
     route: Optional[Route] = None
-    fault: Callable = accepted
-    most: float = math.inf
+    violation: Callable = accept_any
+    max_solves: float = math.inf
 
 
-ANY = Demand()
+NO_REQUIREMENTS = PlanRequirements()
 
 
-def finished(problem, formulation, rollout, way):
+def assemble_plan(problem, formulation, rollout, way):
     """
     Make a plan.
 
@@ -53,11 +53,11 @@ def finished(problem, formulation, rollout, way):
     :param way: S [m].
     :return: ``Plan``.
     """
-    trajectory = trajectory_of(problem, rollout)
-    switches = switches_of(problem, rollout, formulation.shape.jumps)
+    trajectory = sample_trajectory(problem, rollout)
+    switches = find_switches(problem, rollout, formulation.shape.jumps)
     begins = rollout.nodes[:-1, 1] + (rollout.changes if formulation.shape.jumps else 0.0)
     grid = formulation.grid
-    report = report_of(problem, rollout, trajectory, switches)
+    report = build_report(problem, rollout, trajectory, switches)
     report['displacement_bound'] = displacement_bound(problem)
     report['over_displacement_bound'] = trajectory.duration / report['displacement_bound']
     return Plan(problem, trajectory,
@@ -67,7 +67,7 @@ def finished(problem, formulation, rollout, way):
                 switches, report)
 
 
-def fault_of(plan):
+def acceptance_error(plan):
     """
     Tell what is wrong with a plan; empty where nothing is.
 
@@ -94,16 +94,16 @@ ROUNDING = 1e-9
 
 
 class _Attempts(list):
-    """What became of each programme, in one line; they have to fulfil a ``Demand``."""
+    """What became of each programme, in one line; they have to fulfil a ``PlanRequirements``."""
 
-    def __init__(self, demand):
+    def __init__(self, requirements):
         super().__init__()
-        self.demand, self.programmes = demand, 0
+        self.requirements, self.solves = requirements, 0
 
     @property
     def spent(self):
         """Whether no more are allowed."""
-        return self.programmes >= self.demand.most
+        return self.solves >= self.requirements.max_solves
 
 
 class _Candidate(NamedTuple):
@@ -125,7 +125,7 @@ class _Candidate(NamedTuple):
         return self.solution.way + self.formulation.grid.fixed
 
 
-def plan(problem, previous=None, demand=ANY):
+def plan(problem, previous=None, requirements=NO_REQUIREMENTS):
     """
     Find the quickest push to the goal that keeps to the planning cone.
 
@@ -134,20 +134,20 @@ def plan(problem, previous=None, demand=ANY):
 
     :param problem: the ``PushProblem``.
     :param previous: ``Plan`` for much the same push, to start from; None for none.
-    :param demand: ``Demand``, what else is asked.
+    :param requirements: ``PlanRequirements``, what else is asked.
     :return: ``Plan``.
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
-    refuse_impossible(problem)
-    attempts = _Attempts(demand)
-    if demand.route is not None:
-        candidate = _solve(problem, demand.route, attempts, False)
+    check_feasibility(problem)
+    attempts = _Attempts(requirements)
+    if requirements.route is not None:
+        candidate = _solve(problem, requirements.route, attempts, False)
         found = candidate and _finish(problem, candidate, attempts)
         if found is not None:
             return found
     left = _ways(problem)
     if previous is not None:
-        again = _follow(problem, previous, left[0].cost, attempts)
+        again = _follow(problem, previous, left[0].path_length, attempts)
         if again is not None:
             return again
     for relaxed in (False, True):
@@ -175,18 +175,18 @@ def _ways(problem):
         raise PlanningFailed('the contact cannot steer both ways: in steady turns to one side its '
                              'force leaves the planning cone; another contact may do')
     ranked, longest = routes(problem, turns), problem.settings.max_path_length
-    if ranked[0].cost > longest:
+    if ranked[0].path_length > longest:
         raise PlanningFailed(
-            f'the shortest way to the goal is a push of {ranked[0].cost:.1f} m, at most '
+            f'the shortest way to the goal is a push of {ranked[0].path_length:.1f} m, at most '
             f'{longest:g} m is accepted; another contact may be nearer',
-            {'path_length': ranked[0].cost})
-    low, high = turn_range(problem)
-    fit = [route for route in ranked if route.cost <= longest and low <= route.turned <= high]
+            {'path_length': ranked[0].path_length})
+    low, high = rotation_range(problem)
+    fit = [route for route in ranked if route.path_length <= longest and low <= route.rotation <= high]
     return (fit or ranked[:1])[:ROUTES]
 
 
 def _follow(problem, previous, least, attempts):
-    route = remainder(problem, previous)
+    route = previous_route(problem, previous)
     candidate = None if route is None else _solve(problem, route, attempts, False)
     if candidate is None or candidate.length > NEARLY_BEST * least:
         return None
@@ -208,22 +208,22 @@ def _solve_some(problem, ways, attempts, relaxed):
 
 def _may_be_better(route, solved):
     """Whether a route turns otherwise than what is solved (alike: same optimum), at no detour."""
-    return (route.run_in >= solved[0].route.run_in
-            and route.cost <= NEARLY_BEST * min(candidate.length for candidate in solved)
-            and all(abs(route.turned - other.route.turned) > ALIKE for other in solved))
+    return (route.final_straight >= solved[0].route.final_straight
+            and route.path_length <= NEARLY_BEST * min(candidate.length for candidate in solved)
+            and all(abs(route.rotation - other.route.rotation) > ALIKE for other in solved))
 
 
 def _solve(problem, route, attempts, relaxed, finer=False):
-    attempts.programmes += 1
+    attempts.solves += 1
     formulation, guess = formulate(problem, route, finer)
-    solver, verdict = programme(formulation.shape), 'not solved'
+    solver, verdict = nlp_solver(formulation.shape), 'not solved'
     if relaxed:
         solution, verdict, count = solver.diagnose(formulation.parameters(), formulation.box,
                                                    guess)
     else:
         solution, count = solver.solve(formulation.parameters(), formulation.box, guess)
     if solution is None:
-        attempts.append(f'{route.name} of {route.cost:.2f} m: {verdict}')
+        attempts.append(f'{route.name} of {route.path_length:.2f} m: {verdict}')
         return None
     return _Candidate(route, formulation, solution, count)
 
@@ -247,14 +247,14 @@ def _finish_finer(problem, route, attempts):
 def _finish(problem, candidate, attempts):
     route, formulation, solution, iterations = candidate
     rollout, way = refine(problem, formulation, solution)
-    found, fault = None, 'the fine integration broke down'
+    found, violation = None, 'the fine integration broke down'
     if rollout is not None and _goes_on(rollout):
-        found = finished(problem, formulation, rollout, way)
-        found.report.update(word=route.name, segments=formulation.shape.steps,
-                            run_in=route.run_in, iterations=iterations)
-        fault = fault_of(found) or attempts.demand.fault(found.trajectory)
-    attempts.append(f'{route.name} of {route.cost:.2f} m: {fault or "solved"}')
-    if fault:
+        found = assemble_plan(problem, formulation, rollout, way)
+        found.report.update(route=route.name, segments=formulation.shape.steps,
+                            final_straight=route.final_straight, iterations=iterations)
+        violation = acceptance_error(found) or attempts.requirements.violation(found.trajectory)
+    attempts.append(f'{route.name} of {route.path_length:.2f} m: {violation or "solved"}')
+    if violation:
         return None
     found.report['attempts'] = list(attempts)
     return found

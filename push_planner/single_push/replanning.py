@@ -12,18 +12,18 @@ import math
 
 from push_model.contact import contact_point, contact_velocity, find_contact
 from push_model.geometry import distance, Pose, wrap_angle
-from push_model.quasi_static import turning_rate
-from push_planner.problem import PlanningFailed, PresentMotion, problem_from_placement
+from push_model.quasi_static import quasi_static_yaw_rate
+from push_planner.problem import InitialMotion, PlanningFailed, problem_from_placement
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.planner import plan
-from push_planner.single_push.site_selection import Choice, choose_site
+from push_planner.single_push.site_selection import choose_site, SiteChoice
 
 SLOWEST = 0.01
 OLDEST = 0.5
 MUCH_THE_SAME, TURNED = 0.3, 0.3
 
 
-def plan_measured(obj, robot, measured, odometry, goal, settings=None, previous=None):
+def plan_from_measurements(obj, robot, measured, odometry, goal, settings=None, previous=None):
     """
     Plan from the newest measurements, at the site that the settings ask for.
 
@@ -37,26 +37,26 @@ def plan_measured(obj, robot, measured, odometry, goal, settings=None, previous=
     :param goal: ``Pose`` wanted for the object in the world.
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param previous: the last ``Plan``, or None.
-    :return: ``push_planner.single_push.site_selection.Choice``; its table is empty where no sites were compared.
+    :return: ``push_planner.single_push.site_selection.SiteChoice``; its table is empty where no sites were compared.
     :raises PlanningFailed: with the reason.
     """
     settings, here = settings or PlannerSettings(), None
     try:
-        here = present_problem(obj, robot, measured, odometry, goal, settings)
+        here = problem_from_measurements(obj, robot, measured, odometry, goal, settings)
     except PlanningFailed as failure:
         if settings.site == 'placed' or 'gap' not in failure.report:
             raise
     if here is not None and here.motion.speed > 0.0:
         try:
-            return Choice(plan(here, previous if _is_alike(previous, goal) else None), ())
+            return SiteChoice(plan(here, previous if _is_alike(previous, goal) else None), ())
         except PlanningFailed:
-            here = dataclasses.replace(here, motion=PresentMotion())
+            here = dataclasses.replace(here, motion=InitialMotion())
     if settings.site == 'placed':
-        return Choice(plan(here), ())
+        return SiteChoice(plan(here), ())
     return choose_site(obj, robot, measured.pose, goal, settings, here)
 
 
-def present_problem(obj, robot, measured, odometry, goal, settings):
+def problem_from_measurements(obj, robot, measured, odometry, goal, settings):
     """
     Make the problem of pushing on.
 
@@ -77,7 +77,7 @@ def present_problem(obj, robot, measured, odometry, goal, settings):
     angle = wrap_angle(math.atan2(velocity[1], velocity[0]) - problem.normal)
     if not _pushes(robot, odometry) or math.cos(angle) <= 0.0:
         return problem
-    return dataclasses.replace(problem, motion=PresentMotion(
+    return dataclasses.replace(problem, motion=InitialMotion(
         math.hypot(*velocity), _turning(obj, problem.contact, pose, velocity), angle))
 
 
@@ -107,7 +107,7 @@ def _carried(obj, robot, pose, odometry, age, reach):
 
 def _turning(obj, contact, pose, velocity):
     local = Pose(0.0, 0.0, -pose.theta).rotate(velocity)
-    return turning_rate(obj, contact_point(obj, contact), *local)
+    return quasi_static_yaw_rate(obj, contact_point(obj, contact), *local)
 
 
 def _is_alike(previous, goal):

@@ -11,15 +11,15 @@ from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.bounds import displacement_bound
 from push_planner.single_push.contact_sites import robot_start, site_problems
-from push_planner.single_push.feasibility import refuse_impossible
+from push_planner.single_push.feasibility import check_feasibility
 from push_planner.single_push.planner import plan
 
 # Plans cut the corners of steady turns: by 7 % at most in 120 random pushes of a differential
 # drive, by 1 % with a contact that is held.
-SLACK = 0.9
+ROUTE_SLACK = 0.9
 
 
-class SiteOption(NamedTuple):
+class SiteCandidate(NamedTuple):
     """
     What comes of pushing at one site.
 
@@ -45,19 +45,19 @@ class SiteOption(NamedTuple):
                 f'{math.degrees(heading):.1f} deg): {text}')
 
 
-class Choice(NamedTuple):
+class SiteChoice(NamedTuple):
     """
     The quickest push, and what else was considered.
 
     :param plan: the ``Plan``.
-    :param table: ``SiteOption`` of every site, the quickest first.
+    :param candidates: ``SiteCandidate`` of every site, the quickest first.
     """
 
     plan: Plan
-    table: tuple
+    candidates: tuple
 
 
-class WeighedSite(NamedTuple):
+class BoundedSite(NamedTuple):
     """
     A site with a lower bound on its time.
 
@@ -84,11 +84,11 @@ def choose_site(obj, robot, start, goal, settings=None, here=None):
     :param goal: ``Pose`` wanted for the object in the world.
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param here: ``PushProblem`` of a further site, such as the one where the robot stands.
-    :return: ``Choice``.
+    :return: ``SiteChoice``.
     :raises PlanningFailed: where all are refused; ``sites`` of the report is the table.
     """
     problems = site_problems(obj, robot, start, goal, settings or PlannerSettings())
-    weighed = sorted((weigh_site(problem) for problem in ([here] if here else []) + problems),
+    weighed = sorted((bound_site(problem) for problem in ([here] if here else []) + problems),
                      key=lambda site: site.bound)
     best, solved, rest = None, [], []
     for problem, bound, reason in weighed:
@@ -105,36 +105,36 @@ def choose_site(obj, robot, start, goal, settings=None, here=None):
                     best = found
         if reason:
             rest.append(_option(problem, reason))
-    table = tuple(sorted(solved, key=lambda option: option.duration) + rest)
+    candidates = tuple(sorted(solved, key=lambda option: option.duration) + rest)
     if best is None:
-        raise PlanningFailed(f'no site will do, the least bad is {table[0]}', {'sites': table})
-    return Choice(best, table)
+        raise PlanningFailed(f'no site will do, the least bad is {candidates[0]}', {'sites': candidates})
+    return SiteChoice(best, candidates)
 
 
-def weigh_site(problem):
+def bound_site(problem):
     """
     Bound the time of a push from below, without solving it.
 
     :param problem: the ``PushProblem``.
-    :return: ``WeighedSite``.
+    :return: ``BoundedSite``.
     """
     try:
-        refuse_impossible(problem)
+        check_feasibility(problem)
         turns = tightest_turns(problem)
         if turns is None:
             plan(problem)
     except PlanningFailed as failure:
-        return WeighedSite(problem, math.inf, failure.reason)
+        return BoundedSite(problem, math.inf, failure.reason)
     settings = problem.settings
     fast = settings.motion_model == 'dynamic' and settings.pushing_speed > FASTEST_TIGHT
-    share = SLACK * (GENTLE if fast else 1.0)
-    shortest = min(route.cost for route in routes(problem, turns))
+    share = ROUTE_SLACK * (GENTLE if fast else 1.0)
+    shortest = min(route.path_length for route in routes(problem, turns))
     bound = max(displacement_bound(problem), share * shortest / settings.pushing_speed)
-    return WeighedSite(problem, bound, '')
+    return BoundedSite(problem, bound, '')
 
 
 def _option(problem, reason, found=None):
     duration = length = None
     if found is not None:
         duration, length = found.trajectory.duration, found.report['path_length']
-    return SiteOption(problem.contact, robot_start(problem), duration, length, reason)
+    return SiteCandidate(problem.contact, robot_start(problem), duration, length, reason)

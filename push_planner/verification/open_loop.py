@@ -7,9 +7,9 @@ The object frame of the start is that of the world.
 import math
 
 import numpy as np
-from push_model.drive import yaw_rate
 from push_model.dynamics import equation_of_motion, impulse
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
+from push_model.robot_kinematics import yaw_rate
 from push_model.state import Input, ObjectTerms, State
 from scipy.integrate import solve_ivp
 
@@ -35,18 +35,18 @@ def integrate(rate, force, duration, start):
     return answer.y[:, -1], float(np.abs(np.arctan2(pressed[:, 1], pressed[:, 0])).max())
 
 
-def driven_push(problem):
+def open_loop_simulation(problem):
     """
     Make what drives the object of a problem, with inertia or without.
 
     :param problem: the ``PushProblem``.
-    :return: ``DrivenPush``.
+    :return: ``OpenLoopSimulation``.
     """
     slow = problem.settings.motion_model == 'quasi_static'
-    return (SlowDrivenPush if slow else DrivenPush)(problem)
+    return (QuasiStaticSimulation if slow else OpenLoopSimulation)(problem)
 
 
-class DrivenPush:
+class OpenLoopSimulation:
     """
     The equation of motion under the pieces of a plan.
 
@@ -66,11 +66,11 @@ class DrivenPush:
         self._buffer.set_arg(1, memoryview(self._input))
         self._buffer.set_res(0, memoryview(self._rate))
         self._buffer.set_res(1, memoryview(self._force))
-        self.piece = None
+        self.segment = None
 
     def start(self):
         """Begin where the problem does, nothing imposed yet; return the state."""
-        self.piece = None
+        self.segment = None
         return np.array([*self.problem.start, 0.0, self.problem.normal,
                          *self.problem.contact_point])
 
@@ -82,12 +82,12 @@ class DrivenPush:
         :param state: of the object.
         :return: ``Input``.
         """
-        angle, bend, speed = self.piece.at(time)
+        angle, bend, speed = self.segment.at(time)
         turn = self._robot_rate(state, angle, speed)
         share = self.problem.rolling[0]
         bend += share * state[3] + (1.0 - share) * turn
         c, s, faster = math.cos(state[4] + angle), math.sin(state[4] + angle), (
-            self.piece.acceleration)
+            self.segment.acceleration)
         return Input(speed * c, speed * s, faster * c - speed * bend * s,
                      faster * s + speed * bend * c, turn)
 
@@ -108,7 +108,7 @@ class DrivenPush:
         """Answer to the present piece; as ``respond``."""
         return self.respond(state, self.inputs(time, state))
 
-    def follow(self, state):
+    def integrate_segment(self, state):
         """
         Drive the object to the end of the present piece.
 
@@ -116,32 +116,32 @@ class DrivenPush:
         :return: as ``integrate``.
         """
         return integrate(lambda time, at: self.evaluate(time, at)[0].copy(),
-                         lambda time, at: self.evaluate(time, at)[1], self.piece.duration, state)
+                         lambda time, at: self.evaluate(time, at)[1], self.segment.duration, state)
 
-    def enter(self, state, piece):
+    def start_segment(self, state, segment):
         """
         Begin a piece: the velocity imposed at the contact may jump.
 
         :param state: of the object.
-        :param piece: ``Piece``.
+        :param segment: ``Segment``.
         :return: (state after the jump, (v_x, v_y) of the jump [m/s]).
         """
-        before, self.piece = self.piece, piece
-        if before is not None and before.angles[1] == piece.angles[0] and (
-                before.speeds[1] == piece.speeds[0]):
+        before, self.segment = self.segment, segment
+        if before is not None and before.angles[1] == segment.angles[0] and (
+                before.speeds[1] == segment.speeds[0]):
             return np.array(state), (0.0, 0.0)
         motion = self.problem.motion
         if before is None and motion.speed > 0.0:
             changed = np.array(state)
-            changed[3] = motion.yaw_rate / motion.speed * piece.speeds[0]
+            changed[3] = motion.yaw_rate / motion.speed * segment.speeds[0]
             return changed, (0.0, 0.0)
-        v_x, v_y = _velocity(state[4] + piece.angles[0], piece.speeds[0])
+        v_x, v_y = _velocity(state[4] + segment.angles[0], segment.speeds[0])
         if before is not None:
             was_x, was_y = _velocity(state[4] + before.angles[1], before.speeds[1])
             v_x, v_y = v_x - was_x, v_y - was_y
-        return self.struck(state, (v_x, v_y)), (v_x, v_y)
+        return self.apply_velocity_jump(state, (v_x, v_y)), (v_x, v_y)
 
-    def struck(self, state, jump):
+    def apply_velocity_jump(self, state, jump):
         """
         Return the state after a jump of the velocity imposed at the contact.
 
@@ -160,20 +160,20 @@ class DrivenPush:
                               problem.heading_offset, state[3], speed))
 
 
-class SlowDrivenPush(DrivenPush):
+class QuasiStaticSimulation(OpenLoopSimulation):
     """The same without inertia: omega follows from friction alone."""
 
-    def struck(self, state, jump):
+    def apply_velocity_jump(self, state, jump):
         """Return the state as it is: nothing has inertia."""
         return np.array(state)
 
     def evaluate(self, time, state):
         """As in the base class, at the turning rate that friction has."""
-        angle, _, speed = self.piece.at(time)
+        angle, _, speed = self.segment.at(time)
         direction = state[4] + angle - state[2]
         state = np.array(state)
-        state[3] = turning_rate(self.problem.obj, tuple(state[5:7]),
-                                *_velocity(direction, speed))
+        state[3] = quasi_static_yaw_rate(self.problem.obj, tuple(state[5:7]),
+                                         *_velocity(direction, speed))
         super().evaluate(time, state)
         self._rate[3] = 0.0
         return self._rate, self._force

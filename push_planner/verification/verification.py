@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import wrap_angle
-from push_planner.verification.open_loop import driven_push
+from push_planner.verification.open_loop import open_loop_simulation
 
 
-class Piece(NamedTuple):
+class Segment(NamedTuple):
     """
     A piece of a push.
 
@@ -46,33 +46,33 @@ class Piece(NamedTuple):
         return self.angles[0] + bend * way, bend * speed, speed
 
 
-def pieces_of(plan, pace=1.0):
+def segments_of(plan, pace=1.0):
     """
     List the pieces of a plan.
 
     :param plan: the ``Plan``.
     :param pace: factor on all its speeds.
-    :return: list of ``Piece``.
+    :return: list of ``Segment``.
     """
     lengths = np.diff(plan.segment_ends, prepend=0.0).tolist()
-    return [Piece(angles, (pace * speeds[0], pace * speeds[1]), length)
+    return [Segment(angles, (pace * speeds[0], pace * speeds[1]), length)
             for angles, speeds, length in zip(plan.pushing_angles, plan.speeds, lengths)]
 
 
-def joined(pieces):
+def merge_steady_segments(segments):
     """
     Join neighbours that push on at the same angle and speed.
 
-    :param pieces: list of ``Piece``.
-    :return: list of ``Piece``, as few as there can be.
+    :param segments: list of ``Segment``.
+    :return: list of ``Segment``, as few as there can be.
     """
     found = []
-    for piece in pieces:
-        steady = len({*piece.angles}) == len({*piece.speeds}) == 1
-        if found and steady and found[-1][:2] == piece[:2]:
-            found[-1] = found[-1]._replace(length=found[-1].length + piece.length)
+    for segment in segments:
+        steady = len({*segment.angles}) == len({*segment.speeds}) == 1
+        if found and steady and found[-1][:2] == segment[:2]:
+            found[-1] = found[-1]._replace(length=found[-1].length + segment.length)
         else:
-            found.append(piece)
+            found.append(segment)
     return found
 
 
@@ -89,17 +89,17 @@ class Verification(NamedTuple):
         [rad]; 0 at a goal where the heading is free.
     :param cone_usage: largest angle of the contact force over the planning cone's half-angle.
     :param friction_usage: the same over the believed friction cone's half-angle.
-    :param stretches: number of stretches; 1 is one integration from start to goal.
+    :param intervals: number of stretches; 1 is one integration from start to goal.
     """
 
     position_error: float
     heading_error: float
     cone_usage: float
     friction_usage: float
-    stretches: int
+    intervals: int
 
 
-def re_integrate(plan):
+def verify(plan):
     """
     Integrate a plan from its start pose under its pushing angles and speeds.
 
@@ -107,25 +107,25 @@ def re_integrate(plan):
     :return: ``Verification``.
     """
     problem, goal = plan.problem, plan.problem.goal
-    push = driven_push(problem)
+    push = open_loop_simulation(problem)
     state = push.start()
     position, heading, steepest = 0.0, 0.0, 0.0
-    stretches, stretch_begin, begin, time = 1, 0.0, 0.0, 0.0
+    intervals, stretch_begin, begin, time = 1, 0.0, 0.0, 0.0
     longest = STRETCH * problem.vehicle.wheelbase
-    for piece, end in zip(pieces_of(plan), plan.segment_ends):
-        state, _ = push.enter(state, piece)
+    for segment, end in zip(segments_of(plan), plan.segment_ends):
+        state, _ = push.start_segment(state, segment)
         if begin > stretch_begin and end - stretch_begin > longest:
             meant = _planned_state(plan, time)
             position += math.hypot(*(state - meant)[:2])
             heading += float(np.abs(state - meant)[[2, 4]].max())
-            state, stretch_begin, stretches = meant, begin, stretches + 1
-        state, angle = push.follow(state)
+            state, stretch_begin, intervals = meant, begin, intervals + 1
+        state, angle = push.integrate_segment(state)
         steepest = max(steepest, angle)
-        begin, time = end, time + piece.duration
+        begin, time = end, time + segment.duration
     position += math.hypot(state[0] - goal.x, state[1] - goal.y)
     heading += 0.0 if problem.settings.heading_free else abs(wrap_angle(state[2] - goal.theta))
-    return Verification(position, heading, steepest / problem.planning_angle,
-                        steepest / problem.friction_angle, stretches)
+    return Verification(position, heading, steepest / problem.planning_cone_angle,
+                        steepest / problem.friction_angle, intervals)
 
 
 def _planned_state(plan, time):

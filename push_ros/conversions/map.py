@@ -4,7 +4,7 @@ import math
 
 from nav_msgs.msg import OccupancyGrid
 import numpy as np
-from push_navigation.occupancy_map import Workspace
+from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.primitives import (
     check_frame, from_pose_message, MessageRefused, to_pose_message,
 )
@@ -13,20 +13,20 @@ UNKNOWN, FREE, OCCUPIED, FULL = -1, 0, 50, 100
 HAS_MAP = 'has a map'
 
 
-def to_map_message(workspace, stamp, frame):
+def to_map_message(occupancy_map, stamp, frame):
     """
     Turn a map into a message.
 
-    :param workspace: ``push_navigation.occupancy_map.Workspace``.
+    :param occupancy_map: ``push_navigation.occupancy_map.OccupancyMap``.
     :param stamp: of the map.
     :param frame: id of the world frame.
     """
     message = OccupancyGrid()
     message.header.stamp, message.header.frame_id = stamp, frame
-    message.info.map_load_time, message.info.resolution = stamp, workspace.resolution
-    message.info.height, message.info.width = workspace.occupied.shape
-    message.info.origin = to_pose_message(workspace.origin)
-    message.data = np.where(workspace.occupied, FULL, FREE).ravel().tolist()
+    message.info.map_load_time, message.info.resolution = stamp, occupancy_map.resolution
+    message.info.height, message.info.width = occupancy_map.occupied.shape
+    message.info.origin = to_pose_message(occupancy_map.origin)
+    message.data = np.where(occupancy_map.occupied, FULL, FREE).ravel().tolist()
     return message
 
 
@@ -37,7 +37,7 @@ def from_map_message(message, frame, topic='map'):
     :param message: ``nav_msgs/OccupancyGrid``.
     :param frame: id of the world frame.
     :param topic: what errors call the message.
-    :return: ``push_navigation.occupancy_map.Workspace``.
+    :return: ``push_navigation.occupancy_map.OccupancyMap``.
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
@@ -54,7 +54,7 @@ def from_map_message(message, frame, topic='map'):
                              f'{UNKNOWN} to {FULL}')
     origin = from_pose_message(info.origin, f'{topic}: origin')
     occupied = (cells >= OCCUPIED) | (cells == UNKNOWN)
-    return Workspace(info.resolution, origin, occupied.reshape(info.height, info.width))
+    return OccupancyMap(info.resolution, origin, occupied.reshape(info.height, info.width))
 
 
 def map_text(message):

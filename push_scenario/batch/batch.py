@@ -12,7 +12,7 @@ import math
 import numpy as np
 from push_scenario.batch.job import collect, StopRequest
 from push_scenario.batch.store import header, Store, write_table
-from push_scenario.batch.workers import available_cores, workers_of
+from push_scenario.batch.workers import available_cores, open_workers
 
 
 @dataclasses.dataclass(frozen=True)
@@ -109,7 +109,7 @@ def _do_rest(function, jobs, store, workers, scheduler, progress, chunk):
     rest = [index for index in range(len(jobs)) if index not in store.entries]
     if not rest:
         return
-    with StopRequest() as stop, workers_of(workers, scheduler, len(rest)) as pool:
+    with StopRequest() as stop, open_workers(workers, scheduler, len(rest)) as pool:
         size = chunk or pool.chunk_size(len(rest))
         chunks = [[(index, jobs[index]) for index in rest[first:first + size]]
                   for first in range(0, len(rest), size)]

@@ -70,7 +70,7 @@ def collect(pool, function, chunks, keep, stop):
     """
     Run all chunks and keep what comes back; once stopped, keep what is under way and end.
 
-    :param pool: what ``workers_of`` gave.
+    :param pool: what ``open_workers`` gave.
     :param function: of one job.
     :param chunks: list of lists of (number of the job, job).
     :param keep: called with a list of entries.

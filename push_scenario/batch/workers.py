@@ -21,7 +21,7 @@ def available_cores():
 
 
 @contextlib.contextmanager
-def workers_of(count, scheduler, jobs):
+def open_workers(count, scheduler, jobs):
     """
     Open what the jobs run on, and close it again.
 
@@ -35,7 +35,7 @@ def workers_of(count, scheduler, jobs):
     elif scheduler is not None:
         yield Cluster(scheduler)
     elif min(count, jobs) <= 1:
-        yield Here()
+        yield InProcess()
     else:
         with Processes(min(count, jobs)) as pool:
             yield pool
@@ -66,7 +66,7 @@ class Workers:
         return max(1, min(self.most_in_chunk, jobs // (self.chunks_per_worker * self.count)))
 
 
-class Here(Workers):
+class InProcess(Workers):
     """This process, one chunk at a time."""
 
     def __init__(self):

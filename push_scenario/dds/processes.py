@@ -117,7 +117,7 @@ class NodeProcesses:
             status = process.poll()
             if status is not None:
                 raise NodeDied(f'{name} ended unexpectedly with {_status_text(status)}'
-                               + self.last_words(name))
+                               + self.log_tail(name))
 
     def send(self, name, number):
         """
@@ -141,9 +141,9 @@ class NodeProcesses:
             status = process.wait(STOP_TIMEOUT)
         except subprocess.TimeoutExpired:
             raise NodeDied(f'{name} did not end within {STOP_TIMEOUT:g} s'
-                           + self.last_words(name)) from None
+                           + self.log_tail(name)) from None
         if status:
-            raise NodeDied(f'{name} ended with {_status_text(status)}' + self.last_words(name))
+            raise NodeDied(f'{name} ended with {_status_text(status)}' + self.log_tail(name))
         del self._processes[name]
 
     def stop_all(self):
@@ -155,7 +155,7 @@ class NodeProcesses:
         for name in self.names:
             self.stop(name)
 
-    def last_words(self, name):
+    def log_tail(self, name):
         """
         Quote the end of a node's output.
 

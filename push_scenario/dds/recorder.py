@@ -3,7 +3,7 @@
 import struct
 
 from push_ros.conversions.primitives import NANOSECONDS
-from push_ros.executor import take
+from push_ros.executor import take_message
 from push_ros.topics import TOPICS
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -32,7 +32,7 @@ class Listener:
             name: node.create_subscription(kind, name, _nothing, _quality(TOPICS[name]), raw=True)
             for name, kind in self.types.items()}
 
-    def take(self):
+    def take_message(self):
         """
         Take what has come.
 
@@ -40,7 +40,7 @@ class Listener:
         """
         taken = []
         for name, subscription in self._subscriptions.items():
-            while (data := take(subscription)) is not None:
+            while (data := take_message(subscription)) is not None:
                 taken.append((name, data))
         return taken
 

@@ -7,12 +7,12 @@ import time
 
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER, PLANNER, SIM
-from push_scenario.dds.node_files import write_node_files
+from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.dds.processes import NodeProcesses, private_domain
 from push_scenario.dds.recorder import BagWriter
+from push_scenario.dds.replay_client import ReplayClient, ReplayFailed
 from push_scenario.dds.result import DdsResult, push_result, task_result
-from push_scenario.dds.session import ReplayFailed, Session
-from push_scenario.dds.watcher import TaskWatcher, Watcher
+from push_scenario.dds.run_monitor import RunMonitor, TaskWatcher
 from push_scenario.simulation.loop import control_settings, SETTLE_TIME
 
 MODULES = {SIM: 'push_sim_node.sim_node', PLANNER: 'push_planner.planner_node',
@@ -43,8 +43,8 @@ def run_over_dds(scenario, control_law=None, out_dir='out', real_time=False, rec
     tape_path = folder / 'tape.csv'
     for stale in (tape_path, tape_path.with_suffix('.json')):
         stale.unlink(missing_ok=True)
-    files = write_node_files(folder, scenario, settings, tape_path, real_time, stamped)
-    watcher = (Watcher(scenario.goal.pose, progress) if scenario.task is None else
+    files = write_parameter_files(folder, scenario, settings, tape_path, real_time, stamped)
+    watcher = (RunMonitor(scenario.goal.pose, progress) if scenario.task is None else
                TaskWatcher(scenario.task, scenario.final_goal, progress))
     bag = Path(out_dir) / f'{scenario.name}_{law}_bag' if record else None
     refusal = _carry_out(scenario, files, watcher, folder, bag, stamped, on_start)
@@ -58,7 +58,7 @@ def _carry_out(scenario, files, watcher, folder, bag, stamped, on_start):
     """Run the nodes until all is over; return why the goal was refused, if it was."""
     with contextlib.ExitStack() as stack:
         nodes = stack.enter_context(NodeProcesses(stack.enter_context(private_domain()), folder))
-        session = Session(nodes.domain, stamped, watcher.note, nodes.check)
+        session = ReplayClient(nodes.domain, stamped, watcher.note, nodes.check)
         stack.callback(session.close)
         if bag is not None:
             _replace(bag)
@@ -87,8 +87,8 @@ def _set(scenario, session, watcher):
     """Set the task, whatever comes of it."""
     _wait_for_nodes(session, watcher)
     task, frame = scenario.task, Frames().world_frame
-    if task.workspace is not None:
-        session.send_map(task.workspace, frame)
+    if task.occupancy_map is not None:
+        session.send_map(task.occupancy_map, frame)
         session.wait_for(lambda: watcher.maps == {PLANNER, CONTROLLER}, SERVICE_TIMEOUT,
                          'the nodes to take the map')
     # The first goal last: whoever has it has the others too.

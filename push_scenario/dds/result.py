@@ -45,7 +45,7 @@ def push_result(scenario, law, watcher, tape_path, bag):
 
     :param scenario: the ``Scenario``.
     :param law: the control law.
-    :param watcher: the ``Watcher``.
+    :param watcher: the ``RunMonitor``.
     :param tape_path: where the simulator has written its tape.
     :param bag: folder of the recording, or None.
     :return: ``DdsResult``.

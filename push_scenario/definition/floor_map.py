@@ -5,7 +5,7 @@ import functools
 
 import numpy as np
 from push_model.quantity import check, quantity
-from push_navigation.occupancy_map import Workspace
+from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.placement import Placement
 
 FREE, OCCUPIED = '.', '#'
@@ -29,7 +29,7 @@ class FloorMap:
                              f'{OCCUPIED} and {FREE}')
 
     @functools.cached_property
-    def workspace(self):
-        """The same as a ``Workspace``; ``origin`` is the corner with the least x and y."""
+    def occupancy_map(self):
+        """The same as a ``OccupancyMap``; ``origin`` is the corner with the least x and y."""
         cells = np.array([list(line) for line in reversed(self.rows.split())])
-        return Workspace(self.resolution, self.origin.pose, cells == OCCUPIED)
+        return OccupancyMap(self.resolution, self.origin.pose, cells == OCCUPIED)

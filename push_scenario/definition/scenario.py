@@ -143,5 +143,5 @@ class Scenario:
         if self.start.is_open:
             choice = choose_site(self.object, self.robot, self.start.object.pose, self.goal.pose,
                                  self.planner)
-            return choice.table[0].robot_pose @ self.start.placement_error.pose
+            return choice.candidates[0].robot_pose @ self.start.placement_error.pose
         return self.start.robot_pose(self.object, self.robot.radius)

@@ -41,6 +41,6 @@ class Task:
             raise ValueError(f'Task.goals: got the times {times}, expected increasing ones [s]')
 
     @functools.cached_property
-    def workspace(self):
-        """``Workspace`` of the map, or None."""
-        return self.map and self.map.workspace
+    def occupancy_map(self):
+        """``OccupancyMap`` of the map, or None."""
+        return self.map and self.map.occupancy_map

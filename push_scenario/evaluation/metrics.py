@@ -38,7 +38,7 @@ def measure(result):
     final = tape.poses('object')[-1]
     position_error = distance(final, goal)
     heading_error = wrap_angle(final[2] - goal.theta)
-    way = robot_way(tape)[-1]
+    way = distance_travelled(tape)[-1]
     touching = in_contact(tape)[1:]
     steps = np.diff(tape['time'])
     return Metrics(
@@ -66,7 +66,7 @@ def is_as_expected(result):
     return result.outcome == 'done' and measure(result).within_bounds
 
 
-def robot_way(tape):
+def distance_travelled(tape):
     """
     Way of the robot's centre since the start [m], shape (n,).
 
@@ -144,7 +144,7 @@ class TaskMetrics:
     contact_time: float = quantity('time in contact', 's')
     single_time: float = quantity('time that the best single push would have taken; infinite '
                                   'where there is none, nan where it is not known', 's')
-    robot_way: float = quantity('way of the robot', 'm')
+    distance_travelled: float = quantity('way of the robot', 'm')
     object_way: float = quantity('way of the object', 'm')
     pushes: int = quantity('number of pushes')
     recoveries: int = quantity('number of times that something went wrong')
@@ -172,14 +172,14 @@ def measure_task(result):
         time=result.duration,
         contact_time=float(np.diff(tape['time'])[in_contact(tape)[1:]].sum()),
         single_time=result.single,
-        robot_way=float(robot_way(tape)[-1]),
+        distance_travelled=float(distance_travelled(tape)[-1]),
         object_way=float(np.hypot(*np.diff(objects[:, :2], axis=0).T).sum()),
         pushes=result.pushes,
         recoveries=result.recoveries,
         gap=gap,
-        within_map=task.workspace is None or (
-            task.workspace.robot_is_free(scenario.robot_truth, tape.poses('robot'), 0.0)
-            and task.workspace.object_is_free(scenario.truth, objects, 0.0)),
+        within_map=task.occupancy_map is None or (
+            task.occupancy_map.robot_is_free(scenario.robot_truth, tape.poses('robot'), 0.0)
+            and task.occupancy_map.object_is_free(scenario.truth, objects, 0.0)),
         within_bounds=bool(inside and gap >= task.drive.clearance))
 
 

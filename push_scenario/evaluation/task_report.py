@@ -13,7 +13,7 @@ ROWS = (
     ('time', 's', lambda m: f'{m.time:.1f}'),
     ('time in contact', 's', lambda m: f'{m.contact_time:.1f}'),
     ('time of the best single push', 's', lambda m: _or_none(m.single_time)),
-    ('way of the robot', 'm', lambda m: f'{m.robot_way:.2f}'),
+    ('way of the robot', 'm', lambda m: f'{m.distance_travelled:.2f}'),
     ('way of the object', 'm', lambda m: f'{m.object_way:.2f}'),
     ('robot clear of the object', 'mm', lambda m: f'{1e3 * m.gap:.0f}'),
     ('clear of the map', '', lambda m: 'yes' if m.within_map else 'no'),

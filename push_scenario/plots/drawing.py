@@ -157,25 +157,25 @@ def phases_of(result):
     return phases
 
 
-def draw_walls(axes, scenario):
+def draw_map(axes, scenario):
     """
     Draw the occupied cells of the map, if there is one.
 
     :param axes: matplotlib axes.
     :param scenario: the ``Scenario``.
     """
-    workspace = scenario.task.workspace
-    if workspace is None:
+    occupancy_map = scenario.task.occupancy_map
+    if occupancy_map is None:
         return
-    rows, columns = workspace.occupied.shape
-    grid = workspace.resolution * np.stack(np.meshgrid(
+    rows, columns = occupancy_map.occupied.shape
+    grid = occupancy_map.resolution * np.stack(np.meshgrid(
         np.arange(columns + 1), np.arange(rows + 1)), axis=-1)
-    x, y = workspace.from_map(grid.reshape(-1, 2)).T.reshape(2, rows + 1, columns + 1)
-    axes.pcolormesh(x, y, np.ma.masked_equal(workspace.occupied, False),
+    x, y = occupancy_map.from_map(grid.reshape(-1, 2)).T.reshape(2, rows + 1, columns + 1)
+    axes.pcolormesh(x, y, np.ma.masked_equal(occupancy_map.occupied, False),
                     cmap=ListedColormap([WALL]), zorder=1)
 
 
-def draw_marks(axes, scenario, time=np.inf):
+def draw_goals(axes, scenario, time=np.inf):
     """
     Draw where the object shall go; a goal that another takes the place of is thin.
 
@@ -202,7 +202,7 @@ def draw_shoves(axes, result):
     :param result: the ``TaskResult``.
     """
     time, poses = result.tape['time'], result.tape.poses('object')
-    for shove in result.scenario.simulation.shoves:
+    for shove in result.scenario.simulation.object_displacements:
         row = int(np.searchsorted(time, shove.time))
         if 0 < row < len(time):
             axes.annotate('', poses[row, :2], poses[row - 1, :2], zorder=9, arrowprops={
@@ -220,11 +220,11 @@ def set_task_view(axes, results, margin=0.12):
     :return: width and height of what is shown [m].
     """
     scenario = results[0].scenario
-    workspace = scenario.task.workspace
-    if workspace is not None:
-        rows, columns = workspace.occupied.shape
-        far = workspace.resolution * np.array([[0, 0], [columns, 0], [0, rows], [columns, rows]])
-        reach, margin = workspace.from_map(far), 0.0
+    occupancy_map = scenario.task.occupancy_map
+    if occupancy_map is not None:
+        rows, columns = occupancy_map.occupied.shape
+        far = occupancy_map.resolution * np.array([[0, 0], [columns, 0], [0, rows], [columns, rows]])
+        reach, margin = occupancy_map.from_map(far), 0.0
     else:
         goals = [scenario.goal] + [later.goal for later in scenario.task.goals]
         reach = [outline(scenario.object, goal.pose) for goal in goals]
@@ -240,7 +240,7 @@ def set_task_view(axes, results, margin=0.12):
     return high - low
 
 
-def tell_number(axes, number, place):
+def draw_push_number(axes, number, place):
     """
     Write the number of a push.
 

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 import numpy as np
 from push_model.friction import friction_center
-from push_scenario.evaluation.metrics import deviation, force_angle, measure, robot_way
+from push_scenario.evaluation.metrics import deviation, distance_travelled, force_angle, measure
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     draw_object, draw_robot, GOAL, INK, LAW_STYLES, outline, PLAN_STYLE, set_view, style_axes,
@@ -83,7 +83,7 @@ def _moments(axes, result, with_robot):
     scenario, tape = result.scenario, result.tape
     color = LAW_STYLES[result.control_law]['color']
     objects, robots = tape.poses('object'), tape.poses('robot')
-    way = robot_way(tape)
+    way = distance_travelled(tape)
     rows = np.searchsorted(way, np.linspace(0.0, way[-1], MOMENTS))
     rows[-1] = len(tape) - 1
     for row in rows:
@@ -147,7 +147,7 @@ def _pushing_angle(axes, results):
     angle = np.arctan2(speed[:, 1], speed[:, 0]) - plan.contact_poses[:, 2]
     axes.plot(way, np.degrees(np.arctan2(np.sin(angle), np.cos(angle))), **PLAN_STYLE, zorder=4)
     for result in results:
-        axes.plot(robot_way(result.tape), np.degrees(result.tape['pushing_angle']),
+        axes.plot(distance_travelled(result.tape), np.degrees(result.tape['pushing_angle']),
                   **_thin(result))
     axes.set_ylabel('pushing\nangle [°]')
     axes.set_ylim(-60.0, 60.0)
@@ -157,7 +157,7 @@ def _force_angle(axes, results):
     limit = math.degrees(math.atan(results[0].scenario.truth.contact_friction_coefficient))
     axes.axhspan(-limit, limit, color=BAND, linewidth=0.0)
     for result in results:
-        axes.plot(robot_way(result.tape), np.degrees(force_angle(result.tape)), **_thin(result))
+        axes.plot(distance_travelled(result.tape), np.degrees(force_angle(result.tape)), **_thin(result))
     axes.set_ylabel('contact force\nfrom normal [°]')
     axes.set_ylim(-1.6 * limit, 1.6 * limit)
 
@@ -165,7 +165,7 @@ def _force_angle(axes, results):
 def _position(axes, results):
     for result in results:
         away = deviation(result.tape.poses('object'), result.plan)[0]
-        axes.plot(robot_way(result.tape), 1e3 * away, **_thin(result))
+        axes.plot(distance_travelled(result.tape), 1e3 * away, **_thin(result))
     axes.set_ylabel('distance from\nthe plan [mm]')
     axes.set_ylim(bottom=0.0)
 
@@ -173,7 +173,7 @@ def _position(axes, results):
 def _heading(axes, results):
     for result in results:
         turn = deviation(result.tape.poses('object'), result.plan)[1]
-        axes.plot(robot_way(result.tape), np.degrees(turn), **_thin(result))
+        axes.plot(distance_travelled(result.tape), np.degrees(turn), **_thin(result))
     axes.set_ylabel('heading off\nthe plan [°]')
 
 

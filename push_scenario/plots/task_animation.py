@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 import numpy as np
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
-    ALONE, ALONE_STYLE, draw_marks, draw_object, draw_robot, draw_walls, front, INK, outline,
+    ALONE, ALONE_STYLE, draw_goals, draw_map, draw_object, draw_robot, front, INK, outline,
     phases_of, set_task_view, TROUBLE,
 )
 
@@ -56,7 +56,7 @@ class _Panel:
         self._time, self._phases = tape['time'], phases_of(result)
         self._objects, self._robots = tape.poses('object'), tape.poses('robot')
         self._radius = result.scenario.robot_truth.radius
-        draw_walls(axes, result.scenario)
+        draw_map(axes, result.scenario)
         draw_object(axes, result.scenario.object, self._objects[0], facecolor='#F1F1F1',
                     edgecolor='#B0B0B0', linewidth=1.0, zorder=2)
         self._marks = []
@@ -85,7 +85,7 @@ class _Panel:
         self._tell(phase, row)
         for artist in self._marks:
             artist.remove()
-        self._marks = draw_marks(self._axes, self._scenario, time)
+        self._marks = draw_goals(self._axes, self._scenario, time)
         self._place(row, phase.color)
 
     def _tell(self, phase, row):

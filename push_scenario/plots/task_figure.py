@@ -8,8 +8,8 @@ import numpy as np
 from push_scenario.evaluation.metrics import measure_task
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
-    ALONE_STYLE, draw_marks, draw_object, draw_robot, draw_shoves, draw_walls, GOAL, INK,
-    phases_of, set_task_view, style_axes, tell_number, TROUBLE,
+    ALONE_STYLE, draw_goals, draw_map, draw_object, draw_push_number, draw_robot, draw_shoves,
+    GOAL, INK, phases_of, set_task_view, style_axes, TROUBLE,
 )
 
 # Inches: a scene, a strip, and rims.
@@ -52,7 +52,7 @@ def _scene(axes, result, results):
     scenario, phases = result.scenario, phases_of(result)
     objects, robots = result.tape.poses('object'), result.tape.poses('robot')
     radius = scenario.robot_truth.radius
-    draw_walls(axes, scenario)
+    draw_map(axes, scenario)
     draw_object(axes, scenario.object, objects[0], facecolor='#ECECEC', edgecolor=INK,
                 linewidth=1.2, zorder=2)
     draw_robot(axes, radius, robots[0], facecolor='#F4F4F4', edgecolor=INK, linewidth=1.0,
@@ -64,7 +64,7 @@ def _scene(axes, result, results):
                 linewidth=1.6, zorder=4)
     draw_robot(axes, radius, robots[-1], facecolor='#8A8A8A', edgecolor=INK, linewidth=1.2,
                zorder=8)
-    draw_marks(axes, scenario)
+    draw_goals(axes, scenario)
     style_axes(axes)
     axes.set_ylabel('y [m]')
     metrics = measure_task(result)
@@ -87,7 +87,7 @@ def _way(axes, scenario, objects, robots, phase):
     draw_object(axes, scenario.truth, objects[-1], **style, zorder=3)
     for row in (0, -1):
         draw_robot(axes, scenario.robot_truth.radius, robots[row], **style, zorder=3)
-    tell_number(axes, phase.number, robots[0, :2])
+    draw_push_number(axes, phase.number, robots[0, :2])
 
 
 def _nearer(away, turned, result):

@@ -5,13 +5,13 @@ import math
 from typing import NamedTuple
 
 from push_control.observation import Observation
-from push_control.push.controller import make_controller
+from push_control.push.controller import Controller
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance
 from push_model.signals import ObjectPose, Odometry
 from push_planner.problem import PlanningFailed
-from push_planner.sequence.planner import plan_wanted
-from push_planner.single_push.replanning import plan_measured
+from push_planner.sequence.planner import plan_for_request
+from push_planner.single_push.replanning import plan_from_measurements
 from push_scenario.definition.task import Task
 from push_scenario.simulation.result import Result, TaskHistory, TaskResult
 from push_sim_node.simulation import Simulation
@@ -42,9 +42,9 @@ class Replanner:
             return None
         measured = ObjectPose(odometry.time, status.object_pose)
         try:
-            found = plan_measured(*self._parts, measured,
-                                  odometry._replace(pose=status.robot_pose), self._goal,
-                                  self._settings)
+            found = plan_from_measurements(*self._parts, measured,
+                                           odometry._replace(pose=status.robot_pose), self._goal,
+                                           self._settings)
         except PlanningFailed:
             return None
         return found.plan.trajectory
@@ -85,11 +85,11 @@ def run(scenario, control_law=None, progress=None):
     pose, odometry = simulation.next(), simulation.next()
     report(Progress('planning', 0.0, distance(pose.pose, goal)))
     try:
-        answer = plan_measured(scenario.object, scenario.robot, pose, odometry, goal,
-                               scenario.planner).plan
+        answer = plan_from_measurements(scenario.object, scenario.robot, pose, odometry, goal,
+                                        scenario.planner).plan
     except PlanningFailed as failure:
         return Result(scenario, settings.control_law, 'refused', failure.reason)
-    controller = make_controller(scenario.object, scenario.robot, settings)
+    controller = Controller(scenario.object, scenario.robot, settings)
     observation = Observation(simulation.time, odometry, pose)
     loop = _Loop(simulation, controller, answer.trajectory, observation, goal,
                  Replanner(scenario), report)
@@ -211,7 +211,7 @@ class _Run:
         self._simulation = make_simulation(scenario)
         self._supervisor = Supervisor(scenario.object, scenario.robot, scenario.control,
                                       task.drive, task.supervision)
-        self._supervisor.set_workspace(task.workspace)
+        self._supervisor.set_map(task.occupancy_map)
         self._supervisor.set_goal(scenario.goal.pose)
         self._goal, self._later = scenario.goal.pose, list(task.goals)
         self._asked, self._answer_at, self._plans = None, 0.0, []
@@ -261,16 +261,16 @@ class _Run:
         self._history.note(status.history, status.recoveries)
 
     def _plan(self):
-        wanted, now = self._supervisor.wants, self._simulation.time
+        wanted, now = self._supervisor.plan_request, self._simulation.time
         if wanted is not self._asked:
             self._asked, self._answer_at = wanted, now + self._planning_time
         if wanted is None or now < self._answer_at:
             return
         try:
-            found = plan_wanted(wanted, self._scenario.robot, self._scenario.planner,
-                                self._task.drive, self._task.planning, self._task.workspace)
+            found = plan_for_request(wanted, self._scenario.robot, self._scenario.planner,
+                                     self._task.drive, self._task.planning, self._task.occupancy_map)
         except PlanningFailed as failure:
-            self._supervisor.refused(failure.reason)
+            self._supervisor.on_planning_failed(failure.reason)
             return
         self._plans.append(found)
         self._supervisor.take(found.plan.trajectory)

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from push_control.task.status import Change, SupervisorStatus
+from push_control.task.status import StateChange, SupervisorStatus
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
 from push_scenario.definition.scenario import Scenario
@@ -55,7 +55,7 @@ class TaskHistory:
 
     @property
     def changes(self):
-        """Tuple of ``Change``."""
+        """Tuple of ``StateChange``."""
         return tuple(self._changes)
 
     @property
@@ -67,14 +67,14 @@ class TaskHistory:
         """
         Take in what the supervisor tells, again and again.
 
-        :param changes: ``Change`` sequence, oldest first; those that are known are passed over.
+        :param changes: ``StateChange`` sequence, oldest first; those that are known are passed over.
         :param recoveries: number of recoveries since the present goal was set.
         """
         new = []
         for change in reversed(changes):
-            if self._changes and Change(*change) == self._changes[-1]:
+            if self._changes and StateChange(*change) == self._changes[-1]:
                 break
-            new.append(Change(*change))
+            new.append(StateChange(*change))
         self._changes += reversed(new)
         if recoveries < self._recoveries:
             self._before += self._recoveries
@@ -93,7 +93,7 @@ class TaskResult:
     :param status: the last ``SupervisorStatus``.
     :param tape: the ``Tape``.
     :param duration: simulated time that it took, before everything came to rest [s].
-    :param history: ``Change`` of every state, over all goals.
+    :param history: ``StateChange`` of every state, over all goals.
     :param recoveries: number of times that something went wrong, likewise.
     :param plans: ``TaskPlan`` that each push was the first of, in order; empty over DDS.
     :param single: time of the best single push from the start [s], infinite where there is none;

@@ -12,7 +12,7 @@ from push_model.signals import Twist
 from push_sim_node.kernel.compiled import compiled
 
 
-def limited(robot, twist):
+def limit_command(robot, twist):
     """
     Check a command and bring it within the limits of the drive.
 
@@ -65,7 +65,7 @@ def decay(distance, time_constant, limit, duration):
 
 
 @compiled
-def approach(v_x, v_y, omega, command, drive, duration):
+def track_command(v_x, v_y, omega, command, drive, duration):
     """
     Follow a constant command for a while.
 

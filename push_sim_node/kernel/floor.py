@@ -38,7 +38,7 @@ def floor_rows(patches):
 
 
 @compiled
-def floor_factor(floor, x, y):
+def friction_factor_at(floor, x, y):
     """
     Factor on the friction at a place.
 
@@ -59,11 +59,11 @@ def floor_factor(floor, x, y):
 
 
 @compiled
-def tread(floor, supports, x, y, c, s):
+def set_local_capacities(floor, supports, x, y, c, s):
     """
     Set the capacity of every support to that of the floor under it.
 
-    :param floor: as for ``floor_factor``.
+    :param floor: as for ``friction_factor_at``.
     :param supports: rows (x, y from the mass centre [m], capacity here, capacity on plain floor
         [N]), shape (k, 4): the third number is written.
     :param x: mass centre in the world, x [m].
@@ -73,4 +73,4 @@ def tread(floor, supports, x, y, c, s):
     """
     for i in range(len(supports)):
         s_x, s_y, plain = supports[i][0], supports[i][1], supports[i][3]
-        supports[i][2] = plain * floor_factor(floor, x + c * s_x - s * s_y, y + s * s_x + c * s_y)
+        supports[i][2] = plain * friction_factor_at(floor, x + c * s_x - s * s_y, y + s * s_x + c * s_y)

@@ -14,10 +14,10 @@ limit [rad/s^2]), ``h`` the step [s].
 
 import math
 
-from push_sim_node.kernel.actuation import approach, chord_velocity
+from push_sim_node.kernel.actuation import chord_velocity, track_command
 from push_sim_node.kernel.compiled import compiled
 from push_sim_node.kernel.contact_law import nearest, surface_velocity
-from push_sim_node.kernel.floor import tread
+from push_sim_node.kernel.floor import set_local_capacities
 from push_sim_node.kernel.layout import (
     A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, FORCE_N, FORCE_T, IMPACT_LOSS,
     INERTIA, ITERATIONS, MASS, MODE, OMEGA, P_X, P_Y, PHI, ROBOT_RADIUS, STEPS, SUPPORT_LOSS,
@@ -77,14 +77,14 @@ def account(state, body, contact, push, velocity, impulse, support_loss):
 @compiled
 def step(state, body, supports, outline, floor, forces, command, drive, h):
     """Move object and robot by one step, in place."""
-    e_x, e_y, e_omega, m_x, m_y, m_omega = approach(state[U_X], state[U_Y], state[U_OMEGA],
-                                                    command, drive, h)
+    e_x, e_y, e_omega, m_x, m_y, m_omega = track_command(state[U_X], state[U_Y], state[U_OMEGA],
+                                                         command, drive, h)
     u_x, u_y = chord_velocity(state[PHI], m_x, m_y, m_omega, h)
     guess = (state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
              state[OMEGA] + h * state[A_OMEGA])
     c, s, contact, push = geometry(state, body, outline, guess, (u_x, u_y, m_omega), h)
     if len(floor) > 0:
-        tread(floor, supports, state[X] + 0.5 * h * guess[0], state[Y] + 0.5 * h * guess[1], c, s)
+        set_local_capacities(floor, supports, state[X] + 0.5 * h * guess[0], state[Y] + 0.5 * h * guess[1], c, s)
     velocity, at, impulse, mode, count, left = solve(state, body, supports, c, s, h, guess,
                                                      contact, push)
     power = friction_forces(body, supports, forces, c, s, at, velocity)

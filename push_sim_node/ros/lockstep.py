@@ -1,9 +1,9 @@
 """One measurement in flight: which command answers it, and when to send it again."""
 
-REPEAT_AFTER = 0.2
+RESEND_PERIOD = 0.2
 
 
-class Exchange:
+class MeasurementExchange:
     """
     Matches commands to measurements.
 
@@ -34,7 +34,7 @@ class Exchange:
         self._stamp, self._copies, self._ignored = stamp, 1, False
         self._first = self._last = now
 
-    def sent_again(self, now):
+    def resent(self, now):
         """
         Note that the measurement was sent once more.
 
@@ -59,13 +59,13 @@ class Exchange:
             return False
         return True
 
-    def should_repeat(self, now):
+    def is_resend_due(self, now):
         """
         Tell whether to send the measurement again.
 
         :param now: wall time [s].
         """
-        return now - self._last >= REPEAT_AFTER
+        return now - self._last >= RESEND_PERIOD
 
     def is_abandoned(self, now):
         """

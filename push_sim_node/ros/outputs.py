@@ -11,7 +11,7 @@ from push_ros.conversions.measurements import (
     to_object_pose_message, to_odometry_message, to_wrench_message,
 )
 from push_ros.conversions.primitives import NANOSECONDS, to_quaternion
-from push_ros.node import Rate
+from push_ros.node import RateLimiter
 from push_ros.qos import EVENT
 from rosgraph_msgs.msg import Clock
 
@@ -40,12 +40,12 @@ class SimOutputs:
         self.epoch = self.now_epoch()
         self._odometry = node.publisher('odom')
         self._object_pose = node.publisher('object_pose')
-        self._wrench, self._wrench_rate = node.publisher('contact_wrench'), Rate(WRENCH_RATE)
-        self._markers, self._marker_rate = node.publisher('markers'), Rate(MARKER_RATE)
+        self._wrench, self._wrench_rate = node.publisher('contact_wrench'), RateLimiter(WRENCH_RATE)
+        self._markers, self._marker_rate = node.publisher('markers'), RateLimiter(MARKER_RATE)
         self._clock = node.publisher('clock') if self._owns_time else None
-        self._clock_rate = Rate(CLOCK_RATE)
+        self._clock_rate = RateLimiter(CLOCK_RATE)
         self._tf = TFMessage and node.create_publisher(TFMessage, '/tf', EVENT)
-        self._tf_rate = Rate(TF_RATE)
+        self._tf_rate = RateLimiter(TF_RATE)
 
     def now_epoch(self):
         """Stamp of simulated time 0, where that is now [ns]."""

@@ -1,7 +1,7 @@
 """What more pushing angles cost the solver, and what they gain."""
 
 import numpy as np
-from push_planner.collocation.dimensions import Shape
+from push_planner.collocation.dimensions import Dimensions
 from push_planner.single_push.planner import plan
 from push_study.chapter3.scene import input_table, push_problem, SCENE, SPEED
 from push_study.framework import paper
@@ -18,8 +18,8 @@ def effort(answer):
     :param answer: the ``Plan``, in constant pushing angles.
     """
     problem = answer.problem
-    shape = Shape(problem.kind, len(problem.obj.supports), answer.report['segments'], True, False,
-                  problem.settings.heading_free)
+    shape = Dimensions(problem.kind, len(problem.obj.supports), answer.report['segments'], True, False,
+                       problem.settings.heading_free)
     return answer.report['iterations'] * (shape.width * shape.steps + shape.states)
 
 

@@ -6,7 +6,7 @@ import json
 import math
 
 import numpy as np
-from push_model.analysis.rolling_limits import least_robot_radius
+from push_model.analysis.rolling_limits import min_robot_radius
 from push_scenario.definition.loader import plain
 from push_study.framework.study import Finding, Outcome, Parameter, Study
 from push_study.maps import perimeter_map, perimeter_table
@@ -90,7 +90,7 @@ def compute(obj, robot, values, batch):
     turns = np.array([[table['clockwise_rad'][one.rows(table)],
                        table['counter_rad'][one.rows(table)]] for one in shown])
     slow, fast = np.argmin(values.speeds), np.argmax(values.speeds)
-    least = min(least_robot_radius(obj, push_through_center(obj, place.contact, robot.radius))
+    least = min(min_robot_radius(obj, push_through_center(obj, place.contact, robot.radius))
                 for place in places(obj, perimeter_table.FINE))
     findings['change'] = Finding(float(abs(turns[fast] - turns[slow]).max()), 'rad',
                                  'largest change of a tolerance to either side with the speed')

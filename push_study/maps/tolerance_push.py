@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from push_model.analysis.rolling_limits import force_tolerances, rolled
+from push_model.analysis.rolling_limits import force_tolerances, rolled_contact
 from push_model.analysis.stability import equilibrium_at, tolerances
 from push_model.contact import contact_point, find_contact, normal_range
 from push_model.geometry import Pose, wrap_angle
@@ -116,7 +116,7 @@ def returns(obj, contact, location, speed, turn, distance):
         touched, _, gap = find_contact(obj, pose, plant.robot_pose, location.robot_radius)
         if (touched.kind, touched.index) != (contact.kind, contact.index) or gap > SLIP:
             return False
-        slip = touched.offset - rolled(obj, contact, location, now).offset
+        slip = touched.offset - rolled_contact(obj, contact, location, now).offset
         slip = obj.radius * wrap_angle(slip) if contact.kind == 'round' else slip
         if abs(slip) > SLIP or 2 * look >= LOOKS and abs(now) >= abs(turn):
             return False
@@ -124,7 +124,7 @@ def returns(obj, contact, location, speed, turn, distance):
 
 
 def _start(obj, contact, location, speed, turn):
-    now = rolled(obj, contact, location, turn)
+    now = rolled_contact(obj, contact, location, turn)
     pose = Pose(0.0, 0.0, turn - location.forward)
     x, y = pose.transform(contact_point(obj, now))
     normal = pose.theta + normal_range(obj, now)[0]

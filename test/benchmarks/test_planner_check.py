@@ -45,7 +45,7 @@ def test_it_agrees_with_the_check_of_the_plan_itself(answer):
     own, driven = answer.verify(), replay(answer)
     assert abs(own.position_error - driven.position_error) < 1e-4
     assert own.cone_usage == pytest.approx(
-        driven.steepest / answer.problem.planning_angle, abs=0.05)
+        driven.steepest / answer.problem.planning_cone_angle, abs=0.05)
 
 
 @pytest.mark.parametrize('what, column', [('object_poses', 0), ('object_poses', 2),

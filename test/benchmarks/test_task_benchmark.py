@@ -56,7 +56,7 @@ def test_feet_that_rub_more_count_more():
 def test_the_map_shows_what_stands_on_the_floor(name):
     """Cell by cell; there is a wall all round."""
     floor = draw_floor(name, np.random.default_rng(3))
-    cells = floor.map.workspace.occupied
+    cells = floor.map.occupancy_map.occupied
     rows, columns = np.indices(cells.shape)
     centers = floor.map.resolution * (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5)
     inside = to_rectangles(centers, floor.rectangles).min(axis=1) < 0.0
@@ -67,7 +67,7 @@ def test_the_map_shows_what_stands_on_the_floor(name):
 def test_a_corridor_is_1_m_wide():
     """And joins two rooms."""
     floor = draw_floor('corridor', np.random.default_rng(1))
-    free = ~floor.map.workspace.occupied
+    free = ~floor.map.occupancy_map.occupied
     middle = free[:, free.shape[1] // 2]
     assert floor.map.resolution * middle.sum() == pytest.approx(1.0)
     assert np.flatnonzero(np.diff(middle)).size == 2
@@ -120,8 +120,8 @@ def test_in_maps_there_is_room_at_start_and_goal(seed):
     ends = [scenario.start.object.pose, scenario.goal.pose]
     assert object_room(scenario.truth, ends, floor.rectangles) > 0.4
     assert robot_room(scenario.robot_truth, [scenario.robot_start], floor.rectangles) > 0.1
-    workspace = scenario.task.workspace
-    assert workspace.object_is_free(scenario.object, ends, 0.05)
+    occupancy_map = scenario.task.occupancy_map
+    assert occupancy_map.object_is_free(scenario.object, ends, 0.05)
 
 
 @pytest.mark.parametrize('move', MOVES)
@@ -129,12 +129,12 @@ def test_the_hand_waits_until_the_robot_is_not_in_the_way(move):
     """Then it moves the object once."""
     puts, barred = [], [True]
 
-    def put_object(pose):
+    def set_object_pose(pose):
         if barred[0]:
             raise ValueError('the robot is in the way')
         puts.append(pose)
 
-    plant = SimpleNamespace(put_object=put_object, object_pose=START)
+    plant = SimpleNamespace(set_object_pose=set_object_pose, object_pose=START)
     supervisor = SimpleNamespace(status=SimpleNamespace(state='push'))
     hand = Hand(move, 2.0, -1.0)
     for time in (1.0, 3.0):

@@ -4,8 +4,8 @@ import math
 
 from helpers.push_case import held_case, random_case, run
 import numpy as np
-from push_control.estimation.contact_detection import Alarm, ContactWatch
-from push_control.estimation.contact_site import Offset, Site
+from push_control.estimation.contact_detection import ContactDetector, CusumTest
+from push_control.estimation.contact_site import ContactOffset, ContactSite
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 import pytest
@@ -13,20 +13,20 @@ import pytest
 SETTINGS = ControlSettings()
 GOOD_POSITION, GOOD_HEADING = 0.02, math.radians(3.0)
 SITES = {
-    'vertex': Site('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), 0.8, 0.6, (0.0, math.pi / 2)),
-    'face': Site('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, (-math.inf, math.inf)),
-    'round': Site('round', 0.6, 0.17, 0.255, (-0.255, 0.0), 0.0, 0.1, (-math.inf, math.inf))}
+    'vertex': ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), 0.8, 0.6, (0.0, math.pi / 2)),
+    'face': ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, (-math.inf, math.inf)),
+    'round': ContactSite('round', 0.6, 0.17, 0.255, (-0.255, 0.0), 0.0, 0.1, (-math.inf, math.inf))}
 POSE, PHI = Pose(1.0, -2.0, 2.5), 3.3
 
 
 def looks(watch, offset, count):
     """Show a watch the same offset at one place; return what it finds each time."""
-    return [watch.look(Offset(*offset), 0.5) for _ in range(count)]
+    return [watch.look(ContactOffset(*offset), 0.5) for _ in range(count)]
 
 
 def make_watch():
     """Watch a contact at the corner of a box."""
-    return ContactWatch(SETTINGS, 0.17, SITES['vertex'])
+    return ContactDetector(SETTINGS, 0.17, SITES['vertex'])
 
 
 @pytest.mark.parametrize('kind', sorted(SITES))
@@ -60,14 +60,14 @@ def test_a_contact_that_slides_takes_the_robot_along_and_stays_a_contact(kind):
 def test_the_alarm_sums_up_what_lasts_and_no_single_error():
     """Page's test: sooner for more, on either side, not for one wild error among small ones."""
     def delay(score):
-        alarm = Alarm(5.0)
-        return next(k for k in range(1, 1000) if alarm.raised(score))
+        alarm = CusumTest(5.0)
+        return next(k for k in range(1, 1000) if alarm.update(score))
 
     assert 1 < delay(3.0) < delay(2.0) < delay(1.0)
-    assert Alarm(5.0).raised(1e9) == 0
-    alarm = Alarm(5.0)
-    assert [alarm.raised(-3.0) for _ in range(3)] == [0, 0, -1]
-    assert not any(Alarm(5.0).raised(0.7) for _ in range(1000))
+    assert CusumTest(5.0).update(1e9) == 0
+    alarm = CusumTest(5.0)
+    assert [alarm.update(-3.0) for _ in range(3)] == [0, 0, -1]
+    assert not any(CusumTest(5.0).update(0.7) for _ in range(1000))
 
 
 def test_noise_and_drift_are_no_slip_and_no_loss():
@@ -78,12 +78,12 @@ def test_noise_and_drift_are_no_slip_and_no_loss():
         drift, slid = np.zeros(2), 0.0
         for k in range(500):
             drift += (2e-4, 2e-4)
-            found = watch.look(Offset(*(drift + rng.normal(0.0, noise, 2) - (0.0, slid))),
+            found = watch.look(ContactOffset(*(drift + rng.normal(0.0, noise, 2) - (0.0, slid))),
                                0.01 * (k + 1))
             drift -= found.drift
             slid += found.slid
-        assert (watch.slips, watch.losses, watch.lost) == (0, 0, False)
-        assert abs(slid) < 0.5 * SETTINGS.placement_spread * 0.17 + 2e-3
+        assert (watch.slips, watch.contact_losses, watch.lost) == (0, 0, False)
+        assert abs(slid) < 0.5 * SETTINGS.push_direction_std * 0.17 + 2e-3
 
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
@@ -94,7 +94,7 @@ def test_slip_is_told_within_a_few_poses_and_followed(side):
     slid, seen = 0.0, None
     for k in range(10):
         left = side * 0.015 - slid
-        found = watch.look(Offset(0.0, left), 0.5 + 0.01 * (k + 1))
+        found = watch.look(ContactOffset(0.0, left), 0.5 + 0.01 * (k + 1))
         slid += found.slid + found.drift.slid
         seen = k if seen is None and watch.slipping else seen
     assert watch.slips == 1 and seen <= 3
@@ -106,10 +106,10 @@ def test_a_gap_is_told_within_a_few_poses_and_its_end_too():
     watch = make_watch()
     looks(watch, (0.0, 0.0), 20)
     found = looks(watch, (0.03, 0.02), 6)
-    assert watch.lost and watch.losses == 1 and watch.slips == 0
-    assert found[-1] == (0.0, Offset(0.0, 0.0))
+    assert watch.lost and watch.contact_losses == 1 and watch.slips == 0
+    assert found[-1] == (0.0, ContactOffset(0.0, 0.0))
     looks(watch, (0.001, 0.0), 6)
-    assert not watch.lost and watch.losses == 1
+    assert not watch.lost and watch.contact_losses == 1
     looks(watch, (-0.05, 0.02), 6)
     assert not watch.lost and watch.slips == 0
 
@@ -129,7 +129,7 @@ def test_a_small_gap_is_closed_and_the_push_succeeds(kind, law):
     case = random_case(9) if kind == 'corner' else held_case(9, kind)
     outcome = run(gapped(case, 0.03), ControlSettings(control_law=law), 9)
     assert outcome.status.phase == 'done', outcome.status
-    assert outcome.status.losses == 1
+    assert outcome.status.contact_losses == 1
     assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
 
 
@@ -154,10 +154,10 @@ def test_a_robot_that_is_pulled_back_returns_slowly_and_pushes_on():
 
 def test_a_wide_gap_stops_the_robot_with_a_reason():
     """Further away than it may approach by itself, it does not move at all."""
-    outcome = run(gapped(random_case(3), 0.12), ControlSettings(placement_tolerance=0.2), 3)
+    outcome = run(gapped(random_case(3), 0.12), ControlSettings(start_tolerance=0.2), 3)
     assert outcome.status.phase == 'failed'
     assert 'contact is lost' in outcome.status.reason and 'mm away' in outcome.status.reason
-    assert outcome.status.travelled < 0.05
+    assert outcome.status.travelled_distance < 0.05
 
 
 @pytest.mark.parametrize('aside', [0.25, -0.25])

@@ -9,7 +9,7 @@ from helpers.push_case import (
 )
 import numpy as np
 from push_control.observation import Observation
-from push_control.push.controller import make_controller
+from push_control.push.controller import Controller
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
@@ -35,7 +35,7 @@ def recorded():
 
 def answers(obj, target, steps, robot=ROBOT, settings=SETTINGS):
     """Feed observations to a fresh controller."""
-    controller = make_controller(obj, robot, settings)
+    controller = Controller(obj, robot, settings)
     return np.array([controller.step(target, now, dt) for now, dt in steps])
 
 
@@ -88,7 +88,7 @@ def test_a_mirrored_world_gets_mirrored_commands(recorded):
 def test_a_repeated_observation_gets_the_same_answer_and_changes_nothing(recorded):
     """As when the sim offers a measurement again because the answer was lost."""
     case, steps, commands = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     for (now, dt), command in zip(steps[:300], commands):
         assert controller.step(case.target, now, dt) == tuple(command)
         status = controller.status
@@ -100,7 +100,7 @@ def test_a_repeated_observation_gets_the_same_answer_and_changes_nothing(recorde
 def test_a_new_target_and_reset_start_anew(recorded):
     """The same observations after either give the same commands as at first."""
     case, steps, commands = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     for target in (case.target, dataclasses.replace(case.target)):
         found = [controller.step(target, now, dt) for now, dt in steps[:100]]
         assert np.array(found) == pytest.approx(commands[:100], abs=0.0)
@@ -131,7 +131,7 @@ def later(now, age, pose_age=None, pose=None):
 def test_two_lost_poses_in_a_row_do_not_stop_the_robot_and_more_do(recorded):
     """At 20 Hz and 80 ms: stale no sooner than 0.23 s and no later than 0.3 s after its time."""
     case, steps, _ = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     now = replayed_until(controller, case, steps, 8.0)
     last = now.object_pose.time
     while now.time < last + 0.29:
@@ -149,7 +149,7 @@ def test_two_lost_poses_in_a_row_do_not_stop_the_robot_and_more_do(recorded):
 def test_stale_odometry_stops_the_robot(recorded):
     """Poses alone do not drive it."""
     case, steps, _ = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     now = replayed_until(controller, case, steps, 8.0)
     for _ in range(8):
         time = now.time + 0.05
@@ -163,7 +163,7 @@ def test_stale_odometry_stops_the_robot(recorded):
 def test_what_is_not_finite_stops_the_robot_and_leaves_no_trace(recorded, bad):
     """A broken pose or odometry is answered by a stop; afterwards everything is finite."""
     case, steps, _ = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     now = replayed_until(controller, case, steps, 8.0)
     broken = later(now, 0.02, 0.08, Pose(1.0, bad, 0.0))
     assert controller.step(case.target, broken, 0.02) == STOP
@@ -180,7 +180,7 @@ def test_what_is_not_finite_stops_the_robot_and_leaves_no_trace(recorded, bad):
 def test_without_a_pose_it_waits(recorded):
     """A target alone does not move the robot."""
     case, steps, _ = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     assert controller.step(case.target, steps[0][0]._replace(object_pose=None), 0.0) == STOP
     assert controller.status.phase == 'waiting'
     assert 'no object pose' in controller.status.reason
@@ -189,7 +189,7 @@ def test_without_a_pose_it_waits(recorded):
 def test_a_negative_interval_is_refused(recorded):
     """The error names it."""
     case, steps, _ = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     with pytest.raises(ValueError, match='dt'):
         controller.step(case.target, steps[0][0], -0.1)
 
@@ -197,7 +197,7 @@ def test_a_negative_interval_is_refused(recorded):
 def test_an_object_that_does_not_follow_is_given_up():
     """The robot drives on for some centimetres, no further than half a metre."""
     case = random_case(3)
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     start = Pose(*case.target.object_poses[0].tolist())
     driven, command = 0.0, STOP
     for k in range(2000):
@@ -218,7 +218,7 @@ def test_a_differential_drive_on_a_face_is_refused_and_a_robot_elsewhere_too():
     face = held_plan(obj, HELD, (-0.2, 0.0), 0.0, Pose(1.5, 0.1, 0.1), 0.15)
     away = dataclasses.replace(face, robot_poses=face.robot_poses - (0.1, 0.0, 0.0))
     for robot, target, reason in ((ROBOT, face, 'vertex'), (HELD, away, 'contact')):
-        controller = make_controller(obj, robot, SETTINGS)
+        controller = Controller(obj, robot, SETTINGS)
         first = face.robot_poses[0].tolist()
         now = Observation(0.0, Odometry(0.0, Pose(*first), STOP),
                           ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
@@ -229,7 +229,7 @@ def test_a_differential_drive_on_a_face_is_refused_and_a_robot_elsewhere_too():
 def test_open_loop_plays_the_plan_and_stops():
     """Integrated, its commands are the planned way; the object is not looked at."""
     case = random_case(4)
-    controller = make_controller(case.believed, ROBOT, OPEN_LOOP)
+    controller = Controller(case.believed, ROBOT, OPEN_LOOP)
     pose, time, dt = Pose(*case.target.robot_poses[0].tolist()), 0.0, 0.005
     while controller.status.phase != 'done' and time < 300.0:
         now = Observation(time, Odometry(time, Pose(math.nan, 0.0, 0.0), STOP))
@@ -280,7 +280,7 @@ def test_a_contact_that_cannot_push_straight_is_given_up():
     case = case._replace(true=dataclasses.replace(case.true, supports=feet))
     outcome = run(case, SETTINGS)
     assert outcome.status.phase == 'failed' and outcome.status.reason
-    assert outcome.status.travelled < 2.0
+    assert outcome.status.travelled_distance < 2.0
 
 
 @pytest.mark.parametrize('rate', [25.0, 100.0])
@@ -313,7 +313,7 @@ def test_an_object_without_friction_is_refused():
     target = vertex_plan(obj, ROBOT, Pose(0.8, 0.8, 0.0), 0.15, vertices=(2,))
     icy = PushedObject(mass=2.0, inertia=0.1, supports=(Support(0.0, 0.0, 0.0),),
                        outline=obj.outline)
-    controller = make_controller(icy, ROBOT, SETTINGS)
+    controller = Controller(icy, ROBOT, SETTINGS)
     now = Observation(0.0, Odometry(0.0, Pose(*target.robot_poses[0].tolist()), STOP),
                       ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
     assert controller.step(target, now, 0.0) == STOP
@@ -323,7 +323,7 @@ def test_an_object_without_friction_is_refused():
 def test_a_target_that_starts_at_the_push_is_taken_up_without_a_stop(recorded):
     """The rest of the plan as a new one: estimate and speed stay, and the commands go on."""
     case, steps, commands = recorded
-    controller = make_controller(case.believed, ROBOT, SETTINGS)
+    controller = Controller(case.believed, ROBOT, SETTINGS)
     for now, dt in steps[:400]:
         controller.step(case.target, now, dt)
     time = steps[400][0].time
@@ -332,7 +332,7 @@ def test_a_target_that_starts_at_the_push_is_taken_up_without_a_stop(recorded):
                           **{name: getattr(case.target, name)[begin:] for name in COLUMNS})
     rejected, center = controller.status.rejected_poses, controller.status.friction_center
     found = np.array([controller.step(rest, now, dt) for now, dt in steps[400:500]])
-    assert controller.status.phase == 'pushing' and controller.status.travelled < 0.5
+    assert controller.status.phase == 'pushing' and controller.status.travelled_distance < 0.5
     assert controller.status.rejected_poses - rejected < 5
     assert controller.status.friction_center == pytest.approx(center, abs=0.02)
     assert commands[400:500, 0].min() > 0.05
@@ -346,7 +346,7 @@ def test_a_target_that_starts_elsewhere_starts_anew(recorded):
     case, steps, _ = recorded
     away = moved_target(case.target, Pose(1.0, 0.0, 0.0))
     for target, phase in ((away, 'pushing'), (mirrored_target(case.target), 'failed')):
-        controller = make_controller(case.believed, ROBOT, SETTINGS)
+        controller = Controller(case.believed, ROBOT, SETTINGS)
         pushing = [controller.step(case.target, now, dt) for now, dt in steps[:60]]
         command = controller.step(target, *steps[60])
         assert controller.status.phase == phase
@@ -363,7 +363,7 @@ def test_a_robot_that_is_not_where_the_plan_starts_does_not_move(law, place, tex
     case = random_case(4)
     start = Pose(*case.target.robot_poses[0].tolist())
     moved = Pose(start.x + place.x, start.y + place.y, start.theta + place.theta)
-    controller = make_controller(case.believed, ROBOT, law)
+    controller = Controller(case.believed, ROBOT, law)
     now = Observation(0.0, Odometry(0.0, moved, STOP),
                       ObjectPose(0.0, Pose(*case.target.object_poses[0].tolist())))
     command = controller.step(case.target, now, 0.0)

@@ -5,17 +5,17 @@ import math
 
 from helpers.objects import bin_, box
 import numpy as np
-from push_control.estimation.contact_site import Site, site_of
+from push_control.estimation.contact_site import ContactSite, initial_contact_site
 from push_control.estimation.estimator import Estimator
-from push_control.estimation.push_motion import Belief, PushMotion
-from push_control.laws.limit_surface_table import SupportTable
-from push_control.path.path import flat_pose, locate, new_path, SampledPath
+from push_control.estimation.push_motion import PushMotion, PushState
+from push_control.laws.limit_surface_table import LimitSurfaceTable
+from push_control.path.path import flat_output_pose, path_to_goal, project_on_path, SampledPath
 from push_control.settings import ControlSettings
 from push_model.dynamics import kinematics
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_model.quasi_static import turning_rate, vehicle
+from push_model.quasi_static import quasi_static_yaw_rate, vehicle
 from push_model.signals import ObjectPose, Odometry, Twist
 from push_model.state import Input, State
 from push_model.trajectory import PushTrajectory
@@ -24,9 +24,9 @@ import pytest
 SETTINGS = ControlSettings()
 ROBOT = RoundRobot(radius=0.17)
 BELIEVED = box(foot=0.18)
-VERTEX = Site('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), math.pi / 4, math.pi / 4, (0.0, math.pi / 2))
-FACE = Site('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, (-math.inf, math.inf))
-ROUND = Site('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, -0.1, (-math.inf, math.inf))
+VERTEX = ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), math.pi / 4, math.pi / 4, (0.0, math.pi / 2))
+FACE = ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, (-math.inf, math.inf))
+ROUND = ContactSite('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, -0.1, (-math.inf, math.inf))
 STEP = 0.02
 POSE_EVERY = 3
 
@@ -34,10 +34,10 @@ POSE_EVERY = 3
 def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latency=4):
     """Push quasi-statically at a vertex, weaving; return the estimator and the true states."""
     rng = np.random.default_rng(seed)
-    true = PushMotion(0.17, VERTEX, SupportTable(obj, VERTEX.point))
-    x = Belief(0.3, -0.2, 0.4, 0.4 + math.pi / 4 + offset, *friction_center(obj))
+    true = PushMotion(0.17, VERTEX, LimitSurfaceTable(obj, VERTEX.point))
+    x = PushState(0.3, -0.2, 0.4, 0.4 + math.pi / 4 + offset, *friction_center(obj))
     way, odometry = 0.0, Odometry(0.0, Pose(0.0, 0.0, x.phi - offset), Twist())
-    estimator = Estimator(ROBOT, VERTEX, SupportTable(BELIEVED, VERTEX.point), SETTINGS,
+    estimator = Estimator(ROBOT, VERTEX, LimitSurfaceTable(BELIEVED, VERTEX.point), SETTINGS,
                           friction_center(BELIEVED), ObjectPose(0.0, x.pose), odometry)
     queue, history = [], []
     for k in range(1, round(duration / STEP)):
@@ -76,7 +76,7 @@ def test_the_friction_centre_is_found():
         aside = np.array((-along[1], along[0]))
         error = np.array(found.center) - np.array(true.center)
         assert abs(error @ aside) < 0.004
-        seen = vehicle(BELIEVED, VERTEX.point, found.center).turning(math.exp(found.q))
+        seen = vehicle(BELIEVED, VERTEX.point, found.center).with_c_squared_ratio(math.exp(found.q))
         assert seen.wheelbase == pytest.approx(vehicle(obj, VERTEX.point).wheelbase, rel=0.03)
 
 
@@ -145,8 +145,8 @@ def test_an_old_pose_is_ignored():
                                        (ROUND, bin_())])
 def test_motion_follows_the_rolling_rule(site, obj):
     """Object velocity as by the model's kinematics, turning as by the supports."""
-    motion = PushMotion(0.17, site, SupportTable(obj, site.point))
-    belief = Belief(0.1, 0.2, 0.7, 0.7 + site.heading + 0.05, *friction_center(obj))
+    motion = PushMotion(0.17, site, LimitSurfaceTable(obj, site.point))
+    belief = PushState(0.1, 0.2, 0.7, 0.7 + site.heading + 0.05, *friction_center(obj))
     twist = Twist(0.12, 0.01, 0.05)
     rates = motion.rates(belief, twist)
     c_x, c_y, normal = site.at(belief.phi - belief.theta)
@@ -154,7 +154,7 @@ def test_motion_follows_the_rolling_rule(site, obj):
     spin = 0.17 * twist.omega
     v_x, v_y = Pose(0.0, 0.0, belief.phi).rotate(twist[:2])
     v_x, v_y = v_x - spin * math.sin(gamma), v_y + spin * math.cos(gamma)
-    omega = turning_rate(obj, (c_x, c_y), *Pose(0.0, 0.0, -belief.theta).rotate((v_x, v_y)))
+    omega = quasi_static_yaw_rate(obj, (c_x, c_y), *Pose(0.0, 0.0, -belief.theta).rotate((v_x, v_y)))
     assert rates.omega == pytest.approx(omega, rel=0.01)
     state = State(*belief.pose, rates.omega, gamma, c_x, c_y)
     lam = site.share
@@ -170,12 +170,12 @@ def test_motion_follows_the_rolling_rule(site, obj):
 
 def test_the_jacobian_is_that_of_the_motion():
     """Against central differences of one short step, at a vertex."""
-    motion = PushMotion(0.17, VERTEX, SupportTable(BELIEVED, VERTEX.point))
+    motion = PushMotion(0.17, VERTEX, LimitSurfaceTable(BELIEVED, VERTEX.point))
     belief = np.array((0.1, 0.2, 0.7, 0.72 + math.pi / 4, 0.01, -0.02, 0.3))
     twist, duration, h = Twist(0.15, 0.0, 0.1), 1e-4, 1e-5
-    found, way = motion.jacobian(Belief(*belief), twist, duration)
-    columns = [(np.array(motion.moved(Belief(*(belief + h * e)), twist, duration))
-                - np.array(motion.moved(Belief(*(belief - h * e)), twist, duration))) / (2 * h)
+    found, way = motion.jacobian(PushState(*belief), twist, duration)
+    columns = [(np.array(motion.moved(PushState(*(belief + h * e)), twist, duration))
+                - np.array(motion.moved(PushState(*(belief - h * e)), twist, duration))) / (2 * h)
                for e in np.eye(7)]
     rates = (np.array(columns).T - np.eye(7)) / duration
     assert (found - np.eye(7)) / duration == pytest.approx(rates, abs=0.02)
@@ -184,15 +184,15 @@ def test_the_jacobian_is_that_of_the_motion():
 
 def test_an_object_does_not_follow_a_robot_that_backs_off():
     """A push is one-sided."""
-    motion = PushMotion(0.17, VERTEX, SupportTable(BELIEVED, VERTEX.point))
-    belief = Belief(0.0, 0.0, 0.0, math.pi / 4, 0.0, 0.0)
+    motion = PushMotion(0.17, VERTEX, LimitSurfaceTable(BELIEVED, VERTEX.point))
+    belief = PushState(0.0, 0.0, 0.0, math.pi / 4, 0.0, 0.0)
     assert motion.rates(belief, Twist(-0.1, 0.0, 0.0))[:3] == (0.0, 0.0, 0.0)
     assert motion.rates(belief, Twist(0.1, 0.0, 0.0)).x > 0.0
 
 
 def arc_trajectory(obj, site, curvature, length):
     """Carry the flat point along an arc; contact and robot follow."""
-    local = flat_pose(vehicle(obj, site.point))
+    local = flat_output_pose(vehicle(obj, site.point))
     base = Pose(*site.point, site.normal) @ Pose(-0.17, 0.0, site.heading - site.normal)
     ways = np.linspace(0.0, length, 40)
     poses = [Pose((math.sin(curvature * s)) / curvature, (1.0 - math.cos(curvature * s))
@@ -221,14 +221,14 @@ def test_a_pose_beside_the_path_is_found(s, aside, turned):
     """Way, lateral error (left positive) and heading error come back, from a guess nearby."""
     path = SampledPath(vehicle(BELIEVED, VERTEX.point), arc_trajectory(BELIEVED, VERTEX, 0.8, 1.5))
     pose = path.at(s)[0] @ Pose(0.0, aside, turned)
-    found = locate(path, pose, s - 0.06)
+    found = project_on_path(path, pose, s - 0.06)
     assert found[:3] == pytest.approx((s, aside, turned), abs=1e-3)
 
 
 def test_a_new_path_leads_from_here_to_the_goal_within_its_limits():
     """It starts at the pose, ends straight at the goal, and turns no tighter than allowed."""
     start = Pose(-1.5, 0.7, 2.0)
-    path = new_path(start, (-0.5, 0.9), 0.4)
+    path = path_to_goal(start, (-0.5, 0.9), 0.4)
     assert path.at(0.0)[0] == pytest.approx(start)
     x, y, theta = path.at(path.length)[0]
     assert (x, y) == pytest.approx((0.0, 0.0), abs=1e-9)
@@ -241,15 +241,15 @@ def test_a_new_path_leads_from_here_to_the_goal_within_its_limits():
 def test_the_site_of_a_trajectory():
     """Vertex, face and disc are told apart; a robot that does not touch is refused."""
     trajectory = arc_trajectory(BELIEVED, VERTEX, 0.5, 1.0)
-    site = site_of(BELIEVED, ROBOT, trajectory)
+    site = initial_contact_site(BELIEVED, ROBOT, trajectory)
     assert site.kind == 'vertex' and site.point == VERTEX.point
     assert site.normal == pytest.approx(VERTEX.normal)
-    assert site.lead == pytest.approx(0.0, abs=1e-9)
-    face = site_of(BELIEVED, ROBOT, arc_trajectory(BELIEVED, FACE, 0.5, 1.0))
+    assert site.heading_offset == pytest.approx(0.0, abs=1e-9)
+    face = initial_contact_site(BELIEVED, ROBOT, arc_trajectory(BELIEVED, FACE, 0.5, 1.0))
     assert face.kind == 'face' and face.point == pytest.approx(FACE.point)
-    assert face.lead == pytest.approx(-0.1)
-    disc = site_of(bin_(), ROBOT, arc_trajectory(bin_(), ROUND, 0.5, 1.0))
+    assert face.heading_offset == pytest.approx(-0.1)
+    disc = initial_contact_site(bin_(), ROBOT, arc_trajectory(bin_(), ROUND, 0.5, 1.0))
     assert disc.kind == 'round' and disc.point == pytest.approx(ROUND.point)
     away = dataclasses.replace(trajectory, robot_poses=trajectory.robot_poses - (0.05, 0.05, 0.0))
     with pytest.raises(ValueError, match='robot_poses'):
-        site_of(BELIEVED, ROBOT, away)
+        initial_contact_site(BELIEVED, ROBOT, away)

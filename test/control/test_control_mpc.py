@@ -6,13 +6,13 @@ import math
 import casadi as ca
 from helpers.push_case import box
 import numpy as np
-from push_control.laws.closed_form import ClosedFormLaw, Situation
+from push_control.laws.closed_form import ClosedFormLaw, SteeringInput
 from push_control.laws.curvature_limits import CurvatureLimits
 from push_control.laws.mpc import optimal_weights, PredictiveLaw
 from push_control.laws.mpc_problem import (
     horizon_problem, SCALARS, STATES, straight_step, terminal_root,
 )
-from push_control.path.guidance import Track
+from push_control.path.guidance import PathProjection
 from push_control.settings import ControlSettings
 from push_model.parameters import RoundRobot
 from push_model.quasi_static import vehicle
@@ -27,16 +27,16 @@ STEPS, STEP = SETTINGS.horizon_steps, SETTINGS.horizon_step
 
 def situation(lateral=0.0, heading=0.0, zeta=0.0, bend=0.0, **changes):
     """Stand beside a path of one curvature, with room to all sides."""
-    track = Track(lateral, heading, bend, 2.0)
-    plain = Situation(track, lambda: track, lambda ways: np.full(len(ways), bend), FLAT, zeta,
-                      0.0, (-0.7, 0.7), CurvatureLimits(-0.6, 0.6), 0.3, None, 0.2, 0.003, 0.0)
+    track = PathProjection(lateral, heading, bend, 2.0)
+    plain = SteeringInput(track, lambda: track, lambda ways: np.full(len(ways), bend), FLAT, zeta,
+                          0.0, (-0.7, 0.7), CurvatureLimits(-0.6, 0.6), 0.3, None, 0.2, 0.003, 0.0)
     return plain._replace(**changes)
 
 
 def numbers(place, root):
     """Put the parameters of a situation in their order, with a straight path."""
     named = dict(zip(STATES, place), wheelbase=FLAT.wheelbase, rest=0.0, roll_gain=4.0, lag=0.015,
-                 force_slope=FLAT.mean_square / FLAT.arm, robot_radius=0.17, cone=0.3,
+                 force_slope=FLAT.c_squared / FLAT.arm, robot_radius=0.17, cone=0.3,
                  zeta_low=-0.7, zeta_high=0.7, lowest=-0.6, highest=0.6, first_low=-0.2,
                  first_high=0.2, change=2.1)
     return np.concatenate([[named[name] for name in SCALARS], root.ravel(order='F'),
@@ -99,7 +99,7 @@ def test_limits_and_changes_are_kept(lag):
 def test_the_force_stays_in_its_cone_where_the_closed_form_law_leaves_it():
     """With the normal turned aside, a sharp turn the wrong way must wait."""
     place = situation(lateral=-0.05, zeta=0.25)
-    slope = FLAT.mean_square / FLAT.arm
+    slope = FLAT.c_squared / FLAT.arm
     closed = place.allowed(ClosedFormLaw(SETTINGS).curvature(place))
     found = PredictiveLaw(ROBOT, SETTINGS).curvature(place)
     assert place.zeta + slope * closed > place.cone

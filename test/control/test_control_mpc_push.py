@@ -50,7 +50,7 @@ def test_the_limits_of_curvature_keep_the_contact_from_jackknifing(monkeypatch):
     case = random_case(7)
     kept = run(case, SETTINGS, 7, SENSORS)
     assert kept.status.phase == 'done'
-    monkeypatch.setattr('push_control.laws.contact_drive.trailing_limits',
+    monkeypatch.setattr('push_control.laws.contact_steering.jackknife_limits',
                         lambda *_: CurvatureLimits(-20.0, 20.0))
     loose = dataclasses.replace(SETTINGS, cone_weight=1e-6)
     assert run(case, loose, 7, SENSORS).status.phase == 'failed'
@@ -86,7 +86,7 @@ def test_in_the_slow_limit_the_speed_does_not_matter(law):
         run(case, ControlSettings(control_law=law, start_speed=speed),
             sensors=SensorSettings(pose_rate=500.0 * speed, odometry_rate=1250.0 * speed),
             longest=1.5 / speed, watch=lambda plant, controller, _, rows=rows: rows.append(
-                (controller.status.travelled, *plant.truth.object_pose)))
+                (controller.status.travelled_distance, *plant.truth.object_pose)))
         ways, *columns = np.array(rows).T
         paths.append([np.interp(np.linspace(0.1, 1.1, 50), ways, column) for column in columns])
     slow, fast = (np.abs(np.subtract(paths[k], paths[0])).max() for k in (1, 2))

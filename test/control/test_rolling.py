@@ -6,12 +6,12 @@ import math
 from helpers.objects import bin_, box
 from helpers.push_case import GOOD_HEADING, GOOD_POSITION, held_case, run
 import numpy as np
-from push_control.estimation.contact_site import Site
-from push_control.laws.contact_drive import centred_turn
-from push_control.laws.curvature_limits import staying_limits
-from push_control.laws.limit_surface_table import SupportTable
+from push_control.estimation.contact_site import ContactSite
+from push_control.laws.contact_steering import centering_rotation
+from push_control.laws.curvature_limits import vertex_limits
+from push_control.laws.limit_surface_table import LimitSurfaceTable
 from push_control.observation import Observation
-from push_control.push.tracking import Tracking
+from push_control.push.tracking import PushTracker
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -21,10 +21,10 @@ import pytest
 
 ALLOWED = 0.1
 SITES = {
-    'vertex': Site('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), 0.8, 0.6, (0.0, math.pi / 2)),
-    'face': Site('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, (-math.inf, math.inf),
-                 (-0.2, 0.2)),
-    'round': Site('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, 0.1, (-math.inf, math.inf))}
+    'vertex': ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), 0.8, 0.6, (0.0, math.pi / 2)),
+    'face': ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, (-math.inf, math.inf),
+                        (-0.2, 0.2)),
+    'round': ContactSite('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, 0.1, (-math.inf, math.inf))}
 CENTERS = [(0.0, 0.0), (0.03, 0.08), (-0.05, -0.09), (0.08, -0.02), (-0.09, 0.01)]
 
 
@@ -39,7 +39,7 @@ def zeta(site, turn, center):
 def test_the_normal_runs_through_the_centre(kind, center):
     """A vertex and a face can be centred exactly, within their ends."""
     site = SITES[kind]
-    turn = centred_turn(site, center, ALLOWED, 0.0)
+    turn = centering_rotation(site, center, ALLOWED, 0.0)
     assert zeta(site, turn, center) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -49,7 +49,7 @@ def test_a_disc_is_rolled_no_further_than_it_must(center, start):
     """Where the normal is near enough nothing turns, else it comes to the allowed angle."""
     point = (-0.2 * math.cos(start), -0.2 * math.sin(start))
     site = SITES['round']._replace(normal=start, point=point)
-    turn, before = centred_turn(site, center, ALLOWED, 0.0), abs(zeta(site, 0.0, center))
+    turn, before = centering_rotation(site, center, ALLOWED, 0.0), abs(zeta(site, 0.0, center))
     after = abs(zeta(site, turn, center))
     assert (turn == 0.0) == (before <= ALLOWED)
     assert after == pytest.approx(min(before, ALLOWED), abs=1e-9)
@@ -62,7 +62,7 @@ def test_the_contact_stays_on_its_feature(kind):
     """However far aside the centre, it does not roll beyond the end."""
     for center in ((1.0, -3.0), (-0.1, 3.0)):
         site = SITES[kind]
-        x, y, normal = site.at(site.heading + centred_turn(site, center, ALLOWED, 0.0))
+        x, y, normal = site.at(site.heading + centering_rotation(site, center, ALLOWED, 0.0))
         low, high = site.normal_limits
         aside = y * math.cos(site.normal) - x * math.sin(site.normal)
         assert low < normal < high
@@ -71,11 +71,11 @@ def test_the_contact_stays_on_its_feature(kind):
 
 def test_a_steady_turn_at_the_limit_keeps_the_normal_on_the_vertex():
     """The normal of a differential drive rests at D - (L + R_p) kappa."""
-    flat, room, lead = vehicle(box(), (-0.2, -0.2)), (-0.5, 0.3), 0.1
-    limits = staying_limits(flat, 0.17, lead, room)
+    flat, room, heading_offset = vehicle(box(), (-0.2, -0.2)), (-0.5, 0.3), 0.1
+    limits = vertex_limits(flat, 0.17, heading_offset, room)
     assert limits.low < 0.0 < limits.high
     for curvature in limits:
-        rest = lead - (flat.wheelbase + 0.17) * curvature
+        rest = heading_offset - (flat.wheelbase + 0.17) * curvature
         assert room[0] < rest < room[1] and min(rest - room[0], room[1] - rest) < 0.03
 
 
@@ -106,9 +106,9 @@ def test_the_way_counted_is_that_of_the_contact(kind, spin):
     """However far a free base spins meanwhile, and so rolls its contact."""
     site, obj = SITES[kind], bin_() if kind == 'round' else box()
     observations = spun(site, 0.1, spin)
-    tracking = Tracking(RoundRobot(radius=0.17, drive='holonomic'), site,
-                        SupportTable(obj, site.point), ControlSettings(), (0.0, 0.0),
-                        next(observations))
+    tracking = PushTracker(RoundRobot(radius=0.17, drive='holonomic'), site,
+                           LimitSurfaceTable(obj, site.point), ControlSettings(), (0.0, 0.0),
+                           next(observations))
     for observation in observations:
         assert not tracking.observe(observation)
     assert tracking.way == pytest.approx(0.1 * 3.0, rel=0.01)

@@ -11,13 +11,13 @@ from helpers.push_problems import (
 import numpy as np
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
-from push_control.task.behaviors import Legs
-from push_control.task.perception import Sight
+from push_control.task.behaviors import BehaviorFactory
+from push_control.task.perception import TaskPerception
 from push_control.task.settings import SupervisionSettings
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import Odometry, STOP
-from push_navigation.occupancy_map import Workspace
+from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 from push_planner.single_push.planner import plan
 from push_sim_node.sensors import SensorSettings
@@ -26,7 +26,7 @@ import pytest
 
 HOME, AHEAD, TURNED = Pose(0.0, 0.0, 0.0), Pose(1.2, 0.0, 0.0), math.radians(3.0)
 # Friction centre known to 3 mm, or hardly at all.
-KNOWN, UNKNOWN = ControlSettings(center_spread=0.01), ControlSettings(center_spread=0.3)
+KNOWN, UNKNOWN = ControlSettings(center_std_ratio=0.01), ControlSettings(center_std_ratio=0.3)
 # The friction centre of this one is 29 mm off on the right of a push along x.
 UNEVEN = box(friction=(0.4, 0.4, 0.3, 0.3))
 NOISY = SensorSettings(pose_noise=2e-3, pose_heading_noise=math.radians(0.3), pose_latency=0.08)
@@ -37,7 +37,7 @@ class Told(NamedTuple):
 
     leg: object
     error: tuple
-    deviations: tuple
+    standard_deviations: tuple
     center: np.ndarray
     object_pose: Pose
 
@@ -54,7 +54,7 @@ def planned(kind, world):
 
 def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNOWN,
          supervision=SupervisionSettings(), sensors=SensorSettings(), radius=0.0, world=HOME,
-         workspace=None):
+         occupancy_map=None):
     """
     Push with a robot that stands beside where it is believed to stand, and tell what it learns.
 
@@ -70,32 +70,32 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
     stands = place @ Pose(nearer, aside, turned)
     plant = Simulation(true or believed, robot, Pose(*target.object_poses[0].tolist()), stands,
                        SimulationSettings(seed=1), sensors)
-    legs = Legs(believed, robot, control, DriveSettings(), supervision)
-    legs.workspace = workspace
-    sight, carry = Sight(control, supervision), place @ stands.inverse()
-    sight.take(Observation(-1.0, Odometry(-1.0, place @ Pose(-70.0 * unsure, 0.0, 0.0), STOP)))
-    sight.placement.doubt(unsure)
+    legs = BehaviorFactory(believed, robot, control, DriveSettings(), supervision)
+    legs.occupancy_map = occupancy_map
+    perception, carry = TaskPerception(control, supervision), place @ stands.inverse()
+    perception.take(Observation(-1.0, Odometry(-1.0, place @ Pose(-70.0 * unsure, 0.0, 0.0), STOP)))
+    perception.localization.inflate_covariance(unsure)
     leg, pose, before = None, None, 0.0
-    while plant.time < 30.0 and not (leg and (leg.finished or leg.trouble)):
+    while plant.time < 30.0 and not (leg and (leg.finished or leg.failure_reason)):
         measured = plant.next()
         if not isinstance(measured, Odometry):
             pose = measured
             continue
         odometry = measured._replace(pose=carry @ measured.pose)
-        sight.take(Observation(plant.time, odometry, pose))
-        leg = leg or legs.begin('push', target, sight)
-        plant.command(leg.step(sight, plant.time - before))
+        perception.take(Observation(plant.time, odometry, pose))
+        leg = leg or legs.create('push', target, perception)
+        plant.command(leg.step(perception, plant.time - before))
         before = plant.time
-    there, is_ = sight.placement.pose, plant.truth.robot_pose
+    there, is_ = perception.localization.pose, plant.truth.robot_pose
     error = there.x - is_.x, there.y - is_.y, wrap_angle(there.theta - is_.theta)
-    center = np.array(friction_center(legs.learnt.obj))
-    return Told(leg, error, sight.placement.deviations, center, plant.truth.object_pose)
+    center = np.array(friction_center(legs.object_model.obj))
+    return Told(leg, error, perception.localization.standard_deviations, center, plant.truth.object_pose)
 
 
 def walled(y):
     """Make a floor with a wall along the x axis at some distance, and nothing behind it."""
     rows = math.copysign(0.025, y) * (np.arange(160) - 79.5) > abs(y)
-    return Workspace(0.025, Pose(-1.5, -2.0, 0.0), np.tile(rows[:, None], 200))
+    return OccupancyMap(0.025, Pose(-1.5, -2.0, 0.0), np.tile(rows[:, None], 200))
 
 
 @pytest.mark.parametrize('sensors', [SensorSettings(), NOISY], ids=['exact', 'noisy'])
@@ -106,7 +106,7 @@ def test_a_robot_beside_its_place_at_a_face_finds_it(aside, turned, sensors):
     assert told.leg.finished
     assert math.hypot(*told.error[:2]) < 0.25 * abs(aside)
     assert abs(told.error[2]) < 0.25 * abs(turned)
-    assert np.all(np.abs(told.error) < 3.0 * told.deviations)
+    assert np.all(np.abs(told.error) < 3.0 * told.standard_deviations)
     assert np.hypot(*told.center) < 0.2 * abs(aside)
 
 
@@ -149,9 +149,9 @@ def test_one_error_is_not_counted_twice():
 def test_a_push_off_its_path_tells_the_friction_centre_too():
     """As long as the contact has held; the robot is where it was believed to be."""
     told = push(true=UNEVEN, unsure=0.0, control=UNKNOWN,
-                supervision=SupervisionSettings(off_path=0.003))
-    assert 'off the path' in told.leg.trouble and not told.leg.finished
-    assert told.leg.status.slips == told.leg.status.losses == 0
+                supervision=SupervisionSettings(max_path_deviation=0.003))
+    assert 'off the path' in told.leg.failure_reason and not told.leg.finished
+    assert told.leg.status.slips == told.leg.status.contact_losses == 0
     assert 0.5 < told.center[1] / friction_center(UNEVEN)[1] < 1.3
     assert math.hypot(*told.error[:2]) < 0.01
 
@@ -160,8 +160,8 @@ def test_a_push_that_slips_and_fails_makes_the_place_less_sure():
     """And tells nothing of the friction centre."""
     told = push(true=box(contact_friction_coefficient=0.02, friction=(0.5, 0.5, 0.2, 0.2)),
                 aside=0.05, unsure=0.0)
-    assert told.leg.trouble and told.leg.status.slips > 0
-    assert min(told.deviations[:2]) >= 0.03
+    assert told.leg.failure_reason and told.leg.status.slips > 0
+    assert min(told.standard_deviations[:2]) >= 0.03
     assert told.center == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
@@ -173,8 +173,8 @@ def test_a_contact_that_slides_tells_little_and_says_so(aside, friction):
     told, clean = (push(true=truth, aside=aside, control=ControlSettings())
                    for truth in (true, None))
     assert told.leg.status.slips > 0 == clean.leg.status.slips
-    assert np.all(np.abs(told.error) < 2.5 * told.deviations)
-    assert told.deviations[1] > 1.5 * clean.deviations[1]
+    assert np.all(np.abs(told.error) < 2.5 * told.standard_deviations)
+    assert told.standard_deviations[1] > 1.5 * clean.standard_deviations[1]
 
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
@@ -183,9 +183,9 @@ def test_a_push_that_strays_towards_a_wall_ends_before_it(side):
     uneven = box(friction=(0.4, 0.4, 0.2, 0.2) if side < 0.0 else (0.2, 0.2, 0.4, 0.4))
     for true, wall, ends in ((uneven, 0.27, True), (uneven, 0.6, False), (box(), 0.27, False)):
         floor = walled(side * wall)
-        told = push(true=true, workspace=floor)
+        told = push(true=true, occupancy_map=floor)
         assert floor.object_is_free(box(), [told.object_pose], 0.0)
-        assert ('strays towards an obstacle' in told.leg.trouble) == ends
+        assert ('strays towards an obstacle' in told.leg.failure_reason) == ends
         assert told.leg.finished != ends
 
 

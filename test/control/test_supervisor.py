@@ -111,7 +111,7 @@ def shove(simulation, _):
     """Carry the object away from the robot, and turn it."""
     pose, robot = simulation.truth.object_pose, simulation.truth.robot_pose
     share = 0.2 / distance(pose, robot)
-    simulation.plant.put_object(Pose(pose.x + share * (pose.x - robot.x),
+    simulation.plant.set_object_pose(Pose(pose.x + share * (pose.x - robot.x),
                                      pose.y + share * (pose.y - robot.y), pose.theta + 0.3))
 
 
@@ -197,28 +197,28 @@ class Bench:
 def test_a_plan_is_wanted_from_what_is_seen():
     """Not before the object was seen at rest for a while; the goal is handed on."""
     bench = Bench()
-    assert bench.run(1.0) == [STOP] * 20 and bench.supervisor.wants is None
+    assert bench.run(1.0) == [STOP] * 20 and bench.supervisor.plan_request is None
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(0.1)
-    wanted = bench.supervisor.wants
+    wanted = bench.supervisor.plan_request
     assert wanted.robot_pose == pytest.approx(bench.robot) and wanted.goal == GOAL.pose
     assert wanted.object_pose == pytest.approx((0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize('reasons, tries', [
-    (['a wall 1.03 m wide', 'a wall 1.02 m wide'], 2), (['a wall', 'a door'], SUPERVISION.tries)])
-def test_it_gives_up_where_no_plan_is_found(reasons, tries):
+@pytest.mark.parametrize('reasons, max_attempts', [
+    (['a wall 1.03 m wide', 'a wall 1.02 m wide'], 2), (['a wall', 'a door'], SUPERVISION.max_attempts)])
+def test_it_gives_up_where_no_plan_is_found(reasons, max_attempts):
     """Refused the same twice from the same place, or as often as allowed: it has not moved."""
     bench, refusals = Bench(), 0
     bench.supervisor.set_goal(GOAL.pose)
     while bench.supervisor.status.state == 'plan':
         assert set(bench.run(0.1)) == {STOP}
-        if bench.supervisor.wants is not None:
-            bench.supervisor.refused(f'the goal is behind {reasons[refusals % 2]}')
+        if bench.supervisor.plan_request is not None:
+            bench.supervisor.on_planning_failed(f'the goal is behind {reasons[refusals % 2]}')
             refusals += 1
     status = bench.supervisor.status
     assert status.state == 'failed' and f'behind {reasons[1]}' in status.reason
-    assert refusals == status.recoveries == tries
+    assert refusals == status.recoveries == max_attempts
     bench.supervisor.set_goal(GOAL.pose)
     assert bench.supervisor.status.state == 'plan'
 
@@ -226,15 +226,15 @@ def test_it_gives_up_where_no_plan_is_found(reasons, tries):
 def test_what_was_refused_is_asked_for_again_where_something_has_changed():
     """The robot was carried off, or there is another map."""
     changes = [lambda bench: setattr(bench, 'robot', Pose(bench.robot.x + 0.2, 0.0, 0.0)),
-               lambda bench: bench.supervisor.set_workspace(None)]
+               lambda bench: bench.supervisor.set_map(None)]
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     for change in changes * 3:
         bench.run(1.0)
-        bench.supervisor.refused('the goal is behind a wall')
+        bench.supervisor.on_planning_failed('the goal is behind a wall')
         change(bench)
     bench.run(1.0)
-    assert bench.supervisor.wants is not None
+    assert bench.supervisor.plan_request is not None
 
 
 def test_a_plan_that_does_not_come_is_asked_for_again():
@@ -243,7 +243,7 @@ def test_a_plan_that_does_not_come_is_asked_for_again():
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(SUPERVISION.plan_timeout + 2.0)
     assert bench.supervisor.status.recoveries == 1
-    assert bench.supervisor.wants is not None
+    assert bench.supervisor.plan_request is not None
 
 
 def test_stopped_it_stands_and_forgets_its_goal():
@@ -253,7 +253,7 @@ def test_stopped_it_stands_and_forgets_its_goal():
     bench.run(1.0)
     bench.supervisor.stop('was told to')
     bench.supervisor.resume()
-    assert set(bench.run(1.0)) == {STOP} and bench.supervisor.wants is None
+    assert set(bench.run(1.0)) == {STOP} and bench.supervisor.plan_request is None
     assert bench.supervisor.status.state == 'idle'
     assert bench.supervisor.status.reason == 'was told to'
 
@@ -275,7 +275,7 @@ def test_a_robot_that_does_not_move_is_noticed():
     trajectory = run_task(task('differential')).plans[0].plan.trajectory
     bench.supervisor.take(trajectory)
     assert bench.supervisor.status.state == 'approach'
-    commands = bench.run(SUPERVISION.stall_time + 0.2)
+    commands = bench.run(SUPERVISION.stall_timeout + 0.2)
     assert STOP not in commands[1:-5]
     status = bench.supervisor.status
     assert status.recoveries == 1 and status.state == 'plan'

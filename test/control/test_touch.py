@@ -4,10 +4,10 @@ import math
 
 from helpers.objects import box
 from push_control.observation import Observation
-from push_control.push.start import robot_at_start
+from push_control.push.start import robot_start_pose
 from push_control.settings import ControlSettings
-from push_control.task.guarded_approach import Touch
-from push_control.task.perception import Sight
+from push_control.task.guarded_approach import GuardedApproach
+from push_control.task.perception import TaskPerception
 from push_control.task.settings import SupervisionSettings
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
@@ -33,11 +33,11 @@ def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
     :param there: whether there is anything where the box is seen.
     """
     robot, obj = ROBOTS[drive], box()
-    start = robot_at_start(TARGETS[drive], ORIGIN)
+    start = robot_start_pose(TARGETS[drive], ORIGIN)
     back = start.transform((-DRIVE.standoff, aside)) if drive == 'differential' else (
         Pose(*start[:2], TARGETS[drive].contact_poses[0][2]).transform((-DRIVE.standoff, aside)))
     begin = true = Pose(*back, start.theta)
-    pose, sight, leg, command = ORIGIN, Sight(CONTROL, SUPERVISION), None, STOP
+    pose, perception, leg, command = ORIGIN, TaskPerception(CONTROL, SUPERVISION), None, STOP
     for k in range(steps):
         time = k * STEP
         if moves:
@@ -45,10 +45,10 @@ def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
         _, normal, gap = find_contact(obj, pose, true[:2], robot.radius)
         if there and gap < 0.0:
             pose = Pose(pose.x - gap * math.cos(normal), pose.y - gap * math.sin(normal), 0.0)
-        sight.take(Observation(time, Odometry(time, true, command), ObjectPose(time, pose)))
-        leg = leg or Touch(obj, robot, CONTROL, DRIVE, SUPERVISION, TARGETS[drive], sight.rest)
-        command = leg.step(sight, STEP)
-        if leg.finished or leg.trouble:
+        perception.take(Observation(time, Odometry(time, true, command), ObjectPose(time, pose)))
+        leg = leg or GuardedApproach(obj, robot, CONTROL, DRIVE, SUPERVISION, TARGETS[drive], perception.object_at_rest)
+        command = leg.step(perception, STEP)
+        if leg.finished or leg.failure_reason:
             break
     return leg, true, begin, time
 
@@ -57,8 +57,8 @@ def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
 def test_it_ends_where_the_object_gives_way(drive):
     """The robot stands where the plan starts."""
     leg, true, _, _ = touch(drive)
-    assert leg.finished and not leg.trouble
-    assert distance(true, robot_at_start(TARGETS[drive], ORIGIN)) < 0.02
+    assert leg.finished and not leg.failure_reason
+    assert distance(true, robot_start_pose(TARGETS[drive], ORIGIN)) < 0.02
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
@@ -66,20 +66,20 @@ def test_it_ends_where_the_object_gives_way(drive):
 def test_nothing_to_touch_is_noticed_soon(drive, aside):
     """Where nothing is felt, the robot goes little further than its reach, wherever it goes."""
     leg, true, begin, _ = touch(drive, aside, there=False)
-    assert not leg.finished and 'not felt' in leg.trouble
+    assert not leg.finished and 'not felt' in leg.failure_reason
     gap = find_contact(box(), ORIGIN, begin[:2], 0.17)[2]
-    assert distance(true, begin) < gap + SUPERVISION.reach + 0.02
+    assert distance(true, begin) < gap + SUPERVISION.probe_distance + 0.02
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
 def test_a_robot_that_does_not_get_on_is_noticed(drive):
     """Its wheels stand: the time is limited."""
     leg, _, _, time = touch(drive, moves=False)
-    assert 'not felt' in leg.trouble and time < 15.0
+    assert 'not felt' in leg.failure_reason and time < 15.0
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
 def test_a_push_is_not_begun_beside_its_place(drive):
     """Further aside than the controller bears with, the touch says so itself."""
-    leg, _, _, _ = touch(drive, 1.5 * CONTROL.placement_tolerance)
-    assert not leg.finished and 'not where the plan starts' in leg.trouble
+    leg, _, _, _ = touch(drive, 1.5 * CONTROL.start_tolerance)
+    assert not leg.finished and 'not where the plan starts' in leg.failure_reason

@@ -10,7 +10,7 @@ from push_ros.conversions.primitives import nanoseconds, to_stamp
 from push_ros.qos import LATCHED
 from push_ros.topics import TOPICS
 from push_scenario.dds.processes import NodeProcesses, private_domain
-from push_scenario.dds.session import local_discovery
+from push_scenario.dds.replay_client import local_discovery
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
@@ -67,7 +67,7 @@ class Bench:
         while not condition():
             self.processes.check()
             assert time.monotonic() < end, 'waited in vain; ' + ''.join(
-                self.processes.last_words(name) for name in self.processes.names)
+                self.processes.log_tail(name) for name in self.processes.names)
             self._executor.spin_once(timeout_sec=0.02)
         return True
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.observation import Observation
-from push_control.path.path import flat_pose
-from push_control.push.controller import make_controller
-from push_model.dubins import words
+from push_control.path.path import flat_output_pose
+from push_control.push.controller import Controller
+from push_model.dubins import dubins_paths
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.quasi_static import vehicle
@@ -86,20 +86,20 @@ def vertex_plan(obj, robot, goal, speed, start=Pose(0.0, 0.0, 0.0), vertices=Non
     options = []
     for index in vertices or range(len(obj.outline)):
         flat = vehicle(obj, obj.outline[index])
-        for lead in (0.0, 0.5 * cone, -0.5 * cone, 0.9 * cone, -0.9 * cone):
+        for heading_offset in (0.0, 0.5 * cone, -0.5 * cone, 0.9 * cone, -0.9 * cone):
             length = flat.arm + robot.radius
-            left, right = (length / max(cone + side * lead, 0.02) for side in (1.0, -1.0))
-            local = flat_pose(flat)
-            path = words(start @ local, goal @ local @ Pose(-RUN_IN, 0.0, 0.0), left, right)[0]
-            options.append((path.length, index, lead, path))
-    _, index, lead, path = min(options, key=lambda option: option[0])
-    return follow_path(obj, robot, obj.outline[index], lead, path, path.length + RUN_IN, speed)
+            left, right = (length / max(cone + side * heading_offset, 0.02) for side in (1.0, -1.0))
+            local = flat_output_pose(flat)
+            path = dubins_paths(start @ local, goal @ local @ Pose(-RUN_IN, 0.0, 0.0), left, right)[0]
+            options.append((path.length, index, heading_offset, path))
+    _, index, heading_offset, path = min(options, key=lambda option: option[0])
+    return follow_path(obj, robot, obj.outline[index], heading_offset, path, path.length + RUN_IN, speed)
 
 
-def follow_path(obj, robot, point, lead, path, length, speed):
+def follow_path(obj, robot, point, heading_offset, path, length, speed):
     """Integrate the rolling contact at a vertex along a path of z, by small steps."""
     flat = vehicle(obj, point)
-    away = flat_pose(flat).inverse()
+    away = flat_output_pose(flat).inverse()
     count = max(2, math.ceil(length / SPACING))
     step = length / count
     gamma, time, rows = None, 0.0, []
@@ -108,14 +108,14 @@ def follow_path(obj, robot, point, lead, path, length, speed):
         steer = math.atan(flat.wheelbase * curvature)
         if gamma is None:
             bend = -0.7 * (flat.wheelbase + robot.radius) * curvature
-            gamma = z.theta + min(0.15, max(-0.15, lead + bend))
+            gamma = z.theta + min(0.15, max(-0.15, heading_offset + bend))
         chi = z.theta - steer
         rate = speed * math.cos(steer)
-        forward = speed * math.cos(chi - gamma) / math.cos(lead)
-        turn = (speed * math.sin(chi - gamma) + forward * math.sin(lead)) / robot.radius
+        forward = speed * math.cos(chi - gamma) / math.cos(heading_offset)
+        turn = (speed * math.sin(chi - gamma) + forward * math.sin(heading_offset)) / robot.radius
         pose = z @ away
         c_x, c_y = pose.transform(point)
-        phi, v = gamma - lead, (speed * math.cos(chi), speed * math.sin(chi))
+        phi, v = gamma - heading_offset, (speed * math.cos(chi), speed * math.sin(chi))
         omega = rate * curvature
         arm = pose.rotate(point)
         rows.append((time, pose, (v[0] + omega * arm[1], v[1] - omega * arm[0], omega),
@@ -132,12 +132,12 @@ def follow_path(obj, robot, point, lead, path, length, speed):
 def held_plan(obj, robot, point, normal, goal, speed, start=Pose(0.0, 0.0, 0.0)):
     """Quasi-static plan of a holonomic base that turns with the object, along a Dubins path."""
     flat = vehicle(obj, point)
-    ahead = flat.mean_square / flat.arm
+    ahead = flat.c_squared / flat.arm
     zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
     cone = 0.65 * math.atan(0.8 * obj.contact_friction_coefficient)
-    local = flat_pose(flat)
-    path = words(start @ local, goal @ local @ Pose(-RUN_IN, 0.0, 0.0),
-                 ahead / (cone - zeta), ahead / (cone + zeta))[0]
+    local = flat_output_pose(flat)
+    path = dubins_paths(start @ local, goal @ local @ Pose(-RUN_IN, 0.0, 0.0),
+                        ahead / (cone - zeta), ahead / (cone + zeta))[0]
     length = path.length + RUN_IN
     count = max(2, math.ceil(length / SPACING))
     time, rows, place = 0.0, [], Pose(*point, normal) @ Pose(-robot.radius, 0.0, 0.0)
@@ -164,7 +164,7 @@ def run(case, settings, seed=0, sensors=SENSORS, longest=400.0, watch=None):
     start = Pose(*case.target.object_poses[0])
     plant = Simulation(case.true, case.robot, start, case.robot_pose,
                        SimulationSettings(seed=seed), sensors)
-    controller = make_controller(case.believed, case.robot, settings)
+    controller = Controller(case.believed, case.robot, settings)
     odometry = pose = None
     before, commands = 0.0, []
     while plant.time < longest:
@@ -201,7 +201,7 @@ def mirrored_target(target):
 
 def mirrored_object(obj):
     """Reflect the object in its x axis."""
-    feet = tuple(Support(s.x, -s.y, s.friction_coefficient, s.load_share) for s in obj.supports)
+    feet = tuple(Support(s.x, -s.y, s.friction_coefficient, s.load_fraction) for s in obj.supports)
     outline = tuple((x, -y) for x, y in reversed(obj.outline))
     return dataclasses.replace(obj, supports=feet, outline=outline)
 

@@ -5,11 +5,11 @@ import math
 from helpers.objects import box
 import numpy as np
 from push_model.analysis.constant_angles import push_at_angles
-from push_model.analysis.steady_turn import steady_turning_rate
+from push_model.analysis.steady_turn import steady_yaw_rate
 from push_model.contact import contact_point
 from push_model.geometry import Pose
 from push_model.parameters import Contact
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.state import STATE
 import pytest
 
@@ -20,13 +20,13 @@ OMEGA = STATE.index('omega')
 @pytest.mark.parametrize('speed', [0.05, 0.5, 1.0])
 def test_a_long_push_ends_in_the_steady_turn(speed):
     run = push_at_angles(box(), FACE, [-0.3], [3.0], speed)
-    steady = steady_turning_rate(box(), contact_point(box(), FACE), -0.3, speed)
+    steady = steady_yaw_rate(box(), contact_point(box(), FACE), -0.3, speed)
     assert run.states[-1, OMEGA] == pytest.approx(steady, rel=1e-4)
 
 
 def test_a_slow_push_turns_as_friction_alone_has_it():
     run = push_at_angles(box(), FACE, [0.2, -0.3], [0.2, 0.2], 0.005)
-    rate = turning_rate(box(), contact_point(box(), FACE), math.cos(0.3), -math.sin(0.3))
+    rate = quasi_static_yaw_rate(box(), contact_point(box(), FACE), math.cos(0.3), -math.sin(0.3))
     assert run.states[-1, OMEGA] / 0.005 == pytest.approx(rate, rel=5e-3)
 
 

@@ -11,7 +11,7 @@ from push_model.dynamics import (
     yaw_acceleration,
 )
 from push_model.parameters import GRAVITY
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.state import Input, ObjectTerms, State
 import pytest
 from scipy.integrate import solve_ivp
@@ -41,7 +41,7 @@ def spun_up(obj, speed, angle, duration):
 def test_dynamic_over_quasi_static_turning_rate(speed, ratio):
     angle = math.radians(20)
     steady = spun_up(box(), speed, angle, 6.0 / speed)[-1]
-    slow = turning_rate(box(), MID_FACE, speed * math.cos(angle), speed * math.sin(angle))
+    slow = quasi_static_yaw_rate(box(), MID_FACE, speed * math.cos(angle), speed * math.sin(angle))
     assert steady / slow == pytest.approx(ratio, abs=6e-4)
 
 

@@ -6,12 +6,12 @@ import math
 from helpers.objects import bin_, box, square_outline
 import numpy as np
 from push_model.contact import contact_point, find_contact, normal_range, rolling_constants
-from push_model.dubins import words
-from push_model.friction import friction_center, friction_weight, mean_square
+from push_model.dubins import dubins_paths
+from push_model.friction import c_squared, friction_center, friction_weight
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.quasi_static import (
-    compare_turning_rates, ellipsoid_turning_rate, turning_rate, vehicle,
+    compare_yaw_rates, ellipsoid_yaw_rate, quasi_static_yaw_rate, vehicle,
 )
 from push_model.trajectory import COLUMNS, PushTrajectory
 import pytest
@@ -124,7 +124,7 @@ def test_square_pushed_at_mid_face_has_a_wheelbase_of_its_side():
 @pytest.mark.physics
 def test_ellipsoid_turns_a_square_by_a_third_less_than_its_supports_do():
     """Wheelbase l on the supports, 1.5 l by the ellipsoid: near straight, the turn goes as 1/L."""
-    near, far = compare_turning_rates(box(), (-0.2, 0.0), (1e-4, 1.5))
+    near, far = compare_yaw_rates(box(), (-0.2, 0.0), (1e-4, 1.5))
     for found, wheelbase in zip(near[1:], (0.4, 0.4, 0.6)):
         assert -1e-4 / found == pytest.approx(wheelbase, rel=1e-3)
     assert 0.85 < far.ellipsoid / far.supports < 0.95
@@ -141,11 +141,11 @@ def test_ellipsoid_with_mean_square_meets_the_supports_near_straight(seed):
     for small in (1e-3, 2e-3):
         v_x, v_y = math.cos(view.angle + small), math.sin(view.angle + small)
         f_x, f_y = friction_center(obj)
-        omega = ellipsoid_turning_rate(mean_square(obj, view.angle), point[0] - f_x,
-                                       point[1] - f_y, v_x, v_y)
-        true = turning_rate(obj, point, v_x, v_y)
+        omega = ellipsoid_yaw_rate(c_squared(obj, view.angle), point[0] - f_x,
+                                   point[1] - f_y, v_x, v_y)
+        true = quasi_static_yaw_rate(obj, point, v_x, v_y)
         assert omega == pytest.approx(true, rel=20 * small)
-        z_x, z_y = view.flat_point[0] - point[0], view.flat_point[1] - point[1]
+        z_x, z_y = view.flat_output[0] - point[0], view.flat_output[1] - point[1]
         sideways = (-(v_x - true * z_y) * math.sin(view.angle)
                     + (v_y + true * z_x) * math.cos(view.angle))
         assert abs(sideways) < 0.02 * small
@@ -153,9 +153,9 @@ def test_ellipsoid_with_mean_square_meets_the_supports_near_straight(seed):
 
 @pytest.mark.physics
 def test_turning_rate_is_isotropic_in_speed_and_zero_at_rest():
-    slow, fast = (turning_rate(box(), (-0.2, 0.0), v, 0.3 * v) for v in (0.01, 1.0))
+    slow, fast = (quasi_static_yaw_rate(box(), (-0.2, 0.0), v, 0.3 * v) for v in (0.01, 1.0))
     assert fast == pytest.approx(100 * slow, rel=1e-6)
-    assert turning_rate(box(), (-0.2, 0.0), 0.0, 0.0) == 0.0
+    assert quasi_static_yaw_rate(box(), (-0.2, 0.0), 0.0, 0.0) == 0.0
     with pytest.raises(ValueError, match='friction centre itself'):
         vehicle(box(), (0.0, 0.0))
 
@@ -165,23 +165,23 @@ def test_dubins_paths_arrive_and_mirror():
     for _ in range(300):
         start, goal = Pose(*rng.uniform(-3, 3, 3)), Pose(*rng.uniform(-3, 3, 3))
         left, right = rng.uniform(0.2, 1.5, 2)
-        found = words(start, goal, left, right)
+        found = dubins_paths(start, goal, left, right)
         assert {'LSL', 'RSR'} <= {path.word for path in found}
         for path in found:
             end, _ = path.at(path.length)
             assert end[:2] == pytest.approx(goal[:2], abs=1e-9)
             assert wrap_angle(end.theta - goal.theta) == pytest.approx(0.0, abs=1e-9)
-        flipped = words(*(Pose(p.x, -p.y, -p.theta) for p in (start, goal)), right, left)
+        flipped = dubins_paths(*(Pose(p.x, -p.y, -p.theta) for p in (start, goal)), right, left)
         assert flipped[0].length == pytest.approx(found[0].length, abs=1e-9)
 
 
 def test_dubins_known_lengths():
-    ahead = words(Pose(0, 0, 0), Pose(5, 0, 0), 1.0, 0.5)[0]
+    ahead = dubins_paths(Pose(0, 0, 0), Pose(5, 0, 0), 1.0, 0.5)[0]
     assert ahead.length == pytest.approx(5.0)
-    u_turn = words(Pose(0, 0, 0), Pose(0, 2, math.pi), 1.0, 1.0)[0]
+    u_turn = dubins_paths(Pose(0, 0, 0), Pose(0, 2, math.pi), 1.0, 1.0)[0]
     assert u_turn.length == pytest.approx(math.pi)
     with pytest.raises(ValueError, match='radius R'):
-        words(Pose(0, 0, 0), Pose(1, 0, 0), 1.0, 0.0)
+        dubins_paths(Pose(0, 0, 0), Pose(1, 0, 0), 1.0, 0.0)
 
 
 def arrays(count=3):

@@ -6,13 +6,13 @@ import math
 from helpers.objects import bin_, box
 from helpers.plant_reference import ramp_robot
 import numpy as np
-from push_model import motion
-from push_model.analysis.steady_turn import steady_force, steady_turning_rate
+from push_model.analysis import time_integration as motion
+from push_model.analysis.steady_turn import steady_force, steady_yaw_rate
+from push_model.analysis.time_integration import body_fixed_push, integrate, straight_push
 from push_model.contact import contact_point, curvature_radius, rolling_constants
 from push_model.geometry import Pose
-from push_model.motion import integrate, straight_push, turning_push
 from push_model.parameters import Contact, GRAVITY
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.signals import Twist
 from push_model.state import Input, State
 from push_sim_node.plant import Plant
@@ -75,7 +75,7 @@ def test_turning_push_moves_as_in_the_plant():
         if number == 19:
             begin = State(*plant.object_pose, plant.object_twist.omega, plant.object_pose.theta,
                           *MID_FACE)
-    _, states = integrate(obj, FIXED, turning_push(ANGLE, speed), begin, [0.0, 2.0])
+    _, states = integrate(obj, FIXED, body_fixed_push(ANGLE, speed), begin, [0.0, 2.0])
     assert abs(begin.omega - states[-1, 3]) > 0.05
     assert plant.object_pose.theta == pytest.approx(states[-1, 2], rel=5e-3)
     assert plant.object_twist.omega == pytest.approx(states[-1, 3], rel=5e-3)
@@ -115,7 +115,7 @@ def test_a_tighter_tolerance_brings_the_same_motion(monkeypatch):
 
 def test_pushes_are_velocities_with_their_rates():
     """The acceleration is the derivative of the velocity as the object turns."""
-    push = turning_push(0.4, 0.7)
+    push = body_fixed_push(0.4, 0.7)
     state, h = State(0.0, 0.0, 1.1, 0.9, 1.1, *MID_FACE), 1e-6
     now, before, after = (push(0.0, state._replace(theta=1.1 + 0.9 * step))
                           for step in (0.0, -h, h))
@@ -128,8 +128,8 @@ def test_pushes_are_velocities_with_their_rates():
 @pytest.mark.parametrize('speed, ratio', [(0.05, 0.998), (0.25, 0.957), (0.5, 0.848),
                                           (1.0, 0.575), (2.0, 0.247)])
 def test_steady_over_quasi_static_turning_rate(speed, ratio):
-    slow = turning_rate(box(), MID_FACE, speed * math.cos(ANGLE), speed * math.sin(ANGLE))
-    steady = steady_turning_rate(box(), MID_FACE, ANGLE, speed)
+    slow = quasi_static_yaw_rate(box(), MID_FACE, speed * math.cos(ANGLE), speed * math.sin(ANGLE))
+    steady = steady_yaw_rate(box(), MID_FACE, ANGLE, speed)
     assert steady / slow == pytest.approx(ratio, abs=6e-4)
 
 
@@ -138,19 +138,19 @@ def test_steady_over_quasi_static_turning_rate(speed, ratio):
     (box(), MID_FACE, ANGLE), (box(**SKEW), (-0.2, 0.05), -0.1), (bin_(), (-0.2, 0.0), -0.3)])
 def test_steady_turn_is_what_the_motion_tends_to(obj, point, direction, speed):
     begin = State(0.0, 0.0, 0.0, 0.0, 0.0, *point)
-    _, states = integrate(obj, FIXED, turning_push(direction, speed), begin,
+    _, states = integrate(obj, FIXED, body_fixed_push(direction, speed), begin,
                           [0.0, 8.0 / speed, 9.0 / speed])
-    steady = steady_turning_rate(obj, point, direction, speed)
+    steady = steady_yaw_rate(obj, point, direction, speed)
     assert abs(steady) > 0.01
     assert states[1:, 3] == pytest.approx([steady] * 2, rel=1e-5)
 
 
 def test_steady_turn_knows_neither_mass_nor_inertia():
-    known = steady_turning_rate(box(), MID_FACE, ANGLE, 1.0)
+    known = steady_yaw_rate(box(), MID_FACE, ANGLE, 1.0)
     for changes in ({'mass': 0.5}, {'mass': 30.0}, {'inertia': 0.01}, {'inertia': 3.0}):
-        assert steady_turning_rate(box(**changes), MID_FACE, ANGLE, 1.0) == pytest.approx(
+        assert steady_yaw_rate(box(**changes), MID_FACE, ANGLE, 1.0) == pytest.approx(
             known, rel=1e-9)
-    assert steady_turning_rate(box(friction=(0.6,) * 4), MID_FACE, ANGLE, 1.0) > 1.2 * known
+    assert steady_yaw_rate(box(friction=(0.6,) * 4), MID_FACE, ANGLE, 1.0) > 1.2 * known
 
 
 @pytest.mark.parametrize('length, friction', [(2.0, 1.0), (1.0, 2.0), (0.5, 0.3)])
@@ -158,11 +158,11 @@ def test_steady_turn_depends_on_speed_squared_over_friction_and_length(length, f
     """At equal v^2 / (mu g L) the turn per way, in lengths of the object, is the same."""
     plain, other = box(), scaled(box(friction=(0.3 * friction,) * 4), length)
     faster = 0.8 * math.sqrt(length * friction)
-    per_way = steady_turning_rate(plain, MID_FACE, ANGLE, 0.8) / 0.8
+    per_way = steady_yaw_rate(plain, MID_FACE, ANGLE, 0.8) / 0.8
     point = tuple(length * part for part in MID_FACE)
-    assert length * steady_turning_rate(other, point, ANGLE, faster) / faster == pytest.approx(
+    assert length * steady_yaw_rate(other, point, ANGLE, faster) / faster == pytest.approx(
         per_way, rel=1e-6)
-    assert length * steady_turning_rate(other, point, ANGLE, 1.5 * faster) / (1.5 * faster) < \
+    assert length * steady_yaw_rate(other, point, ANGLE, 1.5 * faster) / (1.5 * faster) < \
         0.95 * per_way
 
 
@@ -170,21 +170,21 @@ def test_slow_steady_turn_is_the_quasi_static_one():
     """The difference falls with the square of the speed; inertia only damps the turn."""
     lacks = []
     for speed in (0.2, 0.1, 0.05):
-        slow = turning_rate(box(), MID_FACE, speed * math.cos(ANGLE), speed * math.sin(ANGLE))
-        lacks.append(1.0 - steady_turning_rate(box(), MID_FACE, ANGLE, speed) / slow)
+        slow = quasi_static_yaw_rate(box(), MID_FACE, speed * math.cos(ANGLE), speed * math.sin(ANGLE))
+        lacks.append(1.0 - steady_yaw_rate(box(), MID_FACE, ANGLE, speed) / slow)
     assert 0.0 < lacks[2] < 3e-3
     assert np.divide(lacks[:2], lacks[1:]) == pytest.approx([4.0, 4.0], rel=0.05)
 
 
 def test_steady_turn_is_mirrored_with_the_push():
-    left, right = (steady_turning_rate(box(), MID_FACE, side * ANGLE, 0.7) for side in (1, -1))
+    left, right = (steady_yaw_rate(box(), MID_FACE, side * ANGLE, 0.7) for side in (1, -1))
     assert left > 0.0 and right == pytest.approx(-left)
-    assert steady_turning_rate(box(), MID_FACE, 0.0, 0.7) == pytest.approx(0.0, abs=1e-9)
+    assert steady_yaw_rate(box(), MID_FACE, 0.0, 0.7) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_steady_force_is_friction_and_the_pull_to_the_middle_of_the_turn():
     """Power of the push is what friction takes; without a turn the force is mu m g."""
-    obj, speed, omega = box(), 1.0, steady_turning_rate(box(), MID_FACE, ANGLE, 1.0)
+    obj, speed, omega = box(), 1.0, steady_yaw_rate(box(), MID_FACE, ANGLE, 1.0)
     f_n, f_t = steady_force(obj, MID_FACE, ANGLE, speed, 0.0)
     v_x, v_y = speed * math.cos(ANGLE), speed * math.sin(ANGLE)
     loss = sum(q * math.hypot(v_x - omega * (s.y - MID_FACE[1]), v_y + omega * (s.x - MID_FACE[0]))
@@ -197,4 +197,4 @@ def test_steady_force_is_friction_and_the_pull_to_the_middle_of_the_turn():
 @pytest.mark.parametrize('direction', [1.6, math.pi, -2.0])
 def test_a_push_away_from_the_mass_centre_is_refused(direction):
     with pytest.raises(ValueError, match='direction: got .*away from the mass centre'):
-        steady_turning_rate(box(), MID_FACE, direction, 0.5)
+        steady_yaw_rate(box(), MID_FACE, direction, 0.5)

@@ -13,7 +13,7 @@ from push_model.contact import contact_point, normal_range, rolling_constants
 from push_model.dynamics import equation_of_motion
 from push_model.geometry import Pose
 from push_model.parameters import Contact, Support
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
 import pytest
@@ -122,7 +122,7 @@ def test_sign_of_alpha_is_that_of_the_quasi_static_turn(obj, contact, robot, tur
         angle = math.pi - effective * turn / obj.radius
         c_x, c_y = obj.radius * math.cos(angle), obj.radius * math.sin(angle)
     forward = normal - turn
-    rate = turning_rate(obj, (c_x, c_y), math.cos(forward), math.sin(forward))
+    rate = quasi_static_yaw_rate(obj, (c_x, c_y), math.cos(forward), math.sin(forward))
     assert math.copysign(1.0, rate) == -math.copysign(1.0, location.alpha(turn))
 
 

@@ -5,7 +5,7 @@ import math
 
 from helpers.objects import bin_, box
 from push_model.analysis.pushing_location import pushing_location
-from push_model.analysis.steering import steering_range, trailing_push
+from push_model.analysis.steering import steady_differential_push, steering_range
 from push_model.geometry import Pose
 from push_model.parameters import Contact, RoundRobot
 from push_model.quasi_static import vehicle
@@ -36,7 +36,7 @@ def test_small_cone_with_a_held_normal():
     """``beta r / c^2`` to either side."""
     obj = box(contact_friction_coefficient=0.03)
     view = vehicle(obj, (-0.2, 0.0))
-    limit = 0.03 * view.arm / view.mean_square
+    limit = 0.03 * view.arm / view.c_squared
     assert curvatures(obj, FACE, HOLONOMIC, SLOW) == pytest.approx((-limit, limit), rel=1e-2)
 
 
@@ -45,7 +45,7 @@ def test_rolling_along_a_face_steers_as_far_as_the_radius_differs(radius):
     """``kappa (R_p + L) = -(offset - offset_0) (1 / n_f - 1 / R_p)``."""
     obj, shift = box(), 1e-3
     location = pushing_location(obj, FACE, radius)
-    push = trailing_push(obj, location, shift / radius, SLOW)
+    push = steady_differential_push(obj, location, shift / radius, SLOW)
     assert push.contact_point == pytest.approx((-0.2, shift), abs=1e-9)
     assert push.curvature * (radius + 0.4) == pytest.approx(
         -shift * (1.0 / 0.2 - 1.0 / radius), rel=1e-2)
@@ -66,7 +66,7 @@ def test_no_authority_on_a_face_with_the_radius_of_the_friction_centre():
                                           (bin_(), Contact('round', 0, 2.8))])
 def test_arcs_rolled_off_robot_and_object_are_equal(obj, contact):
     location = pushing_location(obj, contact, 0.17, None, -0.05)
-    pushes = [trailing_push(obj, location, turn, 0.1) for turn in (0.0, 0.12, -0.3)]
+    pushes = [steady_differential_push(obj, location, turn, 0.1) for turn in (0.0, 0.12, -0.3)]
     for push in pushes[1:]:
         rolled = 0.17 * ((push.normal - push.heading) - 0.05)
         (x, y), (x_0, y_0) = push.contact_point, pushes[0].contact_point

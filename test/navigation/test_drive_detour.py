@@ -8,9 +8,9 @@ import numpy as np
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_navigation.motion_section import Run, stretches
-from push_navigation.path import sampled, travel_time
-from push_navigation.path_planner import find_way, NoWay
+from push_navigation.motion_section import MotionSection, split_at_stops
+from push_navigation.path import sample_path, travel_time
+from push_navigation.path_planner import NoPathFound, plan_path
 from push_navigation.settings import DriveSettings
 import pytest
 from scipy.sparse.csgraph import dijkstra
@@ -67,9 +67,9 @@ def test_the_robot_keeps_the_clearance(name, drive):
     """Wherever it starts and goes, and it does start and end as asked for."""
     obj, robot = OBJECTS[name], ROBOTS[drive]
     for object_pose, start, goal in tasks(obj, 40, seed=1):
-        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
+        way = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
         assert way.poses[0] == start and way.poses[-1] == goal
-        rows = sampled(way, robot, 0.02)
+        rows = sample_path(way, robot, 0.02)
         assert gaps(obj, object_pose, rows, robot).min() > SETTINGS.clearance - 1e-6
 
 
@@ -79,7 +79,7 @@ def test_the_way_is_the_shortest(name):
     obj, robot, compared = OBJECTS[name], ROBOTS['holonomic'], 0
     for object_pose, start, goal in tasks(obj, 30, seed=2):
         start, goal = (pose._replace(theta=0.0) for pose in (start, goal))
-        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
+        way = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
         straight = math.dist(start[:2], goal[:2])
         assert way.length >= straight - 1e-9
         if way.length > straight + 1e-9 and compared < 4:
@@ -94,8 +94,8 @@ def test_it_does_not_matter_where_the_world_begins(drive):
     """Everything moved and turned: the same way, moved and turned."""
     obj, robot, move = OBJECTS['plank'], ROBOTS[drive], Pose(3.0, -2.0, 2.5)
     for object_pose, start, goal in tasks(obj, 15, seed=3, clear=False):
-        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
-        moved = find_way(robot, obj, move @ object_pose, move @ start, move @ goal, SETTINGS)
+        way = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
+        moved = plan_path(robot, obj, move @ object_pose, move @ start, move @ goal, SETTINGS)
         assert len(moved.poses) == len(way.poses)
         for one, other in zip(way.poses, moved.poses):
             expected = move @ one
@@ -113,7 +113,7 @@ def test_the_mirror_image_takes_as_long(drive):
         return Pose(pose.x, -pose.y, -pose.theta)
 
     for object_pose, start, goal in tasks(obj, 15, seed=4, clear=False):
-        time, other = (travel_time(find_way(robot, *task, SETTINGS), robot, SETTINGS)
+        time, other = (travel_time(plan_path(robot, *task, SETTINGS), robot, SETTINGS)
                        for task in ((obj, object_pose, start, goal),
                                     (flipped, *map(mirror, (object_pose, start, goal)))))
         assert time == pytest.approx(other, abs=1e-6)
@@ -133,8 +133,8 @@ def test_from_contact_it_leads_straight_off(name, drive):
                         normal + rng.uniform(-0.6, 0.6))
         other = Pose(object_pose.x - 1.2, object_pose.y, 0.0)
         for ends in ((touching, other), (other, touching)):
-            way = find_way(robot, obj, object_pose, *ends, SETTINGS)
-            away = gaps(obj, object_pose, sampled(way, robot, 0.005), robot)
+            way = plan_path(robot, obj, object_pose, *ends, SETTINGS)
+            away = gaps(obj, object_pose, sample_path(way, robot, 0.005), robot)
             away = away if ends[0] is touching else away[::-1]
             clear = int(np.argmax(away > SETTINGS.clearance - 1e-6))
             assert 0 < clear and np.all(np.diff(away[:clear + 1]) > -1e-9)
@@ -156,9 +156,9 @@ def test_it_stops_no_more_than_it_must(name, drive):
             _, normal, away = find_contact(obj, object_pose, far, robot.radius)
             ends.append(far._replace(x=far.x + (away - gap) * math.cos(normal),
                                      y=far.y + (away - gap) * math.sin(normal)))
-        limits = SETTINGS.capped(robot)
-        pieces = stretches(find_way(robot, obj, object_pose, *ends, SETTINGS), limits)
-        runs = sum(isinstance(piece, Run) for piece in pieces)
+        limits = SETTINGS.limited_to(robot)
+        pieces = split_at_stops(plan_path(robot, obj, object_pose, *ends, SETTINGS), limits)
+        runs = sum(isinstance(piece, MotionSection) for piece in pieces)
         near = sum(find_contact(obj, object_pose, pose, robot.radius)[2]
                    < SETTINGS.clearance - 1e-6 for pose in ends)
         assert runs <= 1 + near
@@ -170,35 +170,35 @@ def test_it_stops_no_more_than_it_must(name, drive):
 def test_a_differential_drive_backs_off_without_turning_at_the_object():
     """Its first leg is straight, backwards."""
     start = Pose(-0.37, 0.02, 0.3)
-    way = find_way(ROBOTS['differential'], box(), Pose(0.0, 0.0, 0.0), start,
-                   Pose(-1.0, 0.5, 0.0), SETTINGS)
-    first = way.legs[0]
-    assert first.length > 0.0 and abs(first.turn) < 1e-12
+    way = plan_path(ROBOTS['differential'], box(), Pose(0.0, 0.0, 0.0), start,
+                    Pose(-1.0, 0.5, 0.0), SETTINGS)
+    first = way.segments[0]
+    assert first.length > 0.0 and abs(first.heading_change) < 1e-12
     assert abs(wrap_angle(first.directions[0] - start.theta)) == pytest.approx(math.pi)
 
 
 def test_backwards_only_as_far_as_is_allowed():
     """Short ways behind the robot are gone backwards, longer ones never; turning round costs."""
-    robot, forwards = ROBOTS['differential'], dataclasses.replace(SETTINGS, reverse=0.0)
+    robot, forwards = ROBOTS['differential'], dataclasses.replace(SETTINGS, max_reverse_distance=0.0)
     start = Pose(-0.6, 0.0, 0.0)
     for length, settings, backwards in ((0.3, SETTINGS, True), (0.3, forwards, False),
                                         (0.7, SETTINGS, False)):
-        way = find_way(robot, box(), Pose(0.0, 0.0, 0.0), start,
-                       Pose(start.x - length, 0.1, 0.0), settings)
-        moving = [leg for leg in way.legs if leg.length]
-        assert all((math.cos(leg.start.theta - leg.directions[0]) < 0.0) == backwards
-                   for leg in moving)
+        way = plan_path(robot, box(), Pose(0.0, 0.0, 0.0), start,
+                        Pose(start.x - length, 0.1, 0.0), settings)
+        moving = [segment for segment in way.segments if segment.length]
+        assert all((math.cos(segment.start.theta - segment.directions[0]) < 0.0) == backwards
+                   for segment in moving)
 
 
 def test_more_clearance_never_shortens_the_way():
     """Ways grow with the clearance, and come to the straight line without an object between."""
     robot, obj = ROBOTS['holonomic'], box()
     ends = Pose(-1.0, 0.0, 0.0), Pose(1.0, 0.05, 0.0)
-    lengths = [find_way(robot, obj, Pose(0.0, 0.0, 0.0), *ends,
-                        dataclasses.replace(SETTINGS, clearance=clearance)).length
+    lengths = [plan_path(robot, obj, Pose(0.0, 0.0, 0.0), *ends,
+                         dataclasses.replace(SETTINGS, clearance=clearance)).length
                for clearance in (0.01, 0.05, 0.1, 0.2, 0.3)]
     assert np.all(np.diff(lengths) > 0.0)
-    far = find_way(robot, obj, Pose(0.0, 2.0, 0.0), *ends, SETTINGS)
+    far = plan_path(robot, obj, Pose(0.0, 2.0, 0.0), *ends, SETTINGS)
     assert far.length == pytest.approx(math.dist(ends[0][:2], ends[1][:2]))
 
 
@@ -210,10 +210,10 @@ def test_what_cannot_be_is_refused_by_name():
     for name in poses:
         wrong = {**poses, name: Pose(math.nan, 0.0, 0.0)}
         with pytest.raises(ValueError, match=f'{name}: got'):
-            find_way(robot, obj, settings=SETTINGS, **wrong)
+            plan_path(robot, obj, settings=SETTINGS, **wrong)
     for radius in (0.0, math.inf):
         with pytest.raises(ValueError, match='robot.radius: got'):
-            find_way(RoundRobot(radius), obj, settings=SETTINGS, **poses)
+            plan_path(RoundRobot(radius), obj, settings=SETTINGS, **poses)
     for name in ('start', 'goal'):
-        with pytest.raises(NoWay, match=f'the {name} of the way lies 0.3.* m inside'):
-            find_way(robot, obj, settings=SETTINGS, **{**poses, name: Pose(0.0, 0.0, 0.0)})
+        with pytest.raises(NoPathFound, match=f'the {name} of the way lies 0.3.* m inside'):
+            plan_path(robot, obj, settings=SETTINGS, **{**poses, name: Pose(0.0, 0.0, 0.0)})

@@ -10,9 +10,9 @@ from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP
-from push_navigation.path import driven_way, travel_time, Way
-from push_navigation.path_follower import WayFollower
-from push_navigation.path_planner import find_way
+from push_navigation.path import differential_path, Path, travel_time
+from push_navigation.path_follower import PathFollower
+from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 from push_sim_node.simulation import Simulation
 import pytest
@@ -30,7 +30,7 @@ class Drive:
 
     def __init__(self, robot, way, obj=None, object_pose=FAR, start=None, patience=1.5,
                  true=None, noise=lambda: np.zeros(3), settings=SETTINGS):
-        self.follower = WayFollower(robot, settings, way)
+        self.follower = PathFollower(robot, settings, way)
         self.expected = travel_time(way, robot, settings)
         sim = Simulation(obj or box(), true or robot, object_pose, start or way.poses[0])
         self.commands, self.gaps, self.times = [STOP], [], [0.0]
@@ -79,10 +79,10 @@ def test_ways_round_the_object_are_followed(drive, obj):
     """It arrives when expected, within the limits, and never nearer than 10 mm less."""
     robot = ROBOTS[drive]
     for object_pose, start, goal in tasks(obj, 6, seed=1):
-        way = find_way(robot, obj, object_pose, start, goal, SETTINGS)
+        way = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
         run = Drive(robot, way, obj, object_pose)
         assert run.arrived(goal)
-        assert run.within(SETTINGS.capped(robot))
+        assert run.within(SETTINGS.limited_to(robot))
         assert min(run.gaps) > SETTINGS.clearance - 0.01
         assert run.time == pytest.approx(run.expected, rel=0.05, abs=0.3)
 
@@ -91,13 +91,13 @@ def test_ways_round_the_object_are_followed(drive, obj):
 def test_it_comes_back_to_its_way(drive):
     """Started beside the way and turned, it arrives all the same."""
     robot = ROBOTS[drive]
-    way = find_way(robot, box(), Pose(0.0, 0.0, 0.3), Pose(-1.0, 0.1, 0.5), Pose(1.0, 0.0, 2.0),
-                   SETTINGS)
-    for aside, turn in ((0.04, 0.2), (-0.05, -0.3), (0.0, 0.8), (0.08, 3.0)):
-        start = Pose(-1.0, 0.1 + aside, 0.5 + turn)
+    way = plan_path(robot, box(), Pose(0.0, 0.0, 0.3), Pose(-1.0, 0.1, 0.5), Pose(1.0, 0.0, 2.0),
+                    SETTINGS)
+    for aside, heading_change in ((0.04, 0.2), (-0.05, -0.3), (0.0, 0.8), (0.08, 3.0)):
+        start = Pose(-1.0, 0.1 + aside, 0.5 + heading_change)
         run = Drive(robot, way, box(), Pose(0.0, 0.0, 0.3), start)
         assert run.arrived(way.poses[-1])
-        assert run.within(SETTINGS.capped(robot))
+        assert run.within(SETTINGS.limited_to(robot))
 
 
 @either
@@ -105,7 +105,7 @@ def test_leaving_the_contact_does_not_move_the_object(drive):
     """The robot touches the box at the start."""
     robot = ROBOTS[drive]
     start, goal = Pose(-0.37, 0.05, 0.25), Pose(0.2, -0.75, 1.5)
-    way = find_way(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
+    way = plan_path(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
     run = Drive(robot, way, box(), Pose(0.0, 0.0, 0.0))
     assert run.arrived(goal)
     assert run.object_moved < 1e-4
@@ -117,17 +117,17 @@ def test_other_robots_arrive_too(drive):
     for lag, top in ((0.0, 0.5), (0.3, 1.5), (0.15, 0.05)):
         robot = RoundRobot(0.35, drive, max_speed=top, time_constant=lag)
         goal = Pose(0.6, 0.4, -1.0)
-        way = find_way(robot, box(), Pose(-2.0, 0.0, 0.0), Pose(0.0, 0.0, 0.5), goal, SETTINGS)
+        way = plan_path(robot, box(), Pose(-2.0, 0.0, 0.0), Pose(0.0, 0.0, 0.5), goal, SETTINGS)
         run = Drive(robot, way)
         assert run.arrived(goal)
-        assert run.within(SETTINGS.capped(robot))
+        assert run.within(SETTINGS.limited_to(robot))
 
 
 def test_backwards_it_goes_straight():
     """A straight way back: no detour, no turn worth naming."""
     robot, start = ROBOTS['differential'], Pose(0.0, 0.0, 0.7)
     goal = Pose(-0.4 * math.cos(0.7), -0.4 * math.sin(0.7), 0.7)
-    run = Drive(robot, Way((start, goal)))
+    run = Drive(robot, Path((start, goal)))
     assert run.arrived(goal)
     assert np.array(run.commands)[:, 0].max() == 0.0
     assert np.abs(np.array(run.commands)[:, 2]).max() < 0.01
@@ -137,13 +137,13 @@ def test_backwards_it_goes_straight():
 def test_limits_hold_whatever_the_robot_sees(drive):
     """Poses that jump by a metre: every command stays within the limits."""
     robot, rng = ROBOTS[drive], np.random.default_rng(2)
-    way = find_way(robot, box(), FAR, Pose(0.0, 0.0, 0.0), Pose(1.0, 1.0, 2.0), SETTINGS)
+    way = plan_path(robot, box(), FAR, Pose(0.0, 0.0, 0.0), Pose(1.0, 1.0, 2.0), SETTINGS)
     run = Drive(robot, way, patience=0.0)
     for _ in range(400):
         step = rng.uniform(0.0, 0.1)
         run.commands.append(run.follower.step(Pose(*rng.uniform(-2.0, 2.0, 3)), step))
         run.times.append(run.times[-1] + step)
-    assert run.within(SETTINGS.capped(robot))
+    assert run.within(SETTINGS.limited_to(robot))
     assert len(run.commands) > 400
 
 
@@ -152,17 +152,17 @@ def test_what_remains_falls_to_nothing(drive):
     """From the length of the way to 0, hardly ever up."""
     robot = ROBOTS[drive]
     start, goal = Pose(-0.8, 0.0, 0.0), Pose(0.8, 0.0, 0.0)
-    way = find_way(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
+    way = plan_path(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
     sim = Simulation(box(), robot, Pose(0.0, 0.0, 0.0), start)
-    follower = WayFollower(robot, SETTINGS, way)
-    left, last = [follower.remaining], 0.0
+    follower = PathFollower(robot, SETTINGS, way)
+    left, last = [follower.remaining_distance], 0.0
     assert left[0] == pytest.approx(way.length)
     while not follower.finished:
         seen = sim.next()
         if isinstance(seen, Odometry):
             sim.command(follower.step(seen.pose, sim.time - last))
             last = sim.time
-            left.append(follower.remaining)
+            left.append(follower.remaining_distance)
     assert left[-1] == 0.0
     assert np.diff(left).max() < 0.005
 
@@ -173,7 +173,7 @@ def test_a_lag_that_is_other_than_believed_costs_little(drive):
     for lag, settings in itertools.product((0.05, 0.2), (SETTINGS, GENTLE)):
         true = dataclasses.replace(ROBOTS[drive], time_constant=lag)
         for object_pose, start, goal in tasks(box(), 3, seed=9):
-            way = find_way(ROBOTS[drive], box(), object_pose, start, goal, settings)
+            way = plan_path(ROBOTS[drive], box(), object_pose, start, goal, settings)
             run = Drive(ROBOTS[drive], way, box(), object_pose, true=true, settings=settings)
             assert run.arrived(goal)
             assert min(run.gaps) > 0.5 * settings.clearance
@@ -185,17 +185,17 @@ def test_noise_in_what_it_sees_does_not_keep_it_from_arriving(drive):
     """Poses that are off by as much as the tolerance, standard deviation."""
     robot, rng = ROBOTS[drive], np.random.default_rng(10)
     for object_pose, start, goal in tasks(box(), 3, seed=11):
-        way = find_way(robot, box(), object_pose, start, goal, SETTINGS)
+        way = plan_path(robot, box(), object_pose, start, goal, SETTINGS)
         run = Drive(robot, way, box(), object_pose, noise=lambda: rng.normal(0.0, 0.002, 3))
         assert run.follower.finished
         assert distance(run.end, goal) < 0.008
-        assert run.within(SETTINGS.capped(robot))
+        assert run.within(SETTINGS.limited_to(robot))
 
 
 def test_a_finished_robot_that_is_moved_goes_back():
     """Finished is only while it is there."""
     robot, goal = ROBOTS['differential'], Pose(0.5, 0.0, 0.0)
-    way = driven_way(Pose(0.0, 0.0, 0.0), goal, [(0.5, 0.0, 0.0)], [False])
+    way = differential_path(Pose(0.0, 0.0, 0.0), goal, [(0.5, 0.0, 0.0)], [False])
     follower = Drive(robot, way).follower
     assert follower.finished
     moved = Pose(0.45, 0.0, 0.0)
@@ -206,8 +206,8 @@ def test_a_finished_robot_that_is_moved_goes_back():
 
 def test_what_is_not_finite_is_refused_by_name():
     """Poses and times."""
-    way = Way((Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)))
-    follower = WayFollower(ROBOTS['differential'], SETTINGS, way)
+    way = Path((Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)))
+    follower = PathFollower(ROBOTS['differential'], SETTINGS, way)
     with pytest.raises(ValueError, match='pose: got'):
         follower.step(Pose(math.nan, 0.0, 0.0), 0.1)
     for wrong in (math.inf, -0.1):
@@ -219,18 +219,18 @@ def test_settings_are_capped_by_the_robot():
     """Each limit by its own; the rest stays."""
     robot = RoundRobot(0.1, max_speed=0.1, max_yaw_rate=0.2, max_acceleration=0.15,
                        max_yaw_acceleration=0.3)
-    capped = SETTINGS.capped(robot)
-    assert (capped.speed, capped.yaw_rate, capped.acceleration, capped.yaw_acceleration) == (
+    limited_to = SETTINGS.limited_to(robot)
+    assert (limited_to.speed, limited_to.yaw_rate, limited_to.acceleration, limited_to.yaw_acceleration) == (
         0.1, 0.2, 0.15, 0.3)
     assert dataclasses.replace(
-        capped, **{name: getattr(SETTINGS, name) for name in (
+        limited_to, **{name: getattr(SETTINGS, name) for name in (
             'speed', 'yaw_rate', 'acceleration', 'yaw_acceleration')}) == SETTINGS
 
 
 @either
-@pytest.mark.parametrize('turn', [0.02, -0.08])
-def test_a_robot_that_is_nearly_there_turns_to_its_heading(drive, turn):
+@pytest.mark.parametrize('heading_change', [0.02, -0.08])
+def test_a_robot_that_is_nearly_there_turns_to_its_heading(drive, heading_change):
     """Less than a millimetre beside its place it does not drive there, but it does turn."""
-    start, goal = Pose(0.0, 0.0, 3.1), Pose(2e-4, -1e-4, 3.1 + turn)
-    way = find_way(ROBOTS[drive], box(), FAR, start, goal, SETTINGS)
+    start, goal = Pose(0.0, 0.0, 3.1), Pose(2e-4, -1e-4, 3.1 + heading_change)
+    way = plan_path(ROBOTS[drive], box(), FAR, start, goal, SETTINGS)
     assert Drive(ROBOTS[drive], way).arrived(goal)

@@ -47,9 +47,9 @@ def test_a_plan_reaches_its_goal_when_integrated_anew(answer):
     assert check.friction_usage < 0.9
     # Between the points where the cone is asked for it is exceeded a little, after switches.
     assert check.cone_usage < 1.25
-    assert answer.report['way_beyond_planning_cone'] < 0.05 * answer.report['path_length']
+    assert answer.report['distance_beyond_planning_cone'] < 0.05 * answer.report['path_length']
     if answer.report['path_length'] < 3.0:
-        assert check.stretches == 1
+        assert check.intervals == 1
 
 
 def test_a_plan_that_is_wrong_is_found_out(answer):
@@ -136,7 +136,7 @@ def test_the_end_is_a_straight_push(answer):
     """Once settled, the object does not turn and the contact heads for the friction centre."""
     problem, motion = answer.problem, answer.trajectory
     ways = np.cumsum(np.hypot(*np.diff(motion.contact_poses[:, :2], axis=0, prepend=np.nan).T)[1:])
-    last = np.append(ways > ways[-1] - 0.5 * answer.report['run_in'], True)
+    last = np.append(ways > ways[-1] - 0.5 * answer.report['final_straight'], True)
     theta = motion.object_poses[last, 2]
     assert np.ptp(theta) < 1e-3
     heading = np.arctan2(motion.contact_twists[last, 1], motion.contact_twists[last, 0])

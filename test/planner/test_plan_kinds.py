@@ -11,7 +11,7 @@ from push_model.contact import face_length
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_planner.plan import Plan
-from push_planner.problem import PlanningFailed, PresentMotion
+from push_planner.problem import InitialMotion, PlanningFailed
 from push_planner.single_push.bounds import displacement_bound, vehicle_bound
 from push_planner.single_push.planner import plan
 import pytest
@@ -20,7 +20,7 @@ IDEAL = RoundRobot(0.17, 'holonomic', max_speed=5.0, max_yaw_rate=50.0, max_acce
 QUICK = RoundRobot(0.1, 'differential', max_yaw_rate=50.0, max_acceleration=100.0,
                    max_yaw_acceleration=1000.0)
 BENT = Pose(1.5, 0.4, 0.5)
-FIXED = {'robot_yaw': 'fixed', 'run_in': 0.0}
+FIXED = {'robot_yaw': 'fixed', 'final_straight': 0.0}
 ANSWERED = {
     'rolling face': face_problem(Pose(1.5, 0.05, 0.05), **FIXED),
     'rolling face, off centre': face_problem(Pose(1.2, -0.1, 0.02), offset=0.02, **FIXED),
@@ -29,9 +29,9 @@ ANSWERED = {
     'rolling vertex': vertex_problem(Pose(1.0, 0.02, -0.75), HOLONOMIC, **FIXED),
     'point': face_problem(BENT, RoundRobot(0.0, 'holonomic')),
     'two constant angles': face_problem(Pose(0.8, 0.1, 0.2), IDEAL, pushing_angles='constant',
-                                        segments=2, segment_length=20.0, run_in=0.0),
+                                        segments=2, segment_length=20.0, final_straight=0.0),
     'six constant angles': face_problem(BENT, IDEAL, pushing_angles='constant', segments=6,
-                                        segment_length=20.0, run_in=0.0),
+                                        segment_length=20.0, final_straight=0.0),
     'quasi-static': face_problem(BENT, motion_model='quasi_static'),
     'soft start': face_problem(BENT, acceleration=0.2),
     '1 m/s': face_problem(Pose(3.0, 0.8, 0.9), IDEAL, pushing_speed=1.0, deceleration=1.0),
@@ -39,7 +39,7 @@ ANSWERED = {
     'near': face_problem(Pose(0.1, 0.0, 0.0), IDEAL, pushing_speed=0.5),
     'far': face_problem(Pose(9.0, 4.0, 2.0), IDEAL, pushing_speed=0.5),
     'small box, far': vertex_problem(Pose(-3.0, -0.6, 1.0), QUICK, obj=box(side=0.1),
-                                     pushing_speed=0.25, run_in=0.0),
+                                     pushing_speed=0.25, final_straight=0.0),
     'limited angle': face_problem(BENT, IDEAL, angle_limit='angle', max_pushing_angle=0.2),
     'unlimited': face_problem(BENT, IDEAL, angle_limit='none', pushing_speed=0.1),
 }
@@ -163,7 +163,7 @@ def test_slow_dynamic_pushes_are_quasi_static():
 
 def test_finer_pieces_change_less_and_less():
     """Durations converge with the number of pieces."""
-    times = [plan(face_problem(Pose(2.0, 1.0, 0.3), IDEAL, segments=count, run_in=0.0)).report[
+    times = [plan(face_problem(Pose(2.0, 1.0, 0.3), IDEAL, segments=count, final_straight=0.0)).report[
         'path_length'] for count in (8, 16, 32, 64)]
     changes = np.abs(np.diff(times))
     assert changes[1] < changes[0] and changes[2] < 0.6 * changes[1] + 1e-4
@@ -198,10 +198,10 @@ def test_planning_anew_from_a_former_plan_finds_the_same_push():
     problem = face_problem(BENT, IDEAL)
     former = plan(problem)
     same = plan(problem, previous=former)
-    assert same.report['word'] == 'former plan'
+    assert same.report['route'] == 'previous plan'
     assert same.trajectory.duration == pytest.approx(former.trajectory.duration, rel=1e-3)
     moved = plan(dataclasses.replace(problem, goal=Pose(1.47, 0.44, 0.52)), previous=former)
-    assert moved.report['word'] == 'former plan'
+    assert moved.report['route'] == 'previous plan'
     assert moved.verify().position_error < 1e-4
 
 
@@ -216,7 +216,7 @@ def test_a_push_under_way_is_planned_on_from(model):
     rho = math.remainder(math.atan2(velocity[1], velocity[0]) - gamma, 2.0 * math.pi)
     going = dataclasses.replace(
         problem, start=Pose(*now['object_poses']), normal=gamma, heading=now['robot_poses'][2],
-        motion=PresentMotion(math.hypot(*velocity), now['object_twists'][2], rho))
+        motion=InitialMotion(math.hypot(*velocity), now['object_twists'][2], rho))
     answer = plan(going, previous=former)
     assert answer.switches == ()
     assert answer.pushing_angles[0][0] == pytest.approx(rho, abs=3e-3)
@@ -231,7 +231,7 @@ def test_a_correction_that_would_reverse_the_push_ends_a_trial_and_not_the_plann
     """Two pieces for 5 m are too few for some ways: they are passed over."""
     point = RoundRobot(0.0, 'holonomic', max_speed=10.0, max_yaw_rate=50.0, max_acceleration=100.0)
     problem = face_problem(Pose(1.2, -0.6, 0.4), point, pushing_speed=0.25, deceleration=0.0,
-                           segments=2, segment_length=20.0, run_in=0.0, cone_margin=0.9,
+                           segments=2, segment_length=20.0, final_straight=0.0, cone_margin=0.9,
                            friction_discount=1.0)
     with contextlib.suppress(PlanningFailed):
         assert plan(problem).verify().position_error < 1e-3
@@ -244,4 +244,4 @@ def test_a_former_plan_is_left_where_there_is_a_much_shorter_way():
     ahead = dataclasses.replace(behind, goal=Pose(1.5, 0.0, 0.0))
     anew = plan(ahead, previous=former)
     assert anew.trajectory.duration <= 1.1 * plan(ahead).trajectory.duration
-    assert anew.report['word'] != 'former plan'
+    assert anew.report['route'] != 'previous plan'

@@ -89,7 +89,7 @@ def test_a_wider_cone_is_no_slower(robot, margins):
     """Whatever a narrow cone allows, a wide one does."""
     answers = [plan(vertex_problem(Pose(1.9, 1.3, 0.35), robot, cone_margin=margin))
                for margin in margins]
-    assert len({answer.report['run_in'] for answer in answers}) == 1
+    assert len({answer.report['final_straight'] for answer in answers}) == 1
     ways = [answer.segment_ends[-1] for answer in answers]
     assert ways[0] >= ways[1] - 1e-5 and ways[1] >= ways[2] - 1e-5
     assert ways[0] > ways[2] + 5e-4
@@ -102,8 +102,8 @@ def test_the_optimum_lies_between_its_bounds(goal):
     answer = plan(problem)
     route = routes(problem, tightest_turns(problem))[0]
     # The vehicle view is exact for the ellipsoid only; real supports turn a little differently.
-    assert answer.segment_ends[-1] >= 0.97 * (route.path.length + route.run_in)
-    assert answer.segment_ends[-1] <= 1.03 * route.cost
+    assert answer.segment_ends[-1] >= 0.97 * (route.path.length + route.final_straight)
+    assert answer.segment_ends[-1] <= 1.03 * route.path_length
 
 
 def test_steady_turns_keep_to_the_curvature_limit():
@@ -112,7 +112,7 @@ def test_steady_turns_keep_to_the_curvature_limit():
     answer = plan(problem)
     highest, lowest = (turn.curvature for turn in tightest_turns(problem))
     motion = answer.trajectory
-    x, y = problem.vehicle.flat_point
+    x, y = problem.vehicle.flat_output
     z = np.array([Pose(*pose).transform((x, y)) for pose in motion.object_poses])
     ways = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(z, axis=0).T))])
     theta = motion.object_poses[:, 2]

@@ -20,7 +20,7 @@ AHEAD = Pose(1.5, 0.3, -0.6)
 
 @pytest.mark.parametrize('field, value', [
     ('pushing_speed', 0.0), ('pushing_speed', math.nan), ('segments', 1), ('segments', 10.5),
-    ('cone_margin', 1.2), ('run_in', -0.1), ('friction_discount', 0.0),
+    ('cone_margin', 1.2), ('final_straight', -0.1), ('friction_discount', 0.0),
     ('max_path_length', 'far')])
 def test_settings_out_of_range_are_refused_by_name(field, value):
     """The error names the field and what came."""

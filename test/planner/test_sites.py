@@ -12,7 +12,7 @@ from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
 from push_planner.single_push.contact_sites import site_problems
 from push_planner.single_push.planner import plan
-from push_planner.single_push.replanning import plan_measured
+from push_planner.single_push.replanning import plan_from_measurements
 from push_planner.single_push.site_selection import choose_site
 import pytest
 
@@ -47,8 +47,8 @@ def test_no_site_is_quicker_than_the_choice(robot, obj, settings, goal):
     durations = one_by_one(obj, robot, goal, settings)
     choice = choose_site(obj, robot, HOME, goal, settings)
     assert choice.plan.trajectory.duration == pytest.approx(min(durations), rel=1e-9)
-    assert len(choice.table) == len(durations)
-    got = [option.duration for option in choice.table if option.duration is not None]
+    assert len(choice.candidates) == len(durations)
+    got = [option.duration for option in choice.candidates if option.duration is not None]
     assert got == sorted(got) and len(got) < len(durations)
 
 
@@ -64,11 +64,11 @@ def test_the_mirror_image_is_pushed_from_the_mirrored_site(robot):
     one = choose_site(box(friction=UNEVEN), robot, HOME, goal)
     other = choose_site(box(friction=UNEVEN[::-1]), robot, HOME,
                         Pose(goal.x, -goal.y, -goal.theta))
-    kind, index = mirrored_feature(one.table[0].contact)
-    assert (other.table[0].contact.kind, other.table[0].contact.index) == (kind, index % 4)
-    x, y, heading = one.table[0].robot_pose
-    assert other.table[0].robot_pose == pytest.approx((x, -y, -heading), abs=1e-9)
-    assert other.table[0].duration == pytest.approx(one.table[0].duration, rel=1e-6)
+    kind, index = mirrored_feature(one.candidates[0].contact)
+    assert (other.candidates[0].contact.kind, other.candidates[0].contact.index) == (kind, index % 4)
+    x, y, heading = one.candidates[0].robot_pose
+    assert other.candidates[0].robot_pose == pytest.approx((x, -y, -heading), abs=1e-9)
+    assert other.candidates[0].duration == pytest.approx(one.candidates[0].duration, rel=1e-6)
 
 
 @pytest.mark.parametrize('face', FACES)
@@ -76,7 +76,7 @@ def test_the_mirror_image_is_pushed_from_the_mirrored_site(robot):
 def test_a_goal_straight_ahead_of_a_face_is_pushed_there(face, scene):
     """From the opposite side, in the time that the way takes."""
     choice = choose_site(box(), HOLONOMIC, scene, scene @ FACES[face])
-    first = choice.table[0]
+    first = choice.candidates[0]
     assert first.contact == Contact('face', face)
     assert first.path_length == pytest.approx(1.5, abs=1e-3)
     behind = scene.inverse() @ first.robot_pose
@@ -92,17 +92,17 @@ def test_the_table_has_every_site_with_time_or_reason(robot, obj, kinds):
     """Robots touch the object there; with a plan there is a time, else a reason."""
     goal = Pose(1.5, 0.2, 0.1)
     choice = choose_site(obj, robot, HOME, goal)
-    table = choice.table
-    assert {kind: sum(option.contact.kind == kind for option in table) for kind in kinds} == kinds
-    assert len(table) == sum(kinds.values())
-    for option in table:
+    candidates = choice.candidates
+    assert {kind: sum(option.contact.kind == kind for option in candidates) for kind in kinds} == kinds
+    assert len(candidates) == sum(kinds.values())
+    for option in candidates:
         assert (option.duration is None) == (option.path_length is None) == bool(option.reason)
         found = problem_from_placement(obj, robot, HOME, option.robot_pose, goal,
                                        PlannerSettings(contact_tolerance=1e-9))
         assert (found.contact.kind, found.contact.index) == (
             option.contact.kind, option.contact.index)
     begin = choice.plan.trajectory.robot_poses[0]
-    np.testing.assert_allclose(begin[:2], table[0].robot_pose[:2], atol=1e-9)
+    np.testing.assert_allclose(begin[:2], candidates[0].robot_pose[:2], atol=1e-9)
 
 
 def test_a_differential_drive_starts_straight_behind_the_friction_centre():
@@ -111,7 +111,7 @@ def test_a_differential_drive_starts_straight_behind_the_friction_centre():
                 if problem.contact.kind == 'vertex']
     for problem in problems:
         assert problem.normal_offset == pytest.approx(0.0, abs=1e-9)
-        assert abs(problem.heading_offset) < 0.7 * problem.planning_angle
+        assert abs(problem.heading_offset) < 0.7 * problem.planning_cone_angle
     assert len({round(problem.heading_offset, 6) for problem in problems}) == 5
 
 
@@ -126,18 +126,18 @@ def test_where_all_sites_are_refused_the_least_bad_is_named(robot, obj, goal, re
     """The report has the table, each site with its reason."""
     with pytest.raises(PlanningFailed, match=reason) as failure:
         choose_site(obj, robot, HOME, goal)
-    table = failure.value.report['sites']
-    assert failure.value.reason == f'no site will do, the least bad is {table[0]}'
-    assert len(table) > 4 and all(option.reason for option in table)
+    candidates = failure.value.report['sites']
+    assert failure.value.reason == f'no site will do, the least bad is {candidates[0]}'
+    assert len(candidates) > 4 and all(option.reason for option in candidates)
 
 
 def test_the_least_bad_site_is_the_one_that_came_nearest():
     """A vertex that is merely too far off goes before faces that can never be used."""
     with pytest.raises(PlanningFailed) as failure:
         choose_site(box(), DIFFERENTIAL, HOME, Pose(50.0, 50.0, 0.0))
-    table = failure.value.report['sites']
-    assert table[0].contact.kind == 'vertex' and 'a push of 7' in table[0].reason
-    assert [option.contact.kind for option in table[-4:]] == ['face'] * 4
+    candidates = failure.value.report['sites']
+    assert candidates[0].contact.kind == 'vertex' and 'a push of 7' in candidates[0].reason
+    assert [option.contact.kind for option in candidates[-4:]] == ['face'] * 4
 
 
 def test_objects_without_friction_and_fences_are_refused():
@@ -151,8 +151,8 @@ def test_objects_without_friction_and_fences_are_refused():
 
 def plan_at(place, goal, settings=None):
     """Plan for a robot that stands there at rest."""
-    return plan_measured(box(), HOLONOMIC, ObjectPose(0.0, HOME), Odometry(0.0, place, STOP), goal,
-                         settings)
+    return plan_from_measurements(box(), HOLONOMIC, ObjectPose(0.0, HOME), Odometry(0.0, place, STOP), goal,
+                                  settings)
 
 
 @pytest.mark.parametrize('place, sites', [(Pose(-0.37, 0.1, 0.0), 9), (Pose(-2.0, 0.0, 0.0), 8)],
@@ -161,8 +161,8 @@ def test_the_settings_say_whether_the_robot_stays(place, sites):
     """Where it stands is one more site, if it stands at the object."""
     goal = Pose(0.0, 1.5, 0.0)
     choice = plan_at(place, goal, AUTO)
-    assert len(choice.table) == sites
-    assert choice.table[0].contact == Contact('face', 0)
+    assert len(choice.candidates) == sites
+    assert choice.candidates[0].contact == Contact('face', 0)
     with pytest.raises(PlanningFailed):
         plan_at(place, goal)
 
@@ -170,8 +170,8 @@ def test_the_settings_say_whether_the_robot_stays(place, sites):
 def test_a_robot_that_stands_well_stays():
     """At the quickest site its own place is as quick, and the plan starts there."""
     goal = Pose(1.5, 0.3, 0.2)
-    place = choose_site(box(), HOLONOMIC, HOME, goal).table[0].robot_pose
+    place = choose_site(box(), HOLONOMIC, HOME, goal).candidates[0].robot_pose
     stay, auto = (plan_at(place, goal, settings) for settings in (None, AUTO))
-    assert stay.table == () and len(auto.table) == 9
+    assert stay.candidates == () and len(auto.candidates) == 9
     assert auto.plan.trajectory.duration == pytest.approx(stay.plan.trajectory.duration, rel=1e-9)
     assert auto.plan.trajectory.robot_poses[0] == pytest.approx(place, abs=1e-9)

@@ -11,7 +11,7 @@ from push_model.parameters import RoundRobot
 from push_navigation.path import travel_time
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed, problem_from_placement
-from push_planner.sequence.costs import standoff, way_to
+from push_planner.sequence.costs import plan_approach, standoff
 from push_planner.sequence.planner import plan_task
 from push_planner.settings import PlannerSettings, TaskSettings
 from push_planner.single_push.contact_sites import robot_start, site_problems
@@ -20,7 +20,7 @@ import pytest
 
 HOME, HERE = Pose(0.0, 0.0, 0.0), Pose(-1.2, 0.9, 2.0)
 SETTINGS, DRIVE, TASK = PlannerSettings(), DriveSettings(), TaskSettings()
-SURE = TaskSettings(mending_time=0.0)
+SURE = TaskSettings(correction_time=0.0)
 NEAR = [Pose(0.05 * math.cos(angle), 0.05 * math.sin(angle), 0.02) for angle in (0.3, 1.9, 4.0)]
 CASES = [(box(), DIFFERENTIAL, goal) for goal in NEAR + [
     Pose(0.0, 0.0, math.pi), Pose(0.8, -0.3, 0.03), Pose(-1.4, 0.5, -1.5)]] + [
@@ -30,7 +30,7 @@ CASES = [(box(), DIFFERENTIAL, goal) for goal in NEAR + [
 def execute(obj, robot, found, goal):
     """Plan and integrate all pushes, each from where the one before has ended."""
     pose, ratios = found.pushes[0].start, []
-    gentle = dataclasses.replace(SETTINGS, run_in=0.03, max_path_length=6.0)
+    gentle = dataclasses.replace(SETTINGS, final_straight=0.03, max_path_length=6.0)
     for push in found.pushes:
         place = pose @ push.start.inverse() @ push.robot_start
         problem = problem_from_placement(obj, robot, pose, place, push.end, gentle)
@@ -70,7 +70,7 @@ def test_the_duration_is_the_sum_of_its_parts(obj, robot, goal):
     for before, after in zip(found.pushes, found.pushes[1:]):
         # After a straight end the robot stands at the object as it did before.
         stands = before.end @ before.start.inverse() @ before.robot_start
-        way = way_to(robot, obj, before.end, stands, after.robot_start, DRIVE)
+        way = plan_approach(robot, obj, before.end, stands, after.robot_start, DRIVE)
         total += travel_time(way, robot, DRIVE)
     total += sum(push.duration + TASK.switch_time for push in found.pushes)
     assert found.duration == pytest.approx(total, rel=1e-3)
@@ -87,7 +87,7 @@ def test_no_single_push_is_quicker(obj, robot, goal):
             time = plan(problem).trajectory.duration
         except PlanningFailed:
             continue
-        way = way_to(robot, obj, HOME, HERE, robot_start(problem), DRIVE)
+        way = plan_approach(robot, obj, HOME, HERE, robot_start(problem), DRIVE)
         best = min(best, time + TASK.switch_time + travel_time(way, robot, DRIVE))
     assert found.duration <= min(best, found.single) * (1.0 + 1e-9)
     assert (found.duration == found.single) == (len(found.pushes) == 1)
@@ -133,8 +133,8 @@ def test_what_is_nearly_there_is_not_turned_all_round():
             found = plan_task(bin_(), HOLONOMIC, HOME, here, goal, task=task)
             headings = found.plan.trajectory.object_poses[:, 2]
             turned.append(np.abs(np.diff(np.unwrap(headings))).sum() + sum(
-                abs(length * curvature) for step in found.later
-                for length, curvature in step.pieces))
+                abs(length * curvature) for step in found.later_steps
+                for length, curvature in step.segments))
             times.append(found.duration)
         assert turned[0] < 0.5 * math.pi and turned[1] > 1.5 * math.pi
         assert times[0] > times[1]

@@ -6,14 +6,14 @@ import casadi as ca
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
-from push_planner.collocation.collocation import Node, radau, touch
-from push_planner.collocation.dimensions import Shape
+from push_planner.collocation.collocation import contact_impulse, Node, radau
+from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.formulation import formulate
-from push_planner.collocation.nlp_solver import programme
-from push_planner.collocation.transcription import Equations
+from push_planner.collocation.nlp_solver import nlp_solver
+from push_planner.collocation.transcription import Transcription
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
-from push_planner.integration.rollout import fractions, one_step, settling_way
-from push_planner.push_parameters import Constants, KINDS
+from push_planner.integration.rollout import graded_fractions, one_step, settling_distance
+from push_planner.push_parameters import PUSH_KINDS, PushParameters
 import pytest
 
 GOAL = Pose(1.5, 0.5, 0.0)
@@ -22,15 +22,15 @@ ROBOTS = pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=lambda 
 
 def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.12):
     """Return the node after one step from rest in equal parts, and the samples of w."""
-    constants = Constants.of(problem)
+    push_parameters = PushParameters.of(problem)
     x, y = problem.contact_point
     rest = Node(0.0, angle, 0.0, x, y)
-    begin = rest._replace(w=float(touch(problem.kind, constants, rest)[0]))
+    begin = rest._replace(w=float(contact_impulse(problem.kind, push_parameters, rest)[0]))
     step = one_step(problem.kind, len(problem.obj.supports), jumps, count)
     square = problem.settings.pushing_speed ** 2
     end, _, _, samples, _ = step(list(begin), list(begin), change, np.zeros(6),
                                  [length, square, 0.0, smoothing], np.full(count, 1.0 / count),
-                                 constants.column())
+                                 push_parameters.column())
     return np.array(end).ravel(), np.array(samples).reshape(-1, 6)
 
 
@@ -60,11 +60,11 @@ def test_fine_integration_converges_fast(robot, change):
 def test_two_jumps_are_one():
     """Impulses add up: a jump at once, or in two leaps with no way between, is the same."""
     problem = vertex_problem(GOAL, HOLONOMIC, pushing_speed=0.4)
-    constants = Constants.of(problem)
+    push_parameters = PushParameters.of(problem)
     node = Node(0.3, 0.1, 0.2, *problem.contact_point)
-    half = touch('held', constants, node, 0.1)[0]
-    rest = touch('held', constants, node._replace(rho=0.2), 0.15)[0]
-    assert float(half + rest) == pytest.approx(float(touch('held', constants, node, 0.25)[0]))
+    half = contact_impulse('held', push_parameters, node, 0.1)[0]
+    rest = contact_impulse('held', push_parameters, node._replace(rho=0.2), 0.15)[0]
+    assert float(half + rest) == pytest.approx(float(contact_impulse('held', push_parameters, node, 0.25)[0]))
 
 
 def test_settling_way_is_that_of_the_integration():
@@ -72,10 +72,10 @@ def test_settling_way_is_that_of_the_integration():
     problem = vertex_problem(GOAL, HOLONOMIC, pushing_speed=0.05)
     _, samples = drive(problem, 0.0, 0.01, 300, 1e-4, angle=1e-3)
     w, ways = samples[2::3, 0], np.linspace(0.0, 0.01, 301)[1:]
-    begin = float(touch('held', Constants.of(problem), Node(
+    begin = float(contact_impulse('held', PushParameters.of(problem), Node(
         0.0, 1e-3, 0.0, *problem.contact_point))[0])
     # Beyond the settling w grows slowly: the push is unstable.
-    left = np.interp(settling_way(problem), ways, w) - w[-1]
+    left = np.interp(settling_distance(problem), ways, w) - w[-1]
     assert left / (begin - w[-1]) == pytest.approx(math.exp(-1.0), abs=0.05)
 
 
@@ -83,7 +83,7 @@ def test_settling_way_is_that_of_the_integration():
                                                     (0.0004, 0.001, 0.015), (1.0, 0.1, 0.1)])
 def test_fractions_fill_the_step(length, first, longest):
     """They sum to 1, grow, and none is longer than allowed."""
-    parts = fractions(length, first, longest) * length
+    parts = graded_fractions(length, first, longest) * length
     assert parts.sum() == pytest.approx(length)
     assert (parts > 0.0).all() and parts.max() <= longest * (1.0 + 1e-12)
     assert parts[0] <= first * (1.0 + 1e-12)
@@ -96,8 +96,8 @@ def test_the_guess_nearly_follows_the_programme(problem):
     """Its followed point and turn move as the solved push does, to 0.2 m and 0.2 rad."""
     route = routes(problem, tightest_turns(problem))[0]
     formulation, guess = formulate(problem, route)
-    solution, _ = programme(formulation.shape).solve(formulation.parameters(), formulation.box,
-                                                     guess)
+    solution, _ = nlp_solver(formulation.shape).solve(formulation.parameters(), formulation.box,
+                                                      guess)
     assert solution.way == pytest.approx(guess.way, rel=0.1)
     np.testing.assert_allclose(guess.nodes[:, 2:5], solution.nodes[:, 2:5], atol=0.2)
     np.testing.assert_allclose(guess.nodes[0, 2:], solution.nodes[0, 2:], atol=1e-3)
@@ -107,22 +107,22 @@ def test_solvers_agree():
     """The relaxed programme under ipopt has the optimum of fatrop's, without any excess."""
     problem = face_problem(Pose(1.5, 0.4, 0.5))
     formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
-    made = programme(formulation.shape)
+    made = nlp_solver(formulation.shape)
     one, _ = made.solve(formulation.parameters(), formulation.box, guess)
     other, fault, _ = made.diagnose(formulation.parameters(), formulation.box, guess)
     assert not fault
     assert other.way == pytest.approx(one.way, abs=5e-4)
 
 
-@pytest.mark.parametrize('kind', KINDS)
+@pytest.mark.parametrize('kind', PUSH_KINDS)
 @pytest.mark.parametrize('jumps', [False, True])
 def test_derivatives_joined_from_stages_are_those_of_the_whole(kind, jumps):
     """Jacobian and Hessian against casadi's own on one expression, at random places."""
-    stages = Equations(Shape(kind, 4, 5, jumps, True, False)).stages
-    joined = stages.derivatives()
-    x, p = (ca.SX.sym(name, column.numel()) for name, column in (('x', stages.x),
-                                                                 ('p', stages.p)))
-    cost, rows = ca.Function('whole', [stages.x, stages.p], [stages.cost, stages.rows])(x, p)
+    nlp = Transcription(Dimensions(kind, 4, 5, jumps, True, False)).nlp
+    joined = nlp.derivatives()
+    x, p = (ca.SX.sym(name, column.numel()) for name, column in (('x', nlp.x),
+                                                                 ('p', nlp.p)))
+    cost, rows = ca.Function('whole', [nlp.x, nlp.p], [nlp.cost, nlp.rows])(x, p)
     prices, factor = ca.SX.sym('prices', rows.numel()), ca.SX.sym('factor')
     hessian, gradient = ca.hessian(factor * cost + ca.dot(prices, rows), x)
     whole = ca.Function('derivatives', [x, p, factor, prices],

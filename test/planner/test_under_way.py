@@ -8,9 +8,9 @@ from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_
 import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
-from push_planner.problem import PlannerSettings, PlanningFailed, PresentMotion
+from push_planner.problem import InitialMotion, PlannerSettings, PlanningFailed
 from push_planner.single_push.planner import plan
-from push_planner.single_push.replanning import plan_measured, present_problem
+from push_planner.single_push.replanning import plan_from_measurements, problem_from_measurements
 import pytest
 
 GOALS = {'differential': Pose(2.5, 0.7, -0.2), 'holonomic': Pose(1.5, 0.5, 0.8)}
@@ -37,8 +37,8 @@ def seen(former, time, late=0.0):
 def present(former, measured, odometry, goal=None, **settings):
     """Make the problem of pushing on."""
     problem = former.problem
-    return present_problem(problem.obj, problem.robot, measured, odometry, goal or problem.goal,
-                           dataclasses.replace(problem.settings, **settings))
+    return problem_from_measurements(problem.obj, problem.robot, measured, odometry, goal or problem.goal,
+                                     dataclasses.replace(problem.settings, **settings))
 
 
 @DRIVES
@@ -68,7 +68,7 @@ def test_a_robot_that_does_not_push_starts_from_rest(plans, drive, twist):
     former = plans[drive]
     measured, odometry = seen(former, 0.0)
     problem = present(former, measured, Odometry(10.0, odometry.pose, twist))
-    assert problem.motion == PresentMotion()
+    assert problem.motion == InitialMotion()
     assert problem.start == pytest.approx(measured.pose)
 
 
@@ -87,10 +87,10 @@ def test_the_rest_of_a_plan_is_planned_again(plans, drive, known):
     """It takes what was left, and begins with the present speed, angle and yaw rate."""
     former = plans[drive]
     problem, time = former.problem, 0.4 * former.trajectory.duration
-    choice = plan_measured(problem.obj, problem.robot, *seen(former, time, LATE), problem.goal,
-                           problem.settings, former if known else None)
+    choice = plan_from_measurements(problem.obj, problem.robot, *seen(former, time, LATE), problem.goal,
+                                    problem.settings, former if known else None)
     motion, begin = choice.plan.problem.motion, choice.plan.trajectory.at(0.0)
-    assert choice.table == ()
+    assert choice.candidates == ()
     assert choice.plan.trajectory.duration == pytest.approx(former.trajectory.duration - time,
                                                             rel=0.02)
     assert np.hypot(*begin['contact_twists'][:2]) == pytest.approx(motion.speed, rel=0.02)
@@ -104,8 +104,8 @@ def test_another_goal_is_planned_from_the_present_motion(plans, drive):
     """No impulse is needed at its start, and it ends at the new goal."""
     former, goal = plans[drive], Pose(3.2, -0.6, -1.0)
     problem = former.problem
-    found = plan_measured(problem.obj, problem.robot, *seen(former, 3.0, LATE), goal,
-                          problem.settings, former).plan
+    found = plan_from_measurements(problem.obj, problem.robot, *seen(former, 3.0, LATE), goal,
+                                   problem.settings, former).plan
     assert found.switches == () and found.problem.motion.speed > 0.1
     assert distance(found.trajectory.object_poses[-1], goal) < 1e-3
     check = found.verify()
@@ -120,12 +120,12 @@ def test_a_push_goes_on_at_its_site_though_another_is_quicker(plans, drive):
     auto = dataclasses.replace(problem.settings, site='auto', max_path_length=40.0)
     goal = problem.start @ Pose(-1.0, 0.2, 0.5)
     measured, odometry = seen(former, 2.0, LATE)
-    going = plan_measured(problem.obj, problem.robot, measured, odometry, goal, auto)
-    assert going.table == ()
+    going = plan_from_measurements(problem.obj, problem.robot, measured, odometry, goal, auto)
+    assert going.candidates == ()
     assert going.plan.problem.contact.kind == problem.contact.kind
-    rest = plan_measured(problem.obj, problem.robot, *seen(former, 2.0)[:1],
-                         odometry._replace(twist=STOP), goal, auto)
-    assert len(rest.table) > 8
+    rest = plan_from_measurements(problem.obj, problem.robot, *seen(former, 2.0)[:1],
+                                  odometry._replace(twist=STOP), goal, auto)
+    assert len(rest.candidates) > 8
     assert rest.plan.trajectory.duration < going.plan.trajectory.duration
 
 
@@ -134,9 +134,9 @@ def test_where_the_present_motion_cannot_go_on_it_is_planned_as_from_rest():
     steep = Odometry(0.0, Pose(-0.37, 0.0, 0.0), Twist(0.06, 0.12, 0.0))
     goal, settings = Pose(1.5, 0.2, 0.1), PlannerSettings()
     measured = ObjectPose(0.0, Pose(0.0, 0.0, 0.0))
-    problem = present_problem(box(), HOLONOMIC, measured, steep, goal, settings)
+    problem = problem_from_measurements(box(), HOLONOMIC, measured, steep, goal, settings)
     assert problem.motion.pushing_angle == pytest.approx(math.atan2(0.12, 0.06))
     with pytest.raises(PlanningFailed):
         plan(problem)
-    found = plan_measured(box(), HOLONOMIC, measured, steep, goal, settings).plan
-    assert found.problem.motion == PresentMotion()
+    found = plan_from_measurements(box(), HOLONOMIC, measured, steep, goal, settings).plan
+    assert found.problem.motion == InitialMotion()

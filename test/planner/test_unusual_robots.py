@@ -6,7 +6,7 @@ from builtin_interfaces.msg import Time
 from helpers.objects import box
 from helpers.tapes import straight_plan
 from push_control.observation import Observation
-from push_control.push.controller import make_controller
+from push_control.push.controller import Controller
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import Contact, RoundRobot
@@ -41,7 +41,7 @@ def test_a_point_on_a_face_is_planned_for_and_at_a_vertex_refused():
 @UNUSUAL
 def test_controller_refuses_with_the_reason(radius):
     robot, start = RoundRobot(radius, 'holonomic'), Pose(-0.2, 0.0, 0.0)
-    controller = make_controller(box(), robot, ControlSettings())
+    controller = Controller(box(), robot, ControlSettings())
     seen = Observation(0.0, Odometry(0.0, start, STOP), ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
     assert controller.step(straight_plan(), seen, 0.0) == STOP
     assert controller.status.phase == 'failed'

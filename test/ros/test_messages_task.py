@@ -8,8 +8,8 @@ from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_model.friction import friction_center, with_friction_center
 from push_model.geometry import Pose
-from push_model.plan_request import Wanted
-from push_navigation.occupancy_map import Workspace
+from push_model.plan_request import PlanRequest
+from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import from_map_message, to_map_message
 from push_ros.conversions.plan import from_plan_message, no_plan_message
 from push_ros.conversions.plan_request import from_request_message, to_request_message
@@ -18,10 +18,10 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
 BELIEVED = box(mass=3.0)
-WANTED = Wanted(Pose(1.0, -2.0, 0.4), Pose(0.2, 3.0, -2.9), Pose(-1.0, 0.5, 3.0),
-                with_friction_center(BELIEVED, (0.02, -0.03)), 0.64)
+WANTED = PlanRequest(Pose(1.0, -2.0, 0.4), Pose(0.2, 3.0, -2.9), Pose(-1.0, 0.5, 3.0),
+                     with_friction_center(BELIEVED, (0.02, -0.03)), 0.64)
 NUMBERS = np.arange(35).reshape(5, 7)
-FLOOR = Workspace(0.05, Pose(-1.0, 2.0, 0.7), NUMBERS % 3 == 0)
+FLOOR = OccupancyMap(0.05, Pose(-1.0, 2.0, 0.7), NUMBERS % 3 == 0)
 
 
 def sent(message):
@@ -50,7 +50,7 @@ def test_requests_survive():
     back = from_request_message(sent(request()), 'odom', BELIEVED)
     for name in ('object_pose', 'robot_pose', 'goal'):
         assert getattr(back, name) == pytest.approx(getattr(WANTED, name), abs=1e-14)
-    assert back.boldness == WANTED.boldness
+    assert back.cone_fraction == WANTED.cone_fraction
     assert friction_center(back.obj) == pytest.approx(friction_center(WANTED.obj), abs=1e-12)
     assert back.obj.capacities == pytest.approx(WANTED.obj.capacities, rel=1e-9)
     assert back.obj.outline == BELIEVED.outline

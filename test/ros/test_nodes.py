@@ -23,7 +23,7 @@ from push_ros.conversions.primitives import (
     check_frame, nanoseconds, seconds, to_pose_message, to_stamp,
 )
 from push_ros.diagnostics import ERROR, WARN
-from push_ros.parameters import to_values
+from push_ros.parameters import to_parameter_values
 from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
 from push_scenario.definition.data import config_file
@@ -38,7 +38,7 @@ MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.contr
 SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT = SCENARIO.start.object.pose, SCENARIO.robot_start
 GOAL = SCENARIO.goal.pose
-PHYSICS = {**to_values(SCENARIO.object, 'object.'), **to_values(SCENARIO.robot, 'robot.')}
+PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'), **to_parameter_values(SCENARIO.robot, 'robot.')}
 AWAY = {'robot_start': [-2.0, 0.0, 0.0]}
 ZERO = (0.0, 0.0, 0.0)
 LATE = SensorSettings(pose_noise=2e-3, pose_heading_noise=5e-3, pose_latency=0.08)

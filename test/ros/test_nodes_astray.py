@@ -3,22 +3,22 @@
 import math
 
 from helpers.node_bench import bench
-from push_control.estimation.contact_site import site_of
+from push_control.estimation.contact_site import initial_contact_site
 from push_model.geometry import Pose
 from push_model.signals import Twist
 from push_planner.problem import problem_from_placement
 from push_planner.single_push.planner import plan
 from push_ros.conversions.plan import to_plan_message
 from push_ros.conversions.primitives import to_stamp
-from push_ros.parameters import to_values
+from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.loader import find_scenario, read_scenario
 from std_srvs.srv import Trigger
 
 SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
-PARAMETERS = {**to_values(SCENARIO.object, 'object.'), **to_values(SCENARIO.robot, 'robot.'),
-              'autostart': True, 'use_sim_time': True, 'control.go_around_limit': 0}
+PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'), **to_parameter_values(SCENARIO.robot, 'robot.'),
+              'autostart': True, 'use_sim_time': True, 'control.max_reapproaches': 0}
 SPEED, PERIOD = 0.2, 0.1
 
 
@@ -31,7 +31,7 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
     """Object and robot go past the goal, 8 cm beside it; the robot stands and the node asks."""
     target = plan(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
                                          SCENARIO.planner)).trajectory
-    assert site_of(SCENARIO.object, SCENARIO.robot, target).kind == 'vertex'
+    assert initial_contact_site(SCENARIO.object, SCENARIO.robot, target).kind == 'vertex'
     asked = []
 
     def answer(_, response):

@@ -6,10 +6,10 @@ from geometry_msgs.msg import PoseStamped
 from helpers.node_bench import bench
 import numpy as np
 from push_model.geometry import distance, Pose
-from push_model.plan_request import Wanted
+from push_model.plan_request import PlanRequest
 from push_model.signals import ObjectPose
-from push_navigation.occupancy_map import Workspace
-from push_planner.sequence.planner import plan_wanted
+from push_navigation.occupancy_map import OccupancyMap
+from push_planner.sequence.planner import plan_for_request
 from push_planner.settings import TaskSettings
 from push_ros.conversions.map import to_map_message
 from push_ros.conversions.measurements import from_object_pose_message, to_object_pose_message
@@ -17,7 +17,7 @@ from push_ros.conversions.plan import from_plan_message, no_plan_message, to_pla
 from push_ros.conversions.plan_request import from_request_message, to_request_message
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR
-from push_ros.parameters import to_values
+from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
@@ -25,7 +25,7 @@ import pytest
 SCENARIO = read_scenario(find_scenario('task_approach'))
 DRIVE = SCENARIO.task.drive
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
-PHYSICS = {**to_values(SCENARIO.object, 'object.'), **to_values(SCENARIO.robot, 'robot.')}
+PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'), **to_parameter_values(SCENARIO.robot, 'robot.')}
 TASK = {**PHYSICS, 'use_sim_time': True, 'task': True}
 ZERO = (0.0, 0.0, 0.0)
 PERIOD = 0.05
@@ -56,7 +56,7 @@ def goal(pose, time=0.0, frame='odom'):
 
 def floor(occupied, frame='odom'):
     """Make a map of 8 m x 8 m about the origin."""
-    return to_map_message(Workspace(0.1, Pose(-4.0, -4.0, 0.0), occupied), to_stamp(0.0), frame)
+    return to_map_message(OccupancyMap(0.1, Pose(-4.0, -4.0, 0.0), occupied), to_stamp(0.0), frame)
 
 
 FREE = np.zeros((80, 80), dtype=bool)
@@ -67,7 +67,7 @@ def planned():
     """Plan the first push from the start, as the planner would."""
     def plan(request):
         wanted = from_request_message(request, 'odom', SCENARIO.object)
-        return plan_wanted(wanted, SCENARIO.robot, SCENARIO.planner, DRIVE)
+        return plan_for_request(wanted, SCENARIO.robot, SCENARIO.planner, DRIVE)
     return plan
 
 
@@ -138,7 +138,7 @@ def test_a_request_says_what_is_wanted(stand):
     """Object and robot as measured, the goal as given, the object as believed."""
     request = stand.wait_for_request(1)
     wanted = from_request_message(request, 'odom', SCENARIO.object)
-    assert distance(wanted.object_pose, OBJECT) < 1e-9 and wanted.boldness == 1.0
+    assert distance(wanted.object_pose, OBJECT) < 1e-9 and wanted.cone_fraction == 1.0
     assert distance(wanted.robot_pose, ROBOT) < 1e-9
     assert wanted.goal == pytest.approx(GOAL)
     assert 0.0 <= stand.now - seconds(request.header.stamp) < 0.3
@@ -255,7 +255,7 @@ def test_measurements_wait_for_the_plan(tmp_path, planned):
 @pytest.fixture(scope='module')
 def planner(tmp_path_factory):
     """Start a planner of chains."""
-    parameters = {**PHYSICS, 'planner.site': 'chain', **to_values(TaskSettings(), 'task.')}
+    parameters = {**PHYSICS, 'planner.site': 'chain', **to_parameter_values(TaskSettings(), 'task.')}
     with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
                parameters) as b:
         for topic in ('push_plan', 'planned_path', 'diagnostics'):
@@ -266,7 +266,7 @@ def planner(tmp_path_factory):
 
 def request(time=1.0, pose=GOAL):
     """Make a request from the start."""
-    return to_request_message(Wanted(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time), 'odom')
+    return to_request_message(PlanRequest(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time), 'odom')
 
 
 def answered(b, message):
@@ -284,8 +284,8 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     aside = OBJECT @ Pose(-1.0, 0.0, 1.0)
     message = request(1.5, aside)
     got = from_plan_message(answered(planner, message), 'odom')
-    chain = plan_wanted(from_request_message(message, 'odom', SCENARIO.object), SCENARIO.robot,
-                        SCENARIO.planner, DRIVE)
+    chain = plan_for_request(from_request_message(message, 'odom', SCENARIO.object), SCENARIO.robot,
+                             SCENARIO.planner, DRIVE)
     assert len(chain.pushes) > 1
     assert np.abs(got.object_poses - chain.plan.trajectory.object_poses).max() < 1e-6
     planner.until(lambda: planner.heard['planned_path'])

@@ -8,7 +8,7 @@ from push_control.settings import ControlSettings
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_planner.problem import PlannerSettings
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
-from push_ros.parameters import declare, from_values, layout, to_values
+from push_ros.parameters import declare_parameters, from_parameter_values, parameter_specs, to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.definition.data import config_file
 from push_sim_node.disturbance import FrictionChange
@@ -52,18 +52,18 @@ def node_with(overrides):
 @pytest.mark.parametrize('instance', INSTANCES, ids=lambda item: type(item).__name__)
 def test_values_come_back_as_they_went(instance):
     """Flat values make the same dataclass again, and all have their place in the layout."""
-    values = to_values(instance, 'some.')
-    assert from_values(type(instance), values, 'some.') == instance
-    assert set(values) <= {spec.name for spec in layout(type(instance), 'some.')}
+    values = to_parameter_values(instance, 'some.')
+    assert from_parameter_values(type(instance), values, 'some.') == instance
+    assert set(values) <= {spec.name for spec in parameter_specs(type(instance), 'some.')}
     assert all(type(value) in (bool, int, float, str, list) for value in values.values())
 
 
 @pytest.mark.parametrize('instance', INSTANCES, ids=lambda item: type(item).__name__)
 def test_a_node_reads_the_same_dataclass(instance):
     """Also through rclpy, and through a YAML file's types."""
-    values = yaml.safe_load(yaml.safe_dump(to_values(instance, 'some.')))
+    values = yaml.safe_load(yaml.safe_dump(to_parameter_values(instance, 'some.')))
     with node_with(values) as node:
-        assert declare(node, [('some.', type(instance))]) == [instance]
+        assert declare_parameters(node, [('some.', type(instance))]) == [instance]
         for name, value in values.items():
             got = node.get_parameter(name).value
             assert (list(got) if isinstance(value, list) else got) == value
@@ -72,9 +72,9 @@ def test_a_node_reads_the_same_dataclass(instance):
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
 def test_defaults_are_those_of_the_dataclasses(name):
     """Nothing is given but what must be; all the rest is declared with its default."""
-    required = {**to_values(BOX, 'object.'), 'robot.radius': 0.17}
+    required = {**to_parameter_values(BOX, 'object.'), 'robot.radius': 0.17}
     with node_with(required) as node:
-        instances = declare(node, SECTIONS[name])
+        instances = declare_parameters(node, SECTIONS[name])
         for (prefix, cls), instance in zip(SECTIONS[name], instances):
             if cls not in (PushedObject, RoundRobot):
                 assert instance == cls()
@@ -87,8 +87,8 @@ def test_defaults_are_those_of_the_dataclasses(name):
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
 def test_every_parameter_is_described_and_read_only(name):
     """Tools see description, unit and range; nobody changes physics under way."""
-    with node_with({**to_values(BOX, 'object.'), 'robot.radius': 0.17}) as node:
-        declare(node, SECTIONS[name])
+    with node_with({**to_parameter_values(BOX, 'object.'), 'robot.radius': 0.17}) as node:
+        declare_parameters(node, SECTIONS[name])
         for spec in parameters(name):
             described = node.describe_parameter(spec.name)
             assert len(described.description) > 3 and described.read_only
@@ -113,23 +113,23 @@ def test_every_parameter_is_described_and_read_only(name):
     ({'world_frame': ''}, 'world_frame: got an empty text')])
 def test_a_bad_parameter_is_refused_by_its_name(change, text):
     """With what came and what was expected."""
-    values = {**to_values(BOX, 'object.'), 'robot.radius': 0.17, **change}
+    values = {**to_parameter_values(BOX, 'object.'), 'robot.radius': 0.17, **change}
     sections = (('object.', PushedObject), ('robot.', RoundRobot), ('', Frames))
     with node_with(values) as node, pytest.raises(ValueError, match=text):
-        declare(node, sections)
+        declare_parameters(node, sections)
 
 
 def test_a_missing_parameter_is_named():
     """There is no default for what must be measured."""
     with node_with({'object.inertia': 1.0}) as node, \
             pytest.raises(ValueError, match='object.mass: got nothing, expected'):
-        declare(node, [('object.', PushedObject)])
+        declare_parameters(node, [('object.', PushedObject)])
 
 
 def test_whole_numbers_do_for_real_ones():
     """People write ``mass: 3`` in YAML."""
-    with node_with({**to_values(BOX, 'object.'), 'object.mass': 3}) as node:
-        assert declare(node, [('object.', PushedObject)]) == [BOX]
+    with node_with({**to_parameter_values(BOX, 'object.'), 'object.mass': 3}) as node:
+        assert declare_parameters(node, [('object.', PushedObject)]) == [BOX]
         assert isinstance(node.get_parameter('object.mass').value, float)
 
 
@@ -143,7 +143,7 @@ def test_the_default_file_has_only_parameters_that_its_nodes_have(name):
     assert set(sections) == {'/**', PLANNER, CONTROLLER, SIM}
     assert set(values) <= {spec.name for spec in parameters(name)}
     for prefix, cls in SECTIONS[name]:
-        from_values(cls, values, prefix)
+        from_parameter_values(cls, values, prefix)
 
 
 def _flat(tree, prefix=''):

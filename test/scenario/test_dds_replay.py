@@ -13,7 +13,7 @@ from push_model.parameters import CONTACT_KINDS, DRIVES
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.processes import NodeDied
 from push_scenario.dds.replay import run_over_dds
-from push_scenario.dds.session import ReplayFailed
+from push_scenario.dds.replay_client import ReplayFailed
 from push_scenario.definition.loader import find_scenario, read_scenario
 from push_scenario.evaluation.metrics import is_as_expected
 from push_scenario.simulation import loop as closed_loop

@@ -100,7 +100,7 @@ def test_a_task_without_a_way_fails_and_says_so(tmp_path):
     """The robot never moves; after the tries that are allowed it gives up."""
     walled = scenario('task_map')
     task = dataclasses.replace(walled.task, supervision=dataclasses.replace(
-        walled.task.supervision, tries=2))
+        walled.task.supervision, max_attempts=2))
     goal = Placement(5.0, 0.0, 0.0)
     result = run_over_dds(dataclasses.replace(walled, goal=goal, task=task), None, tmp_path,
                           record=False)

@@ -6,7 +6,7 @@ from helpers.tapes import make_result, make_tape, straight_plan, TIMES
 import numpy as np
 from push_model.geometry import Pose
 from push_scenario.evaluation.metrics import (
-    deviation, force_angle, is_as_expected, measure, robot_way, slip_speed,
+    deviation, distance_travelled, force_angle, is_as_expected, measure, slip_speed,
 )
 from push_sim_node.kernel.layout import SEPARATE, STICK
 import pytest
@@ -63,7 +63,7 @@ def test_a_run_that_arrives_but_is_not_done_is_not_as_expected():
 
 def test_way_on_a_circle_is_its_circumference():
     turn = 2 * math.pi * TIMES / 10.0
-    way = robot_way(make_tape(robot_x=0.5 * np.cos(turn), robot_y=0.5 * np.sin(turn)))
+    way = distance_travelled(make_tape(robot_x=0.5 * np.cos(turn), robot_y=0.5 * np.sin(turn)))
     assert way[0] == 0.0 and (np.diff(way) > 0.0).all()
     assert way[-1] == pytest.approx(math.pi, rel=1e-4)
 

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 from push_scenario.cli import main
 from push_scenario.definition.loader import find_scenario, read_scenario, scenario_text
-from push_scenario.plots.drawing import draw_walls, phases_of, PUSH_COLORS
+from push_scenario.plots.drawing import draw_map, phases_of, PUSH_COLORS
 from push_scenario.simulation.loop import run_task
 import pytest
 
@@ -39,15 +39,15 @@ def test_phases_cover_the_tape(name):
         assert phase.rows.stop == after.rows.start + 1
     numbers = [phase.number for phase in phases if phase.number is not None]
     assert numbers == list(range(result.pushes))
-    shoves = [shove.time for shove in result.scenario.simulation.shoves]
+    object_displacements = [shove.time for shove in result.scenario.simulation.object_displacements]
     # A robot that has lost its place runs into the object, and says so where it has seen it.
-    still = 0.005 if not shoves else OVERLAP
+    still = 0.005 if not object_displacements else OVERLAP
     for phase, after in zip(phases, [*phases[1:], None]):
         way = np.ptp(objects[phase.rows, :2], axis=0).max()
         begin, end = result.tape['time'][phase.rows][[0, -1]]
         if phase.number is not None:
             assert way > 0.05
-        elif phase.state in ('plan', 'approach') and not any(begin < t <= end for t in shoves):
+        elif phase.state in ('plan', 'approach') and not any(begin < t <= end for t in object_displacements):
             assert way < still or RUN_INTO in (phase.trouble, after.trouble)
 
 
@@ -59,15 +59,15 @@ def test_walls_are_drawn_where_they_are():
         turned = dataclasses.replace(case, task=dataclasses.replace(
             case.task, map=dataclasses.replace(case.task.map, origin=origin)))
         axes = Figure().add_subplot()
-        draw_walls(axes, turned)
+        draw_map(axes, turned)
         mesh, = axes.collections
         corners = mesh.get_coordinates()
         middles = 0.25 * (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:]
                           + corners[1:, 1:])
-        clearance = turned.task.workspace.clearance(middles.reshape(-1, 2))
+        clearance = turned.task.occupancy_map.clearance(middles.reshape(-1, 2))
         drawn = ~np.ma.getmaskarray(mesh.get_array()).ravel()
         assert drawn.any() and (clearance[drawn] < 0.0).all()
-        resolution = turned.task.workspace.resolution
+        resolution = turned.task.occupancy_map.resolution
         assert clearance[~drawn].min() > -0.5 * resolution
 
 

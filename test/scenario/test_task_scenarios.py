@@ -82,9 +82,9 @@ def test_through_the_door_no_wall_is_touched():
     """The robot comes from the other room; no single push would lead the object there."""
     result = result_of('task_map')
     case = result.scenario
-    workspace, start, goal = case.task.workspace, case.start.object, case.goal
+    occupancy_map, start, goal = case.task.occupancy_map, case.start.object, case.goal
     line = np.linspace((start.x, -1.0, 0.0), (goal.x, -1.0, 0.0), 200)
-    assert not workspace.object_is_free(case.object, line, 0.0)
+    assert not occupancy_map.object_is_free(case.object, line, 0.0)
     assert start.x < 0.0 < case.robot_start.x and goal.x > 0.0
     assert measure_task(result).within_map and math.isinf(result.single)
     beside = dataclasses.replace(case.task.map, origin=dataclasses.replace(
@@ -97,10 +97,10 @@ def test_through_the_door_no_wall_is_touched():
 def test_every_shove_is_noticed():
     """Within three seconds, each in another state; so is the way that the object took."""
     result = result_of('task_shove')
-    for shove in result.scenario.simulation.shoves:
+    for shove in result.scenario.simulation.object_displacements:
         assert any(shove.time < change.time < shove.time + 3.0 and change.reason
                    for change in result.history), shove
-    assert result.recoveries >= len(result.scenario.simulation.shoves)
+    assert result.recoveries >= len(result.scenario.simulation.object_displacements)
 
 
 def test_the_later_goal_counts():
@@ -140,7 +140,7 @@ def test_what_cannot_be_reached_is_not_done():
     shut = dataclasses.replace(case.task.map, rows=case.task.map.rows.replace(
         '.' * 96, 46 * '.' + 4 * '#' + 46 * '.').replace('.' * 98, 47 * '.' + '####' + 47 * '.'))
     result = run_task(dataclasses.replace(case, task=dataclasses.replace(
-        case.task, map=shut, supervision=dataclasses.replace(case.task.supervision, tries=1))))
+        case.task, map=shut, supervision=dataclasses.replace(case.task.supervision, max_attempts=1))))
     assert result.outcome == 'failed' and 'map' in result.reason
     assert result.pushes == 0 and math.isnan(result.single)
     assert not is_task_as_expected(result)
@@ -167,12 +167,12 @@ def test_a_drawn_map_has_its_first_row_at_the_top():
     """The origin is the corner with the least x and y, as turned."""
     drawn = FloorMap(0.5, '#..\n...\n', dataclasses.replace(
         scenario('task_map').task.map.origin, x=1.0, y=2.0, theta=math.pi / 2))
-    workspace = drawn.workspace
+    occupancy_map = drawn.occupancy_map
     corner = Pose(1.0, 2.0, math.pi / 2)
-    cells = [[workspace.clearance([corner.transform((x, y))])[0] for x in (0.25, 0.75, 1.25)]
+    cells = [[occupancy_map.clearance([corner.transform((x, y))])[0] for x in (0.25, 0.75, 1.25)]
              for y in (0.75, 0.25)]
     assert np.argmin(cells) == 0
-    assert drawn.workspace.occupied.tolist() == [[False] * 3, [True, False, False]]
+    assert drawn.occupancy_map.occupied.tolist() == [[False] * 3, [True, False, False]]
 
 
 @pytest.mark.parametrize('rows', ['', '..\n...', '.x'])

@@ -6,7 +6,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
-from push_sim_node.kernel.actuation import approach, chord_velocity, decay, limited
+from push_sim_node.kernel.actuation import chord_velocity, decay, limit_command, track_command
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -18,14 +18,14 @@ ROBOT = RoundRobot(0.17, 'holonomic', max_speed=0.5, max_yaw_rate=2.0)
     ('holonomic', Twist(0, math.inf, 0), 'v_y'), ('holonomic', Twist(0, 0, -math.inf), 'omega')])
 def test_impossible_commands_are_refused(drive, twist, word):
     with pytest.raises(ValueError, match=rf'command\.{word}: got .*, expected'):
-        limited(RoundRobot(0.17, drive), twist)
+        limit_command(RoundRobot(0.17, drive), twist)
 
 
 def test_limits_keep_the_direction():
-    fast = limited(ROBOT, Twist(3.0, -4.0, 7.0))
+    fast = limit_command(ROBOT, Twist(3.0, -4.0, 7.0))
     assert fast == pytest.approx((0.3, -0.4, 2.0))
-    assert limited(ROBOT, Twist(0.0, 0.0, -7.0)).omega == -2.0
-    assert limited(ROBOT, Twist(0.2, 0.1, -1.0)) == Twist(0.2, 0.1, -1.0)
+    assert limit_command(ROBOT, Twist(0.0, 0.0, -7.0)).omega == -2.0
+    assert limit_command(ROBOT, Twist(0.2, 0.1, -1.0)) == Twist(0.2, 0.1, -1.0)
 
 
 @pytest.mark.parametrize('distance, time_constant, limit, duration', [
@@ -50,7 +50,7 @@ def driven(twist, command, durations, drive=(0.1, 1.0, 6.0)):
     """Follow a command over pieces; return the end twist and its integral over time."""
     total = np.zeros(3)
     for duration in durations:
-        *twist, m_x, m_y, m_omega = approach(*twist, command, np.array(drive), duration)
+        *twist, m_x, m_y, m_omega = track_command(*twist, command, np.array(drive), duration)
         total += duration * np.array([m_x, m_y, m_omega])
     return np.array(twist), total
 

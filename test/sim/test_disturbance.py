@@ -5,7 +5,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
-from push_sim_node.disturbance import change_times, friction_factors, FrictionChange, Shove
+from push_sim_node.disturbance import change_times, friction_factors, FrictionChange, ObjectDisplacement
 from push_sim_node.simulation import COLUMNS, Simulation, SimulationSettings
 import pytest
 
@@ -61,15 +61,15 @@ def test_malformed_friction_changes_are_refused():
         SimulationSettings(friction_changes=[1.0])
 
 
-def shoved(shoves, robot=Pose(-1.0, 0.0, 0.0)):
+def shoved(object_displacements, robot=Pose(-1.0, 0.0, 0.0)):
     """Return a simulation of a box that somebody shoves while the robot stands."""
     return Simulation(box(), RoundRobot(0.17), Pose(1.0, 2.0, 0.5), robot,
-                      SimulationSettings(shoves=shoves))
+                      SimulationSettings(object_displacements=object_displacements))
 
 
 def test_shoves_are_displacements_in_the_frame_of_the_object():
     """Whatever their order in the list, at their times, one after the other, and again."""
-    one, two = Shove(0.3, 0.2, -0.1, 0.4), Shove(0.6, 0.0, 0.3, -1.0)
+    one, two = ObjectDisplacement(0.3, 0.2, -0.1, 0.4), ObjectDisplacement(0.6, 0.0, 0.3, -1.0)
     sim = shoved((two, one))
     ends = (Pose(1.0, 2.0, 0.5) @ one.displacement,
             Pose(1.0, 2.0, 0.5) @ one.displacement @ two.displacement)
@@ -86,9 +86,9 @@ def test_shoves_are_displacements_in_the_frame_of_the_object():
 
 
 def test_a_shove_into_the_robot_is_refused_by_name():
-    sim = shoved((Shove(0.5, -1.0),), Pose(1.0, 2.0, 0.5) @ Pose(-1.0, 0.1, 0.0))
+    sim = shoved((ObjectDisplacement(0.5, -1.0),), Pose(1.0, 2.0, 0.5) @ Pose(-1.0, 0.1, 0.0))
     with pytest.raises(ValueError, match='shoves: at 0.5 s'):
         while sim.time < 1.0:
             sim.next()
-    with pytest.raises(ValueError, match='shoves'):
-        SimulationSettings(shoves=[0.5])
+    with pytest.raises(ValueError, match='object_displacements'):
+        SimulationSettings(object_displacements=[0.5])

@@ -9,7 +9,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import Twist
 from push_sim_node.kernel.compiled import sequence
-from push_sim_node.kernel.floor import floor_factor, floor_rows, FloorPatch
+from push_sim_node.kernel.floor import floor_rows, FloorPatch, friction_factor_at
 from push_sim_node.plant import Plant
 from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
@@ -95,8 +95,8 @@ def test_energy_closes_and_supports_rub_as_the_floor_under_them_does(obj, edge):
     for truth in truths[5:]:
         for foot, force, capacity in zip(obj.supports, truth.support_forces, obj.capacities):
             place = truth.object_pose.transform((foot.x, foot.y))
-            factor = floor_factor(rows, *place)
-            near = [floor_factor(rows, place[0] + x, place[1] + y)
+            factor = friction_factor_at(rows, *place)
+            near = [friction_factor_at(rows, place[0] + x, place[1] + y)
                     for x in (-1e-3, 1e-3) for y in (-1e-3, 1e-3)]
             if max(near) - min(near) < 1e-9:
                 seen.add(round(factor, 6))

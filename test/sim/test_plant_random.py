@@ -22,7 +22,7 @@ def random_object(rng):
     angles = (np.arange(corners) + rng.uniform(-0.3, 0.3, corners)) * 2.0 * math.pi / corners
     shape = {'radius': radius} if corners == 2 else {
         'outline': [(radius * math.cos(a), radius * math.sin(a)) for a in np.sort(angles)]}
-    shares = np.array([foot.load_share for foot in supports])
+    shares = np.array([foot.load_fraction for foot in supports])
     balance = shares @ [(foot.x, foot.y) for foot in supports] / shares.sum()
     return PushedObject(mass, 0.5 * mass * radius ** 2, supports, center_of_mass=balance,
                         contact_friction_coefficient=rng.choice([0.0, 0.1, 0.3, 0.5, 1.0, 3.0]),

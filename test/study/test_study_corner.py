@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 from push_model.analysis.steady_turn import steady_force
-from push_model.analysis.turning_circle import turned_about, turning_center
-from push_model.friction import mean_square
+from push_model.analysis.turning_circle import rotated_about, rotation_center
+from push_model.friction import c_squared
 from push_model.geometry import Pose
 from push_study.chapter2.corner_push import (
     motion as corner_motion, quasi_static_limit as corner_limit, rates as corner_rates,
@@ -79,7 +79,7 @@ def test_slow_turn_of_a_nearly_central_push_is_that_of_the_vehicle():
     for name in values.patterns:
         obj = pushed_box(values, 3.0, 0.3, feet=support_patterns.PATTERNS[name])
         arm = math.hypot(*obj.outline[0])
-        expected = arm * 1e-3 / (arm ** 2 + mean_square(obj, direction))
+        expected = arm * 1e-3 / (arm ** 2 + c_squared(obj, direction))
         rate = steady_rates(obj, direction, [1e-3])[0] / 1e-3
         assert rate == pytest.approx(expected, rel=3e-3)
 
@@ -153,14 +153,14 @@ def test_slow_motion_is_the_quasi_static_one():
 
 
 def test_turning_center_stands_still():
-    center = turning_center((-0.2, 0.1), 0.4, 0.5, -0.8)
+    center = rotation_center((-0.2, 0.1), 0.4, 0.5, -0.8)
     for angle in (0.3, -2.0):
-        assert turned_about(center, angle).transform(center) == pytest.approx(center)
-    step = turned_about(center, -0.8e-6).transform((-0.2, 0.1))
+        assert rotated_about(center, angle).transform(center) == pytest.approx(center)
+    step = rotated_about(center, -0.8e-6).transform((-0.2, 0.1))
     assert np.subtract(step, (-0.2, 0.1)) / 1e-6 == pytest.approx(
         (0.5 * math.cos(0.4), 0.5 * math.sin(0.4)), abs=1e-5)
     with pytest.raises(ValueError, match='omega: got 0'):
-        turning_center((-0.2, 0.1), 0.4, 0.5, 0.0)
+        rotation_center((-0.2, 0.1), 0.4, 0.5, 0.0)
 
 
 @pytest.mark.parametrize('speed', [0.3, 1.0, 2.0])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from push_model.analysis.constant_angles import push_at_angles
 from push_model.analysis.rolling_limits import quasi_static_force
-from push_model.friction import mean_square
+from push_model.friction import c_squared
 from push_planner.single_push.planner import plan
 from push_study.chapter3 import (
     drift as plan_drift, friction_cone as plan_cone, radii as plan_radii,
@@ -127,7 +127,7 @@ def test_a_slow_force_is_that_of_friction_and_leans_half_as_far_as_a_small_push(
         angle = force['angle_rad'][np.searchsorted(force['time_s'], end - 1e-6) - 1]
         f_n, f_t = quasi_static_force(obj, place, math.cos(rho), math.sin(rho))
         assert angle == pytest.approx(math.atan2(f_t, f_n), abs=2e-4)
-        share = mean_square(obj, 0.0) / (place[0] ** 2 + mean_square(obj, 0.0))
+        share = c_squared(obj, 0.0) / (place[0] ** 2 + c_squared(obj, 0.0))
         assert angle == pytest.approx(share * rho, abs=2e-3)
 
 
@@ -201,7 +201,7 @@ def test_the_shift_of_a_slow_push_goes_with_the_turn_and_the_radius(radius):
     run = push_at_angles(obj, problem.contact, [-0.03, 0.04, 0.01], [0.3, 0.3, 0.3], 0.01, radius)
     x, y, theta = run.states[:, :3].T
     arm = 0.25
-    gained = y + mean_square(obj, 0.0) / arm * theta
+    gained = y + c_squared(obj, 0.0) / arm * theta
     area = np.concatenate([[0.0], np.cumsum(0.5 * (theta[1:] + theta[:-1]) * np.diff(x))])
     np.testing.assert_allclose(gained, (1.0 - radius / arm) * area, atol=4e-5)
     assert np.abs(area).max() > 2e-3

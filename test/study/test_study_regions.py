@@ -6,7 +6,7 @@ import math
 from helpers.objects import bin_, box
 import numpy as np
 from push_model.analysis.rolling_limits import (
-    force_tolerances, least_robot_radius, quasi_static_force,
+    force_tolerances, min_robot_radius, quasi_static_force,
 )
 from push_model.analysis.stability import equilibrium_at, tolerances
 from push_model.analysis.steady_turn import steady_force
@@ -138,14 +138,14 @@ def test_force_of_a_slow_push_is_that_of_a_steady_turn():
     (box(), Contact('face', 3, 0.06)),
     (bin_(center_of_mass=(-0.08, 0.02)), Contact('round', 0, 3.0))])
 def test_least_radius_is_where_stability_begins(obj, contact):
-    least = least_robot_radius(obj, push_through_center(obj, contact, 1.0))
+    least = min_robot_radius(obj, push_through_center(obj, contact, 1.0))
     assert is_stable(obj, contact, 1.001 * least)
     assert not is_stable(obj, contact, 0.999 * least)
 
 
 def test_no_robot_pushes_a_disc_stably_whose_centre_is_the_friction_centre():
     location = push_through_center(bin_(), Contact('round', 0, 1.0), 1.0)
-    assert least_robot_radius(bin_(), location) == math.inf
+    assert min_robot_radius(bin_(), location) == math.inf
     assert borders(bin_(), 50.0, 60) == (0.0, [])
 
 

@@ -80,7 +80,7 @@ def test_the_contact_rolls_up_to_the_edge_of_the_friction_cone():
 def test_the_plant_turns_as_push_and_cone_vote(rho, back, foot):
     """Between 0.51 and 0.63 rad alpha alone would have the object turn away."""
     location = PushingLocation(0.5, 0.2, 0.1)
-    turn = float(location.turn_at(rho))
+    turn = float(location.rotation_at(rho))
     assert (location.alpha(turn) < 0.0) == (rho < 0.51)
     assert (force_alpha(location, turn, 0.5) < 0.0) == back
     assert (found('2.8')[1]['back'] > rho) == back

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from push_model.analysis.turning_circle import turned_about, turning_center
+from push_model.analysis.turning_circle import rotated_about, rotation_center
 from push_model.geometry import Pose
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_study.chapter2.corner_push.scene import (
     FRICTION, MASS, motion, push_direction, pushed_box, SHAPE, steady_rates,
 )
@@ -27,13 +27,13 @@ def compute(values, batch):
     obj, direction = (pushed_box(values, values.mass, values.friction_coefficient),
                       push_direction(values))
     corner, times = obj.outline[0], np.linspace(0.0, values.duration, SAMPLES)
-    slow = turning_rate(obj, corner, values.speed * math.cos(direction),
-                        values.speed * math.sin(direction))
-    center = turning_center(corner, direction, values.speed, slow)
-    without = np.array([turned_about(center, slow * time) for time in times])
+    slow = quasi_static_yaw_rate(obj, corner, values.speed * math.cos(direction),
+                                 values.speed * math.sin(direction))
+    center = rotation_center(corner, direction, values.speed, slow)
+    without = np.array([rotated_about(center, slow * time) for time in times])
     run = motion(obj, direction, values.speed, times)[:, :4]
     steady = steady_rates(obj, direction, [values.speed])[0]
-    own = turning_center(corner, direction, values.speed, steady)
+    own = rotation_center(corner, direction, values.speed, steady)
     findings = {
         'turn_quasi_static': Finding(float(without[-1, 2]), 'rad', 'turn without inertia'),
         'turn_dynamic': Finding(float(run[-1, 2]), 'rad', 'turn with inertia'),

@@ -3,7 +3,7 @@
 import dataclasses
 
 import numpy as np
-from push_model.quasi_static import turning_rate
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_study.chapter2.corner_push.robot import push_by_robot
 from push_study.chapter2.corner_push.scene import (
     drawn_speeds, FRICTION, MASS, push_direction, pushed_box, RATE_LABEL, SHAPE, SPEED_LABEL,
@@ -28,8 +28,8 @@ def compute(values, batch):
     obj = pushed_box(values, values.mass, values.friction_coefficient)
     direction, speeds = push_direction(values), drawn_speeds(values)
     dynamic = steady_rates(obj, direction, speeds)
-    slow = np.array([turning_rate(obj, obj.outline[0], speed * np.cos(direction),
-                                  speed * np.sin(direction)) for speed in speeds])
+    slow = np.array([quasi_static_yaw_rate(obj, obj.outline[0], speed * np.cos(direction),
+                                           speed * np.sin(direction)) for speed in speeds])
     checked, simulated, off = _simulated(values, obj, direction)
     ratio, peak = dynamic / slow, int(dynamic.argmax())
     findings = {

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from push_model.analysis.steady_turn import FIXED, steady_turning_rate
-from push_model.motion import integrate, turning_push
+from push_model.analysis.steady_turn import FIXED, steady_yaw_rate
+from push_model.analysis.time_integration import body_fixed_push, integrate
 from push_model.parameters import PushedObject, Support
 from push_model.state import State
 from push_study.framework import paper
@@ -65,7 +65,7 @@ def steady_rates(obj, direction, speeds):
     :param speeds: of the contact [m/s].
     :return: array.
     """
-    return np.array([steady_turning_rate(obj, obj.outline[0], direction, speed)
+    return np.array([steady_yaw_rate(obj, obj.outline[0], direction, speed)
                      for speed in speeds])
 
 
@@ -80,7 +80,7 @@ def motion(obj, direction, speed, times):
     :return: states in the order of ``push_model.state.STATE``, shape (n, 7).
     """
     start = State(0.0, 0.0, 0.0, 0.0, direction, *obj.outline[0])
-    return integrate(obj, FIXED, turning_push(direction, speed), start, times)[1]
+    return integrate(obj, FIXED, body_fixed_push(direction, speed), start, times)[1]
 
 
 def spread(curves):

@@ -36,7 +36,7 @@ def compute(values, batch):
     """
     location = PushingLocation(values.robot_radius, math.inf, values.ahead, values.aside)
     rho = np.linspace(-values.largest_rho, values.largest_rho, SAMPLES)
-    tables = alpha_plot.tables(location, 'rho_rad', rho, location.turn_at(rho), location.rho,
+    tables = alpha_plot.tables(location, 'rho_rad', rho, location.rotation_at(rho), location.rho,
                                math.inf)
     margin = alpha_plot.middle(location).margin
     basin = min(map(abs, tables['basin']['rho_rad']), default=0.0)

@@ -6,9 +6,9 @@ import numpy as np
 from push_model.analysis.free_response import free_response
 from push_model.analysis.pushing_location import pushing_location
 from push_model.analysis.stability import linear_motion
+from push_model.analysis.time_integration import integrate, straight_push
 from push_model.contact import contact_point
 from push_model.dynamics import equation_of_motion
-from push_model.motion import integrate, straight_push
 from push_model.parameters import Contact, Support
 from push_model.state import State
 from push_study.chapter2.rolling import alpha_plot
@@ -73,7 +73,7 @@ def release(obj, location, start_rho):
     :return: ``State``.
     :raises ValueError: where the contact would be off the face.
     """
-    turn = float(location.turn_at(start_rho))
+    turn = float(location.rotation_at(start_rho))
     if not location.turns[0] < turn < location.turns[1]:
         raise ValueError(f'start_rho: got {start_rho:g}, where the contact is off the face, '
                          f'expected less than {location.turns[1]:.3g} [rad]')

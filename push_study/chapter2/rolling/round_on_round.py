@@ -72,7 +72,7 @@ def _compute(values, contact_friction):
     location = PushingLocation(values.robot_radius, values.object_radius,
                                *friction_center_at(values))
     rho = np.linspace(-values.largest_rho, values.largest_rho, SAMPLES)
-    tables = alpha_plot.tables(location, 'rho_rad', rho, location.turn_at(rho), location.rho,
+    tables = alpha_plot.tables(location, 'rho_rad', rho, location.rotation_at(rho), location.rho,
                                contact_friction)
     middle = alpha_plot.middle(location)
     low, high = tables['basin']['rho_rad'] or (middle.rho, middle.rho)

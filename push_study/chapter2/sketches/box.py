@@ -34,7 +34,7 @@ def compute_corner(values, batch):
     obj = pushed_box(values, values.mass, values.friction_coefficient)
     view = vehicle(obj, obj.outline[0])
     alpha = push_direction(values) - view.angle
-    return Outcome(_places(C=view.contact_point, F=friction_center(obj), z=view.flat_point), {
+    return Outcome(_places(C=view.contact_point, F=friction_center(obj), z=view.flat_output), {
         'alpha': Finding(math.degrees(alpha), 'deg', 'angle from the line C to F to the push'),
         'arm': Finding(view.arm, 'm', 'from the corner to the friction centre, r'),
         'wheelbase': Finding(view.wheelbase, 'm', 'wheelbase of the vehicle, L')})
@@ -56,15 +56,15 @@ def draw_corner(figure, outcome, values):
     sketch_body.solid(axes, obj, ORIGIN)
     back = Pose(*at, push).transform((-values.robot_radius, 0.0))
     sketch_body.disc(axes, back, values.robot_radius)
-    sketch.line(axes, at, view.flat_point)
+    sketch.line(axes, at, view.flat_output)
     length = 0.75 * view.arm
     sketch.arrow(axes, at, (length * math.cos(push), length * math.sin(push)), '$v_C$',
                  sketch.PUSH)
     sketch.angle(axes, at, 0.55 * view.arm, view.angle, push, '$\\alpha$')
-    sketch.dimension(axes, at, view.flat_point, '$L$', 0.06)
+    sketch.dimension(axes, at, view.flat_output, '$L$', 0.06)
     sketch_body.point(axes, at, '$C$', 205.0, 12.0, sketch.FORCE)
     sketch_body.mass_centre(axes, center, '$G, F$', -45.0, 17.0)
-    sketch_body.point(axes, view.flat_point, '$z$', -30.0, 10.0)
+    sketch_body.point(axes, view.flat_output, '$z$', -30.0, 10.0)
 
 
 def on_side(values):

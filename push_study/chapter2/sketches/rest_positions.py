@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 from push_model.analysis.pushing_location import pushing_location
+from push_model.analysis.time_integration import integrate, straight_push
 from push_model.contact import rolling_constants
-from push_model.motion import integrate, straight_push
 from push_model.parameters import Contact
 from push_model.state import State
 from push_study.chapter2.sketches.push_instant import at_turn

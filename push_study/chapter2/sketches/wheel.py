@@ -5,9 +5,9 @@ import math
 import numpy as np
 from push_model.analysis.pushing_location import pushing_location
 from push_model.analysis.stability import equilibria
+from push_model.analysis.time_integration import integrate, straight_push
 from push_model.contact import rolling_constants
 from push_model.geometry import Pose
-from push_model.motion import integrate, straight_push
 from push_model.parameters import Contact, PushedObject, Support
 from push_study.chapter2.sketches.push_instant import at_turn
 from push_study.framework import paper, sketch, sketch_body

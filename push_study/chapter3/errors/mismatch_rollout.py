@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.state import STATE
-from push_planner.verification.open_loop import driven_push, integrate
-from push_planner.verification.verification import joined, pieces_of
+from push_planner.verification.open_loop import integrate, open_loop_simulation
+from push_planner.verification.verification import merge_steady_segments, segments_of
 
 SIZE = len(STATE)
 
@@ -51,15 +51,15 @@ def replay(plan, obj=None, pace=1.0, blind=False):
     :raises RuntimeError: where the integration fails.
     """
     problem = dataclasses.replace(plan.problem, obj=obj or plan.problem.obj)
-    push = driven_push(problem)
+    push = open_loop_simulation(problem)
     lead = _lead(plan) if blind else push
     led, state, steepest = lead.start(), push.start(), 0.0
-    for piece in joined(pieces_of(plan, pace)):
-        led, jump = lead.enter(led, piece)
+    for segment in merge_steady_segments(segments_of(plan, pace)):
+        led, jump = lead.start_segment(led, segment)
         if blind:
-            led, state, angle = _side_by_side(lead, push, led, push.struck(state, jump))
+            led, state, angle = _side_by_side(lead, push, led, push.apply_velocity_jump(state, jump))
         else:
-            led, angle = push.follow(led)
+            led, angle = push.integrate_segment(led)
             state = led
         steepest = max(steepest, angle)
     if not np.isfinite(state).all():
@@ -77,7 +77,7 @@ def _lead(plan):
         raise ValueError(f'plan: got a {problem.settings.motion_model} one of a robot of radius '
                          f'{problem.robot.radius:g} m with yaw {problem.settings.robot_yaw}, '
                          'expected a dynamic one of a point or of a robot that does not turn')
-    return driven_push(problem)
+    return open_loop_simulation(problem)
 
 
 def _side_by_side(lead, push, led, state):
@@ -92,5 +92,5 @@ def _side_by_side(lead, push, led, state):
 
     end, angle = integrate(
         rate, lambda time, both: push.respond(both[SIZE:], inputs(time, both))[1],
-        lead.piece.duration, np.concatenate([led, state]))
+        lead.segment.duration, np.concatenate([led, state]))
     return end[:SIZE], end[SIZE:], angle

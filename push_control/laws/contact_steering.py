@@ -3,14 +3,16 @@
 import math
 
 from push_control.estimation.monitors import jackknifed
-from push_control.laws.command import differential_command, holonomic_command, limited
-from push_control.laws.curvature_limits import held_limits, staying_limits, trailing_limits
+from push_control.laws.command import differential_command, holonomic_command, limit_command
+from push_control.laws.curvature_limits import (
+    friction_cone_limits, jackknife_limits, vertex_limits,
+)
 
 EDGE_RESERVE = 0.02
 VERTEX_RESERVE = 0.05
 
 
-def centred_turn(site, center, allowed, rolled):
+def centering_rotation(site, center, allowed, rolled):
     """
     Turn of the robot in the object, since the start, that centres the contact.
 
@@ -21,7 +23,7 @@ def centred_turn(site, center, allowed, rolled):
     ``tan(zeta) = -p sin(d) / (R_s + p cos(d))``; so only what exceeds ``allowed`` is rolled away,
     ``sin(d - zeta) = R_s sin(zeta) / p``.
 
-    :param site: the contact ``Site``.
+    :param site: the contact ``ContactSite``.
     :param center: friction centre F in the object frame (x, y) [m].
     :param allowed: zeta that a round contact may keep [rad].
     :param rolled: the present turn, from which a round contact takes the nearer way [rad].
@@ -61,7 +63,7 @@ def _round_turn(site, center, allowed, normal):
 ZETA_SHARE = 0.3
 
 
-class ContactDrive:
+class ContactSteering:
     """One robot at one contact."""
 
     def __init__(self, obj, robot, settings, site, supports):
@@ -71,8 +73,8 @@ class ContactDrive:
         :param obj: the ``PushedObject`` as believed.
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
-        :param site: the contact ``Site``.
-        :param supports: the ``SupportTable``.
+        :param site: the contact ``ContactSite``.
+        :param supports: the ``LimitSurfaceTable``.
         :raises ValueError: where this robot cannot steer at this contact.
         """
         self._differential = robot.drive == 'differential'
@@ -81,7 +83,7 @@ class ContactDrive:
                              'drive, which cannot steer there, expected a vertex')
         self._robot, self._settings, self.site = robot, settings, site
         self._supports = supports
-        self._cone = math.atan(settings.friction_share * obj.contact_friction_coefficient)
+        self._cone = math.atan(settings.friction_fraction * obj.contact_friction_coefficient)
 
     def limits(self, flat, normal, margin):
         """
@@ -94,10 +96,10 @@ class ContactDrive:
         """
         cone = margin * self._cone
         if self._differential:
-            steady = trailing_limits(flat, self._robot.radius, self.site.lead, cone)
-            return steady.within(staying_limits(flat, self._robot.radius, self.site.lead,
-                                                self._room(flat, normal)))
-        return held_limits(self._supports, flat, normal, cone)
+            steady = jackknife_limits(flat, self._robot.radius, self.site.heading_offset, cone)
+            return steady.within(vertex_limits(flat, self._robot.radius, self.site.heading_offset,
+                                               self._room(flat, normal)))
+        return friction_cone_limits(self._supports, flat, normal, cone)
 
     def stance(self, flat, normal, belief):
         """
@@ -105,19 +107,19 @@ class ContactDrive:
 
         :param flat: the ``Vehicle`` as estimated.
         :param normal: angle of the contact normal in the object frame [rad].
-        :param belief: ``Belief`` now.
-        :return: dict of the fields of ``Situation`` of these names.
+        :param belief: ``PushState`` now.
+        :return: dict of the fields of ``SteeringInput`` of these names.
         """
         zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
-        rest = self.site.lead if self._differential else self._centred(belief)[1]
+        rest = self.site.heading_offset if self._differential else self._centred(belief)[1]
         return {'zeta': zeta, 'rest': rest,
                 'zeta_limits': self._room(flat, normal),
-                'cone': self._settings.feedback_margin * self._cone}
+                'cone': self._settings.feedback_cone_fraction * self._cone}
 
     def _centred(self, belief):
         """Turn of the robot that centres the contact, and zeta there."""
         center, rolled = belief.center, belief.phi - belief.theta - self.site.heading
-        turn = centred_turn(self.site, center, ZETA_SHARE * self._cone, rolled)
+        turn = centering_rotation(self.site, center, ZETA_SHARE * self._cone, rolled)
         c_x, c_y, normal = self.site.at(self.site.heading + turn)
         return turn, math.remainder(normal - math.atan2(center[1] - c_y, center[0] - c_x),
                                     2.0 * math.pi)
@@ -132,20 +134,20 @@ class ContactDrive:
         """
         Compute the command that closes a gap slowly, along the contact normal.
 
-        :param belief: ``Belief`` one drive lag ahead.
+        :param belief: ``PushState`` one drive lag ahead.
         :return: ``Twist``.
         """
-        lead = belief.theta + self.site.at(belief.phi - belief.theta)[2] - belief.phi
-        ahead = 0.0 if self._differential else lead
-        return limited(holonomic_command(self._settings.start_speed, 0.0, ahead, 0.0, 0.0),
-                       self._robot)
+        heading_offset = belief.theta + self.site.at(belief.phi - belief.theta)[2] - belief.phi
+        ahead = 0.0 if self._differential else heading_offset
+        return limit_command(holonomic_command(self._settings.start_speed, 0.0, ahead, 0.0, 0.0),
+                             self._robot)
 
     def command(self, flat, belief, curvature, speed):
         """
         Compute the robot's command.
 
         :param flat: the ``Vehicle`` as estimated.
-        :param belief: ``Belief`` one drive lag ahead.
+        :param belief: ``PushState`` one drive lag ahead.
         :param curvature: of z [1/m].
         :param speed: of the contact [m/s].
         :return: ``Twist``; and why there is none, or an empty text.
@@ -154,12 +156,12 @@ class ContactDrive:
         normal = site.at(belief.phi - belief.theta)[2]
         alpha = self._supports.push_angle(flat, curvature)
         angle = flat.angle + alpha - normal
-        lead = belief.theta + normal - belief.phi
+        heading_offset = belief.theta + normal - belief.phi
         trouble = jackknifed(site, normal, angle)
         if self._differential:
-            return limited(differential_command(speed, angle, lead, robot.radius), robot), trouble
+            return limit_command(differential_command(speed, angle, heading_offset, robot.radius), robot), trouble
         forward = speed * math.cos(alpha)
         rolled = belief.phi - belief.theta - site.heading
         wanted = self._centred(belief)[0]
-        omega = forward * curvature + self._settings.normal_gain * speed * (wanted - rolled)
-        return limited(holonomic_command(speed, angle, lead, robot.radius, omega), robot), trouble
+        omega = forward * curvature + self._settings.rolling_gain * speed * (wanted - rolled)
+        return limit_command(holonomic_command(speed, angle, heading_offset, robot.radius, omega), robot), trouble

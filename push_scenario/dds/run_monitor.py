@@ -2,7 +2,7 @@
 
 import math
 
-from push_control.task.status import Change, SupervisorStatus
+from push_control.task.status import StateChange, SupervisorStatus
 from push_model.geometry import distance
 from push_ros.conversions.map import HAS_MAP
 from push_ros.conversions.measurements import from_object_pose_message
@@ -18,7 +18,7 @@ from rclpy.serialization import deserialize_message
 ENDS = ('done', 'failed')
 
 
-class Watcher:
+class RunMonitor:
     """
     Keeps what matters of the messages.
 
@@ -84,7 +84,7 @@ class Watcher:
         self._progress(Progress(self._stage(), self.time, distance(pose, self._goal)))
 
 
-class TaskWatcher(Watcher):
+class TaskWatcher(RunMonitor):
     """
     Keeps besides what the supervisor of a task does.
 
@@ -109,7 +109,7 @@ class TaskWatcher(Watcher):
             self.single = float(values['single_push'])
         if status.name != CONTROLLER or 'state' not in values or self.end_time is not None:
             return
-        change = Change(float(values['since']), values['state'], values['reason'])
+        change = StateChange(float(values['since']), values['state'], values['reason'])
         is_new = change[:2] != (self.status.since, self.status.state)
         self.history.note((change,) if is_new else (), int(values['recoveries']))
         self.status = SupervisorStatus(

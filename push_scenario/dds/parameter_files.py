@@ -3,7 +3,7 @@
 import dataclasses
 
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
-from push_ros.parameters import to_values
+from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.simulation.loop import SETTLE_TIME
 import yaml
@@ -12,7 +12,7 @@ import yaml
 PATIENCE = 60.0
 
 
-def write_node_files(folder, scenario, settings, tape_path, real_time, stamped):
+def write_parameter_files(folder, scenario, settings, tape_path, real_time, stamped):
     """
     Write what the nodes must know: beliefs for planner and controller, the truth for the plant.
 
@@ -30,7 +30,7 @@ def write_node_files(folder, scenario, settings, tape_path, real_time, stamped):
     for name, parts in sections.items():
         values = {'use_sim_time': name != SIM}
         for prefix, instance in parts:
-            values.update(to_values(instance, prefix))
+            values.update(to_parameter_values(instance, prefix))
         files[name] = folder / f'{name}.yaml'
         files[name].write_text(yaml.safe_dump({name: {'ros__parameters': values}},
                                               sort_keys=False), encoding='utf-8')

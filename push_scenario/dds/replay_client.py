@@ -21,7 +21,7 @@ class ReplayFailed(RuntimeError):
     """A replay that could not be carried through, and why."""
 
 
-class Session:
+class ReplayClient:
     """
     A context, a node that calls and a node that listens, on a domain.
 
@@ -58,7 +58,7 @@ class Session:
     def pump(self):
         """Hand on what has come; wait a moment where nothing has."""
         self._check()
-        taken = self._listener.take()
+        taken = self._listener.take_message()
         for topic, data in taken:
             self._watch(topic, data)
         if not taken:
@@ -66,7 +66,7 @@ class Session:
 
     def drain(self):
         """Hand on what has come and nobody has taken, once the nodes have ended."""
-        for topic, data in self._listener.take():
+        for topic, data in self._listener.take_message():
             self._watch(topic, data)
 
     def wait_for(self, condition, timeout, what):
@@ -101,14 +101,14 @@ class Session:
         message.header.stamp, message.header.frame_id = to_stamp(time), frame
         self._goal.publish(message)
 
-    def send_map(self, workspace, frame):
+    def send_map(self, occupancy_map, frame):
         """
         Publish a map.
 
-        :param workspace: ``push_navigation.occupancy_map.Workspace``.
+        :param occupancy_map: ``push_navigation.occupancy_map.OccupancyMap``.
         :param frame: id of the world frame.
         """
-        self._map.publish(to_map_message(workspace, to_stamp(0.0), frame))
+        self._map.publish(to_map_message(occupancy_map, to_stamp(0.0), frame))
 
     def call(self, service, timeout):
         """

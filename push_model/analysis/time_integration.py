@@ -67,7 +67,7 @@ def straight_push(v_x, v_y):
     return lambda time, state: inputs
 
 
-def turning_push(direction, speed):
+def body_fixed_push(direction, speed):
     """
     Push at constant speed whose direction stays the same in the object frame.
 
