@@ -7,8 +7,7 @@ angle of n.
 
 import math
 
-from push_model.geometry import Pose
-from push_model.outline import closest_on_polygon, lowest_vertex
+from push_model.geometry import closest_on_polygon, lowest_vertex, Pose
 from push_model.parameters import Contact
 
 VERTEX_TOLERANCE = 1e-3

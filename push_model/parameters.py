@@ -3,6 +3,7 @@
 import dataclasses
 import functools
 import math
+from typing import get_args, Literal
 
 import numpy as np
 from push_model.quantity import check, quantity
@@ -92,8 +93,11 @@ def _balanced(points):
 
 
 GRAVITY = 9.81
-DRIVES = ('differential', 'holonomic')
-CONTACT_KINDS = ('vertex', 'face', 'round')
+Drive = Literal['differential', 'holonomic']
+DRIVES: tuple[Drive, ...] = get_args(Drive)
+ContactKind = Literal['vertex', 'face', 'round']
+CONTACT_KINDS: tuple[ContactKind, ...] = get_args(ContactKind)
+Outline = tuple[tuple[float, float], ...]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -124,8 +128,8 @@ class PushedObject:
     inertia: float = quantity('moment of inertia about the vertical axis through the mass centre; '
                               '0: of a uniform plate', 'kg m^2', 0.0, default=0.0)
     supports: tuple[Support, ...] = quantity('supports that carry the object', default=())
-    outline: tuple = quantity('vertices (x, y) of the convex outline, counter-clockwise, in the '
-                              'object frame; empty for a disc', 'm', default=())
+    outline: Outline = quantity('vertices (x, y) of the convex outline, counter-clockwise, in the '
+                                'object frame; empty for a disc', 'm', default=())
     radius: float = quantity('radius of a disc-shaped outline, 0 for a polygon', 'm', 0.0,
                              default=0.0)
     center_of_mass: tuple[float, float] = quantity('mass centre (x, y) in the object frame', 'm',
@@ -177,7 +181,7 @@ class RoundRobot:
 
     radius: float = quantity('radius of the outline; 0: a point, infinite: a straight fence', 'm',
                              0.0, infinite=True)
-    drive: str = quantity('kinematics of the base', choices=DRIVES, default='differential')
+    drive: Drive = quantity('kinematics of the base', choices=DRIVES, default='differential')
     max_speed: float = quantity('speed limit', 'm/s', above=0.0, high=10.0, default=0.5)
     max_yaw_rate: float = quantity('yaw rate limit', 'rad/s', above=0.0, high=50.0, default=2.0)
     max_acceleration: float = quantity('acceleration limit', 'm/s^2', above=0.0, high=100.0,
@@ -196,7 +200,7 @@ class RoundRobot:
 class Contact:
     """Where the robot touches the object's outline."""
 
-    kind: str = quantity('feature that is touched', choices=CONTACT_KINDS)
+    kind: ContactKind = quantity('feature that is touched', choices=CONTACT_KINDS)
     index: int = quantity('vertex number, or face number (face i runs from vertex i to i + 1); '
                           '0 for a round outline', '', 0, default=0)
     offset: float = quantity('on a face: distance of the contact from the midpoint, to the left '

@@ -8,14 +8,14 @@ from push_model.parameters import PushedObject
 
 class PlanRequest(NamedTuple):
     """
-    A plan that is wanted.
+    Request for a plan that brings an object at rest to a goal.
 
     :param object_pose: ``Pose`` of the object, at rest.
     :param robot_pose: ``Pose`` of the robot, anywhere.
-    :param goal: ``Pose`` wanted for the object in the end.
+    :param goal: goal ``Pose`` of the object.
     :param obj: the ``PushedObject`` as known by now.
-    :param cone_fraction: share of the planner's friction cone that the plan should use; below 1 where
-        plans have brought the object no nearer.
+    :param cone_fraction: fraction of the planner's friction cone that the plan may use; below 1
+        after plans that brought the object no nearer to its goal.
     """
 
     object_pose: Pose

@@ -1,20 +1,22 @@
 """
-Fields of parameter dataclasses: meaning, unit and range written once.
+Fields of parameter dataclasses: meaning, unit and range, written once.
 
-The same description serves validation, ROS parameter descriptors, the scenario reader and the
-README tables.
+The same description serves validation, ROS parameter descriptors, the scenario loader and the
+tables of the documentation.
 """
 
+from collections.abc import Mapping
 import dataclasses
 import functools
 import math
-from typing import get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints, Literal
 
 INFINITY = math.inf
 
 
-def quantity(description, unit='', low=-INFINITY, high=INFINITY, *, above=None, choices=None,
-             infinite=False, default=dataclasses.MISSING):
+def quantity(description: str, unit: str = '', low: float = -INFINITY, high: float = INFINITY, *,
+             above: float | None = None, choices: tuple[str, ...] | None = None,
+             infinite: bool = False, default: object = dataclasses.MISSING) -> Any:
     """
     Describe one field of a parameter dataclass.
 
@@ -23,17 +25,18 @@ def quantity(description, unit='', low=-INFINITY, high=INFINITY, *, above=None, 
     :param low: least allowed value (every element of a tuple is checked).
     :param high: greatest allowed value.
     :param above: strict lower bound, in place of ``low``.
-    :param choices: allowed words, for a field of type ``str``.
+    :param choices: allowed words, for a field of type ``str`` or a ``Literal`` of texts.
     :param infinite: whether infinity is a value too.
     :param default: value where none is given; the field is required without it.
-    :return: a ``dataclasses.field`` that ``check`` understands.
+    :return: a ``dataclasses.field`` that ``check`` understands; type checkers take it for a value
+        of the field.
     """
     metadata = {'description': description, 'unit': unit, 'low': low, 'high': high,
                 'above': above, 'choices': choices, 'infinite': infinite}
     return dataclasses.field(default=default, metadata=metadata)
 
 
-def check(instance):
+def check(instance: Any) -> None:
     """
     Validate every described field of a frozen dataclass and normalise its type.
 
@@ -42,20 +45,32 @@ def check(instance):
     :param instance: the dataclass instance, called from ``__post_init__``.
     :raises ValueError: naming the field, what came and what was expected.
     """
-    hints = _hints(type(instance))
+    kinds = field_types(type(instance))
     for field in dataclasses.fields(instance):
         if not field.metadata:
             continue
         name = f'{type(instance).__name__}.{field.name}'
-        value = _normalised(name, getattr(instance, field.name), hints[field.name], field.metadata)
+        value = _normalised(name, getattr(instance, field.name), kinds[field.name], field.metadata)
         object.__setattr__(instance, field.name, value)
 
 
-def expectation(kind, metadata):
+@functools.lru_cache(maxsize=None)
+def field_types(cls: type) -> dict[str, Any]:
     """
-    Say what a field accepts, in words.
+    List the types of the fields of a dataclass; a ``Literal`` of texts counts as ``str``.
 
-    :param kind: the annotated type of the field.
+    :param cls: the dataclass.
+    :return: dict of field names to types; do not change it, as it is kept.
+    """
+    return {name: str if get_origin(hint) is Literal and isinstance(get_args(hint)[0], str)
+            else hint for name, hint in get_type_hints(cls).items()}
+
+
+def expectation(kind: Any, metadata: Mapping[str, Any]) -> str:
+    """
+    Describe in words what a field accepts.
+
+    :param kind: type of the field, as ``field_types`` has it.
     :param metadata: the metadata that ``quantity`` made.
     :return: for example ``'a number above 0 [kg]'``.
     """
@@ -69,9 +84,9 @@ def expectation(kind, metadata):
     return noun + range_text(metadata) + unit
 
 
-def range_text(metadata):
+def range_text(metadata: Mapping[str, Any]) -> str:
     """
-    Say the range of a field in words; empty where it is unbounded.
+    Describe the range of a field in words; empty where it is unbounded.
 
     :param metadata: the metadata that ``quantity`` made.
     """
@@ -85,53 +100,57 @@ def range_text(metadata):
     return f' of at most {high:g}' if math.isfinite(high) else ''
 
 
-def _normalised(name, value, kind, metadata):
-    def refuse():
-        raise ValueError(f'{name}: got {value!r}, expected {expectation(kind, metadata)}')
-
-    if kind is bool or kind is str:
-        if not isinstance(value, kind):
-            refuse()
-        if metadata['choices'] and value not in metadata['choices']:
-            refuse()
-        return value
-    if kind in (int, float):
-        return _number(value, kind, metadata, refuse)
+def _normalised(name: str, value: Any, kind: Any, metadata: Mapping[str, Any]) -> Any:
     if dataclasses.is_dataclass(kind):
         if not isinstance(value, kind):
             raise ValueError(f'{name}: got {value!r}, expected a {kind.__name__}')
         return value
-    return _sequence(value, metadata, refuse)
+    try:
+        if kind is bool or kind is str:
+            return _choice(value, kind, metadata)
+        if kind in (int, float):
+            return _number(value, kind, metadata)
+        return _numbers(value, metadata)
+    except _Refused:
+        raise ValueError(
+            f'{name}: got {value!r}, expected {expectation(kind, metadata)}') from None
 
 
-def _number(value, kind, metadata, refuse):
+class _Refused(Exception):
+    """The value is not what the field accepts."""
+
+
+def _choice(value: Any, kind: type, metadata: Mapping[str, Any]) -> Any:
+    if not isinstance(value, kind):
+        raise _Refused
+    if metadata['choices'] and value not in metadata['choices']:
+        raise _Refused
+    return value
+
+
+def _number(value: Any, kind: type, metadata: Mapping[str, Any]) -> float:
     if isinstance(value, (bool, str)) or not hasattr(value, '__float__'):
-        refuse()
+        raise _Refused
     if kind is int and int(value) != value:
-        refuse()
+        raise _Refused
     value = kind(value)
     above = metadata['above']
     inside = metadata['low'] <= value <= metadata['high'] and (above is None or value > above)
     finite = math.isfinite(value) or (metadata.get('infinite') and not math.isnan(value))
     if not (finite and inside):
-        refuse()
+        raise _Refused
     return value
 
 
-def _sequence(value, metadata, refuse):
+def _numbers(value: Any, metadata: Mapping[str, Any]) -> tuple[Any, ...]:
     if isinstance(value, str) or not hasattr(value, '__iter__'):
-        refuse()
-    items = []
+        raise _Refused
+    items: list[Any] = []
     for item in value:
         if dataclasses.is_dataclass(item):
             items.append(item)
         elif hasattr(item, '__iter__'):
-            items.append(_sequence(item, metadata, refuse))
+            items.append(_numbers(item, metadata))
         else:
-            items.append(_number(item, float, metadata, refuse))
+            items.append(_number(item, float, metadata))
     return tuple(items)
-
-
-@functools.lru_cache(maxsize=None)
-def _hints(kind):
-    return get_type_hints(kind)

@@ -5,8 +5,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import wrap_angle
-from push_model.outline import closest_on_polygon
+from push_model.geometry import closest_on_polygon, wrap_angle
 
 ON_IT = 1e-6
 

@@ -4,7 +4,7 @@ import dataclasses
 import math
 import typing
 
-from push_model.quantity import expectation, range_text
+from push_model.quantity import expectation, field_types, range_text
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.parameter import Parameter
 
@@ -39,7 +39,7 @@ def parameter_specs(cls, prefix=''):
     :param prefix: put before the names, with its dot.
     :return: ``ParameterSpec`` list.
     """
-    hints = typing.get_type_hints(cls)
+    hints = field_types(cls)
     specs = []
     for field in dataclasses.fields(cls):
         kind, name, default = hints[field.name], prefix + field.name, _default(field)
@@ -91,7 +91,7 @@ def from_parameter_values(cls, values, prefix=''):
     :param prefix: put before the names, with its dot.
     :raises ValueError: naming the parameter, what came and what was expected.
     """
-    hints = typing.get_type_hints(cls)
+    hints = field_types(cls)
     arguments = {}
     for field in dataclasses.fields(cls):
         kind, name = hints[field.name], prefix + field.name
@@ -100,7 +100,7 @@ def from_parameter_values(cls, values, prefix=''):
         elif dataclasses.is_dataclass(_item(kind)):
             arguments[field.name] = _items(_item(kind), values, f'{name}.')
         elif name in values:
-            pairs = kind is tuple
+            pairs = kind is tuple or typing.get_origin(_item(kind)) is tuple
             arguments[field.name] = _pairs(name, values[name]) if pairs else values[name]
         elif _default(field) is None:
             raise ValueError(f'{name}: got nothing, expected {expectation(kind, field.metadata)}')

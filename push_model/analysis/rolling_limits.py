@@ -46,7 +46,8 @@ def quasi_static_force(obj, place, v_x, v_y):
     :param v_y: the same, y [m/s].
     :return: (x, y) in the object frame.
     """
-    omega, smoothing = quasi_static_yaw_rate(obj, place, v_x, v_y), SMOOTHING * math.hypot(v_x, v_y)
+    omega = quasi_static_yaw_rate(obj, place, v_x, v_y)
+    smoothing = SMOOTHING * math.hypot(v_x, v_y)
     force_x = force_y = 0.0
     for foot, capacity in zip(obj.supports, obj.capacities):
         slide = v_x - omega * (foot.y - place[1]), v_y + omega * (foot.x - place[0])

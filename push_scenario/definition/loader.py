@@ -15,7 +15,7 @@ import types
 import typing
 
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.quantity import expectation
+from push_model.quantity import expectation, field_types
 from push_scenario.definition.data import share_directory
 from push_scenario.definition.scenario import Scenario
 import yaml
@@ -113,7 +113,7 @@ def build(cls, mapping, source, path=''):
     :raises ScenarioError: naming file and key, what came and what was expected.
     """
     expect_mapping(mapping, source, path)
-    hints = typing.get_type_hints(cls)
+    hints = field_types(cls)
     fields = {field.name: field for field in dataclasses.fields(cls) if field.init}
     mapping = _in_radians(mapping, fields, source, path)
     refuse_unknown(mapping, fields, source, path)

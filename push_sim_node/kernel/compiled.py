@@ -12,7 +12,7 @@ import os
 import pathlib
 
 import numpy as np
-from push_model import friction, outline
+from push_model import friction, geometry
 
 try:
     import numba
@@ -83,7 +83,7 @@ def _options():
 
 def _source_digest():
     here = pathlib.Path(__file__).parent
-    sources = [here / name for name in KERNEL] + [outline.__file__, friction.__file__]
+    sources = [here / name for name in KERNEL] + [geometry.__file__, friction.__file__]
     digest = hashlib.sha256()
     for source in sources:
         digest.update(pathlib.Path(source).read_bytes())
@@ -91,5 +91,5 @@ def _source_digest():
 
 
 friction_weight = compiled(friction.friction_weight)
-closest_on_polygon = compiled(outline.closest_on_polygon)
-lowest_vertex = compiled(outline.lowest_vertex)
+closest_on_polygon = compiled(geometry.closest_on_polygon)
+lowest_vertex = compiled(geometry.lowest_vertex)
