@@ -1,4 +1,4 @@
-# `make demo` and `make test` build .venv from pinned wheels first; nothing else is needed.
+# Every target builds .venv from pinned wheels first; nothing else is needed.
 SHELL := /bin/sh
 BIN := .venv/bin
 SUPPORTED := python3.11 python3.12 python3.10 python3.13 python3
@@ -13,20 +13,26 @@ ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif
 
-.PHONY: help demo test lint lock clean
+.PHONY: help demo test test-fast lint lock clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
-	@sed -n 's/^\([a-z]*\):.*## /make \1	/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z-]*\):.*## /make \1	/p' $(MAKEFILE_LIST)
 
 demo: .venv/installed ## push a box to its goal over DDS; results in out/
 	$(BIN)/replay --demo --out out
 
-test: .venv/installed ## all tests, on all cores; ARGS="-k contact" for some
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
-lint: .venv/installed ## the style checks alone
-	$(BIN)/python -m pytest -q test/architecture
+test: .venv/installed ## all tests, on all cores; ARGS="-k contact" for some
+	$(PYTEST) $(ARGS)
+
+test-fast: .venv/installed ## the tests that are neither slow nor need DDS: under a minute
+	$(PYTEST) -m 'not slow and not dds' $(ARGS)
+
+lint: .venv/linters ## style, architecture and types
+	$(BIN)/python -m pytest -q test/architecture -m 'not slow and not dds'
+	$(BIN)/basedpyright
 
 lock: ## pin what requirements.in asks for; needs Python 3.10
 	rm -rf build/lock
@@ -48,6 +54,12 @@ clean: ## remove everything made here
 	@touch $@
 
 # Editable: what runs is the source tree, so only packaging changes need a new installation.
-.venv/installed: .venv/requirements setup.py setup.cfg package.xml $(wildcard push_*/__init__.py push_*/*/__init__.py push_*/*/*/__init__.py)
+.venv/installed: .venv/requirements setup.py setup.cfg package.xml \
+		$(wildcard push_*/__init__.py push_*/*/__init__.py push_*/*/*/__init__.py)
 	$(PIP_INSTALL) --no-deps --no-build-isolation --editable .
+	@touch $@
+
+# The type checker brings a Node.js of its own, which the package itself does not need.
+.venv/linters: .venv/installed requirements-lint.txt
+	$(PIP_INSTALL) -r requirements-lint.txt
 	@touch $@

@@ -16,6 +16,8 @@ RULES = {
     'shell': architecture.pure_on_shell,
     'clocks': architecture.clocks_and_dice,
     'crowd': architecture.crowded_folders,
+    'signature': architecture.long_signatures,
+    'words': architecture.old_words,
     'version': lambda root: architecture.versions_written_again(root, VERSION),
     'machine': architecture.machine_bound,
 }
@@ -51,6 +53,14 @@ OFFENCES = [
     ('clocks', {'push_sim_node/a.py': 'import numpy as np\nnp.random.normal()'}),
     ('clocks', {'push_sim_node/a.py': 'import numpy as np\nnp.random.default_rng()'}),
     ('crowd', {f'push_model/{name}.py': '' for name in 'cdefghijklmnopqrst'}),
+    ('signature', {'push_model/a.py': 'def f(a, b, c, d, e, f, g):\n    pass'}),
+    ('signature', {'push_model/a.py': 'class A:\n    def f(self, a, b, c, d, e, f, g=1):\n        pass'}),
+    ('words', {'push_model/a.py': 'robot_way = 1'}),
+    ('words', {'push_model/a.py': 'class ChainHunt:\n    pass'}),
+    ('words', {'push_model/a.py': 'def f(wanted):\n    pass'}),
+    ('words', {'push_model/a.py': 'class A:\n    pace: float'}),
+    ('words', {'push_drive_legs/a.py': ''}),
+    ('words', {'config/a.yaml': 'task:\n  mending_time: 1.0\n'}),
     ('version', {'push_model/a.py': f"v = '{VERSION}'"}),
     ('version', {'docs.md': f'release {VERSION}.'}),
     ('machine', {'config/a.yaml': f'path: {SLASH}home{SLASH}somebody'}),
@@ -58,7 +68,9 @@ OFFENCES = [
 ]
 GOOD = {
     'push_model/a.py': 'import math\nimport numpy as np\nrng = np.random.default_rng(1)\n',
-    'push_model/b.py': 'from push_model.a import rng\n',
+    'push_model/b.py': 'from push_model.a import rng\nclass A:\n    def f(self, a, b, c, d, e, f, *, g):'
+                       '\n        self.path_length = a\n',
+    'config/b.yaml': 'task:\n  correction_time: 1.0\n',
     'push_planner/a.py': 'from push_model import a, b\n',
     'push_control/controller_node.py': 'import rclpy\nfrom push_ros.run import spin\n',
     'push_control/ros/mode.py': 'import rclpy\nimport push_ros.run\n',
@@ -96,7 +108,7 @@ def test_an_offence_is_found(tmp_path, rule, files):
 
 def test_every_requirement_is_pinned():
     """Each line of the requirement files names one version."""
-    for name in ('requirements.txt', 'requirements-build.txt'):
+    for name in ('requirements.txt', 'requirements-build.txt', 'requirements-lint.txt'):
         lines = [line for line in (ROOT / name).read_text().splitlines()
                  if line and not line.startswith('#')]
         assert lines

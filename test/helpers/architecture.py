@@ -27,6 +27,19 @@ LAUNCH = {'launch', 'launch_ros'}
 TOP_MODULES = {'__init__.py', 'catalogue.py', 'gallery.py'}
 # About a dozen; the folder of push_model, all equations and values, is the fullest.
 MOST_ENTRIES = 16
+# Positional parameters, self aside; what needs more takes keywords or a value that names them.
+MOST_POSITIONAL = 6
+WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+(?![a-z])')
+WORDED = ('push_*/**/*.py', 'benchmarks/**/*.py', 'examples/*.py', 'docs/tools/*.py',
+          'config/**/*.yaml')
+# Words of a private vocabulary, each of which has a term of the field in its place: see
+# docs/nomenclature.md.
+OLD_WORDS = {
+    'anew', 'astray', 'boldness', 'chain', 'chains', 'felt', 'hazard', 'hear', 'heard', 'hopeful',
+    'hunt', 'learnt', 'leg', 'legs', 'mending', 'misplaced', 'obey', 'pace', 'polished',
+    'programme', 'remainder', 'said', 'say', 'shove', 'shoved', 'shoves', 'shyer', 'shyest',
+    'sight', 'spell', 'spells', 'stray', 'strays', 'stretch', 'stretches', 'tell', 'told', 'tries',
+    'wanted', 'wants', 'way', 'ways'}
 SEEDED = {'default_rng', 'Generator', 'SeedSequence', 'BitGenerator', 'PCG64', 'Philox'}
 NOW = re.compile(r'datetime\.(datetime\.)?(now|utcnow|today)$')
 MACHINE_PATH = re.compile(r'(?<![\w.])/(root|home|work|Users|mnt|tmp)/\w')
@@ -197,6 +210,56 @@ def crowded_folders(root):
                 entries.setdefault(child.parent, set()).add(child.name)
     return [f'{folder} has {len(names)} entries' for folder, names in entries.items()
             if len(names) > MOST_ENTRIES]
+
+
+def long_signatures(root):
+    """Find functions with more positional parameters than a caller can keep in order."""
+    wrong = []
+    for module in modules(root):
+        for node in ast.walk(parse(root, module)):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                names = [arg.arg for arg in (*node.args.posonlyargs, *node.args.args)]
+                count = len(names) - (names[:1] in (['self'], ['cls']))
+                if count > MOST_POSITIONAL and not is_kernel(module):
+                    wrong.append(f'{module}:{node.lineno} {node.name} has {count}')
+    return wrong
+
+
+def is_kernel(module):
+    """Tell whether a module is compiled by numba, to which numbers are passed one by one."""
+    return module.parts[:2] == ('push_sim_node', 'kernel')
+
+
+def words_of(identifier):
+    """Split an identifier into its words, in lower case."""
+    return {word.lower() for word in WORD.findall(identifier)}
+
+
+def identifiers(tree):
+    """Yield what a module defines, as (identifier, line): names, attributes, parameters."""
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            yield node.name, node.lineno
+        elif isinstance(node, ast.arg):
+            yield node.arg, node.lineno
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id, node.lineno
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr, node.lineno
+
+
+def old_words(root):
+    """Find words of the former private vocabulary in identifiers, files and configuration keys."""
+    wrong = []
+    for path in (path.relative_to(root) for folder in WORDED for path in root.glob(folder)):
+        wrong += [f'{path}: {word}' for part in path.parts for word in words_of(part) & OLD_WORDS]
+        if path.suffix == '.py':
+            wrong += [f'{path}:{line} {name}' for name, line in identifiers(parse(root, path))
+                      if words_of(name) & OLD_WORDS]
+        else:
+            wrong += [f'{path}: {key}' for key in re.findall(r'(?m)^[\s-]*(\w+):', (root / path).read_text())
+                      if words_of(key) & OLD_WORDS]
+    return wrong
 
 
 def versions_written_again(root, version):
