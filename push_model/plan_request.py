@@ -1,5 +1,6 @@
-"""Request for a plan: what a supervisor asks of the planner."""
+"""Request for a plan, and the reasons for which a planner may find none."""
 
+import enum
 from typing import NamedTuple
 
 from push_model.geometry import Pose
@@ -23,3 +24,33 @@ class PlanRequest(NamedTuple):
     goal: Pose
     obj: PushedObject
     cone_fraction: float = 1.0
+
+
+class PlanFailure(enum.Enum):
+    """
+    Reason why there is no plan.
+
+    Control flow compares these; the sentence with the numbers of the case is for people.
+    """
+
+    INVALID_VALUE = 'a pose or an angle is not finite'
+    ROBOT_NOT_ROUND = 'the robot is not round'
+    NO_SUPPORT_FRICTION = 'the object slides without friction'
+    NO_CONTACT_FRICTION = 'the contact has no friction'
+    AT_GOAL = 'the object is at the goal already'
+    ROBOT_TOO_SLOW = 'the pushing speed is beyond the robot'
+    NOT_IN_CONTACT = 'the robot does not touch the object'
+    UNSUPPORTED_CONTACT = 'the robot cannot push at this kind of contact'
+    FACING_AWAY = 'the robot points away from the object'
+    WRONG_SIDE = 'the robot would push from the wrong side'
+    ONE_SIDED_STEERING = 'the contact can steer to one side only'
+    JACKKNIFED = 'the contact would fold up'
+    LEAVES_CONTACT_FEATURE = 'the contact would roll off its face or vertex'
+    PATH_TOO_LONG = 'the push would be too long'
+    LIMIT_EXCEEDED = 'a limit of friction or of the robot would be exceeded'
+    NOT_CONVERGED = 'the search did not converge'
+    NOT_ACCEPTED = 'a push was found, but it fails its acceptance test'
+    NO_FEASIBLE_SITE = 'no contact site is feasible'
+    NO_SEQUENCE = 'no sequence of pushes leads to the goal'
+    NOT_FREE = 'the object does not fit into the map at its start or goal'
+    BLOCKED = 'obstacles or the end of the map are in the way'

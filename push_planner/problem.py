@@ -3,12 +3,13 @@
 import dataclasses
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, Mapping, NamedTuple, Optional
 
 from push_model.contact import contact_point, curvature_radius, find_contact, rolling_constants
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
+from push_model.plan_request import PlanFailure
 from push_model.quasi_static import vehicle
 from push_planner.push_parameters import PushParameters
 from push_planner.settings import PlannerSettings
@@ -16,17 +17,24 @@ from push_planner.settings import PlannerSettings
 
 class PlanningFailed(Exception):
     """
-    No plan, and why.
+    There is no plan.
 
-    :param reason: one sentence.
-    :param report: what was found on the way, a dict of names to values.
+    :param code: ``push_model.plan_request.PlanFailure``, for control flow.
+    :param reason: the same in one sentence with its numbers, for people.
+    :param report: further results by name.
     """
 
-    def __init__(self, reason, report=None):
-        """Keep the reason and the report."""
+    def __init__(self, code: PlanFailure, reason: str,
+                 report: Optional[Mapping[str, Any]] = None) -> None:
+        """Keep code, reason and report."""
         super().__init__(reason)
+        self.code = code
         self.reason = reason
         self.report = dict(report or {})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle with all arguments; an exception of itself pickles its message alone."""
+        return type(self), (self.code, self.reason, self.report)
 
 
 class InitialMotion(NamedTuple):
@@ -159,12 +167,14 @@ def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=N
     poses = {'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal}
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
-            raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
+            raise PlanningFailed(PlanFailure.INVALID_VALUE,
+                                 f'the {name} is not finite: {tuple(pose)}')
     check_robot_is_round(robot)
     contact, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
     if abs(gap) > settings.contact_tolerance:
         kind = 'away from' if gap > 0.0 else 'inside'
-        raise PlanningFailed(f'the robot is not at the object: it is {abs(gap):.3f} m {kind} it, '
+        raise PlanningFailed(PlanFailure.NOT_IN_CONTACT,
+                             f'the robot is not at the object: it is {abs(gap):.3f} m {kind} it, '
                              f'at most {settings.contact_tolerance:g} m is accepted',
                              {'gap': gap})
     return PushProblem(obj, robot, contact, Pose(*map(float, object_pose)), float(normal),
@@ -179,5 +189,6 @@ def check_robot_is_round(robot):
     :raises PlanningFailed: where its radius is infinite.
     """
     if math.isinf(robot.radius):
-        raise PlanningFailed(f'the robot has a radius of {robot.radius:g} m: plans are made for '
+        raise PlanningFailed(PlanFailure.ROBOT_NOT_ROUND,
+                             f'the robot has a radius of {robot.radius:g} m: plans are made for '
                              'round robots and points, not for fences')

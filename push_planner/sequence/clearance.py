@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from push_model.plan_request import PlanFailure
 from push_navigation.obstacle import inflate
 from push_planner.problem import PlanningFailed
 from push_planner.sequence.kinematics import object_poses_along, SequenceMotions
@@ -33,7 +34,8 @@ class ClearanceCheck:
         self.robot_margin = drive.map_clearance
         for name, pose in (('object stands', start), ('goal is', goal)):
             if not occupancy_map.object_is_free(obj, [pose], 0.0):
-                raise PlanningFailed(f'the {name} at {pose.x:.2f} m, {pose.y:.2f} m, where the '
+                raise PlanningFailed(PlanFailure.NOT_FREE,
+                                     f'the {name} at {pose.x:.2f} m, {pose.y:.2f} m, where the '
                                      'map has an obstacle or ends')
         self.margin = next(margin for margin in np.multiply(MARGINS, drive.map_clearance)
                            if occupancy_map.object_is_free(obj, [start, goal], margin))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import distance, Pose
+from push_model.plan_request import PlanFailure
 from push_navigation.path import Path
 from push_navigation.settings import DriveSettings
 from push_planner.plan import Plan
@@ -95,7 +96,7 @@ class SequencePlanner:
             again = self._first(most)
             found = again if again and again.expected < most else found
         if found is None:
-            raise PlanningFailed(self._reason(), self.report)
+            raise self._failure()
         single = min((option.about for option in singles if not option.reason), default=math.inf)
         if len(found.pushes) == 1:
             single = min(single, found.duration)
@@ -176,14 +177,16 @@ class SequencePlanner:
         return sequence_costs(self._table, self.obj, self.robot, self.local_robot, self.settings,
                               self.drive, self.task)
 
-    def _reason(self):
+    def _failure(self):
         tried = self.report['tried'] or self.refused
         if self.room is not None:
             self.room = None
             if self._singles() or any(self._chains(math.inf)):
-                return ('the goal is reached only outside the map or through its obstacles: '
-                        f'{tried[0]}')
-        return f'no chain of pushes to the goal was found: {tried[0]}'
+                return PlanningFailed(
+                    PlanFailure.BLOCKED, 'the goal is reached only outside the map or through '
+                    f'its obstacles: {tried[0]}', self.report)
+        return PlanningFailed(PlanFailure.NO_SEQUENCE, 'no chain of pushes to the goal was found: '
+                              f'{tried[0]}', self.report)
 
 
 def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=None, task=None,
@@ -207,7 +210,8 @@ def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=No
     poses = {'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal}
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():
-            raise PlanningFailed(f'the {name} is not finite: {tuple(pose)}')
+            raise PlanningFailed(PlanFailure.INVALID_VALUE,
+                                 f'the {name} is not finite: {tuple(pose)}')
     settings = settings or PlannerSettings()
     object_pose, robot_pose, goal = (Pose(*map(float, pose)) for pose in poses.values())
     check_not_at_goal(object_pose, goal, settings)

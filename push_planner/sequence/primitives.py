@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from push_model.contact import normal_range
 from push_model.geometry import Pose, wrap_angle
+from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import rotation_range
 from push_planner.initial_guess.dubins_routes import tightest_turns
 from push_planner.problem import PlanningFailed, PushProblem
@@ -118,7 +119,8 @@ def primitive_table(obj, robot, settings, task, bearing):
             if key not in best or primitive.radius < best[key].radius:
                 best[key] = primitive
     if not best:
-        raise PlanningFailed(f'no site will do for a chain of pushes: {reason}')
+        raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE,
+                             f'no site will do for a chain of pushes: {reason}')
     found = tuple(best.values())
     places = tuple(dict.fromkeys(primitive.robot_pose for primitive in found))
     views = [primitive.problem.vehicle for primitive in found]

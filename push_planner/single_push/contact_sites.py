@@ -6,6 +6,7 @@ from push_model.contact import contact_point, face_length, face_normal, normal_r
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact
+from push_model.plan_request import PlanFailure
 from push_planner.problem import check_robot_is_round, PlanningFailed, PushProblem
 from push_planner.push_parameters import VERTEX_MARGIN
 
@@ -35,7 +36,7 @@ def site_problems(obj, robot, start, goal, settings):
     try:
         center = friction_center(obj)
     except ValueError as error:
-        raise PlanningFailed(str(error)) from error
+        raise PlanningFailed(PlanFailure.NO_SUPPORT_FRICTION, str(error)) from error
     places = _vertices(obj, robot, center, settings) + _faces(obj, center) if obj.outline else (
         _round_places(start, goal))
     return [PushProblem(obj, robot, contact, start, start.theta + normal,

@@ -1,9 +1,11 @@
 """From problem to plan."""
 
+import dataclasses
 import math
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
+from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import formulate, Formulation, rotation_range
 from push_planner.collocation.nlp_solver import nlp_solver, Solution, UNSETTLED
 from push_planner.initial_guess.dubins_routes import Route, routes, tightest_turns
@@ -93,17 +95,64 @@ ALIKE = 1.0
 ROUNDING = 1e-9
 
 
-class _Attempts(list):
-    """What became of each programme, in one line; they have to fulfil a ``PlanRequirements``."""
+class Attempt(NamedTuple):
+    """
+    Result of following one route.
 
-    def __init__(self, requirements):
-        super().__init__()
-        self.requirements, self.solves = requirements, 0
+    :param route: its name.
+    :param path_length: its length [m].
+    :param verdict: the result in words.
+    :param failure: ``PlanFailure``; None for a plan.
+    :param relaxed: whether the relaxed program was solved.
+    """
+
+    route: str
+    path_length: float
+    verdict: str
+    failure: Optional[PlanFailure]
+    relaxed: bool
+
+    def __str__(self) -> str:
+        """Describe it in one line."""
+        return f'{self.route} of {self.path_length:.2f} m: {self.verdict}'
 
     @property
-    def spent(self):
-        """Whether no more are allowed."""
+    def explains(self) -> bool:
+        """Whether it tells why there is no plan: a relaxed program that converged does."""
+        return not (self.relaxed and self.failure is PlanFailure.NOT_CONVERGED)
+
+
+@dataclasses.dataclass
+class AttemptLog:
+    """
+    Attempts at one problem, and the budget that they have.
+
+    :param requirements: ``PlanRequirements`` to be met.
+    :param solves: number of nonlinear programs solved so far.
+    :param attempts: the ``Attempt`` list, in order.
+    """
+
+    requirements: PlanRequirements
+    solves: int = 0
+    attempts: list[Attempt] = dataclasses.field(default_factory=list)
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether the budget is used up."""
         return self.solves >= self.requirements.max_solves
+
+    def lines(self) -> list[str]:
+        """Describe all attempts, a line each."""
+        return [str(attempt) for attempt in self.attempts]
+
+    def best_explanation(self, count: int) -> Attempt:
+        """
+        Find the attempt that explains best why there is no plan.
+
+        :param count: number of latest attempts to look at.
+        """
+        latest = self.attempts[-count:]
+        return next((attempt for attempt in latest if attempt.explains), latest[0])
 
 
 class _Candidate(NamedTuple):
@@ -139,7 +188,7 @@ def plan(problem, previous=None, requirements=NO_REQUIREMENTS):
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
     check_feasibility(problem)
-    attempts = _Attempts(requirements)
+    attempts = AttemptLog(requirements)
     if requirements.route is not None:
         candidate = _solve(problem, requirements.route, attempts, False)
         found = candidate and _finish(problem, candidate, attempts)
@@ -153,7 +202,7 @@ def plan(problem, previous=None, requirements=NO_REQUIREMENTS):
     for relaxed in (False, True):
         waiting = left[:RELAXED] if relaxed else left
         while waiting:
-            if attempts.spent:
+            if attempts.is_spent:
                 break
             solved, waiting = _solve_some(problem, waiting, attempts, relaxed)
             for candidate in sorted(solved, key=lambda candidate: candidate.duration):
@@ -162,21 +211,24 @@ def plan(problem, previous=None, requirements=NO_REQUIREMENTS):
                 if found is not None:
                     return found
     # The relaxed programme comes last, and mostly says what stands in the way.
-    nearest = min(attempts[-len(left[:RELAXED]):], key=lambda attempt: UNSETTLED in attempt)
-    raise PlanningFailed('no push within the friction cone and the limits of the robot was found '
+    nearest = attempts.best_explanation(len(left[:RELAXED]))
+    raise PlanningFailed(nearest.failure or PlanFailure.NOT_CONVERGED,
+                         'no push within the friction cone and the limits of the robot was found '
                          f'on {len(left)} ways that were tried, among them {nearest}',
-                         {'attempts': list(attempts)})
+                         {'attempts': attempts.lines()})
 
 
 def _ways(problem):
     """Routes that are worth a try, the most promising first."""
     turns = tightest_turns(problem)
     if turns is None:
-        raise PlanningFailed('the contact cannot steer both ways: in steady turns to one side its '
+        raise PlanningFailed(PlanFailure.ONE_SIDED_STEERING,
+                             'the contact cannot steer both ways: in steady turns to one side its '
                              'force leaves the planning cone; another contact may do')
     ranked, longest = routes(problem, turns), problem.settings.max_path_length
     if ranked[0].path_length > longest:
         raise PlanningFailed(
+            PlanFailure.PATH_TOO_LONG,
             f'the shortest way to the goal is a push of {ranked[0].path_length:.1f} m, at most '
             f'{longest:g} m is accepted; another contact may be nearer',
             {'path_length': ranked[0].path_length})
@@ -197,7 +249,7 @@ def _solve_some(problem, ways, attempts, relaxed):
     """Solve until one is found, and then what may be as good; return the rest as well."""
     solved, rest = [], []
     for route in ways:
-        if attempts.spent or solved and not _may_be_better(route, solved):
+        if attempts.is_spent or solved and not _may_be_better(route, solved):
             rest.append(route)
             continue
         candidate = _solve(problem, route, attempts, relaxed)
@@ -216,14 +268,17 @@ def _may_be_better(route, solved):
 def _solve(problem, route, attempts, relaxed, finer=False):
     attempts.solves += 1
     formulation, guess = formulate(problem, route, finer)
-    solver, verdict = nlp_solver(formulation.shape), 'not solved'
+    solver = nlp_solver(formulation.shape)
+    verdict, failure = 'not solved', PlanFailure.NOT_CONVERGED
     if relaxed:
         solution, verdict, count = solver.diagnose(formulation.parameters(), formulation.box,
                                                    guess)
+        failure = (PlanFailure.NOT_CONVERGED if verdict == UNSETTLED else
+                   PlanFailure.LIMIT_EXCEEDED)
     else:
         solution, count = solver.solve(formulation.parameters(), formulation.box, guess)
     if solution is None:
-        attempts.append(f'{route.name} of {route.path_length:.2f} m: {verdict}')
+        attempts.attempts.append(Attempt(route.name, route.path_length, verdict, failure, relaxed))
         return None
     return _Candidate(route, formulation, solution, count)
 
@@ -238,7 +293,7 @@ def _goes_on(rollout):
 
 def _finish_finer(problem, route, attempts):
     """Where the fine integration was too far from the programme, take twice as many pieces."""
-    if problem.settings.pushing_angles == 'constant' or attempts.spent:
+    if problem.settings.pushing_angles == 'constant' or attempts.is_spent:
         return None
     candidate = _solve(problem, route, attempts, False, finer=True)
     return candidate and _finish(problem, candidate, attempts)
@@ -253,8 +308,10 @@ def _finish(problem, candidate, attempts):
         found.report.update(route=route.name, segments=formulation.shape.steps,
                             final_straight=route.final_straight, iterations=iterations)
         violation = acceptance_error(found) or attempts.requirements.violation(found.trajectory)
-    attempts.append(f'{route.name} of {route.path_length:.2f} m: {violation or "solved"}')
+    attempts.attempts.append(Attempt(
+        route.name, route.path_length, violation or 'solved',
+        PlanFailure.NOT_ACCEPTED if violation else None, False))
     if violation:
         return None
-    found.report['attempts'] = list(attempts)
+    found.report['attempts'] = attempts.lines()
     return found

@@ -12,6 +12,7 @@ import math
 
 from push_model.contact import contact_point, contact_velocity, find_contact
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.plan_request import PlanFailure
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_planner.problem import InitialMotion, PlanningFailed, problem_from_placement
 from push_planner.settings import PlannerSettings
@@ -44,7 +45,7 @@ def plan_from_measurements(obj, robot, measured, odometry, goal, settings=None, 
     try:
         here = problem_from_measurements(obj, robot, measured, odometry, goal, settings)
     except PlanningFailed as failure:
-        if settings.site == 'placed' or 'gap' not in failure.report:
+        if settings.site == 'placed' or failure.code is not PlanFailure.NOT_IN_CONTACT:
             raise
     if here is not None and here.motion.speed > 0.0:
         try:

@@ -5,6 +5,7 @@ from typing import NamedTuple, Optional
 
 from push_model.geometry import Pose
 from push_model.parameters import Contact
+from push_model.plan_request import PlanFailure
 from push_planner.initial_guess.dubins_routes import FASTEST_TIGHT, GENTLE, routes, tightest_turns
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
@@ -107,7 +108,9 @@ def choose_site(obj, robot, start, goal, settings=None, here=None):
             rest.append(_option(problem, reason))
     candidates = tuple(sorted(solved, key=lambda option: option.duration) + rest)
     if best is None:
-        raise PlanningFailed(f'no site will do, the least bad is {candidates[0]}', {'sites': candidates})
+        raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE,
+                             f'no site will do, the least bad is {candidates[0]}',
+                             {'sites': candidates})
     return SiteChoice(best, candidates)
 
 
