@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import (
-    PoseArray, PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, WrenchStamped,
+    PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, WrenchStamped,
 )
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from push_ros import qos
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import MultiDOFJointTrajectory
+from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 PLANNER, CONTROLLER, SIM = 'push_planner', 'push_controller', 'push_sim'
@@ -54,10 +54,12 @@ TOPICS = {
     'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
                  'floor that object and robot keep to in a task; unknown cells and those of 50 or '
                  'more are obstacles, as is all outside; latched'),
-    'push_request': Topic(PoseArray, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
-                          'in a task: from where a plan is wanted, poses of object, robot, goal, '
-                          'and the friction centre as learnt, in the object frame, whose z is the '
-                          'share of the friction cone that the plan should use; latched'),
+    'push_request': Topic(
+        JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
+        'in a task: request for a plan, one point whose joint names say what each number is: x, y '
+        'and heading of object, robot and goal (object.x to goal.heading), the identified centre '
+        'of friction in the object frame (friction_center.x, friction_center.y), and the fraction '
+        'of the friction cone that the plan should use (cone_fraction); latched'),
     'push_plan': Topic(MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED,
                        qos.LATCHED, 'plan: joints object, contact and robot over time; the answer '
                        'to a request has its stamp, and no points where there is no plan; '

@@ -63,7 +63,7 @@ def one(chosen):
     case = draw(chosen.part, chosen.kind, chosen.seed)
     result, watch = watched(case)
     for change in result.history:
-        print(f'{change.time:7.2f} s {change.state:9} {change.reason}')
+        print(f'{change.time:7.2f} s {change.state.value:9} {change.reason}')
     for number, plan in enumerate(result.plans, 1):
         ways = ', '.join(f'{push.contact.kind} {push.contact.index}: {push.path_length:.2f} m'
                          for push in plan.pushes)

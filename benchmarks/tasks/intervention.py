@@ -37,7 +37,8 @@ class Hand:
                 simulation.plant.set_object_pose(simulation.plant.object_pose @ move)
             except ValueError:
                 continue
-            self.shove, self.state = ObjectDisplacement(simulation.time, *move), supervisor.status.state
+            self.shove = ObjectDisplacement(simulation.time, *move)
+            self.state = supervisor.status.state.value
             return
 
     def _displacements(self):

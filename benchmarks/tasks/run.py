@@ -7,6 +7,7 @@ from benchmarks.tasks.bound import contact_way, gap, least_time
 from benchmarks.tasks.cases import draw, OPEN
 from benchmarks.tasks.maps import object_room, robot_room
 import numpy as np
+from push_control.task.status import TaskState
 from push_model.geometry import Pose
 from push_navigation.path_planner import NoPathFound
 from push_navigation.settings import DriveSettings
@@ -17,7 +18,7 @@ from push_scenario.evaluation.metrics import distance_travelled
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, run_task
 
 POSITION, HEADING, CLEAR = 0.01, math.radians(1.0), 0.02
-LEGS = ('plan', 'approach', 'align', 'push', 'retreat')
+LEGS = (TaskState.PLAN, TaskState.APPROACH, TaskState.ALIGN, TaskState.PUSH, TaskState.RETREAT)
 
 
 class Watch:
@@ -100,7 +101,7 @@ def _legs(result):
     for change, end in zip(history, ends):
         if change.state in spent:
             spent[change.state] += end - change.time
-    return {**{f'in_{state}': seconds for state, seconds in spent.items()},
+    return {**{f'in_{state.value}': seconds for state, seconds in spent.items()},
             'troubles': '; '.join(change.reason for change in history[1:-1] if change.reason)}
 
 

@@ -1,7 +1,8 @@
 """A task: the controller's node brings the object to its goal, with as many pushes as it takes."""
 
 from push_control.ros.task_report import TaskReporter
-from push_control.task.supervisor import STANDING, Supervisor
+from push_control.task.status import TaskState
+from push_control.task.supervisor import Supervisor
 from push_ros.conversions.map import from_map_message
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.plan import from_plan_message
@@ -126,16 +127,16 @@ class TaskMode:
     def pause(self):
         """Stand until told to go on; return (success, sentence)."""
         state = self._supervisor.status.state
-        if state in STANDING:
-            return False, f'does not move: is {state}'
+        if state.is_standing:
+            return False, f'does not move: is {state.value}'
         self._supervisor.pause()
         return True, 'paused'
 
     def resume(self):
         """Go on after a pause; return (success, sentence)."""
         state = self._supervisor.status.state
-        if state != 'paused':
-            return False, f'is not paused: is {state}'
+        if state is not TaskState.PAUSED:
+            return False, f'is not paused: is {state.value}'
         self._supervisor.resume()
         return True, 'goes on'
 

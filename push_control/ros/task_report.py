@@ -1,12 +1,12 @@
 """What the controller's node says and shows of a task."""
 
-from push_control.task.status import StateChange
+from push_control.task.status import StateChange, TaskState
 from push_ros.conversions.map import map_text
 from push_ros.conversions.markers import GREY, plan_markers, scene_markers, text_markers
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.node import RateLimiter
 
-LEVELS = {'failed': ERROR, 'paused': WARN}
+LEVELS = {TaskState.FAILED: ERROR, TaskState.PAUSED: WARN}
 
 
 class TaskReporter:
@@ -58,7 +58,7 @@ class TaskReporter:
         if not due or observation.object_pose is None \
                 or not self._markers.get_subscription_count():
             return
-        pushes = status.state == 'push'
+        pushes = status.state is TaskState.PUSH
         pose = status.push.object_pose if pushes else observation.object_pose.pose
         self._markers.publish(scene_markers(
             stamp, self._frame, 'controller', *self._parts, pose, status.robot_pose, GREY))
@@ -85,7 +85,7 @@ class TaskReporter:
 
     def _report(self, status, now, stamp, time, always=False):
         self._said = now.state, now.reason
-        values = {'time': time, 'state': now.state, 'reason': now.reason, 'since': now.time,
+        values = {'time': time, 'state': now.state.value, 'reason': now.reason, 'since': now.time,
                   'pushes': status.pushes, 'recoveries': status.recoveries,
                   'robot_pose': status.robot_pose and tuple(status.robot_pose)}
         values.update({f'push.{key}': value for key, value in vars(status.push).items()})
@@ -94,4 +94,4 @@ class TaskReporter:
 
 
 def _sentence(state, reason):
-    return f'{state}, {reason}' if reason else state
+    return f'{state.value}, {reason}' if reason else state.value

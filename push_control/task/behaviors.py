@@ -9,6 +9,7 @@ from push_control.task.guarded_approach import GuardedApproach
 from push_control.task.object_model import ObjectModelEstimator
 from push_control.task.push import SupervisedPush
 from push_control.task.retreat import Retreat
+from push_control.task.status import TaskState
 
 # What is never known better: friction centre over its distance, push direction [rad].
 CENTER_SPREAD, PLACEMENT_SPREAD = 0.03, 0.02
@@ -49,21 +50,21 @@ class BehaviorFactory:
         """
         Make the leg of a state.
 
-        :param state: one of ``push_control.task.status.STATES``.
+        :param state: the ``TaskState``.
         :param target: the ``PushTrajectory``, or None.
         :param perception: ``TaskPerception`` of robot and object.
         :return: the leg, or None where the robot stands.
         """
         obj, robot, drive, settings = self.object_model.obj, self._robot, self._drive, self._settings
-        if state == 'approach':
+        if state is TaskState.APPROACH:
             return Approach(obj, robot, drive, settings, target, self.occupancy_map)
-        if state == 'align':
+        if state is TaskState.ALIGN:
             return GuardedApproach(obj, robot, self._control, drive, settings, target,
                                    perception.object_at_rest)
-        if state == 'push':
+        if state is TaskState.PUSH:
             return SupervisedPush(self.object_model, robot, self._as_known(target, perception), settings,
                                   target, self.occupancy_map)
-        if state == 'retreat':
+        if state is TaskState.RETREAT:
             return Retreat(obj, robot, drive, settings, self.occupancy_map)
         return None
 

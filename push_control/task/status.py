@@ -1,12 +1,35 @@
-"""What the supervisor of a task tells and asks."""
+"""States of a task, and the status that its supervisor reports."""
 
 import dataclasses
+import enum
 from typing import NamedTuple
 
 from push_control.push.controller import ControllerStatus
 from push_model.geometry import Pose
 
-STATES = ('idle', 'plan', 'approach', 'align', 'push', 'retreat', 'done', 'failed', 'paused')
+
+class TaskState(enum.Enum):
+    """What the robot is doing in a task; the values are those of messages, tables and files."""
+
+    IDLE = 'idle'
+    PLAN = 'plan'
+    APPROACH = 'approach'
+    ALIGN = 'align'
+    PUSH = 'push'
+    RETREAT = 'retreat'
+    DONE = 'done'
+    FAILED = 'failed'
+    PAUSED = 'paused'
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether the robot stands, and goes on only on request of the user."""
+        return self in (TaskState.IDLE, TaskState.DONE, TaskState.FAILED, TaskState.PAUSED)
+
+    @property
+    def is_final(self) -> bool:
+        """Whether the task is over, well or not."""
+        return self in (TaskState.DONE, TaskState.FAILED)
 
 
 class StateChange(NamedTuple):
@@ -14,12 +37,12 @@ class StateChange(NamedTuple):
     A change of state.
 
     :param time: when [s].
-    :param state: the new one, one of ``STATES``.
-    :param reason: why, empty where all goes as it should.
+    :param state: the new ``TaskState``.
+    :param reason: why, one sentence; empty where all goes as it should.
     """
 
     time: float
-    state: str
+    state: TaskState
     reason: str
 
 
@@ -28,22 +51,22 @@ class SupervisorStatus:
     """
     What the supervisor does, and why.
 
-    :param state: one of ``STATES``.
+    :param state: the present ``TaskState``.
     :param reason: one sentence, empty while all is well.
-    :param since: when this state began [s].
+    :param since: when this state was entered [s].
     :param pushes: number of pushes begun for this goal.
-    :param recoveries: number of times that something went wrong.
-    :param robot_pose: ``Pose`` of the robot in the world, drift of odometry taken off; None before
-        the first odometry.
+    :param recoveries: number of failures recovered from for this goal.
+    :param robot_pose: ``Pose`` of the robot in the world, corrected for the drift of its odometry;
+        None before the first odometry.
     :param history: ``StateChange`` of every state since the goal was set.
     :param push: ``ControllerStatus`` of the present or last push.
     """
 
-    state: str = 'idle'
+    state: TaskState = TaskState.IDLE
     reason: str = ''
     since: float = 0.0
     pushes: int = 0
     recoveries: int = 0
     robot_pose: Pose | None = None
-    history: tuple = ()
+    history: tuple[StateChange, ...] = ()
     push: ControllerStatus = ControllerStatus()

@@ -5,14 +5,14 @@ import dataclasses
 from push_control.task.behaviors import BehaviorFactory
 from push_control.task.perception import TaskPerception
 from push_control.task.progress import ProgressMonitor
-from push_control.task.status import StateChange, SupervisorStatus
+from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import Pose
 from push_model.plan_request import PlanRequest
 from push_model.signals import STOP
 
-AT_OBJECT = ('align', 'push', 'retreat')
-STANDING = ('idle', 'done', 'failed', 'paused')
-FOLLOWING = {'approach': 'align', 'align': 'push', 'push': 'retreat', 'retreat': 'plan'}
+AT_OBJECT = (TaskState.ALIGN, TaskState.PUSH, TaskState.RETREAT)
+FOLLOWING = {TaskState.APPROACH: TaskState.ALIGN, TaskState.ALIGN: TaskState.PUSH,
+             TaskState.PUSH: TaskState.RETREAT, TaskState.RETREAT: TaskState.PLAN}
 SETTLING = 0.3
 
 
@@ -44,10 +44,10 @@ class Supervisor:
     @property
     def status(self):
         """The present ``SupervisorStatus``."""
-        push = self._leg.status if self._status.state == 'push' else self._status.push
+        push = self._leg.status if self._status.state == TaskState.PUSH else self._status.push
         return dataclasses.replace(
             self._status, reason=self._waiting or self._status.reason or (
-                push.reason if self._status.state == 'push' else ''),
+                push.reason if self._status.state == TaskState.PUSH else ''),
             robot_pose=self._sight.robot_pose, push=push)
 
     def set_goal(self, pose):
@@ -63,7 +63,7 @@ class Supervisor:
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal, self._tries = Pose(*pose), ProgressMonitor(self._settings)
         self._status = dataclasses.replace(self._status, pushes=0, recoveries=0, history=())
-        if self._status.state != 'paused':
+        if self._status.state != TaskState.PAUSED:
             self._begin_anew('has a new goal')
 
     def set_map(self, occupancy_map):
@@ -85,7 +85,7 @@ class Supervisor:
             return
         self._target = trajectory
         self._tries.look_anew()
-        self._enter('approach')
+        self._enter(TaskState.APPROACH)
 
     def on_planning_failed(self, reason):
         """
@@ -100,13 +100,13 @@ class Supervisor:
 
     def pause(self):
         """Stand until told to resume."""
-        if self._status.state not in STANDING:
+        if not self._status.state.is_standing:
             self._resume = self._status.state
-            self._enter('paused')
+            self._enter(TaskState.PAUSED)
 
     def resume(self):
         """Go on after a pause: what was planned is planned anew."""
-        if self._status.state == 'paused':
+        if self._status.state == TaskState.PAUSED:
             self._begin_anew('goes on')
 
     def stop(self, reason):
@@ -116,7 +116,7 @@ class Supervisor:
         :param reason: one sentence.
         """
         self._goal = None
-        self._enter('idle', reason)
+        self._enter(TaskState.IDLE, reason)
 
     def step(self, observation, dt):
         """
@@ -138,11 +138,11 @@ class Supervisor:
     def _answer(self, dt):
         state = self._status.state
         self._waiting = ''
-        if state in STANDING:
+        if state.is_standing:
             return STOP
-        if state != 'push':
-            self._waiting = self._sight.failure_reason(blind=state == 'retreat')
-        if self._waiting or state == 'plan':
+        if state != TaskState.PUSH:
+            self._waiting = self._sight.failure_reason(blind=state == TaskState.RETREAT)
+        if self._waiting or state == TaskState.PLAN:
             if self._leg is not None:
                 self._leg.pause()
             return STOP if self._waiting else self._plan()
@@ -164,9 +164,9 @@ class Supervisor:
             return STOP
         verdict = self._tries.check_goal(object_at_rest, self._goal)
         if verdict == 'reached':
-            self._enter('done')
+            self._enter(TaskState.DONE)
         elif verdict == 'off' and self._tries.abort_reason:
-            self._enter('failed', self._tries.abort_reason)
+            self._enter(TaskState.FAILED, self._tries.abort_reason)
         elif verdict == 'off':
             self._legs.correct_overlap(self._sight)
             self._wants = PlanRequest(object_at_rest.pose, self._sight.robot_pose, self._goal,
@@ -175,7 +175,7 @@ class Supervisor:
         return STOP
 
     def _next(self, state):
-        if state == 'push':
+        if state == TaskState.PUSH:
             self._tries.count()
         self._enter(FOLLOWING[state])
 
@@ -183,19 +183,20 @@ class Supervisor:
         self._tries.count(failure_reason)
         self._status = dataclasses.replace(self._status, recoveries=self._status.recoveries + 1)
         # A retreat that fails is not tried again: a way to elsewhere may lead off the object.
-        self._enter('retreat' if self._status.state in ('align', 'push') else 'plan', failure_reason)
+        at_contact = self._status.state in (TaskState.ALIGN, TaskState.PUSH)
+        self._enter(TaskState.RETREAT if at_contact else TaskState.PLAN, failure_reason)
 
     def _begin_anew(self, reason):
-        state = self._resume if self._status.state == 'paused' else self._status.state
-        self._enter('retreat' if state in AT_OBJECT else 'plan', reason)
+        state = self._resume if self._status.state == TaskState.PAUSED else self._status.state
+        self._enter(TaskState.RETREAT if state in AT_OBJECT else TaskState.PLAN, reason)
 
     def _enter(self, state, reason=''):
         status, time = self.status, self._sight.time
         self._wants, self._waiting = None, ''
         self._leg = self._legs.create(state, self._target, self._sight)
-        if state == 'retreat':
+        if state == TaskState.RETREAT:
             self._sight.look_anew(time + SETTLING)
         self._status = dataclasses.replace(
             self._status, state=state, reason=reason, since=time, push=status.push,
-            pushes=status.pushes + (state == 'push'),
+            pushes=status.pushes + (state == TaskState.PUSH),
             history=(*status.history, StateChange(time, state, reason)))

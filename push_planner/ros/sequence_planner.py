@@ -37,7 +37,7 @@ class SequenceRequestHandler:
         """
         Plan what is asked for.
 
-        :param message: ``geometry_msgs/PoseArray``.
+        :param message: ``trajectory_msgs/JointTrajectory``.
         :return: ``push_planner.sequence.planner.TaskPlan``.
         :raises MessageRefused: where the request cannot be used.
         :raises PlanningFailed: with the reason.

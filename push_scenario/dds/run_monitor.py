@@ -2,7 +2,7 @@
 
 import math
 
-from push_control.task.status import StateChange, SupervisorStatus
+from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import distance
 from push_ros.conversions.map import HAS_MAP
 from push_ros.conversions.measurements import from_object_pose_message
@@ -109,17 +109,19 @@ class TaskWatcher(RunMonitor):
             self.single = float(values['single_push'])
         if status.name != CONTROLLER or 'state' not in values or self.end_time is not None:
             return
-        change = StateChange(float(values['since']), values['state'], values['reason'])
+        change = StateChange(float(values['since']), TaskState(values['state']),
+                             values['reason'])
         is_new = change[:2] != (self.status.since, self.status.state)
         self.history.note((change,) if is_new else (), int(values['recoveries']))
         self.status = SupervisorStatus(
             change.state, change.reason, change.time, int(values['pushes']),
             int(values['recoveries']), history=self.history.changes)
-        if change.state in ENDS and change.time >= self._last_goal_at:
-            self.phase, self.reason, self.end_time = change.state, change.reason, change.time
+        if change.state.is_final and change.time >= self._last_goal_at:
+            self.phase, self.reason = change.state.value, change.reason
+            self.end_time = change.time
 
     def _stage(self):
-        return self.status.state
+        return self.status.state.value
 
 
 def _message(topic, data):

@@ -42,7 +42,7 @@ def task_table(results):
     lines += [[title, f'[{unit}]' if unit else ''] + [text(r) for r in results] + ['']
               for title, unit, text in WALL_ROWS if all(hasattr(r, 'speed_up') for r in results)]
     lines.append(['outcome', ''] + [result.outcome for result in results] + [''])
-    notes = [f'{TITLES[r.control_law]}, {change.time:.1f} s, {change.state}: {change.reason}'
+    notes = [f'{TITLES[r.control_law]}, {change.time:.1f} s, {change.state.value}: {change.reason}'
              for r in results for change in r.history[1:] if change.reason]
     notes += [f'{TITLES[r.control_law]}: {r.reason}' for r in results if r.reason]
     return '\n'.join([scenario.name, *aligned(lines), *notes])

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Circle, Polygon
 import numpy as np
+from push_control.task.status import TaskState
 from push_model.geometry import Pose
 
 PLAN, GOAL, INK = '#5A5A5A', '#007A5E', '#202020'
@@ -121,13 +122,13 @@ class Phase(NamedTuple):
     """
     Rows of a tape during one state of the supervisor.
 
-    :param state: one of ``push_control.task.status.STATES``.
+    :param state: the ``TaskState``.
     :param rows: slice of the tape, one row of the next state included.
     :param number: of the push, the first one 0; None where it does not push.
     :param trouble: why it was entered, empty where all went as it should.
     """
 
-    state: str
+    state: TaskState
     rows: slice
     number: int | None
     trouble: str
@@ -150,7 +151,7 @@ def phases_of(result):
     phases = []
     for change, end in zip(history, ends):
         first, last = np.searchsorted(time, (change.time, end))
-        number = pushes if change.state == 'push' else None
+        number = pushes if change.state is TaskState.PUSH else None
         pushes += number is not None
         phases.append(Phase(change.state, slice(int(first), int(last) + 1), number,
                             change.reason if change is not history[0] else ''))

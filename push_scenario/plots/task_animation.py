@@ -6,6 +6,7 @@ from matplotlib.animation import PillowWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
+from push_control.task.status import TaskState
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     ALONE, ALONE_STYLE, draw_goals, draw_map, draw_object, draw_robot, front, INK, outline,
@@ -14,9 +15,11 @@ from push_scenario.plots.drawing import (
 
 FRAMES, HELD_FRAMES, RATE = 120, 18, 12
 PANEL, DPI = 5.6, 80
-DOING = {'plan': 'looks and plans', 'approach': 'drives to the object', 'align': 'feels for it',
-         'push': 'pushes', 'retreat': 'backs off', 'done': 'done', 'failed': 'has given up',
-         'idle': 'stands', 'paused': 'stands'}
+DOING = {
+    TaskState.PLAN: 'looks and plans', TaskState.APPROACH: 'drives to the object',
+    TaskState.ALIGN: 'feels for it', TaskState.PUSH: 'pushes', TaskState.RETREAT: 'backs off',
+    TaskState.DONE: 'done', TaskState.FAILED: 'has given up', TaskState.IDLE: 'stands',
+    TaskState.PAUSED: 'stands'}
 
 
 def draw_task_animation(results, path):

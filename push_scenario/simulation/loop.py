@@ -223,8 +223,8 @@ class _Run:
     def run(self):
         while self._simulation.time < self._scenario.time_limit:
             status = self._supervisor.status
-            if status.state in ('done', 'failed') and not self._later:
-                return self._result(status.state, status.reason)
+            if status.state.is_final and not self._later:
+                return self._result(status.state.value, status.reason)
             self._set_later_goal()
             self._change(self._simulation, self._supervisor)
             self._note()
@@ -241,7 +241,7 @@ class _Run:
         else:
             self._observation = Observation(now, before.odometry, measurement)
         self._simulation.command(self._supervisor.step(self._observation, now - before.time))
-        self._progress(Progress(self._supervisor.status.state, now,
+        self._progress(Progress(self._supervisor.status.state.value, now,
                                 distance(self._simulation.truth.object_pose, self._goal)))
 
     def _settle(self):

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from push_control.task.status import StateChange, SupervisorStatus
+from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
 from push_scenario.definition.scenario import Scenario
@@ -115,7 +115,7 @@ class TaskResult:
     @property
     def pushes(self):
         """Number of pushes that were begun."""
-        return sum(change.state == 'push' for change in self.history)
+        return sum(change.state is TaskState.PUSH for change in self.history)
 
     @property
     def position_error(self):

@@ -12,6 +12,7 @@ from benchmarks.tasks.maps import draw_floor, MAPS, object_room, robot_room, to_
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
+from push_control.task.status import TaskState
 from push_model.geometry import Pose
 from push_planner.single_push.site_selection import choose_site
 import pytest
@@ -135,7 +136,7 @@ def test_the_hand_waits_until_the_robot_is_not_in_the_way(move):
         puts.append(pose)
 
     plant = SimpleNamespace(set_object_pose=set_object_pose, object_pose=START)
-    supervisor = SimpleNamespace(status=SimpleNamespace(state='push'))
+    supervisor = SimpleNamespace(status=SimpleNamespace(state=TaskState.PUSH))
     hand = Hand(move, 2.0, -1.0)
     for time in (1.0, 3.0):
         hand(SimpleNamespace(time=time, plant=plant), supervisor)

@@ -14,6 +14,7 @@ from push_control.settings import ControlSettings
 from push_control.task.behaviors import BehaviorFactory
 from push_control.task.perception import TaskPerception
 from push_control.task.settings import SupervisionSettings
+from push_control.task.status import TaskState
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import Odometry, STOP
@@ -83,7 +84,7 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
             continue
         odometry = measured._replace(pose=carry @ measured.pose)
         perception.take(Observation(plant.time, odometry, pose))
-        leg = leg or legs.create('push', target, perception)
+        leg = leg or legs.create(TaskState.PUSH, target, perception)
         plant.command(leg.step(perception, plant.time - before))
         before = plant.time
     there, is_ = perception.localization.pose, plant.truth.robot_pose

@@ -8,6 +8,7 @@ import numpy as np
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
+from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
@@ -24,8 +25,11 @@ SUPERVISION, DRIVE = SupervisionSettings(), DriveSettings()
 SENSORS = SensorSettings(pose_noise=2e-3, pose_heading_noise=math.radians(0.3), pose_latency=0.08,
                          pose_drop_probability=0.05, odometry_scale_noise=0.02,
                          odometry_heading_drift_noise=0.02)
-FOLLOWS = {'plan': {'plan', 'approach', 'done', 'failed'}, 'approach': {'align', 'plan'},
-           'align': {'push', 'retreat'}, 'push': {'retreat'}, 'retreat': {'plan', 'retreat'}}
+FOLLOWS = {
+    TaskState.PLAN: {TaskState.PLAN, TaskState.APPROACH, TaskState.DONE, TaskState.FAILED},
+    TaskState.APPROACH: {TaskState.ALIGN, TaskState.PLAN},
+    TaskState.ALIGN: {TaskState.PUSH, TaskState.RETREAT}, TaskState.PUSH: {TaskState.RETREAT},
+    TaskState.RETREAT: {TaskState.PLAN, TaskState.RETREAT}}
 GOAL = Placement(0.9, 0.3, 0.5)
 
 
@@ -62,7 +66,7 @@ def test_a_task_is_done_from_the_wrong_side(drive):
     assert np.abs(tape['command_omega']).max() <= robot.max_yaw_rate + 1e-9
     alone = np.ones(len(tape), dtype=bool)
     for change, end in zip(result.status.history, result.status.history[1:]):
-        if change.state == 'push':
+        if change.state == TaskState.PUSH:
             alone &= (tape['time'] < change.time) | (tape['time'] > end.time + 0.1)
     assert np.hypot(tape['command_v_x'], tape['command_v_y'])[alone].max() <= DRIVE.speed + 1e-9
     assert np.abs(tape['command_omega'])[alone].max() <= DRIVE.yaw_rate + 1e-9
@@ -115,7 +119,7 @@ def shove(simulation, _):
                                      pose.y + share * (pose.y - robot.y), pose.theta + 0.3))
 
 
-@pytest.mark.parametrize('state', ['approach', 'push'])
+@pytest.mark.parametrize('state', [TaskState.APPROACH, TaskState.PUSH])
 def test_a_shoved_object_is_planned_for_anew(state):
     """The robot notices, wherever it is, and reaches the goal from there."""
     once = Once(state, shove, delay=1.5)
@@ -126,7 +130,8 @@ def test_a_shoved_object_is_planned_for_anew(state):
                for change in result.status.history)
 
 
-@pytest.mark.parametrize('state', ['plan', 'approach', 'push', 'retreat'])
+@pytest.mark.parametrize(
+    'state', [TaskState.PLAN, TaskState.APPROACH, TaskState.PUSH, TaskState.RETREAT])
 def test_a_new_goal_is_taken_up_in_any_state(state):
     """The robot leaves what it does; the object arrives at the new goal."""
     other = Placement(-0.3, 0.7, -0.2)
@@ -139,7 +144,8 @@ def test_a_new_goal_is_taken_up_in_any_state(state):
     assert result.status.history[0].reason == 'has a new goal'
 
 
-@pytest.mark.parametrize('state', ['approach', 'align', 'push', 'retreat'])
+@pytest.mark.parametrize(
+    'state', [TaskState.APPROACH, TaskState.ALIGN, TaskState.PUSH, TaskState.RETREAT])
 def test_a_pause_holds_the_robot_in_any_state(state):
     """It stands until it is told to go on, and then does what it was to do."""
     once = Once(state, lambda _, supervisor: supervisor.pause(), delay=0.2)
@@ -211,16 +217,16 @@ def test_it_gives_up_where_no_plan_is_found(reasons, max_attempts):
     """Refused the same twice from the same place, or as often as allowed: it has not moved."""
     bench, refusals = Bench(), 0
     bench.supervisor.set_goal(GOAL.pose)
-    while bench.supervisor.status.state == 'plan':
+    while bench.supervisor.status.state == TaskState.PLAN:
         assert set(bench.run(0.1)) == {STOP}
         if bench.supervisor.plan_request is not None:
             bench.supervisor.on_planning_failed(f'the goal is behind {reasons[refusals % 2]}')
             refusals += 1
     status = bench.supervisor.status
-    assert status.state == 'failed' and f'behind {reasons[1]}' in status.reason
+    assert status.state == TaskState.FAILED and f'behind {reasons[1]}' in status.reason
     assert refusals == status.recoveries == max_attempts
     bench.supervisor.set_goal(GOAL.pose)
-    assert bench.supervisor.status.state == 'plan'
+    assert bench.supervisor.status.state == TaskState.PLAN
 
 
 def test_what_was_refused_is_asked_for_again_where_something_has_changed():
@@ -254,7 +260,7 @@ def test_stopped_it_stands_and_forgets_its_goal():
     bench.supervisor.stop('was told to')
     bench.supervisor.resume()
     assert set(bench.run(1.0)) == {STOP} and bench.supervisor.plan_request is None
-    assert bench.supervisor.status.state == 'idle'
+    assert bench.supervisor.status.state == TaskState.IDLE
     assert bench.supervisor.status.reason == 'was told to'
 
 
@@ -274,11 +280,11 @@ def test_a_robot_that_does_not_move_is_noticed():
     bench.run(1.0)
     trajectory = run_task(task('differential')).plans[0].plan.trajectory
     bench.supervisor.take(trajectory)
-    assert bench.supervisor.status.state == 'approach'
+    assert bench.supervisor.status.state == TaskState.APPROACH
     commands = bench.run(SUPERVISION.stall_timeout + 0.2)
     assert STOP not in commands[1:-5]
     status = bench.supervisor.status
-    assert status.recoveries == 1 and status.state == 'plan'
+    assert status.recoveries == 1 and status.state == TaskState.PLAN
     assert 'does not get on' in status.reason
 
 

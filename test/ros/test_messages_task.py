@@ -1,8 +1,8 @@
 """Requests for plans and maps survive the way through messages, and bad ones are refused."""
 
 import math
+import re
 
-from geometry_msgs.msg import Quaternion
 from helpers.objects import box
 from nav_msgs.msg import OccupancyGrid
 import numpy as np
@@ -12,7 +12,7 @@ from push_model.plan_request import PlanRequest
 from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import from_map_message, to_map_message
 from push_ros.conversions.plan import from_plan_message, no_plan_message
-from push_ros.conversions.plan_request import from_request_message, to_request_message
+from push_ros.conversions.plan_request import FIELDS, from_request_message, to_request_message
 from push_ros.conversions.primitives import exact_stamp, MessageRefused, nanoseconds, to_stamp
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -67,43 +67,69 @@ def _frame(message):
     message.header.frame_id = 'map'
 
 
-def _three(message):
-    message.poses = message.poses[:3]
+def set_field(message, name, value):
+    """Change one number of a request."""
+    message.points[0].positions[list(message.joint_names).index(name)] = value
 
 
-def _nan(message):
-    message.poses[1].position.y = math.nan
+@pytest.mark.parametrize('name', FIELDS)
+@pytest.mark.parametrize('value', [math.nan, math.inf])
+def test_a_request_with_a_number_that_is_not_finite_is_refused(name, value):
+    """The error names the field, what came and what was expected."""
+    message = request()
+    set_field(message, name, value)
+    with pytest.raises(MessageRefused, match=re.escape(
+            f'push_request: {name}: got {value:g}, expected a finite number')):
+        from_request_message(sent(message), 'odom', BELIEVED)
 
 
-def _turned(message):
-    message.poses[2].orientation = Quaternion(w=0.0)
+@pytest.mark.parametrize('name', FIELDS)
+def test_a_request_that_lacks_a_field_is_refused(name):
+    """The error names the field."""
+    message = request()
+    index = list(message.joint_names).index(name)
+    del message.joint_names[index], message.points[0].positions[index]
+    with pytest.raises(MessageRefused, match=re.escape(
+            f'push_request: {name}: got nothing, expected a number')):
+        from_request_message(sent(message), 'odom', BELIEVED)
 
 
-def _center(message):
-    message.poses[3].position.x = math.inf
-
-
-def _bold(message):
-    message.poses[3].position.z = 1.5
-
-
-def _timid(message):
-    message.poses[3].position.z = 0.0
+def test_the_order_of_the_fields_of_a_request_does_not_matter():
+    """They are found by name."""
+    message = request()
+    message.joint_names = list(reversed(message.joint_names))
+    message.points[0].positions = list(reversed(message.points[0].positions))
+    assert (from_request_message(sent(message), 'odom', BELIEVED)
+            == from_request_message(sent(request()), 'odom', BELIEVED))
 
 
 def _unknown(message):
-    message.poses[3].position.z = math.nan
+    message.joint_names.append('boldness')
+    message.points[0].positions.append(0.5)
+
+
+def _twice(message):
+    message.joint_names.append('goal.x')
+    message.points[0].positions.append(0.5)
+
+
+def _short(message):
+    message.points[0].positions.pop()
+
+
+def _no_point(message):
+    message.points = []
 
 
 @pytest.mark.parametrize('spoil, text', [
     (_frame, "got frame 'map', expected 'odom'"),
-    (_three, 'got 3 poses, expected 4: object, robot, goal, friction centre'),
-    (_nan, 'robot: got the position .*nan.*, expected finite numbers'),
-    (_turned, 'goal: got the quaternion .*expected one of length 1'),
-    (_center, 'friction centre: got the position .*inf'),
-    (_bold, 'boldness z = 1.5, expected a number above 0, at most 1'),
-    (_timid, 'boldness z = 0, expected'), (_unknown, 'boldness z = nan, expected')])
-def test_a_bad_request_is_refused(spoil, text):
+    (_unknown, 'got the unknown fields boldness, expected object.x, '),
+    (_twice, 'goal.x: got more than one, expected one'),
+    (_short, 'got 11 positions, expected 12'), (_no_point, 'got 0 points, expected 1'),
+    (lambda m: set_field(m, 'cone_fraction', 1.5),
+     'cone_fraction: got 1.5, expected a number above 0, at most 1'),
+    (lambda m: set_field(m, 'cone_fraction', 0.0), 'cone_fraction: got 0, expected')])
+def test_a_malformed_request_is_refused(spoil, text):
     """With the field, what came and what was expected."""
     message = request()
     spoil(message)
@@ -128,7 +154,7 @@ def test_what_is_unknown_or_likely_is_an_obstacle(value, occupied):
     assert from_map_message(message, 'odom').occupied[1, 1] == occupied
 
 
-def _short(message):
+def _few_cells(message):
     message.data = message.data[:-1]
 
 
@@ -154,7 +180,7 @@ def _odd(message):
 
 
 @pytest.mark.parametrize('spoil, text', [
-    (_frame, "got frame 'map', expected 'odom'"), (_short, 'got 34 cells, expected 7 times 5'),
+    (_frame, "got frame 'map', expected 'odom'"), (_few_cells, 'got 34 cells, expected 7 times 5'),
     (_empty, 'got 0 cells, expected 0 times 0, at least one'),
     (_coarse, 'got the resolution 0, expected a finite length above 0'),
     (_endless, 'got the resolution inf'), (_lost, 'origin: got the position .*nan'),

@@ -269,6 +269,11 @@ def request(time=1.0, pose=GOAL):
     return to_request_message(PlanRequest(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time), 'odom')
 
 
+def set_field(message, name, value):
+    """Change one number of a request."""
+    message.points[0].positions[list(message.joint_names).index(name)] = value
+
+
 def answered(b, message):
     """Send a request and return the answer to it."""
     for heard in ('push_plan', 'planned_path'):
@@ -298,10 +303,10 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
 
 
 @pytest.mark.parametrize('spoil, text', [
-    (lambda m: m.poses.pop(), 'push_request: got 3 poses, expected 4'),
-    (lambda m: setattr(m.poses[0].position, 'x', math.nan), 'push_request: object: got the posi'),
+    (lambda m: m.points.pop(), 'push_request: got 0 points, expected 1'),
+    (lambda m: set_field(m, 'object.x', math.nan), 'push_request: object.x: got nan, expected'),
     (lambda m: setattr(m.header, 'frame_id', 'map'), "push_request: got frame 'map', expected"),
-    (lambda m: setattr(m.poses[2].position, 'x', 900.0), 'no chain of pushes')],
+    (lambda m: set_field(m, 'goal.x', 900.0), 'no chain of pushes')],
     ids=['count', 'nan', 'frame', 'far'])
 def test_a_request_without_a_plan_is_answered_all_the_same(planner, spoil, text):
     """With no points; the reason is an error on diagnostics."""

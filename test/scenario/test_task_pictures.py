@@ -6,6 +6,7 @@ import functools
 from matplotlib.figure import Figure
 import numpy as np
 from PIL import Image
+from push_control.task.status import TaskState
 from push_scenario.cli import main
 from push_scenario.definition.loader import find_scenario, read_scenario, scenario_text
 from push_scenario.plots.drawing import draw_map, phases_of, PUSH_COLORS
@@ -47,7 +48,7 @@ def test_phases_cover_the_tape(name):
         begin, end = result.tape['time'][phase.rows][[0, -1]]
         if phase.number is not None:
             assert way > 0.05
-        elif phase.state in ('plan', 'approach') and not any(begin < t <= end for t in object_displacements):
+        elif phase.state in (TaskState.PLAN, TaskState.APPROACH) and not any(begin < t <= end for t in object_displacements):
             assert way < still or RUN_INTO in (phase.trouble, after.trouble)
 
 

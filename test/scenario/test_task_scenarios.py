@@ -5,6 +5,7 @@ import functools
 import math
 
 import numpy as np
+from push_control.task.status import TaskState
 from push_model.geometry import distance, Pose
 from push_navigation.settings import DriveSettings
 from push_scenario.definition.floor_map import FloorMap
@@ -54,7 +55,7 @@ def test_the_robot_goes_round_the_object_before_it_pushes():
     goal = result.scenario.goal.pose
     ahead = (goal.x - start.x, goal.y - start.y)
     assert (robot.x - start.x) * ahead[0] + (robot.y - start.y) * ahead[1] > 0.0
-    begin = next(change.time for change in result.history if change.state == 'align')
+    begin = next(change.time for change in result.history if change.state == TaskState.ALIGN)
     before = result.tape['time'] < begin
     assert result.tape['gap'][before].min() > CLEARANCE - 0.01
     assert result.pushes == 1 and not result.recoveries
@@ -73,8 +74,8 @@ def test_a_robot_that_slips_off_goes_on():
     spell = result.scenario.simulation.friction_changes[0]
     troubles = [change for change in result.history[1:] if change.reason]
     assert spell.start < troubles[0].time < spell.end + 3.0
-    assert troubles[0].state == 'retreat' and result.recoveries >= 1
-    assert any(change.state == 'push' and change.time > troubles[0].time
+    assert troubles[0].state == TaskState.RETREAT and result.recoveries >= 1
+    assert any(change.state == TaskState.PUSH and change.time > troubles[0].time
                for change in result.history)
 
 
@@ -108,13 +109,13 @@ def test_the_later_goal_counts():
     result = result_of('task_new_goal')
     later, = result.scenario.task.goals
     states = [change.state for change in result.history if change.time < later.time]
-    assert states[-1] == 'push'
+    assert states[-1] == TaskState.PUSH
     assert any(change.reason == 'has a new goal' and abs(change.time - later.time) < 0.1
                for change in result.history[1:])
     final = result.tape.poses('object')[-1]
     assert distance(final, later.goal.pose) == result.position_error < 0.01
     assert distance(final, result.scenario.goal.pose) > 1.0
-    assert result.pushes == sum(change.state == 'push' for change in result.history) \
+    assert result.pushes == sum(change.state == TaskState.PUSH for change in result.history) \
         > result.status.pushes
 
 
@@ -127,7 +128,7 @@ def test_a_task_is_the_same_every_time():
 def test_a_robot_that_still_stands_at_the_object_is_not_done():
     """Though the object rests within its bounds."""
     result = result_of('task_approach')
-    retreat = next(change.time for change in result.history if change.state == 'retreat')
+    retreat = next(change.time for change in result.history if change.state == TaskState.RETREAT)
     rows = result.tape.rows[result.tape['time'] <= retreat]
     early = dataclasses.replace(result, tape=Tape(result.tape.columns, rows))
     assert early.position_error < 0.01
@@ -194,10 +195,10 @@ def test_later_goals_must_be_later(times):
 def test_history_goes_on_over_goals():
     """What is told again is passed over; recoveries of the goal before are kept."""
     history = TaskHistory()
-    history.note([(0.0, 'plan', '')], 0)
-    history.note([(0.0, 'plan', ''), (1.0, 'approach', ''), (2.0, 'plan', 'moved')], 1)
-    history.note([(0.0, 'plan', ''), (1.0, 'approach', ''), (2.0, 'plan', 'moved')], 1)
-    history.note([(3.0, 'plan', 'new')], 0)
-    history.note([(3.0, 'plan', 'new'), (4.0, 'plan', 'lost')], 1)
+    history.note([(0.0, TaskState.PLAN, '')], 0)
+    history.note([(0.0, TaskState.PLAN, ''), (1.0, TaskState.APPROACH, ''), (2.0, TaskState.PLAN, 'moved')], 1)
+    history.note([(0.0, TaskState.PLAN, ''), (1.0, TaskState.APPROACH, ''), (2.0, TaskState.PLAN, 'moved')], 1)
+    history.note([(3.0, TaskState.PLAN, 'new')], 0)
+    history.note([(3.0, TaskState.PLAN, 'new'), (4.0, TaskState.PLAN, 'lost')], 1)
     assert [change.time for change in history.changes] == [0.0, 1.0, 2.0, 3.0, 4.0]
     assert history.recoveries == 2
