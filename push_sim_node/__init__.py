@@ -1,1 +1,19 @@
-"""The simulated robot and object: plant, actuation, sensors, disturbances."""
+"""
+The simulated robot and object: plant, sensors, disturbances, and a tape of what happened.
+
+``Simulation`` lets time pass from one measurement to the next; ``Plant`` is the physics alone.
+"""
+
+from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
+from push_sim_node.kernel.floor import FloorPatch
+from push_sim_node.plant import Plant
+from push_sim_node.sensors import SensorSettings
+from push_sim_node.settings import SimulationSettings
+from push_sim_node.simulation import Simulation
+from push_sim_node.tape import Tape
+from push_sim_node.truth import ContactMode, Energy, Truth
+
+__all__ = [
+    'ContactMode', 'Energy', 'FloorPatch', 'FrictionChange', 'ObjectDisplacement', 'Plant',
+    'SensorSettings', 'Simulation', 'SimulationSettings', 'Tape', 'Truth',
+]

@@ -1,11 +1,13 @@
-"""What disturbs a push: friction that changes with time, somebody who shoves the object."""
+"""Disturbances of a push: friction that changes with time, and an object that is displaced."""
 
 import dataclasses
+from typing import Sequence
 
 from push_model.geometry import Pose
 from push_model.quantity import check, quantity
 
-ALL = -1
+# In place of the number of a support.
+ALL_SUPPORTS = -1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -15,9 +17,10 @@ class FrictionChange:
     start: float = quantity('when it begins', 's', 0.0)
     end: float = quantity('when it ends', 's', 0.0)
     factor: float = quantity('what friction is multiplied by', '', 0.0, 100.0)
-    support: int = quantity('number of the support, -1 for all', '', ALL, default=ALL)
+    support: int = quantity('number of the support, -1 for all', '', ALL_SUPPORTS,
+                            default=ALL_SUPPORTS)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
         if self.end <= self.start:
@@ -27,26 +30,28 @@ class FrictionChange:
 
 @dataclasses.dataclass(frozen=True)
 class ObjectDisplacement:
-    """Somebody puts the object elsewhere, at once; it is at rest afterwards."""
+    """A person moves the object, at once; it is at rest afterwards."""
 
     time: float = quantity('when', 's', 0.0)
-    x: float = quantity('how far along the x axis that the object has before', 'm', default=0.0)
-    y: float = quantity('how far along its y axis', 'm', default=0.0)
-    theta: float = quantity('by how much it is turned', 'rad', default=0.0)
+    x: float = quantity('displacement along the x axis that the object has before', 'm',
+                        default=0.0)
+    y: float = quantity('displacement along the y axis that it has before', 'm', default=0.0)
+    theta: float = quantity('angle by which it is rotated', 'rad', default=0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
     @property
-    def displacement(self):
+    def relative_pose(self) -> Pose:
         """``Pose`` of the object afterwards, relative to the one before."""
         return Pose(self.x, self.y, self.theta)
 
 
-def friction_factors(changes, time, count):
+def friction_factors(changes: Sequence[FrictionChange], time: float,
+                     count: int) -> tuple[float, ...]:
     """
-    Factor on the friction of every support; changes that overlap multiply.
+    Compute the factor on the friction of every support; changes that overlap multiply.
 
     :param changes: ``FrictionChange`` sequence.
     :param time: now [s]; a change includes its start but not its end.
@@ -61,12 +66,12 @@ def friction_factors(changes, time, count):
                              f'{count - 1}')
         if change.start <= time < change.end:
             for i in range(count):
-                if change.support in (ALL, i):
+                if change.support in (ALL_SUPPORTS, i):
                     factors[i] *= change.factor
     return tuple(factors)
 
 
-def change_times(changes):
+def change_times(changes: Sequence[FrictionChange]) -> list[float]:
     """
     List the times at which friction changes, sorted [s].
 

@@ -1,29 +1,57 @@
-"""The true object and the robot that pushes it."""
+"""Plant: the true object and the robot that pushes it."""
 
+import dataclasses
 import math
+from typing import Any, Sequence
 
 import numpy as np
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
-from push_sim_node.kernel import layout as at
+from push_sim_node.kernel import layout
 from push_sim_node.kernel.actuation import limit_command
-from push_sim_node.kernel.compiled import IS_COMPILED, sequence
-from push_sim_node.kernel.contact_law import nearest, surface_velocity
+from push_sim_node.kernel.compiled import IS_COMPILED, kernel_array
+from push_sim_node.kernel.contact_law import ContactPoint, nearest_points, surface_velocity
 from push_sim_node.kernel.encoding import (
-    body_numbers, drive_numbers, NO_OUTLINE, object_pose_of, object_twist_of, placed, start_state,
-    support_rows,
+    body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
+    object_twist_of, resolve_overlap, robot_pose_of, robot_twist_of, support_rows,
 )
-from push_sim_node.kernel.floor import floor_rows, PATCH_SIZE
+from push_sim_node.kernel.floor import floor_rows, FloorPatch
 from push_sim_node.kernel.step import advance
-from push_sim_node.truth import Energy, Truth
+from push_sim_node.truth import ContactMode, Energy, Truth
+
+
+@dataclasses.dataclass
+class _KernelArrays:
+    """Arguments of the kernel, see ``kernel.step``."""
+
+    state: Any
+    body: Any
+    supports: Any
+    outline: Any
+    floor: Any
+    forces: Any
+    command: Any
+    drive: Any
+
+    def copy(self) -> '_KernelArrays':
+        """Copy what the kernel writes to."""
+        return dataclasses.replace(self, state=kernel_array(self.state),
+                                   supports=kernel_array(self.supports),
+                                   forces=kernel_array(self.forces))
+
+    def advance(self, duration: float, longest: float) -> None:
+        """Move state and forces on by a duration, in steps of at most ``longest`` [s]."""
+        advance(self.state, self.body, self.supports, self.outline, self.floor, self.forces,
+                self.command, self.drive, duration, longest)
 
 
 class Plant:
     """
-    Round robot, point or fence against a rigid object on frictional supports.
+    Round robot, point or flat pusher against a rigid object on frictional supports.
 
     The robot is velocity-controlled: nothing that it touches slows it down. It starts at rest; a
-    robot placed up to 5 mm into the object is moved back along the normal until it touches.
+    robot that overlaps the object by up to 5 mm is moved back along the normal until it touches.
 
     :param obj: the true ``PushedObject``.
     :param robot: the true ``RoundRobot``.
@@ -35,47 +63,62 @@ class Plant:
     :raises ValueError: where robot and object overlap by more than 5 mm.
     """
 
-    def __init__(self, obj, robot, object_pose, robot_pose, step=2e-3, smoothing=1e-5, floor=()):
-        self.obj, self.robot, self.step = obj, robot, step
+    def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
+                 step: float = 2e-3, smoothing: float = 1e-5, *,
+                 floor: Sequence[FloorPatch] = ()) -> None:
+        self.obj = obj
+        self.robot = robot
+        self.step = step
         object_pose = Pose(*object_pose)
-        robot_pose = placed(obj, robot, object_pose, Pose(*robot_pose))
-        self._capacities = obj.capacities
-        self._body = sequence(body_numbers(obj, robot, smoothing))
-        self._outline = sequence(obj.outline or NO_OUTLINE)
-        self._floor = sequence(np.reshape(floor_rows(floor), (-1, PATCH_SIZE)))
-        self._drive = sequence(drive_numbers(robot))
-        self._forces = sequence([0.0] * (2 * len(obj.supports)))
-        self._state = sequence(start_state(obj, object_pose, robot_pose))
+        robot_pose = resolve_overlap(obj, robot, object_pose, Pose(*robot_pose))
         self._command = STOP
-        self._target = sequence(STOP)
+        self._arrays = _KernelArrays(
+            state=kernel_array(initial_state(obj, object_pose, robot_pose)),
+            body=kernel_array(body_numbers(obj, robot, smoothing)),
+            supports=None,
+            outline=kernel_array(obj.outline or NO_OUTLINE),
+            floor=kernel_array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),
+            forces=kernel_array([0.0] * (2 * len(obj.supports))),
+            command=kernel_array(STOP),
+            drive=kernel_array(drive_numbers(robot)))
         self.set_friction_factors([1.0] * len(obj.supports))
         self._compile()
 
-    def set_friction_factors(self, factors):
+    def set_friction_factors(self, factors: Sequence[float]) -> None:
         """
         Multiply the friction of the supports.
 
         :param factors: one factor for each support, of at least 0.
         """
-        self._supports = sequence(support_rows(self.obj, self._capacities, factors))
+        self._arrays.supports = kernel_array(support_rows(self.obj, self.obj.capacities, factors))
         self._forget_acceleration()
 
-    def set_object_pose(self, pose):
+    def set_object_pose(self, pose: Pose) -> None:
         """
-        Put the object elsewhere, at rest, as a hand would; the robot goes on.
+        Put the object elsewhere, at rest, as a person would; the robot is not affected.
 
         :param pose: ``Pose`` of the object frame in the world.
         :raises ValueError: where it is not finite or the robot is in the way.
         """
         pose = Pose(*pose)
         robot_pose = self.robot_pose
-        if placed(self.obj, self.robot, pose, robot_pose) != robot_pose:
+        if resolve_overlap(self.obj, self.robot, pose, robot_pose) != robot_pose:
             raise ValueError(f'pose: got {tuple(pose)}, expected one beside the robot')
-        state = start_state(self.obj, pose, robot_pose)
-        for i in range(at.X, at.P_X):
-            self._state[i] = state[i]
+        state = initial_state(self.obj, pose, robot_pose)
+        for i in range(layout.X, layout.A_OMEGA + 1):
+            self._arrays.state[i] = state[i]
 
-    def advance(self, duration, command=STOP):
+    def set_velocities(self, object_twist: Twist, robot_twist: Twist) -> None:
+        """
+        Let object and robot move, as if they had done so before.
+
+        :param object_twist: velocity of the object frame's origin, world axes.
+        :param robot_twist: velocity of the robot, own axes.
+        """
+        encode_velocities(self._arrays.state, self.obj.center_of_mass, object_twist, robot_twist)
+        self._forget_acceleration()
+
+    def advance(self, duration: float, command: Twist = STOP) -> None:
         """
         Let time pass while one command stands.
 
@@ -86,97 +129,108 @@ class Plant:
         if not (math.isfinite(duration) and duration > 0.0):
             raise ValueError(f'duration: got {duration!r}, expected a finite time above 0 [s]')
         if command != self._command:
-            self._target = sequence(limit_command(self.robot, command))
+            self._arrays.command = kernel_array(limit_command(self.robot, command))
             self._command = command
             self._forget_acceleration()
-        advance(self._state, self._body, self._supports, self._outline, self._floor,
-                self._forces, self._target, self._drive, duration, self.step)
+        self._arrays.advance(duration, self.step)
 
     @property
-    def object_pose(self):
+    def object_pose(self) -> Pose:
         """Pose of the object frame in the world; the angle is not wrapped."""
-        return object_pose_of(self._state, self.obj.center_of_mass)
+        return object_pose_of(self._arrays.state, self.obj.center_of_mass)
 
     @property
-    def object_twist(self):
+    def object_twist(self) -> Twist:
         """Velocity of the object frame's origin, world axes, and yaw rate."""
-        return object_twist_of(self._state, self.obj.center_of_mass)
+        return object_twist_of(self._arrays.state, self.obj.center_of_mass)
 
     @property
-    def robot_pose(self):
+    def robot_pose(self) -> Pose:
         """Pose of the robot in the world; the angle is not wrapped."""
-        return Pose(*self._numbers(at.P_X, at.PHI))
+        return robot_pose_of(self._arrays.state)
 
     @property
-    def robot_twist(self):
+    def robot_twist(self) -> Twist:
         """Velocity of the robot, own axes."""
-        return Twist(*self._numbers(at.U_X, at.U_OMEGA))
+        return robot_twist_of(self._arrays.state)
 
     @property
-    def mode(self):
-        """Contact mode over the last step, one of ``layout.MODES``."""
-        return at.MODES[int(self._number(at.MODE))]
+    def mode(self) -> ContactMode:
+        """Contact mode over the last step."""
+        return ContactMode.from_code(self._number(layout.MODE))
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Number of steps since the start."""
-        return int(self._number(at.STEPS))
+        return int(self._number(layout.STEPS))
 
     @property
-    def unsolved_steps(self):
+    def unsolved_steps(self) -> int:
         """Number of steps whose velocities are off their equations by more than 0.1 mm/s."""
-        return int(self._number(at.UNSOLVED))
+        return int(self._number(layout.UNSOLVED_STEPS))
 
     @property
-    def energy(self):
+    def energy(self) -> Energy:
         """``Energy`` since the start."""
-        v_x, v_y, omega = self._numbers(at.V_X, at.OMEGA)
+        v_x, v_y, omega = (self._number(i) for i in (layout.V_X, layout.V_Y, layout.OMEGA))
         kinetic = 0.5 * (self.obj.mass * (v_x * v_x + v_y * v_y)
                          + self.obj.inertia * omega * omega)
-        work, *losses = (self._number(i) for i in (at.WORK, at.SUPPORT_LOSS, at.CONTACT_LOSS,
-                                                   at.IMPACT_LOSS))
-        return Energy(work, kinetic, *losses)
+        return Energy(self._number(layout.WORK), kinetic, self._number(layout.SUPPORT_LOSS),
+                      self._number(layout.CONTACT_LOSS), self._number(layout.IMPACT_LOSS))
 
-    def truth(self, time):
+    def truth(self, time: float) -> Truth:
         """
         Sample everything at once.
 
         :param time: simulated time that the sample carries [s].
         :return: ``Truth``.
         """
-        robot, twist = self.robot_pose, self.robot_twist
-        pose = self.object_pose
-        n_x, n_y, c_x, c_y, gap = nearest(self._outline, self.obj.radius, self.robot.radius,
-                                          *pose, *robot)
-        mode = self.mode
-        forces = tuple((float(x), float(y))
-                       for x, y in zip(self._forces[::2], self._forces[1::2]))
-        angle = math.nan
-        if mode != 'separate':
-            v_x, v_y = robot.rotate(twist)
-            normal, tangential = surface_velocity(
-                self.robot.radius, n_x, n_y, c_x - robot.x, c_y - robot.y, v_x, v_y, twist.omega)
-            if normal != 0.0 or tangential != 0.0:
-                angle = math.atan2(tangential, normal)
-        return Truth(time, pose, self.object_twist, robot, twist, mode, (c_x, c_y),
-                     math.atan2(n_y, n_x), gap, angle, self._number(at.FORCE_N),
-                     self._number(at.FORCE_T), forces, self.energy)
+        object_pose = self.object_pose
+        robot_pose = self.robot_pose
+        nearest = nearest_points(self._arrays.outline, self.obj.radius, self.robot.radius,
+                                 *object_pose, *robot_pose)
+        forces = self._arrays.forces
+        return Truth(
+            time=time,
+            object_pose=object_pose,
+            object_twist=self.object_twist,
+            robot_pose=robot_pose,
+            robot_twist=self.robot_twist,
+            mode=self.mode,
+            contact_point=(nearest.x, nearest.y),
+            normal=math.atan2(nearest.n_y, nearest.n_x),
+            gap=nearest.gap,
+            pushing_angle=self._pushing_angle(nearest),
+            force_n=self._number(layout.NORMAL_FORCE),
+            force_t=self._number(layout.TANGENTIAL_FORCE),
+            support_forces=tuple((float(x), float(y))
+                                 for x, y in zip(forces[::2], forces[1::2])),
+            energy=self.energy)
 
-    def _compile(self):
+    def _pushing_angle(self, nearest: ContactPoint) -> float:
+        if self.mode is ContactMode.SEPARATE:
+            return math.nan
+        robot_pose = self.robot_pose
+        robot_twist = self.robot_twist
+        v_x, v_y = robot_pose.rotate(robot_twist)
+        normal, tangential = surface_velocity(
+            self.robot.radius, nearest.n_x, nearest.n_y, nearest.x - robot_pose.x,
+            nearest.y - robot_pose.y, v_x, v_y, robot_twist.omega)
+        if normal == 0.0 and tangential == 0.0:
+            return math.nan
+        return math.atan2(tangential, normal)
+
+    def _compile(self) -> None:
         # Seconds where no machine code is kept on disk: better here than while time runs.
-        if not IS_COMPILED or advance.signatures:
+        if not IS_COMPILED or getattr(advance, 'signatures', None):
             return
         self.truth(0.0)
-        advance(sequence(self._state), self._body, sequence(self._supports), self._outline,
-                self._floor, sequence(self._forces), self._target, self._drive, self.step,
-                self.step)
+        self._arrays.copy().advance(self.step, self.step)
 
-    def _forget_acceleration(self):
-        for i in (at.A_X, at.A_Y, at.A_OMEGA):
-            self._state[i] = 0.0
+    def _forget_acceleration(self) -> None:
+        # What has changed at once makes the acceleration of the last step a bad prediction.
+        for i in (layout.A_X, layout.A_Y, layout.A_OMEGA):
+            self._arrays.state[i] = 0.0
 
-    def _number(self, index):
-        return float(self._state[index])
-
-    def _numbers(self, first, last):
-        return tuple(map(float, self._state[first:last + 1]))
+    def _number(self, index: int) -> float:
+        return float(self._arrays.state[index])

@@ -1,8 +1,9 @@
-"""What the robot gets to know: object poses that are late and noisy, odometry that drifts."""
+"""Sensors of the robot: object poses that are late and noisy, odometry that drifts."""
 
 import dataclasses
 import math
 
+import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.quantity import check, quantity
 from push_model.signals import ObjectPose, Odometry, Twist
@@ -25,17 +26,17 @@ class SensorSettings:
                                          0.0, 1.0, default=0.0)
     pose_latency: float = quantity('time from measuring an object pose to its delivery', 's', 0.0,
                                    5.0, default=0.0)
-    pose_drop_probability: float = quantity('share of object poses that are lost', '', 0.0, 1.0,
-                                            default=0.0)
-    pose_dropouts: tuple = quantity('spells (start, end) of measuring times without an object '
-                                    'pose', 's', 0.0, default=())
+    pose_drop_probability: float = quantity('probability that an object pose is lost', '', 0.0,
+                                            1.0, default=0.0)
+    pose_dropouts: tuple[tuple[float, float], ...] = quantity(
+        'intervals (start, end) of measuring times without an object pose', 's', 0.0, default=())
     odometry_rate: float = quantity('rate of odometry', 'Hz', above=0.0, high=1000.0,
                                     default=50.0)
     odometry_scale: float = quantity('relative error of the distance travelled', '', -0.5, 0.5,
                                      default=0.0)
     odometry_scale_noise: float = quantity('standard deviation of that error from run to run', '',
                                            0.0, 0.5, default=0.0)
-    odometry_yaw_scale: float = quantity('relative error of the angle turned', '', -0.5, 0.5,
+    odometry_yaw_scale: float = quantity('relative error of the angle rotated', '', -0.5, 0.5,
                                          default=0.0)
     odometry_heading_drift: float = quantity('heading error per distance travelled', 'rad/m',
                                              -1.0, 1.0, default=0.0)
@@ -48,20 +49,20 @@ class SensorSettings:
     odometry_yaw_rate_noise: float = quantity('standard deviation of the measured yaw rate',
                                               'rad/s', 0.0, 1.0, default=0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
-        for spell in self.pose_dropouts:
-            if not isinstance(spell, tuple) or len(spell) != 2 or spell[1] <= spell[0]:
-                raise ValueError(f'SensorSettings.pose_dropouts: got {spell!r}, expected (start, '
-                                 'end) with end after start [s]')
+        for interval in self.pose_dropouts:
+            if not _is_interval(interval):
+                raise ValueError(f'SensorSettings.pose_dropouts: got {interval!r}, expected '
+                                 '(start, end) with end after start [s]')
 
 
 class PoseSensor:
     """
-    Measures the object pose.
+    Sensor of the object pose.
 
-    Every measurement takes the same draws from its streams, lost or not, so that changing one
+    Every measurement takes the same draws from its streams, lost or not; hence a change of one
     setting leaves the other errors as they are.
 
     :param settings: ``SensorSettings``.
@@ -69,10 +70,13 @@ class PoseSensor:
     :param losses: ``numpy.random.Generator`` of the losses.
     """
 
-    def __init__(self, settings, noise, losses):
-        self._settings, self._noise, self._losses = settings, noise, losses
+    def __init__(self, settings: SensorSettings, noise: np.random.Generator,
+                 losses: np.random.Generator) -> None:
+        self._settings = settings
+        self._noise = noise
+        self._losses = losses
 
-    def measure(self, time, pose, certain=False):
+    def measure(self, time: float, pose: Pose, certain: bool = False) -> ObjectPose | None:
         """
         Take one measurement.
 
@@ -86,14 +90,15 @@ class PoseSensor:
         lost = lost or any(start <= time < end for start, end in self._settings.pose_dropouts)
         if lost and not certain:
             return None
-        position, heading = self._settings.pose_noise, self._settings.pose_heading_noise
-        return ObjectPose(time, Pose(pose.x + position * e_x, pose.y + position * e_y,
-                                     wrap_angle(pose.theta + heading * e_theta)))
+        position_noise = self._settings.pose_noise
+        heading_noise = self._settings.pose_heading_noise
+        return ObjectPose(time, Pose(pose.x + position_noise * e_x, pose.y + position_noise * e_y,
+                                     wrap_angle(pose.theta + heading_noise * e_theta)))
 
 
 class OdometrySensor:
     """
-    Integrates the robot's motion, with errors that grow along the way.
+    Odometry: integrates the robot's motion, with errors that grow with the distance.
 
     :param settings: ``SensorSettings``.
     :param pose: true ``Pose`` of the robot at the start.
@@ -101,16 +106,19 @@ class OdometrySensor:
     :param noise: ``numpy.random.Generator`` of the noise on velocities.
     """
 
-    def __init__(self, settings, pose, biases, noise):
+    def __init__(self, settings: SensorSettings, pose: Pose, biases: np.random.Generator,
+                 noise: np.random.Generator) -> None:
         scale, drift = biases.standard_normal(2).tolist()
-        self._settings, self._noise, self._true = settings, noise, pose
+        self._settings = settings
+        self._noise = noise
+        self._true_pose = pose
         self._scale = 1.0 + settings.odometry_scale + settings.odometry_scale_noise * scale
         self._yaw_scale = 1.0 + settings.odometry_yaw_scale
-        self._drift = (settings.odometry_heading_drift
-                       + settings.odometry_heading_drift_noise * drift)
+        self._heading_drift = (settings.odometry_heading_drift
+                               + settings.odometry_heading_drift_noise * drift)
         self._pose = Pose(pose.x, pose.y, pose.theta + settings.odometry_heading_offset)
 
-    def measure(self, time, pose, twist):
+    def measure(self, time: float, pose: Pose, twist: Twist) -> Odometry:
         """
         Take one measurement.
 
@@ -119,28 +127,36 @@ class OdometrySensor:
         :param twist: its true ``Twist``, own axes.
         :return: ``Odometry`` with its heading in [-pi, pi].
         """
-        x, y, turn = _arc_between(self._true, pose)
-        self._true = pose
-        x, y, turn = self._biased(x, y, turn)
-        move_x, move_y = chord_velocity(self._pose.theta, x, y, turn, 1.0)
-        self._pose = Pose(self._pose.x + move_x, self._pose.y + move_y, self._pose.theta + turn)
+        # The twist that leads from one pose to the next in 1 s.
+        motion = self._biased(_arc_between(self._true_pose, pose))
+        self._true_pose = pose
+        d_x, d_y = chord_velocity(self._pose.theta, *motion, 1.0)
+        self._pose = Pose(self._pose.x + d_x, self._pose.y + d_y, self._pose.theta + motion.omega)
         return Odometry(time, self._pose._replace(theta=wrap_angle(self._pose.theta)),
-                        self._noisy(Twist(*self._biased(*twist))))
+                        self._noisy(self._biased(twist)))
 
-    def _biased(self, x, y, turn):
-        return (self._scale * x, self._scale * y,
-                self._yaw_scale * turn + self._drift * math.hypot(x, y))
+    def _biased(self, twist: Twist) -> Twist:
+        v_x, v_y, omega = twist
+        return Twist(self._scale * v_x, self._scale * v_y,
+                     self._yaw_scale * omega + self._heading_drift * math.hypot(v_x, v_y))
 
-    def _noisy(self, twist):
+    def _noisy(self, twist: Twist) -> Twist:
         e_x, e_y, e_omega = self._noise.standard_normal(3).tolist()
-        speed, yaw = self._settings.odometry_speed_noise, self._settings.odometry_yaw_rate_noise
-        return Twist(twist.v_x + speed * e_x, twist.v_y + speed * e_y, twist.omega + yaw * e_omega)
+        speed_noise = self._settings.odometry_speed_noise
+        yaw_rate_noise = self._settings.odometry_yaw_rate_noise
+        return Twist(twist.v_x + speed_noise * e_x, twist.v_y + speed_noise * e_y,
+                     twist.omega + yaw_rate_noise * e_omega)
 
 
-def _arc_between(start, end):
-    """Displacement and turn in own axes that draw the arc from start to end."""
-    turn = end.theta - start.theta
-    c, s = chord_velocity(0.0, 1.0, 0.0, turn, 1.0)
+def _is_interval(value: object) -> bool:
+    return isinstance(value, tuple) and len(value) == 2 and value[1] > value[0]
+
+
+def _arc_between(start: Pose, end: Pose) -> Twist:
+    """Return the constant twist, in the own axes of start, that leads to end in 1 s."""
+    rotation = end.theta - start.theta
+    c, s = chord_velocity(0.0, 1.0, 0.0, rotation, 1.0)
     x, y = Pose(0.0, 0.0, -start.theta).rotate((end.x - start.x, end.y - start.y))
-    shrink = c * c + s * s
-    return (c * x + s * y) / shrink, (c * y - s * x) / shrink, turn
+    # (c, s) / |(c, s)|^2 inverts the rotation and the shrinking from arc to chord.
+    squared = c * c + s * s
+    return Twist((c * x + s * y) / squared, (c * y - s * x) / squared, rotation)

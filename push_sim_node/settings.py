@@ -1,4 +1,4 @@
-"""How the plant is simulated."""
+"""Settings of the simulation: accuracy of the plant, and what disturbs it."""
 
 import dataclasses
 
@@ -17,14 +17,14 @@ class SimulationSettings:
     command_timeout: float = quantity('simulated time without a command after which the robot '
                                       'stops', 's', above=0.0, high=60.0, default=0.5)
     seed: int = quantity('seed of all random errors', '', 0, default=0)
-    friction_changes: tuple[FrictionChange, ...] = quantity('spells of other support friction',
+    friction_changes: tuple[FrictionChange, ...] = quantity('intervals of other support friction',
                                                             default=())
     floor_patches: tuple[FloorPatch, ...] = quantity('places of other support friction',
                                                      default=())
-    object_displacements: tuple[ObjectDisplacement, ...] = quantity('moves of the object by another than the robot',
-                                                                    default=())
+    object_displacements: tuple[ObjectDisplacement, ...] = quantity(
+        'displacements of the object by a person', default=())
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
         for name, kind in (('friction_changes', FrictionChange), ('floor_patches', FloorPatch),

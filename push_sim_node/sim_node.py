@@ -19,8 +19,8 @@ from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import SimOutputs
 from push_sim_node.sensors import SensorSettings
-from push_sim_node.simulation import Simulation, SimulationSettings
-from push_sim_node.tape import Tape
+from push_sim_node.settings import SimulationSettings
+from push_sim_node.simulation import Simulation
 from rclpy.clock import Clock, ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
@@ -67,10 +67,10 @@ class SimNode(PushNode):
 
     def close(self):
         """Write the tape, and times on the wall."""
-        if not self._options.tape_path or not self._simulation.tape:
+        if not self._options.tape_path or not self._simulation.rows:
             return
         path = Path(self._options.tape_path)
-        Tape(self._simulation.columns, self._simulation.tape).save(path)
+        self._simulation.tape.save(path)
         wall = (self._ended or time.monotonic()) - self._began
         path.with_suffix('.json').write_text(json.dumps({
             'simulated_time': self._simulation.time, 'wall_time': wall,
@@ -78,7 +78,7 @@ class SimNode(PushNode):
 
     def _hold(self, go_on, object_pose=None):
         self._simulation.reset(object_pose)
-        self._first = [self._simulation.next(), self._simulation.next()]
+        self._first = [self._simulation.next_measurement(), self._simulation.next_measurement()]
         self._simulation.reset(object_pose)
         self._pending = self._message = self._ended = None
         self._began = self._heard = time.monotonic()
@@ -122,7 +122,7 @@ class SimNode(PushNode):
 
     def _keep_time(self, now):
         if self._pending is None and now - self._sent > GRACE:
-            self._pending = self._simulation.next()
+            self._pending = self._simulation.next_measurement()
         due = self._began + self._simulation.time / self._options.time_scale
         if self._pending is not None and now >= due:
             self._publish(self._pending, now)
@@ -132,7 +132,7 @@ class SimNode(PushNode):
         if limit and self._simulation.time >= limit:
             self._end(OK, f'has reached the time limit of {limit:g} s')
             return
-        self._publish(self._simulation.next(), now)
+        self._publish(self._simulation.next_measurement(), now)
 
     def _publish(self, measurement, now):
         self._pending = None

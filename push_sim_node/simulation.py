@@ -1,27 +1,97 @@
 """Plant and sensors in simulated time: one measurement after the other, and commands between."""
 
+import enum
 import heapq
 import math
+from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import Pose
-from push_model.signals import STOP, Twist
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_sim_node.disturbance import change_times, friction_factors
-from push_sim_node.kernel import layout
 from push_sim_node.kernel.actuation import limit_command
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 from push_sim_node.settings import SimulationSettings
-from push_sim_node.truth import Energy
+from push_sim_node.tape import Tape
+from push_sim_node.truth import Energy, Truth
 
+# Columns of a tape, but for the friction on each support.
 COLUMNS = ('time',
            'object_x', 'object_y', 'object_theta', 'object_v_x', 'object_v_y', 'object_omega',
            'robot_x', 'robot_y', 'robot_theta', 'robot_v_x', 'robot_v_y', 'robot_omega',
            'command_v_x', 'command_v_y', 'command_omega',
            'mode', 'force_n', 'force_t', 'gap', 'pushing_angle', 'contact_x', 'contact_y',
            'normal', *(f'energy_{name}' for name in Energy._fields))
+# Nanoseconds per second.
 NANOSECONDS = 1_000_000_000
-MEASURE_POSE, DELIVER_POSE, ODOMETRY = range(3)
+
+
+class _EventKind(enum.IntEnum):
+    """What happens at an event; of events that are due together the lower kind comes first."""
+
+    MEASURE_POSE = 0
+    DELIVER_POSE = 1
+    MEASURE_ODOMETRY = 2
+
+
+class _Event(NamedTuple):
+    """
+    An event of simulated time; ordered by its fields, of which ``order`` is unique.
+
+    :param time: when [ns].
+    :param kind: ``_EventKind``.
+    :param order: number in the order of scheduling.
+    :param number: of a measurement, 0 for the first of its sensor.
+    :param pose: the measurement that is delivered, if any.
+    """
+
+    time: int
+    kind: _EventKind
+    order: int
+    number: int
+    pose: ObjectPose | None
+
+
+class _EventQueue:
+    """Events to come, the earliest first."""
+
+    def __init__(self) -> None:
+        self._heap: list[_Event] = []
+        self._count = 0
+
+    def schedule(self, time: int, kind: _EventKind, number: int,
+                 pose: ObjectPose | None = None) -> None:
+        self._count += 1
+        heapq.heappush(self._heap, _Event(time, kind, self._count, number, pose))
+
+    def pop(self) -> _Event:
+        return heapq.heappop(self._heap)
+
+
+class _HeldCommand(NamedTuple):
+    """A command, and the time at which the robot stops if no other has come [ns]."""
+
+    twist: Twist = STOP
+    deadline: int = 0
+
+
+class _Disturbances:
+    """Disturbances to come: times of friction changes [ns], and displacements of the object."""
+
+    def __init__(self, settings: SimulationSettings) -> None:
+        self.friction_times = [_nanoseconds(t) for t in change_times(settings.friction_changes)]
+        self.displacements = sorted(settings.object_displacements,
+                                    key=lambda displacement: displacement.time)
+
+    def pop_friction_changes(self, now: int) -> bool:
+        """Drop the friction changes that are due; return whether there were any."""
+        due = False
+        while self.friction_times and self.friction_times[0] <= now:
+            self.friction_times.pop(0)
+            due = True
+        return due
 
 
 class Simulation:
@@ -31,14 +101,14 @@ class Simulation:
     Times are whole nanoseconds inside. At time 0 the first object pose and then the first
     odometry are delivered, without latency or loss: the object has stood still before. Of
     measurements that are due together, object poses come first. The robot stops when no command
-    has come for ``command_timeout``. Where the robot is in the way of a shove, time cannot go on:
-    a ``ValueError`` says so.
+    has come for ``command_timeout``. Where the robot is in the way of a displacement of the
+    object, time cannot go on: a ``ValueError`` says so.
 
-    ``tape`` has a row in the order of ``columns`` for every odometry time, SI units, before the
+    ``rows`` has a row in the order of ``columns`` for every odometry time, SI units, before the
     command that answers it. ``object_v`` is in world axes, ``robot_v`` and ``command`` in the
-    robot's own, angles are not wrapped, ``mode`` is an index into ``layout.MODES``, and
-    ``pushing_angle`` is nan without contact; the rest is as in ``Truth``, as is the friction
-    ``support_0_x``, ``support_0_y``, ... on each support [N] behind the other columns.
+    robot's own, angles are not wrapped, ``mode`` is ``ContactMode.code``, and ``pushing_angle``
+    is nan without contact; the rest is as in ``Truth``, as is the friction ``support_0_x``,
+    ``support_0_y``, ... on each support [N] behind the other columns.
 
     :param obj: the true ``PushedObject``.
     :param robot: the true ``RoundRobot``.
@@ -50,129 +120,161 @@ class Simulation:
         does not exist.
     """
 
-    def __init__(self, obj, robot, object_pose, robot_pose, settings=SimulationSettings(),
-                 sensors=SensorSettings()):
-        self.obj, self.robot, self.settings, self.sensors = obj, robot, settings, sensors
+    def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
+                 settings: SimulationSettings = SimulationSettings(),
+                 sensors: SensorSettings = SensorSettings()) -> None:
+        self.obj = obj
+        self.robot = robot
+        self.settings = settings
+        self.sensors = sensors
         self._start = (Pose(*object_pose), Pose(*robot_pose))
         self.reset()
 
-    def reset(self, object_pose=None):
+    def reset(self, object_pose: Pose | None = None) -> None:
         """
-        Begin again at time 0, with the same random errors.
+        Restart at time 0, with the same random errors.
 
         :param object_pose: where the object stands instead; None for where it stood at first.
         :raises ValueError: where robot and object overlap.
         """
-        settings, sensors = self.settings, self.sensors
-        start = Pose(*object_pose) if object_pose is not None else self._start[0]
-        self.plant = Plant(self.obj, self.robot, start, self._start[1], settings.step,
-                           settings.friction_smoothing, settings.floor_patches)
-        noise, losses, biases, jitter = (np.random.default_rng(seed) for seed in
-                                         np.random.SeedSequence(settings.seed).spawn(4))
-        self._pose_sensor = PoseSensor(sensors, noise, losses)
-        self._odometry = OdometrySensor(sensors, self.plant.robot_pose, biases, jitter)
-        self._now, self._deadline, self._command = 0, 0, STOP
-        self._events, self._count = [], 0
-        self._changes = [_nanoseconds(t) for t in change_times(settings.friction_changes)]
-        self._shoves = sorted(settings.object_displacements, key=lambda shove: shove.time)
-        self.tape = []
+        settings = self.settings
+        object_start, robot_start = self._start
+        if object_pose is not None:
+            object_start = Pose(*object_pose)
+        self.plant = Plant(self.obj, self.robot, object_start, robot_start, settings.step,
+                           settings.friction_smoothing, floor=settings.floor_patches)
+        # A stream for each error, so that none depends on how often another is drawn.
+        pose_noise, losses, biases, twist_noise = (
+            np.random.default_rng(seed)
+            for seed in np.random.SeedSequence(settings.seed).spawn(4))
+        self._pose_sensor = PoseSensor(self.sensors, pose_noise, losses)
+        self._odometry_sensor = OdometrySensor(self.sensors, self.plant.robot_pose, biases,
+                                               twist_noise)
+        self._now = 0
+        self._command = _HeldCommand()
+        self._events = _EventQueue()
+        self._disturbances = _Disturbances(settings)
+        self.rows: list[tuple[float, ...]] = []
         self._apply_friction()
-        self._schedule(0, MEASURE_POSE, 0)
-        self._schedule(0, ODOMETRY, 0)
+        self._events.schedule(0, _EventKind.MEASURE_POSE, 0)
+        self._events.schedule(0, _EventKind.MEASURE_ODOMETRY, 0)
 
     @property
-    def columns(self):
-        """Names of the tape's columns: ``COLUMNS``, then the friction on each support."""
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of ``rows``: ``COLUMNS``, then the friction on each support."""
         return COLUMNS + tuple(f'support_{i}_{axis}' for i in range(len(self.obj.supports))
                                for axis in 'xy')
 
     @property
-    def time(self):
+    def tape(self) -> Tape:
+        """
+        ``Tape`` of the run so far.
+
+        :raises ValueError: where there is no row yet.
+        """
+        return Tape(self.columns, np.array(self.rows))
+
+    @property
+    def time(self) -> float:
         """Simulated time [s]."""
         return self._now / NANOSECONDS
 
     @property
-    def truth(self):
+    def truth(self) -> Truth:
         """``Truth`` now."""
         return self.plant.truth(self.time)
 
-    def command(self, twist):
+    def command(self, twist: Twist) -> None:
         """
-        Give the robot a command, from now on.
+        Command the robot, from now on.
 
         :param twist: ``Twist`` in the robot's own axes.
         :raises ValueError: where it is not finite or not possible for the drive.
         """
         limit_command(self.robot, twist)
-        self._command = Twist(*(float(value) for value in twist))
-        self._deadline = self._now + _nanoseconds(self.settings.command_timeout)
+        self._command = _HeldCommand(
+            Twist(*(float(value) for value in twist)),
+            self._now + _nanoseconds(self.settings.command_timeout))
 
-    def next(self):  # noqa: A003
+    def next_measurement(self) -> Odometry | ObjectPose:
         """
-        Go on until the next measurement is delivered.
+        Let time pass until the next measurement is delivered.
 
-        :return: the measurement, an ``Odometry`` or an ``ObjectPose``.
+        :return: the measurement.
         """
         while True:
-            time, kind, _, item = heapq.heappop(self._events)
-            self._advance_to(time)
-            if kind == DELIVER_POSE:
-                return item
-            if kind == ODOMETRY:
-                self._schedule_periodic(ODOMETRY, item + 1, self.sensors.odometry_rate)
-                self.tape.append(self._row())
-                return self._odometry.measure(self.time, self.plant.robot_pose,
-                                              self.plant.robot_twist)
-            self._schedule_periodic(MEASURE_POSE, item + 1, self.sensors.pose_rate)
-            pose = self._pose_sensor.measure(self.time, self.plant.object_pose, certain=item == 0)
-            if pose is not None:
-                latency = _nanoseconds(self.sensors.pose_latency) if item else 0
-                self._schedule(time + latency, DELIVER_POSE, pose)
+            event = self._events.pop()
+            self._advance_to(event.time)
+            if event.kind is _EventKind.MEASURE_POSE:
+                self._measure_pose(event)
+            elif event.pose is not None:
+                return event.pose
+            else:
+                return self._measure_odometry(event)
 
-    def _schedule_periodic(self, kind, number, rate):
-        self._schedule(_nanoseconds(number / rate), kind, number)
+    def _measure_odometry(self, event: _Event) -> Odometry:
+        number = event.number + 1
+        self._events.schedule(_nanoseconds(number / self.sensors.odometry_rate),
+                              _EventKind.MEASURE_ODOMETRY, number)
+        self.rows.append(self._row())
+        return self._odometry_sensor.measure(self.time, self.plant.robot_pose,
+                                             self.plant.robot_twist)
 
-    def _schedule(self, time, kind, item):
-        self._count += 1
-        heapq.heappush(self._events, (time, kind, self._count, item))
+    def _measure_pose(self, event: _Event) -> None:
+        number = event.number + 1
+        self._events.schedule(_nanoseconds(number / self.sensors.pose_rate),
+                              _EventKind.MEASURE_POSE, number)
+        is_first = event.number == 0
+        pose = self._pose_sensor.measure(self.time, self.plant.object_pose, certain=is_first)
+        if pose is not None:
+            latency = 0 if is_first else _nanoseconds(self.sensors.pose_latency)
+            self._events.schedule(event.time + latency, _EventKind.DELIVER_POSE, event.number,
+                                  pose)
 
-    def _advance_to(self, time):
+    def _advance_to(self, time: int) -> None:
+        """Move the plant on, with stops where command, friction or pose of the object change."""
         while self._now < time:
-            driven = self._now < self._deadline
-            object_displacements = [max(self._now, _nanoseconds(shove.time)) for shove in self._shoves[:1]]
-            until = min([time] + self._changes[:1] + object_displacements + ([self._deadline] if driven else []))
+            stops = [time, *self._disturbances.friction_times[:1]]
+            displaced_at = None
+            if self._disturbances.displacements:
+                due = _nanoseconds(self._disturbances.displacements[0].time)
+                displaced_at = max(self._now, due)
+                stops.append(displaced_at)
+            if self._now < self._command.deadline:
+                stops.append(self._command.deadline)
+            until = min(stops)
             if until > self._now:
-                self.plant.advance((until - self._now) / NANOSECONDS,
-                                   self._command if driven else STOP)
+                self.plant.advance((until - self._now) / NANOSECONDS, self._active_command())
             self._now = until
             self._apply_friction()
-            if object_displacements and until == object_displacements[0]:
-                self._shove(self._shoves.pop(0))
+            if until == displaced_at:
+                self._displace_object()
 
-    def _apply_friction(self):
-        begun = False
-        while self._changes and self._changes[0] <= self._now:
-            self._changes.pop(0)
-            begun = True
-        if begun or self._now == 0:
+    def _active_command(self) -> Twist:
+        return self._command.twist if self._now < self._command.deadline else STOP
+
+    def _apply_friction(self) -> None:
+        if self._disturbances.pop_friction_changes(self._now) or self._now == 0:
             self.plant.set_friction_factors(friction_factors(
                 self.settings.friction_changes, self.time, len(self.obj.supports)))
 
-    def _shove(self, shove):
+    def _displace_object(self) -> None:
+        displacement = self._disturbances.displacements.pop(0)
         try:
-            self.plant.set_object_pose(self.plant.object_pose @ shove.displacement)
+            self.plant.set_object_pose(self.plant.object_pose @ displacement.relative_pose)
         except ValueError as error:
-            raise ValueError(f'SimulationSettings.shoves: at {self.time:g} s {error}') from error
+            raise ValueError(f'SimulationSettings.object_displacements: at {self.time:g} s '
+                             f'{error}') from error
 
-    def _row(self):
+    def _row(self) -> tuple[float, ...]:
         truth = self.truth
-        command = self._command if self._now < self._deadline else STOP
         return (truth.time, *truth.object_pose, *truth.object_twist, *truth.robot_pose,
-                *truth.robot_twist, *command, float(layout.MODES.index(truth.mode)),
+                *truth.robot_twist, *self._active_command(), float(truth.mode.code),
                 truth.force_n, truth.force_t, truth.gap, truth.pushing_angle,
                 *truth.contact_point, truth.normal, *truth.energy,
                 *(value for force in truth.support_forces for value in force))
 
 
-def _nanoseconds(seconds):
+def _nanoseconds(seconds: float) -> int:
+    """Round to whole nanoseconds, halves upwards."""
     return math.floor(seconds * NANOSECONDS + 0.5)

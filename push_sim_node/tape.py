@@ -1,10 +1,12 @@
-"""A tape: what happened in a run, as named columns over time."""
+"""Tape: the recording of a run, as named columns over time."""
 
 import csv
 import dataclasses
 import io
+from os import PathLike
 
 import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -18,9 +20,9 @@ class Tape:
     """
 
     columns: tuple[str, ...]
-    rows: np.ndarray
+    rows: NDArray[np.float64]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Check the shape and freeze the numbers."""
         columns = tuple(self.columns)
         rows = np.array(self.rows, dtype=float)
@@ -37,11 +39,11 @@ class Tape:
         object.__setattr__(self, 'columns', columns)
         object.__setattr__(self, 'rows', rows)
 
-    def __len__(self):
+    def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.rows)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
         """
         Look up a column.
 
@@ -53,16 +55,16 @@ class Tape:
             raise KeyError(f'{name}: expected one of {", ".join(self.columns)}')
         return self.rows[:, self.columns.index(name)]
 
-    def poses(self, prefix):
+    def poses(self, body: str) -> NDArray[np.float64]:
         """
         Look up x, y and theta of a body.
 
-        :param prefix: such as ``object`` or ``robot``.
+        :param body: ``object`` or ``robot``.
         :return: shape (n, 3) [m, m, rad].
         """
-        return np.column_stack([self[f'{prefix}_{name}'] for name in ('x', 'y', 'theta')])
+        return np.column_stack([self[f'{body}_{name}'] for name in ('x', 'y', 'theta')])
 
-    def to_bytes(self):
+    def to_bytes(self) -> bytes:
         """Return the tape as CSV: equal runs give equal bytes, and no digit is lost."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator='\n')
@@ -70,7 +72,7 @@ class Tape:
         writer.writerows([repr(value) for value in row] for row in self.rows.tolist())
         return text.getvalue().encode('ascii')
 
-    def save(self, path):
+    def save(self, path: str | PathLike[str]) -> None:
         """
         Write the tape to a file.
 
@@ -80,18 +82,19 @@ class Tape:
             file.write(self.to_bytes())
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | PathLike[str]) -> 'Tape':
         """
         Read a tape that ``save`` wrote.
 
         :param path: the file.
+        :return: ``Tape``.
         :raises ValueError: naming the file and the line that is wrong.
         """
         with open(path, newline='', encoding='utf-8') as file:
             lines = list(csv.reader(file))
         if len(lines) < 2:
             raise ValueError(f'{path}: got {len(lines)} lines, expected names and numbers')
-        rows = []
+        rows: list[list[float]] = []
         for number, line in enumerate(lines[1:], 2):
             try:
                 rows.append([float(value) for value in line])

@@ -1,9 +1,48 @@
-"""What really happens at an instant; no measurement sees it so."""
+"""True state of the plant at an instant, which no measurement sees."""
 
+import enum
 from typing import NamedTuple
 
 from push_model.geometry import Pose
 from push_model.signals import Twist
+from push_sim_node.kernel import layout
+
+
+class ContactMode(enum.Enum):
+    """
+    What the contact between robot and object does.
+
+    '+': the robot's surface slides towards t, the normal rotated by +90 degrees, and drags the
+    object that way; '-': towards -t.
+    """
+
+    SEPARATE = 'separate'
+    STICK = 'stick'
+    SLIDE_LEFT = 'slide+'
+    SLIDE_RIGHT = 'slide-'
+
+    @property
+    def code(self) -> int:
+        """Number of the mode in the kernel and in the column ``mode`` of a tape."""
+        return _CODES[self]
+
+    @classmethod
+    def from_code(cls, code: float) -> 'ContactMode':
+        """
+        Look up a mode by its number.
+
+        :param code: number of the mode in the kernel or in a tape.
+        """
+        return _MODES[int(code)]
+
+
+_CODES = {
+    ContactMode.SEPARATE: layout.SEPARATE,
+    ContactMode.STICK: layout.STICK,
+    ContactMode.SLIDE_LEFT: layout.SLIDE_LEFT,
+    ContactMode.SLIDE_RIGHT: layout.SLIDE_RIGHT,
+}
+_MODES = {code: mode for mode, code in _CODES.items()}
 
 
 class Energy(NamedTuple):
@@ -30,8 +69,7 @@ class Truth(NamedTuple):
     :param object_twist: velocity of the object frame's origin, world axes.
     :param robot_pose: pose of the robot.
     :param robot_twist: its velocity, own axes.
-    :param mode: 'separate', 'stick', 'slide+' or 'slide-' over the last step; '+': the robot's
-        surface slides towards t, and drags the object that way.
+    :param mode: ``ContactMode`` over the last step.
     :param contact_point: the object's point nearest to the robot (x, y) [m].
     :param normal: world angle gamma of the contact normal, from robot to object [rad].
     :param gap: distance between robot and object [m].
@@ -39,7 +77,7 @@ class Truth(NamedTuple):
         [rad]; nan where there is no contact or that velocity is 0.
     :param force_n: force of the robot on the object along the normal, mean over the last step
         [N].
-    :param force_t: the same along t, the normal turned by +90 degrees [N].
+    :param force_t: the same along t, the normal rotated by +90 degrees [N].
     :param support_forces: friction force on each support, world axes, (x, y) [N].
     :param energy: ``Energy``.
     """
@@ -49,12 +87,12 @@ class Truth(NamedTuple):
     object_twist: Twist
     robot_pose: Pose
     robot_twist: Twist
-    mode: str
-    contact_point: tuple
+    mode: ContactMode
+    contact_point: tuple[float, float]
     normal: float
     gap: float
     pushing_angle: float
     force_n: float
     force_t: float
-    support_forces: tuple
+    support_forces: tuple[tuple[float, float], ...]
     energy: Energy

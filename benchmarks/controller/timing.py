@@ -114,7 +114,7 @@ def timed(kind, seed, name):
         if answer.trajectory.duration > LONGEST_TIMED:
             return None
         simulation = make_simulation(case)
-        pose, odometry = simulation.next(), simulation.next()
+        pose, odometry = simulation.next_measurement(), simulation.next_measurement()
         target = plan_from_measurements(case.object, case.robot, pose, odometry, case.goal.pose,
                                         case.planner).plan.trajectory
     except PlanningFailed:
@@ -136,7 +136,7 @@ def _pushed(simulation, controller, target, observation):
         command = controller.step(target, observation, dt)
         steps.append(time.process_time() - began)
         simulation.command(command)
-        measured, before = simulation.next(), observation
+        measured, before = simulation.next_measurement(), observation
         _, odometry, pose = before
         if isinstance(measured, Odometry):
             odometry = measured

@@ -44,7 +44,7 @@ def row(number, push, result):
     speed = ', '.join(f'{v:g}' for v in push.speed) + (f', {push.spin:g}' if push.spin else '')
     return [str(number), push.kind, f'{push.mass:g}', f'{push.friction:g}', f'{push.grip:g}',
             f'{push.radius:g}', f'{1e3 * push.offset:g}', speed, f'{push.distance:g}',
-            ' '.join(sorted(modes)), f'{growth:.1f}',
+            ' '.join(sorted(mode.value for mode in modes)), f'{growth:.1f}',
             *(f'{1e3 * distance:.2f} / {math.degrees(turn):.2f}'
               for distance, turn in ends.values())]
 

@@ -112,5 +112,5 @@ def _record(plant):
         record.update((f'{name}_{axis}', value)
                       for axis, value in zip(('x', 'y', 'theta'), values))
     record.update(plant.energy._asdict())
-    record.update(mode=plant.mode, steps=plant.steps, unsolved_steps=plant.unsolved_steps)
+    record.update(mode=plant.mode.value, steps=plant.steps, unsolved_steps=plant.unsolved_steps)
     return record

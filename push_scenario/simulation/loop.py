@@ -15,7 +15,6 @@ from push_planner.single_push.replanning import plan_from_measurements
 from push_scenario.definition.task import Task
 from push_scenario.simulation.result import Result, TaskHistory, TaskResult
 from push_sim_node.simulation import Simulation
-from push_sim_node.tape import Tape
 
 
 class Replanner:
@@ -82,7 +81,7 @@ def run(scenario, control_law=None, progress=None):
     report = progress or _ignore
     goal = scenario.goal.pose
     simulation = make_simulation(scenario)
-    pose, odometry = simulation.next(), simulation.next()
+    pose, odometry = simulation.next_measurement(), simulation.next_measurement()
     report(Progress('planning', 0.0, distance(pose.pose, goal)))
     try:
         answer = plan_from_measurements(scenario.object, scenario.robot, pose, odometry, goal,
@@ -96,7 +95,7 @@ def run(scenario, control_law=None, progress=None):
     outcome, reason, end_time = loop.push(scenario.time_limit)
     loop.settle()
     return Result(scenario, settings.control_law, outcome, reason, answer.trajectory,
-                  Tape(simulation.columns, simulation.tape), end_time)
+                  simulation.tape, end_time)
 
 
 def control_settings(scenario, control_law=None):
@@ -156,14 +155,14 @@ class _Loop:
     def settle(self):
         """Go on until everything is at rest."""
         end = self.simulation.time + SETTLE_TIME
-        rows = len(self.simulation.tape)
+        rows = len(self.simulation.rows)
         while self.simulation.time < end:
             self._advance('settling')
-            if at_rest(self.simulation.truth) and len(self.simulation.tape) > rows + 1:
+            if at_rest(self.simulation.truth) and len(self.simulation.rows) > rows + 1:
                 break
 
     def _advance(self, stage):
-        measurement = self.simulation.next()
+        measurement = self.simulation.next_measurement()
         now, before = self.simulation.time, self.observation
         if isinstance(measurement, Odometry):
             self.observation = Observation(now, measurement, before.object_pose)
@@ -216,7 +215,7 @@ class _Run:
         self._goal, self._later = scenario.goal.pose, list(task.goals)
         self._asked, self._answer_at, self._plans = None, 0.0, []
         self._history = TaskHistory()
-        pose, odometry = self._simulation.next(), self._simulation.next()
+        pose, odometry = self._simulation.next_measurement(), self._simulation.next_measurement()
         self._observation = Observation(self._simulation.time, odometry, pose)
         self._simulation.command(self._supervisor.step(self._observation, 0.0))
 
@@ -234,7 +233,7 @@ class _Run:
         return self._result('time_limit', f'not done after {self._scenario.time_limit:g} s')
 
     def _advance(self):
-        measurement, before = self._simulation.next(), self._observation
+        measurement, before = self._simulation.next_measurement(), self._observation
         now = self._simulation.time
         if isinstance(measurement, Odometry):
             self._observation = Observation(now, measurement, before.object_pose)
@@ -245,10 +244,10 @@ class _Run:
                                 distance(self._simulation.truth.object_pose, self._goal)))
 
     def _settle(self):
-        end, rows = self._simulation.time + SETTLE_TIME, len(self._simulation.tape)
+        end, rows = self._simulation.time + SETTLE_TIME, len(self._simulation.rows)
         while self._simulation.time < end:
             self._advance()
-            if at_rest(self._simulation.truth) and len(self._simulation.tape) > rows + 1:
+            if at_rest(self._simulation.truth) and len(self._simulation.rows) > rows + 1:
                 break
 
     def _set_later_goal(self):
@@ -280,7 +279,7 @@ class _Run:
         self._settle()
         return TaskResult(
             self._scenario, self._scenario.control.control_law, outcome, reason, status,
-            Tape(self._simulation.columns, self._simulation.tape), duration,
+            self._simulation.tape, duration,
             self._history.changes, self._history.recoveries, tuple(self._plans),
             self._plans[0].single if self._plans else math.nan)
 

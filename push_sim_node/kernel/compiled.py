@@ -10,6 +10,7 @@ every process compiles anew.
 import hashlib
 import os
 import pathlib
+from typing import Any, Callable, cast, TypeVar
 
 import numpy as np
 from push_model import friction, geometry
@@ -19,33 +20,37 @@ try:
 except ImportError:
     numba = None
 
+# Environment variable that keeps the kernel in plain Python, to debug it.
 INTERPRET = 'PUSH_SIM_INTERPRET'
+# Modules of this folder whose code ends up in the machine code.
 KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'floor.py', 'layout.py', 'solver.py',
           'step.py', 'support_friction.py')
 IS_COMPILED = numba is not None and not os.environ.get(INTERPRET)
 
+Function = TypeVar('Function', bound=Callable[..., Any])
 
-def compiled(function):
+
+def compiled(function: Function) -> Function:
     """
     Compile a scalar function, unless numba is missing or ``PUSH_SIM_INTERPRET`` is set.
 
     :param function: plain Python on numbers and on sequences of numbers.
     :return: the compiled function, or the function itself.
     """
-    if not IS_COMPILED:
+    if numba is None or not IS_COMPILED:
         return function
     directory = cache_directory()
     if directory is None:
-        return numba.njit(function, **_options())
+        return cast(Function, numba.njit(function, **_options()))
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = directory
     try:
-        return numba.njit(cache=True, **_options())(function)
+        return cast(Function, numba.njit(cache=True, **_options())(function))
     finally:
         numba.config.CACHE_DIR = before
 
 
-def sequence(values):
+def kernel_array(values: Any) -> Any:
     """
     Lay numbers out as the kernel reads them fastest: an array if compiled, else lists.
 
@@ -55,9 +60,9 @@ def sequence(values):
     return array if IS_COMPILED else array.tolist()
 
 
-def cache_directory():
+def cache_directory() -> str | None:
     """
-    Directory for machine code, made if need be; None where it cannot be written to.
+    Return the directory for machine code, made if need be; None where it cannot be written to.
 
     ``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``.
     """
@@ -73,15 +78,15 @@ def cache_directory():
     return str(path) if os.access(path, os.W_OK) else None
 
 
-def _options():
-    # The kernel allocates nothing, so that counting references would only take half of its time.
-    options = {'error_model': 'numpy'}
+def _options() -> dict[str, Any]:
+    # The kernel allocates nothing: counting references would only take half of its time.
+    options: dict[str, Any] = {'error_model': 'numpy'}
     if hasattr(numba.core.options.DefaultOptions, '_nrt'):
         options['_nrt'] = False
     return options
 
 
-def _source_digest():
+def _source_digest() -> str:
     here = pathlib.Path(__file__).parent
     sources = [here / name for name in KERNEL] + [geometry.__file__, friction.__file__]
     digest = hashlib.sha256()

@@ -1,81 +1,152 @@
 """
-Contact of a disc robot with an object: where it is, and the impulse in closed form.
+Contact of a disc robot with an object: where it is, and its impulse in closed form.
 
-Unilateral and inelastic, with Coulomb friction. n points from robot to object, t is n turned by
-+90 degrees.
+The law is unilateral and inelastic, with Coulomb friction (Signorini's condition on velocities).
+The unit normal n points from the robot to the object, t is n rotated by +90 degrees.
 """
 
 import math
+from typing import Any, NamedTuple
 
 from push_sim_node.kernel.compiled import closest_on_polygon, compiled, lowest_vertex
-from push_sim_node.kernel.layout import ANY, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+from push_sim_node.kernel.layout import ANY_MODE, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+
+
+class ContactPoint(NamedTuple):
+    """
+    Nearest points of robot and object.
+
+    :param n_x: contact normal, x.
+    :param n_y: contact normal, y.
+    :param x: nearest point of the object in the world, x [m].
+    :param y: the same, y [m].
+    :param gap: distance of the robot from it [m], negative where they overlap.
+    """
+
+    n_x: float
+    n_y: float
+    x: float
+    y: float
+    gap: float
+
+
+class ContactGeometry(NamedTuple):
+    """
+    Contact as the mass centre of the object sees it: J_n = (n, arm_n), J_t = (t, arm_t).
+
+    :param n_x: contact normal, x.
+    :param n_y: contact normal, y.
+    :param arm_n: moment arm of n about the mass centre [m].
+    :param arm_t: moment arm of t about the mass centre [m].
+    """
+
+    n_x: float
+    n_y: float
+    arm_n: float
+    arm_t: float
+
+
+class SurfaceVelocity(NamedTuple):
+    """
+    Velocity of the robot's surface at the contact, and what it demands of the object.
+
+    :param normal: along n [m/s].
+    :param required: normal velocity that the object's contact point needs at least, so that the
+        gap is not negative at the end of the step [m/s].
+    :param tangential: along t [m/s].
+    """
+
+    normal: float
+    required: float
+    tangential: float
+
+
+class ContactImpulse(NamedTuple):
+    """
+    Impulse of the robot on the object.
+
+    :param normal: along n [N s].
+    :param tangential: along t [N s].
+    :param mode: SEPARATE, STICK, SLIDE_LEFT or SLIDE_RIGHT.
+    """
+
+    normal: float
+    tangential: float
+    mode: int
 
 
 @compiled
-def nearest(outline, disc_radius, robot_radius, x, y, theta, p_x, p_y, phi):
+def nearest_points(outline: Any, disc_radius: float, robot_radius: float, x: float, y: float,
+                   theta: float, robot_x: float, robot_y: float,
+                   robot_theta: float) -> ContactPoint:
     """
-    Nearest points of object and robot.
+    Find the nearest points of object and robot.
 
     :param outline: vertices in the object frame, shape (k, 2) [m]; ignored for a disc.
     :param disc_radius: radius of a disc about the object frame, 0 for a polygon [m].
-    :param robot_radius: R_p [m]; infinite for a fence.
+    :param robot_radius: R_p [m]; infinite for a flat pusher.
     :param x: object frame in the world, x [m].
     :param y: the same, y [m].
     :param theta: its orientation [rad].
-    :param p_x: robot centre, x [m].
-    :param p_y: the same, y [m].
-    :param phi: heading of the robot, which only a fence needs [rad].
-    :return: normal (x, y), the object's point (x, y) [m], gap [m] (negative on overlap).
+    :param robot_x: robot centre, x [m].
+    :param robot_y: robot centre, y [m].
+    :param robot_theta: heading of the robot, which only a flat pusher needs [rad].
+    :return: ``ContactPoint``.
     """
-    d_x, d_y = p_x - x, p_y - y
+    d_x, d_y = robot_x - x, robot_y - y
     if math.isinf(robot_radius):
-        n_x, n_y = math.cos(phi), math.sin(phi)
+        n_x, n_y = math.cos(robot_theta), math.sin(robot_theta)
         c_x, c_y = -disc_radius * n_x, -disc_radius * n_y
         if disc_radius == 0.0:
             c, s = math.cos(theta), math.sin(theta)
             i = lowest_vertex(outline, c * n_x + s * n_y, c * n_y - s * n_x)
             c_x = c * outline[i][0] - s * outline[i][1]
             c_y = s * outline[i][0] + c * outline[i][1]
-        return n_x, n_y, x + c_x, y + c_y, n_x * (c_x - d_x) + n_y * (c_y - d_y)
+        return ContactPoint(n_x, n_y, x + c_x, y + c_y, n_x * (c_x - d_x) + n_y * (c_y - d_y))
     if disc_radius > 0.0:
-        away = math.sqrt(d_x * d_x + d_y * d_y)
-        n_x, n_y = -d_x / away, -d_y / away
-        return n_x, n_y, x - disc_radius * n_x, y - disc_radius * n_y, \
-            away - disc_radius - robot_radius
+        distance = math.sqrt(d_x * d_x + d_y * d_y)
+        n_x, n_y = -d_x / distance, -d_y / distance
+        return ContactPoint(n_x, n_y, x - disc_radius * n_x, y - disc_radius * n_y,
+                            distance - disc_radius - robot_radius)
     c, s = math.cos(theta), math.sin(theta)
-    c_x, c_y, m_x, m_y, away, _, _ = closest_on_polygon(outline, c * d_x + s * d_y,
-                                                        c * d_y - s * d_x)
-    return c * m_x - s * m_y, s * m_x + c * m_y, x + c * c_x - s * c_y, y + s * c_x + c * c_y, \
-        away - robot_radius
+    # All of these are in the object frame.
+    c_x, c_y, n_x, n_y, distance, _, _ = closest_on_polygon(outline, c * d_x + s * d_y,
+                                                            c * d_y - s * d_x)
+    return ContactPoint(c * n_x - s * n_y, s * n_x + c * n_y, x + c * c_x - s * c_y,
+                        y + s * c_x + c * c_y, distance - robot_radius)
 
 
 @compiled
-def surface_velocity(robot_radius, n_x, n_y, away_x, away_y, v_x, v_y, omega):
+def surface_velocity(robot_radius: float, n_x: float, n_y: float, arm_x: float, arm_y: float,
+                     v_x: float, v_y: float, omega: float) -> tuple[float, float]:
     """
-    Velocity of the robot's surface at the contact, along n and t [m/s].
+    Compute the velocity of the robot's surface at the contact, along n and t [m/s].
 
-    :param robot_radius: R_p [m]; infinite for a fence.
+    :param robot_radius: R_p [m]; infinite for a flat pusher.
     :param n_x: contact normal, x.
-    :param n_y: the same, y.
-    :param away_x: from the robot's position to the contact, x [m]; only a fence needs it.
-    :param away_y: the same, y [m].
+    :param n_y: contact normal, y.
+    :param arm_x: from the robot's position to the contact, x [m]; only a flat pusher needs it.
+    :param arm_y: the same, y [m].
     :param v_x: velocity of the robot's position, world axes, x [m/s].
     :param v_y: the same, y [m/s].
     :param omega: its yaw rate [rad/s].
     """
     normal, tangential = n_x * v_x + n_y * v_y, n_x * v_y - n_y * v_x
     if math.isinf(robot_radius):
-        return normal - omega * (n_x * away_y - n_y * away_x), tangential
+        return normal - omega * (n_x * arm_y - n_y * arm_x), tangential
     return normal, tangential + omega * robot_radius
 
 
 @compiled
-def contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient, only):
+def contact_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t: float,
+                    friction_coefficient: float, mode: int) -> ContactImpulse:
     """
-    Impulse that keeps the bodies apart: none, sticking, or sliding on the edge of the cone.
+    Compute the impulse that keeps the bodies apart: none, sticking, or on the edge of the cone.
 
-    ``w`` maps impulse to relative velocity and is positive definite; then the sign of the
-    sticking impulse tells the side that slides, and the divisor below is positive.
+    ``W = ((w_nn, w_nt), (w_nt, w_tt))`` maps the impulse to the relative velocity that it makes.
+    Sticking solves ``W l = need``, sliding ``w_nn l_n + w_nt l_t = need_n`` with
+    ``l_t = +-mu_c l_n``. W is positive definite; therefore the sign of the sticking impulse tells
+    the side that slides, and the divisor below is positive for the mode that the law selects.
 
     :param w_nn: normal velocity per normal impulse [1/kg].
     :param w_nt: normal velocity per tangential impulse [1/kg].
@@ -83,43 +154,43 @@ def contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient, only
     :param need_n: normal velocity that is missing without an impulse [m/s].
     :param need_t: tangential velocity that is missing for sticking [m/s].
     :param friction_coefficient: mu_c.
-    :param only: ANY, or the mode to take whether it is the right one or not.
-    :return: (normal impulse [N s], tangential impulse [N s], mode).
+    :param mode: ANY_MODE, or the mode to impose whether it is the right one or not.
+    :return: ``ContactImpulse``.
     """
-    if only == SEPARATE or (only == ANY and need_n <= 0.0):
-        return 0.0, 0.0, SEPARATE
+    if mode == SEPARATE or (mode == ANY_MODE and need_n <= 0.0):
+        return ContactImpulse(0.0, 0.0, SEPARATE)
     determinant = w_nn * w_tt - w_nt * w_nt
     normal = (w_tt * need_n - w_nt * need_t) / determinant
     tangential = (w_nn * need_t - w_nt * need_n) / determinant
-    if only == STICK or (only == ANY and abs(tangential) <= friction_coefficient * normal):
-        return normal, tangential, STICK
-    mode = only
-    if only == ANY:
+    in_cone = abs(tangential) <= friction_coefficient * normal
+    if mode == STICK or (mode == ANY_MODE and in_cone):
+        return ContactImpulse(normal, tangential, STICK)
+    if mode == ANY_MODE:
         mode = SLIDE_LEFT if tangential > 0.0 else SLIDE_RIGHT
     slope = friction_coefficient if mode == SLIDE_LEFT else -friction_coefficient
     divisor = w_nn + slope * w_nt
     normal = need_n / divisor if divisor > 0.0 else 0.0
-    return normal, slope * normal, mode
+    return ContactImpulse(normal, slope * normal, mode)
 
 
 @compiled
-def violation(mode, missing, slip, impulse_n, impulse_t, friction_coefficient, mass):
+def law_violation(impulse: ContactImpulse, missing: float, slip: float,
+                  friction_coefficient: float, mass: float) -> float:
     """
-    Say how far a contact is from the law of the mode that it was given [m/s].
+    Measure how far a contact is from the law of its mode [m/s]; 0 where it keeps to it.
 
-    :param mode: SEPARATE, STICK, SLIDE_LEFT or SLIDE_RIGHT.
+    :param impulse: ``ContactImpulse``.
     :param missing: normal velocity that the object's contact point lacks [m/s].
     :param slip: tangential velocity of that point relative to the robot's surface [m/s].
-    :param impulse_n: normal impulse [N s].
-    :param impulse_t: tangential impulse [N s].
     :param friction_coefficient: mu_c.
     :param mass: of the object, to compare impulses with velocities [kg].
     """
-    wrong = max(0.0, missing) + max(0.0, -impulse_n) / mass
-    if mode == STICK:
-        return wrong + max(0.0, abs(impulse_t) - friction_coefficient * impulse_n) / mass
-    if mode == SLIDE_LEFT:
-        return wrong + max(0.0, slip)
-    if mode == SLIDE_RIGHT:
-        return wrong + max(0.0, -slip)
-    return wrong
+    penetration = max(0.0, missing) + max(0.0, -impulse.normal) / mass
+    if impulse.mode == STICK:
+        outside = max(0.0, abs(impulse.tangential) - friction_coefficient * impulse.normal)
+        return penetration + outside / mass
+    if impulse.mode == SLIDE_LEFT:
+        return penetration + max(0.0, slip)
+    if impulse.mode == SLIDE_RIGHT:
+        return penetration + max(0.0, -slip)
+    return penetration

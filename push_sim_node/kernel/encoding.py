@@ -1,19 +1,24 @@
-"""Objects, robots and poses as the numbers that the kernel works on, and back."""
+"""Translation of objects, robots and poses into the numbers that the kernel works on, and back."""
 
 import math
+from typing import Any, Sequence
 
 from push_model.contact import find_contact
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
-from push_sim_node.kernel import layout as at
+from push_sim_node.kernel import layout
 
-DEEPEST_OVERLAP = 5e-3
+# Overlap of robot and object at the start that is corrected [m], chosen: what rounded numbers of
+# a scenario come to. A deeper one is a mistake.
+MAX_OVERLAP = 5e-3
+# In place of the outline of a disc.
 NO_OUTLINE = ((0.0, 0.0), (0.0, 0.0))
 
 
-def body_numbers(obj, robot, smoothing):
+def body_numbers(obj: PushedObject, robot: RoundRobot, smoothing: float) -> list[float]:
     """
-    Write down what does not change, in the order of ``layout``.
+    Encode what does not change, in the order of ``layout``.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
@@ -24,31 +29,31 @@ def body_numbers(obj, robot, smoothing):
             obj.contact_friction_coefficient, smoothing]
 
 
-def drive_numbers(robot):
+def drive_numbers(robot: RoundRobot) -> list[float]:
     """
-    Write down (time constant [s], acceleration limit [m/s^2], yaw acceleration limit [rad/s^2]).
+    Encode lag and limits of the drive, in the order of ``layout``.
 
     :param robot: the ``RoundRobot``.
     """
     return [robot.time_constant, robot.max_acceleration, robot.max_yaw_acceleration]
 
 
-def support_rows(obj, capacities, factors):
+def support_rows(obj: PushedObject, capacities: Sequence[float],
+                 factors: Sequence[float]) -> list[tuple[float, float, float, float]]:
     """
-    Write down the supports as (x, y from the mass centre [m], friction capacity, twice [N]).
-
-    The first capacity is that of the floor underfoot, the second that of plain floor.
+    Encode the supports, columns in the order of ``layout``.
 
     :param obj: the ``PushedObject``.
     :param capacities: friction capacity of each support [N].
     :param factors: factor on the friction of each support.
     """
     com_x, com_y = obj.center_of_mass
-    return [(foot.x - com_x, foot.y - com_y, factor * capacity, factor * capacity)
-            for foot, factor, capacity in zip(obj.supports, factors, capacities)]
+    return [(support.x - com_x, support.y - com_y, factor * capacity, factor * capacity)
+            for support, factor, capacity in zip(obj.supports, factors, capacities)]
 
 
-def placed(obj, robot, object_pose, robot_pose):
+def resolve_overlap(obj: PushedObject, robot: RoundRobot, object_pose: Pose,
+                    robot_pose: Pose) -> Pose:
     """
     Move a robot that overlaps a little with the object back until it touches.
 
@@ -62,49 +67,92 @@ def placed(obj, robot, object_pose, robot_pose):
     for name, pose in (('object_pose', object_pose), ('robot_pose', robot_pose)):
         if not pose.is_finite():
             raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')
-    _, gamma, gap = find_contact(obj, object_pose, robot_pose, robot.radius)
-    if gap < -DEEPEST_OVERLAP:
+    _, normal, gap = find_contact(obj, object_pose, robot_pose, robot.radius)
+    if gap < -MAX_OVERLAP:
         raise ValueError(f'robot_pose: got an overlap with the object of {-gap:g} m, expected '
-                         f'at most {DEEPEST_OVERLAP:g} m')
+                         f'at most {MAX_OVERLAP:g} m')
     back = min(0.0, gap)
-    return Pose(robot_pose.x + back * math.cos(gamma), robot_pose.y + back * math.sin(gamma),
+    return Pose(robot_pose.x + back * math.cos(normal), robot_pose.y + back * math.sin(normal),
                 robot_pose.theta)
 
 
-def start_state(obj, object_pose, robot_pose):
+def initial_state(obj: PushedObject, object_pose: Pose, robot_pose: Pose) -> list[float]:
     """
-    Write down the state at rest, in the order of ``layout``.
+    Encode the state at rest, in the order of ``layout``.
 
     :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object frame in the world.
     :param robot_pose: ``Pose`` of the robot in the world.
     """
-    state = [0.0] * at.STATE_SIZE
-    state[at.X], state[at.Y] = map(float, object_pose.transform(obj.center_of_mass))
-    state[at.THETA] = float(object_pose.theta)
-    state[at.P_X:at.PHI + 1] = map(float, robot_pose)
+    state = [0.0] * layout.STATE_SIZE
+    x, y = object_pose.transform(obj.center_of_mass)
+    state[layout.X] = float(x)
+    state[layout.Y] = float(y)
+    state[layout.THETA] = float(object_pose.theta)
+    state[layout.ROBOT_X] = float(robot_pose.x)
+    state[layout.ROBOT_Y] = float(robot_pose.y)
+    state[layout.ROBOT_THETA] = float(robot_pose.theta)
     return state
 
 
-def object_pose_of(state, center_of_mass):
+def encode_velocities(state: Any, center_of_mass: tuple[float, float], object_twist: Twist,
+                      robot_twist: Twist) -> None:
     """
-    Read the pose of the object frame in the world; the angle is not wrapped.
+    Write the velocities of object and robot into a state.
+
+    :param state: numbers in the order of ``layout``, are written.
+    :param center_of_mass: (x, y) in the object frame [m].
+    :param object_twist: velocity of the object frame's origin, world axes.
+    :param robot_twist: velocity of the robot, own axes.
+    """
+    x, y = Pose(0.0, 0.0, float(state[layout.THETA])).rotate(center_of_mass)
+    state[layout.V_X] = object_twist.v_x - object_twist.omega * y
+    state[layout.V_Y] = object_twist.v_y + object_twist.omega * x
+    state[layout.OMEGA] = object_twist.omega
+    state[layout.ROBOT_V_X] = robot_twist.v_x
+    state[layout.ROBOT_V_Y] = robot_twist.v_y
+    state[layout.ROBOT_OMEGA] = robot_twist.omega
+
+
+def object_pose_of(state: Any, center_of_mass: tuple[float, float]) -> Pose:
+    """
+    Decode the pose of the object frame in the world; the angle is not wrapped.
 
     :param state: numbers in the order of ``layout``.
     :param center_of_mass: (x, y) in the object frame [m].
     """
-    x, y, theta = map(float, state[at.X:at.THETA + 1])
+    theta = float(state[layout.THETA])
     back_x, back_y = Pose(0.0, 0.0, theta).rotate(center_of_mass)
-    return Pose(x - back_x, y - back_y, theta)
+    return Pose(float(state[layout.X]) - back_x, float(state[layout.Y]) - back_y, theta)
 
 
-def object_twist_of(state, center_of_mass):
+def object_twist_of(state: Any, center_of_mass: tuple[float, float]) -> Twist:
     """
-    Read the velocity of the object frame's origin, world axes, and the yaw rate.
+    Decode the velocity of the object frame's origin, world axes, and the yaw rate.
 
     :param state: numbers in the order of ``layout``.
     :param center_of_mass: (x, y) in the object frame [m].
     """
-    v_x, v_y, omega = map(float, state[at.V_X:at.OMEGA + 1])
-    x, y = Pose(0.0, 0.0, float(state[at.THETA])).rotate(center_of_mass)
-    return Twist(v_x + omega * y, v_y - omega * x, omega)
+    omega = float(state[layout.OMEGA])
+    x, y = Pose(0.0, 0.0, float(state[layout.THETA])).rotate(center_of_mass)
+    return Twist(float(state[layout.V_X]) + omega * y, float(state[layout.V_Y]) - omega * x, omega)
+
+
+def robot_pose_of(state: Any) -> Pose:
+    """
+    Decode the pose of the robot in the world; the angle is not wrapped.
+
+    :param state: numbers in the order of ``layout``.
+    """
+    return Pose(float(state[layout.ROBOT_X]), float(state[layout.ROBOT_Y]),
+                float(state[layout.ROBOT_THETA]))
+
+
+def robot_twist_of(state: Any) -> Twist:
+    """
+    Decode the velocity of the robot, own axes.
+
+    :param state: numbers in the order of ``layout``.
+    """
+    return Twist(float(state[layout.ROBOT_V_X]), float(state[layout.ROBOT_V_Y]),
+                 float(state[layout.ROBOT_OMEGA]))

@@ -1,12 +1,12 @@
-"""A floor whose friction depends on the place: wet spots, rugs, another flooring."""
+"""Floor whose friction depends on the place: wet spots, rugs, another flooring."""
 
 import dataclasses
 import math
+from typing import Any, Sequence
 
 from push_model.quantity import check, quantity
 from push_sim_node.kernel.compiled import compiled
-
-PATCH_SIZE = 8
+from push_sim_node.kernel.layout import CAPACITY, PLAIN_CAPACITY, SUPPORT_X, SUPPORT_Y
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,55 +22,57 @@ class FloorPatch:
     edge: float = quantity('width over which friction changes at the rim; 0: at once', 'm', 0.0,
                            default=0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
 
-def floor_rows(patches):
+def floor_rows(patches: Sequence[FloorPatch]) -> list[tuple[float, ...]]:
     """
-    Write patches down for the kernel; where they overlap they multiply.
+    Encode patches for the kernel; the factors of patches that overlap multiply.
 
     :param patches: ``FloorPatch`` sequence.
+    :return: rows (x, y, cosine, sine, half length, half width, factor, edge).
     """
     return [(patch.x, patch.y, math.cos(patch.theta), math.sin(patch.theta), 0.5 * patch.length,
              0.5 * patch.width, patch.factor, patch.edge) for patch in patches]
 
 
 @compiled
-def friction_factor_at(floor, x, y):
+def friction_factor_at(floor: Any, x: float, y: float) -> float:
     """
-    Factor on the friction at a place.
+    Compute the factor on the friction at a place.
 
-    :param floor: rows (x, y, cosine, sine, half length, half width, factor, edge), shape (k, 8).
+    :param floor: rows of ``floor_rows``, shape (k, 8).
     :param x: place in the world, x [m].
-    :param y: the same, y [m].
+    :param y: place in the world, y [m].
     """
     result = 1.0
     for i in range(len(floor)):
-        m_x, m_y, c, s, half_x, half_y, factor, edge = floor[i]
+        m_x, m_y, c, s, half_length, half_width, factor, edge = floor[i]
         along, across = c * (x - m_x) + s * (y - m_y), c * (y - m_y) - s * (x - m_x)
-        depth = min(half_x - abs(along), half_y - abs(across))
-        share = 1.0 if depth > 0.0 else 0.0
+        depth = min(half_length - abs(along), half_width - abs(across))
+        weight = 1.0 if depth > 0.0 else 0.0
         if edge > 0.0:
-            share = min(1.0, max(0.0, 0.5 + depth / edge))
-        result *= 1.0 + (factor - 1.0) * share
+            weight = min(1.0, max(0.0, 0.5 + depth / edge))
+        result *= 1.0 + (factor - 1.0) * weight
     return result
 
 
 @compiled
-def set_local_capacities(floor, supports, x, y, c, s):
+def set_local_capacities(floor: Any, supports: Any, x: float, y: float, c: float,
+                         s: float) -> None:
     """
-    Set the capacity of every support to that of the floor under it.
+    Set the friction capacity of every support to that on the floor under it.
 
-    :param floor: as for ``friction_factor_at``.
-    :param supports: rows (x, y from the mass centre [m], capacity here, capacity on plain floor
-        [N]), shape (k, 4): the third number is written.
+    :param floor: rows of ``floor_rows``, shape (k, 8).
+    :param supports: rows in the order of ``layout``, shape (n, 4): CAPACITY is written.
     :param x: mass centre in the world, x [m].
-    :param y: the same, y [m].
+    :param y: mass centre in the world, y [m].
     :param c: cosine of the object's orientation.
     :param s: sine of it.
     """
     for i in range(len(supports)):
-        s_x, s_y, plain = supports[i][0], supports[i][1], supports[i][3]
-        supports[i][2] = plain * friction_factor_at(floor, x + c * s_x - s * s_y, y + s * s_x + c * s_y)
+        s_x, s_y = supports[i][SUPPORT_X], supports[i][SUPPORT_Y]
+        factor = friction_factor_at(floor, x + c * s_x - s * s_y, y + s * s_x + c * s_y)
+        supports[i][CAPACITY] = supports[i][PLAIN_CAPACITY] * factor

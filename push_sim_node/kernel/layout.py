@@ -1,17 +1,74 @@
 """
-Names of the numbers that the kernel works on.
+Positions of the numbers in the arrays that the kernel works on.
 
-State: mass centre, its velocity and its acceleration over the last step (world; 0 where it tells
-nothing of the next step), robot pose (world) and twist (own axes), contact mode, contact force
-over the last step [N], energies since the start [J], iterations, steps and steps whose
-equations were left unsolved since the start.
+numba compiles arrays of floats far faster than objects, so that the kernel sees the state of the
+world as one flat array. These names say which number is which; ``encoding`` translates between
+them and the typed values of the rest of the package.
 """
 
-(X, Y, THETA, V_X, V_Y, OMEGA, A_X, A_Y, A_OMEGA, P_X, P_Y, PHI, U_X, U_Y, U_OMEGA,
- MODE, FORCE_N, FORCE_T, WORK, SUPPORT_LOSS, CONTACT_LOSS, IMPACT_LOSS, ITERATIONS,
- STEPS, UNSOLVED) = range(25)
-STATE_SIZE = UNSOLVED + 1
-(MASS, INERTIA, COM_X, COM_Y, DISC_RADIUS, ROBOT_RADIUS, CONTACT_FRICTION, SMOOTHING) = range(8)
-SEPARATE, STICK, SLIDE_LEFT, SLIDE_RIGHT = range(4)
-ANY = -1
-MODES = ('separate', 'stick', 'slide+', 'slide-')
+# State: the mass centre and its velocity, world axes. The acceleration over the last step
+# predicts the next one; it is 0 where it says nothing about that.
+X = 0
+Y = 1
+THETA = 2
+V_X = 3
+V_Y = 4
+OMEGA = 5
+A_X = 6
+A_Y = 7
+A_OMEGA = 8
+# State: pose of the robot in the world, and its velocity in its own axes.
+ROBOT_X = 9
+ROBOT_Y = 10
+ROBOT_THETA = 11
+ROBOT_V_X = 12
+ROBOT_V_Y = 13
+ROBOT_OMEGA = 14
+# State: mode of the contact and its force on the object over the last step [N].
+MODE = 15
+NORMAL_FORCE = 16
+TANGENTIAL_FORCE = 17
+# State: energies since the start [J].
+WORK = 18
+SUPPORT_LOSS = 19
+CONTACT_LOSS = 20
+IMPACT_LOSS = 21
+# State: counts since the start.
+ITERATIONS = 22
+STEPS = 23
+UNSOLVED_STEPS = 24
+STATE_SIZE = 25
+
+# Body: what does not change during a simulation.
+MASS = 0
+INERTIA = 1
+COM_X = 2
+COM_Y = 3
+DISC_RADIUS = 4
+ROBOT_RADIUS = 5
+CONTACT_FRICTION = 6
+SMOOTHING_SPEED = 7
+
+# Drive of the robot.
+TIME_CONSTANT = 0
+MAX_ACCELERATION = 1
+MAX_YAW_ACCELERATION = 2
+
+# Columns of a support: position relative to the mass centre, object axes [m]; friction capacity
+# on the floor that is under it now, and on plain floor [N].
+SUPPORT_X = 0
+SUPPORT_Y = 1
+CAPACITY = 2
+PLAIN_CAPACITY = 3
+
+# Number of columns of a floor patch, see ``floor.floor_rows``.
+PATCH_SIZE = 8
+
+# Modes of the contact.
+SEPARATE = 0
+STICK = 1
+SLIDE_LEFT = 2
+SLIDE_RIGHT = 3
+MODE_COUNT = 4
+# In place of a mode: the one that the contact law selects.
+ANY_MODE = -1

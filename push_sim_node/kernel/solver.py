@@ -1,95 +1,135 @@
 """
-The velocity at the end of a step: support friction and contact together.
+Velocity of the object at the end of a step: support friction and contact together.
 
-Support friction is iterated on its weights; for given weights the contact is solved in closed
-form: ``(M + sum D_i J_i^T J_i) v = M v_n + J_n^T l_n + J_t^T l_t``.
+The implicit step is ``(M + sum D_i J_i^T J_i) v = M v_0 + J_n^T l_n + J_t^T l_t``: M the mass
+matrix, v = (v_x, v_y, omega) the velocity of the mass centre at the end of the step and v_0 at its
+start, J_i, J_n and J_t the rows that map v to the velocity of support i and to the normal and
+tangential velocity of the contact point, l_n and l_t the contact impulses. The friction weights
+``D_i = h q_i / |v_i|`` depend on v: they are iterated, and for given weights the contact is solved
+in closed form.
 
-Arguments are named as in ``step``; ``c`` and ``s`` are cosine and sine of the orientation,
-``guess`` the predicted (v_x, v_y, omega), ``contact`` and ``push`` what ``geometry`` returned.
+Arguments are named as in ``step``; ``c`` and ``s`` are cosine and sine of the orientation of the
+object, ``guess`` is the predicted v, ``contact`` and ``surface`` are what
+``contact_law.ContactGeometry`` and ``contact_law.SurfaceVelocity`` describe.
 """
 
 import math
+from typing import Any, NamedTuple
 
 from push_sim_node.kernel.compiled import compiled
-from push_sim_node.kernel.contact_law import contact_impulse, violation
-from push_sim_node.kernel.layout import (
-    ANY, CONTACT_FRICTION, INERTIA, MASS, MODES, OMEGA, V_X, V_Y,
+from push_sim_node.kernel.contact_law import (
+    contact_impulse, ContactGeometry, ContactImpulse, law_violation, SurfaceVelocity,
 )
-from push_sim_node.kernel.support_friction import augmented_mass, velocity_of
+from push_sim_node.kernel.layout import (
+    ANY_MODE, CONTACT_FRICTION, INERTIA, MASS, MODE_COUNT, OMEGA, SEPARATE, V_X, V_Y,
+)
+from push_sim_node.kernel.support_friction import augmented_mass, AugmentedMass, Velocity, velocity_of
 
-TOLERANCE = 1e-6
-COARSE = 1e-4
-MOST_ITERATIONS = 60
+# Change of the velocity [m/s] at which the iteration ends: chosen, a thousandth of a millimetre
+# per second, far below what a pose sensor sees.
+CONVERGED = 1e-6
+# Most iterations with one choice of contact mode. Usual steps need fewer than ten; an iteration
+# that has not ended by then runs in a circle.
+MAX_ITERATIONS = 60
+
+
+class StepSolution(NamedTuple):
+    """
+    Velocity at the end of a step, and the contact impulse that leads to it.
+
+    :param velocity: (v_x, v_y, omega) of the mass centre, world axes.
+    :param weight_velocity: the velocity that the friction weights of the last iteration belong to.
+    :param impulse: of the robot on the object.
+    :param iterations: number of them.
+    :param residual: what is left unsolved, as a velocity [m/s].
+    """
+
+    velocity: Velocity
+    weight_velocity: Velocity
+    impulse: ContactImpulse
+    iterations: int
+    residual: float
 
 
 @compiled
-def constrained(state, body, augmented, contact, push, only):
+def constrained_velocity(state: Any, body: Any, augmented: AugmentedMass,
+                         contact: ContactGeometry, surface: SurfaceVelocity,
+                         mode: int) -> tuple[Velocity, ContactImpulse]:
     """
-    Velocity for given friction weights, with the contact solved.
+    Compute the velocity for given friction weights, with the contact solved.
 
-    :return: velocity (v_x, v_y, omega), impulse (normal, tangential) [N s], mode.
+    :return: velocity; ``ContactImpulse``.
     """
     n_x, n_y, arm_n, arm_t = contact
     v_x, v_y, omega = velocity_of(augmented, body[MASS] * state[V_X], body[MASS] * state[V_Y],
                                   body[INERTIA] * state[OMEGA])
+    # Velocity per normal and per tangential impulse.
     a_x, a_y, a_omega = velocity_of(augmented, n_x, n_y, arm_n)
     b_x, b_y, b_omega = velocity_of(augmented, -n_y, n_x, arm_t)
-    normal, tangential, mode = contact_impulse(
+    impulse = contact_impulse(
         n_x * a_x + n_y * a_y + arm_n * a_omega, n_x * b_x + n_y * b_y + arm_n * b_omega,
         n_x * b_y - n_y * b_x + arm_t * b_omega,
-        push[1] - (n_x * v_x + n_y * v_y + arm_n * omega),
-        push[2] - (n_x * v_y - n_y * v_x + arm_t * omega), body[CONTACT_FRICTION],
-        only)
-    return (v_x + normal * a_x + tangential * b_x, v_y + normal * a_y + tangential * b_y,
-            omega + normal * a_omega + tangential * b_omega), (normal, tangential), mode
+        surface.required - (n_x * v_x + n_y * v_y + arm_n * omega),
+        surface.tangential - (n_x * v_y - n_y * v_x + arm_t * omega), body[CONTACT_FRICTION],
+        mode)
+    normal, tangential = impulse.normal, impulse.tangential
+    velocity = Velocity(v_x + normal * a_x + tangential * b_x,
+                        v_y + normal * a_y + tangential * b_y,
+                        omega + normal * a_omega + tangential * b_omega)
+    return velocity, impulse
 
 
 @compiled
-def iterate(state, body, supports, c, s, h, guess, contact, push, only):
+def iterate(state: Any, body: Any, supports: Any, c: float, s: float, h: float, guess: Velocity,
+            contact: ContactGeometry, surface: SurfaceVelocity, mode: int) -> StepSolution:
     """
-    Velocity at the end of the step, by iteration on the friction weights.
+    Iterate on the friction weights.
 
-    ``only`` is ANY, or the contact mode to hold.
-
-    :return: velocity (v_x, v_y, omega); that of the last friction weights; impulse (normal,
-        tangential) [N s]; mode; iterations; last change of the velocity [m/s].
+    :param mode: ANY_MODE, or the contact mode to impose.
+    :return: ``StepSolution``, the residual being the last change of the velocity.
     """
-    velocity, at, impulse, mode, count, change = guess, guess, (0.0, 0.0), 0, 0, 1.0
-    gyration = body[INERTIA] / body[MASS]
-    while count < MOST_ITERATIONS and change > TOLERANCE:
+    velocity, weight_velocity = guess, guess
+    impulse = ContactImpulse(0.0, 0.0, SEPARATE)
+    count, change = 0, 1.0
+    gyration_squared = body[INERTIA] / body[MASS]
+    while count < MAX_ITERATIONS and change > CONVERGED:
         count += 1
-        at = velocity
-        augmented = augmented_mass(body, supports, c, s, h, at[0], at[1], at[2])
-        velocity, impulse, mode = constrained(state, body, augmented, contact, push, only)
-        change = math.sqrt((velocity[0] - at[0]) ** 2 + (velocity[1] - at[1]) ** 2
-                           + gyration * (velocity[2] - at[2]) ** 2)
-    return velocity, at, impulse, mode, count, change
+        weight_velocity = velocity
+        augmented = augmented_mass(body, supports, c, s, h, weight_velocity)
+        velocity, impulse = constrained_velocity(state, body, augmented, contact, surface, mode)
+        change = math.sqrt((velocity.v_x - weight_velocity.v_x) ** 2
+                           + (velocity.v_y - weight_velocity.v_y) ** 2
+                           + gyration_squared * (velocity.omega - weight_velocity.omega) ** 2)
+    return StepSolution(velocity, weight_velocity, impulse, count, change)
 
 
 @compiled
-def solve(state, body, supports, c, s, h, guess, contact, push):
+def solve(state: Any, body: Any, supports: Any, c: float, s: float, h: float, guess: Velocity,
+          contact: ContactGeometry, surface: SurfaceVelocity) -> StepSolution:
     """
-    Velocity at the end of the step.
+    Solve for the velocity at the end of the step.
 
     The iteration may run in circles where a contact can wedge (with much friction both sticking
-    and separation satisfy the equations of fixed weights). Then every mode is held in turn, and
-    the one that fits best is taken.
+    and separation satisfy the equations of fixed weights). Then every mode is imposed in turn,
+    and the one that fits best is taken.
 
-    :return: as ``iterate``, the last number being what is left unsolved [m/s].
+    :return: ``StepSolution``; after imposed modes the residual includes the violation of the
+        contact law.
     """
-    best = iterate(state, body, supports, c, s, h, guess, contact, push, ANY)
-    if best[5] <= TOLERANCE:
+    best = iterate(state, body, supports, c, s, h, guess, contact, surface, ANY_MODE)
+    if best.residual <= CONVERGED:
         return best
     n_x, n_y, arm_n, arm_t = contact
-    count = best[4]
-    for mode in range(len(MODES)):
-        velocity, at, impulse, _, more, change = iterate(state, body, supports, c, s, h, guess,
-                                                         contact, push, mode)
-        v_x, v_y, omega = velocity
-        change += violation(mode, push[1] - (n_x * v_x + n_y * v_y + arm_n * omega),
-                            n_x * v_y - n_y * v_x + arm_t * omega - push[2], impulse[0],
-                            impulse[1], body[CONTACT_FRICTION], body[MASS])
-        count += more
-        if change < best[5]:
-            best = velocity, at, impulse, mode, count, change
-    return best[0], best[1], best[2], best[3], count, best[5]
+    count = best.iterations
+    for mode in range(MODE_COUNT):
+        found = iterate(state, body, supports, c, s, h, guess, contact, surface, mode)
+        v_x, v_y, omega = found.velocity
+        missing = surface.required - (n_x * v_x + n_y * v_y + arm_n * omega)
+        slip = n_x * v_y - n_y * v_x + arm_t * omega - surface.tangential
+        residual = found.residual + law_violation(found.impulse, missing, slip,
+                                                  body[CONTACT_FRICTION], body[MASS])
+        count += found.iterations
+        if residual < best.residual:
+            best = StepSolution(found.velocity, found.weight_velocity, found.impulse, count,
+                                residual)
+    return StepSolution(best.velocity, best.weight_velocity, best.impulse, count, best.residual)

@@ -1,71 +1,102 @@
 """
 One step of object and robot: implicit, on velocity level, without springs or penalties.
 
-The geometry is taken at the predicted middle of the step and the gap carried back from there to
-its start, which leaves neither drift nor error of first order.
+The geometry is taken at the predicted middle of the step, and the gap carried back from there to
+its start; this leaves neither drift nor an error of first order.
 
 Arguments have the same meaning in every function: ``state`` and ``body`` are numbers in the order
-of ``layout``, ``supports`` rows (x, y from the mass centre [m], capacity, capacity on plain floor
-[N]), ``outline`` the vertices [m], ``floor`` the patches of ``floor_rows``, ``forces`` the
-friction on each support (x, y, x, y, ...) [N] that is written, ``command`` the (v_x, v_y, omega)
-asked of the robot, ``drive`` (time constant [s], acceleration limit [m/s^2], yaw acceleration
-limit [rad/s^2]), ``h`` the step [s].
+of ``layout``, ``supports`` rows in that order, ``outline`` the vertices [m], ``floor`` the patches
+of ``floor.floor_rows``, ``forces`` the friction on each support (x, y, x, y, ...) [N] that is
+written, ``command`` the (v_x, v_y, omega) asked of the robot, ``drive`` its lag and limits, ``h``
+the step [s].
 """
 
 import math
+from typing import Any, NamedTuple
 
 from push_sim_node.kernel.actuation import chord_velocity, track_command
 from push_sim_node.kernel.compiled import compiled
-from push_sim_node.kernel.contact_law import nearest, surface_velocity
+from push_sim_node.kernel.contact_law import (
+    ContactGeometry, nearest_points, surface_velocity, SurfaceVelocity,
+)
 from push_sim_node.kernel.floor import set_local_capacities
 from push_sim_node.kernel.layout import (
-    A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, FORCE_N, FORCE_T, IMPACT_LOSS,
-    INERTIA, ITERATIONS, MASS, MODE, OMEGA, P_X, P_Y, PHI, ROBOT_RADIUS, STEPS, SUPPORT_LOSS,
-    THETA, U_OMEGA, U_X, U_Y, UNSOLVED, V_X, V_Y, WORK, X, Y,
+    A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, IMPACT_LOSS, INERTIA, ITERATIONS,
+    MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA, ROBOT_RADIUS, ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y,
+    ROBOT_X, ROBOT_Y, STEPS, SUPPORT_LOSS, TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK,
+    X, Y,
 )
-from push_sim_node.kernel.solver import COARSE, solve
-from push_sim_node.kernel.support_friction import friction_forces
+from push_sim_node.kernel.solver import solve, StepSolution
+from push_sim_node.kernel.support_friction import Velocity, write_friction_forces
 
-# A robot that touches without moving must not push the object by rounding errors.
+# Gap that counts as none [m], chosen a little above the rounding errors of world coordinates of
+# some metres: a robot that touches without moving must not push the object by them.
 ROUNDING = 1e-14
+# Residual of the velocity above which a step counts as unsolved [m/s]: chosen, 0.1 mm/s.
+UNSOLVED_RESIDUAL = 1e-4
+# Fraction of a step by which a duration may exceed a whole number of steps, for its rounding.
+STEP_ROUNDING = 1e-9
+
+
+class MiddleOfStep(NamedTuple):
+    """
+    Contact in the predicted middle of a step.
+
+    :param c: cosine of the object's orientation.
+    :param s: sine of it.
+    :param contact: ``ContactGeometry``.
+    :param surface: ``SurfaceVelocity``.
+    """
+
+    c: float
+    s: float
+    contact: ContactGeometry
+    surface: SurfaceVelocity
 
 
 @compiled
-def geometry(state, body, outline, guess, robot, h):
+def middle_of_step(state: Any, body: Any, outline: Any, guess: Velocity, robot: Velocity,
+                   h: float) -> MiddleOfStep:
     """
-    Contact in the middle of the step, for a predicted velocity.
+    Find the contact in the middle of the step, for a predicted velocity.
 
-    ``guess`` is the object's (v_x, v_y, omega), ``robot`` the mean one of the robot, world axes.
-
-    :return: cosine and sine of the orientation; (n_x, n_y, moment arms of n and t [m]); (normal
-        velocity of the robot, that which the object's contact point must have at least,
-        tangential velocity of the robot's surface) [m/s].
+    :param guess: predicted ``Velocity`` of the object.
+    :param robot: mean ``Velocity`` of the robot over the step, world axes.
+    :return: ``MiddleOfStep``.
     """
-    x, y = state[X] + 0.5 * h * guess[0], state[Y] + 0.5 * h * guess[1]
-    theta = state[THETA] + 0.5 * h * guess[2]
+    x, y = state[X] + 0.5 * h * guess.v_x, state[Y] + 0.5 * h * guess.v_y
+    theta = state[THETA] + 0.5 * h * guess.omega
     c, s = math.cos(theta), math.sin(theta)
-    p_x, p_y = state[P_X] + 0.5 * h * robot[0], state[P_Y] + 0.5 * h * robot[1]
-    n_x, n_y, c_x, c_y, gap = nearest(
+    p_x, p_y = state[ROBOT_X] + 0.5 * h * robot.v_x, state[ROBOT_Y] + 0.5 * h * robot.v_y
+    n_x, n_y, c_x, c_y, gap = nearest_points(
         outline, body[DISC_RADIUS], body[ROBOT_RADIUS], x - c * body[COM_X] + s * body[COM_Y],
-        y - s * body[COM_X] - c * body[COM_Y], theta, p_x, p_y, state[PHI] + 0.5 * h * robot[2])
+        y - s * body[COM_X] - c * body[COM_Y], theta, p_x, p_y,
+        state[ROBOT_THETA] + 0.5 * h * robot.omega)
     arm_n = (c_x - x) * n_y - (c_y - y) * n_x
     arm_t = (c_x - x) * n_x + (c_y - y) * n_y
-    u_n, u_t = surface_velocity(body[ROBOT_RADIUS], n_x, n_y, c_x - p_x, c_y - p_y, robot[0],
-                                robot[1], robot[2])
-    gap -= 0.5 * h * (n_x * guess[0] + n_y * guess[1] + arm_n * guess[2] - u_n)
+    u_n, u_t = surface_velocity(body[ROBOT_RADIUS], n_x, n_y, c_x - p_x, c_y - p_y, robot.v_x,
+                                robot.v_y, robot.omega)
+    gap -= 0.5 * h * (n_x * guess.v_x + n_y * guess.v_y + arm_n * guess.omega - u_n)
     if abs(gap) < ROUNDING:
         gap = 0.0
-    return c, s, (n_x, n_y, arm_n, arm_t), (u_n, u_n - gap / h, u_t)
+    return MiddleOfStep(c, s, ContactGeometry(n_x, n_y, arm_n, arm_t),
+                        SurfaceVelocity(u_n, u_n - gap / h, u_t))
 
 
 @compiled
-def account(state, body, contact, push, velocity, impulse, support_loss):
-    """Book the energies of a step: work of the robot = kinetic energy + losses, exactly."""
+def add_energies(state: Any, body: Any, contact: ContactGeometry, surface: SurfaceVelocity,
+                 solution: StepSolution, support_loss: float) -> None:
+    """
+    Add the energies of a step: work of the robot = kinetic energy + losses, exactly.
+
+    The impact loss is ``|M (v - v_0)^2| / 2``, what an inelastic change of velocity takes.
+    """
     n_x, n_y, arm_n, arm_t = contact
-    v_x, v_y, omega = velocity
-    work = impulse[0] * push[0] + impulse[1] * push[2]
-    received = (impulse[0] * (n_x * v_x + n_y * v_y + arm_n * omega)
-                + impulse[1] * (n_x * v_y - n_y * v_x + arm_t * omega))
+    v_x, v_y, omega = solution.velocity
+    impulse = solution.impulse
+    work = impulse.normal * surface.normal + impulse.tangential * surface.tangential
+    received = (impulse.normal * (n_x * v_x + n_y * v_y + arm_n * omega)
+                + impulse.tangential * (n_x * v_y - n_y * v_x + arm_t * omega))
     d_x, d_y, d_omega = v_x - state[V_X], v_y - state[V_Y], omega - state[OMEGA]
     state[WORK] += work
     state[SUPPORT_LOSS] += support_loss
@@ -75,42 +106,61 @@ def account(state, body, contact, push, velocity, impulse, support_loss):
 
 
 @compiled
-def step(state, body, supports, outline, floor, forces, command, drive, h):
-    """Move object and robot by one step, in place."""
-    e_x, e_y, e_omega, m_x, m_y, m_omega = track_command(state[U_X], state[U_Y], state[U_OMEGA],
-                                                         command, drive, h)
-    u_x, u_y = chord_velocity(state[PHI], m_x, m_y, m_omega, h)
-    guess = (state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
-             state[OMEGA] + h * state[A_OMEGA])
-    c, s, contact, push = geometry(state, body, outline, guess, (u_x, u_y, m_omega), h)
-    if len(floor) > 0:
-        set_local_capacities(floor, supports, state[X] + 0.5 * h * guess[0], state[Y] + 0.5 * h * guess[1], c, s)
-    velocity, at, impulse, mode, count, left = solve(state, body, supports, c, s, h, guess,
-                                                     contact, push)
-    power = friction_forces(body, supports, forces, c, s, at, velocity)
-    account(state, body, contact, push, velocity, impulse, h * power)
-    keep = 1.0 / h if mode == state[MODE] else 0.0
-    v_x, v_y, omega = velocity
-    state[A_X], state[A_Y] = keep * (v_x - state[V_X]), keep * (v_y - state[V_Y])
-    state[A_OMEGA] = keep * (omega - state[OMEGA])
-    state[V_X], state[V_Y], state[OMEGA] = v_x, v_y, omega
+def move_object(state: Any, solution: StepSolution, h: float) -> None:
+    """Write pose, velocity, acceleration and contact of the object at the end of the step."""
+    v_x, v_y, omega = solution.velocity
+    # Across a change of mode the acceleration jumps: it predicts nothing then.
+    rate = 1.0 / h if solution.impulse.mode == state[MODE] else 0.0
+    state[A_X] = rate * (v_x - state[V_X])
+    state[A_Y] = rate * (v_y - state[V_Y])
+    state[A_OMEGA] = rate * (omega - state[OMEGA])
+    state[V_X] = v_x
+    state[V_Y] = v_y
+    state[OMEGA] = omega
     state[X] += h * v_x
     state[Y] += h * v_y
     state[THETA] += h * omega
-    state[P_X] += h * u_x
-    state[P_Y] += h * u_y
-    state[PHI] += h * m_omega
-    state[U_X], state[U_Y], state[U_OMEGA] = e_x, e_y, e_omega
-    state[MODE], state[FORCE_N], state[FORCE_T] = mode, impulse[0] / h, impulse[1] / h
-    state[ITERATIONS] += count
-    state[STEPS] += 1
-    if left > COARSE:
-        state[UNSOLVED] += 1
+    state[MODE] = solution.impulse.mode
+    state[NORMAL_FORCE] = solution.impulse.normal / h
+    state[TANGENTIAL_FORCE] = solution.impulse.tangential / h
 
 
 @compiled
-def advance(state, body, supports, outline, floor, forces, command, drive, duration, longest):
+def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces: Any,
+         command: Any, drive: Any, h: float) -> None:
+    """Move object and robot by one step, in place."""
+    tracked = track_command(state[ROBOT_V_X], state[ROBOT_V_Y], state[ROBOT_OMEGA], command, drive,
+                            h)
+    u_x, u_y = chord_velocity(state[ROBOT_THETA], tracked.mean_x, tracked.mean_y,
+                              tracked.mean_omega, h)
+    robot = Velocity(u_x, u_y, tracked.mean_omega)
+    guess = Velocity(state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
+                     state[OMEGA] + h * state[A_OMEGA])
+    c, s, contact, surface = middle_of_step(state, body, outline, guess, robot, h)
+    if len(floor) > 0:
+        set_local_capacities(floor, supports, state[X] + 0.5 * h * guess.v_x,
+                             state[Y] + 0.5 * h * guess.v_y, c, s)
+    solution = solve(state, body, supports, c, s, h, guess, contact, surface)
+    power = write_friction_forces(forces, body, supports, c, s, solution.weight_velocity,
+                                  solution.velocity)
+    add_energies(state, body, contact, surface, solution, h * power)
+    move_object(state, solution, h)
+    state[ROBOT_X] += h * robot.v_x
+    state[ROBOT_Y] += h * robot.v_y
+    state[ROBOT_THETA] += h * robot.omega
+    state[ROBOT_V_X] = tracked.end_x
+    state[ROBOT_V_Y] = tracked.end_y
+    state[ROBOT_OMEGA] = tracked.end_omega
+    state[ITERATIONS] += solution.iterations
+    state[STEPS] += 1
+    if solution.residual > UNSOLVED_RESIDUAL:
+        state[UNSOLVED_STEPS] += 1
+
+
+@compiled
+def advance(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces: Any,
+            command: Any, drive: Any, duration: float, longest: float) -> None:
     """Take equal steps, none above ``longest`` [s], that end exactly after ``duration`` [s]."""
-    count = max(1, int(math.ceil(duration / longest - 1e-9)))
+    count = max(1, int(math.ceil(duration / longest - STEP_ROUNDING)))
     for _ in range(count):
         step(state, body, supports, outline, floor, forces, command, drive, duration / count)

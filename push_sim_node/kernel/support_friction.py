@@ -1,73 +1,107 @@
-"""Support friction inside the implicit step: weights ``D_i = h q_i / |v_i|`` added to the mass."""
+"""
+Support friction inside the implicit step: weights ``D_i = h q_i / |v_i|`` added to the mass.
+
+q_i is the friction capacity of support i, v_i its velocity (smoothed near 0, see
+``push_model.friction.friction_weight``), h the step. ``M + sum D_i J_i^T J_i`` is symmetric, its
+translational block a multiple of the identity: it is inverted by eliminating the translation.
+"""
+
+from typing import Any, NamedTuple
 
 from push_sim_node.kernel.compiled import compiled, friction_weight
-from push_sim_node.kernel.layout import INERTIA, MASS, SMOOTHING
+from push_sim_node.kernel.layout import INERTIA, MASS, SMOOTHING_SPEED
+
+
+class Velocity(NamedTuple):
+    """Velocity (v_x, v_y) [m/s] of the mass centre, world axes, and yaw rate omega [rad/s]."""
+
+    v_x: float
+    v_y: float
+    omega: float
+
+
+class AugmentedMass(NamedTuple):
+    """
+    Mass matrix with the friction weights, translation eliminated.
+
+    :param mass: m + sum D_i [kg].
+    :param coupling_x: moment per velocity along x [kg m].
+    :param coupling_y: moment per velocity along y [kg m].
+    :param inertia: what is left for the rotation [kg m^2].
+    """
+
+    mass: float
+    coupling_x: float
+    coupling_y: float
+    inertia: float
 
 
 @compiled
-def augmented_mass(body, supports, c, s, h, v_x, v_y, omega):
+def augmented_mass(body: Any, supports: Any, c: float, s: float, h: float,
+                   velocity: Velocity) -> AugmentedMass:
     """
-    ``M + sum D_i J_i^T J_i``, as (mass, coupling x, coupling y, inertia left by elimination).
+    Compute ``M + sum D_i J_i^T J_i``.
 
-    :param body: numbers in the order MASS, INERTIA, ...
-    :param supports: rows (x, y from the mass centre [m], capacity, capacity on plain floor [N]),
-        shape (k, 4).
+    :param body: numbers in the order of ``layout``.
+    :param supports: rows in the order of ``layout``, shape (k, 4).
     :param c: cosine of the object's orientation.
     :param s: sine of it.
     :param h: step [s].
-    :param v_x: velocity of the mass centre that the weights belong to, x [m/s].
-    :param v_y: the same, y [m/s].
-    :param omega: yaw rate that the weights belong to [rad/s].
+    :param velocity: ``Velocity`` that the weights belong to.
+    :return: ``AugmentedMass``.
     """
     mass, inertia, b_x, b_y = body[MASS], body[INERTIA], 0.0, 0.0
     for i in range(len(supports)):
         s_x, s_y, capacity, _ = supports[i]
         r_x, r_y = c * s_x - s * s_y, s * s_x + c * s_y
-        weight = h * friction_weight(capacity, v_x - omega * r_y, v_y + omega * r_x,
-                                     body[SMOOTHING])
+        weight = h * friction_weight(capacity, velocity.v_x - velocity.omega * r_y,
+                                     velocity.v_y + velocity.omega * r_x, body[SMOOTHING_SPEED])
         mass += weight
         b_x -= weight * r_y
         b_y += weight * r_x
         inertia += weight * (r_x * r_x + r_y * r_y)
-    return mass, b_x, b_y, inertia - (b_x * b_x + b_y * b_y) / mass
+    return AugmentedMass(mass, b_x, b_y, inertia - (b_x * b_x + b_y * b_y) / mass)
 
 
 @compiled
-def velocity_of(augmented, p_x, p_y, spin):
+def velocity_of(augmented: AugmentedMass, p_x: float, p_y: float, spin: float) -> Velocity:
     """
-    Velocity (v_x, v_y, omega) that a momentum gives.
+    Compute the velocity that a momentum gives.
 
-    :param augmented: what ``augmented_mass`` returned.
+    :param augmented: ``AugmentedMass``.
     :param p_x: momentum, x [N s].
-    :param p_y: the same, y [N s].
+    :param p_y: momentum, y [N s].
     :param spin: angular momentum about the mass centre [N m s].
+    :return: ``Velocity``.
     """
     mass, b_x, b_y, inertia = augmented
     omega = (spin - (b_x * p_x + b_y * p_y) / mass) / inertia
-    return (p_x - b_x * omega) / mass, (p_y - b_y * omega) / mass, omega
+    return Velocity((p_x - b_x * omega) / mass, (p_y - b_y * omega) / mass, omega)
 
 
 @compiled
-def friction_forces(body, supports, forces, c, s, at, velocity):
+def write_friction_forces(forces: Any, body: Any, supports: Any, c: float, s: float,
+                          weight_velocity: Velocity, velocity: Velocity) -> float:
     """
-    Write the friction on each support, and return the power that it takes [W].
+    Write the friction on each support, and return the power that it dissipates [W].
 
-    :param body: numbers in the order MASS, INERTIA, ...
-    :param supports: rows (x, y from the mass centre [m], capacity, capacity on plain floor [N]),
-        shape (k, 4).
-    :param forces: friction on each support (x, y) [N], flat, shape (2 k,): is written.
+    :param forces: friction on each support (x, y, x, y, ...) [N], shape (2 k,): is written.
+    :param body: numbers in the order of ``layout``.
+    :param supports: rows in the order of ``layout``, shape (k, 4).
     :param c: cosine of the object's orientation.
     :param s: sine of it.
-    :param at: (v_x, v_y, omega) that the weights belong to.
-    :param velocity: (v_x, v_y, omega) that the weights act on.
+    :param weight_velocity: ``Velocity`` that the friction weights belong to.
+    :param velocity: ``Velocity`` that they act on.
     """
     power = 0.0
     for i in range(len(supports)):
         s_x, s_y, capacity, _ = supports[i]
         r_x, r_y = c * s_x - s * s_y, s * s_x + c * s_y
-        weight = friction_weight(capacity, at[0] - at[2] * r_y, at[1] + at[2] * r_x,
-                                 body[SMOOTHING])
-        v_x, v_y = velocity[0] - velocity[2] * r_y, velocity[1] + velocity[2] * r_x
-        forces[2 * i], forces[2 * i + 1] = -weight * v_x, -weight * v_y
+        weight = friction_weight(capacity, weight_velocity.v_x - weight_velocity.omega * r_y,
+                                 weight_velocity.v_y + weight_velocity.omega * r_x,
+                                 body[SMOOTHING_SPEED])
+        v_x, v_y = velocity.v_x - velocity.omega * r_y, velocity.v_y + velocity.omega * r_x
+        forces[2 * i] = -weight * v_x
+        forces[2 * i + 1] = -weight * v_y
         power += weight * (v_x * v_x + v_y * v_y)
     return power

@@ -9,25 +9,12 @@ from push_model.contact import contact_point, find_contact, normal_range
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.signals import Twist
-from push_sim_node.kernel import layout as at
 from push_sim_node.plant import Plant
 from push_study.maps.perimeter import push_through_center
 
 WAY = 2e-3
 LOOKS = 12
 SLIP = 2e-5
-
-
-class MovingPlant(Plant):
-    """Plant in which object and robot move together from the start."""
-
-    def set_moving(self, speed):
-        """
-        Give both one velocity along x of the world; the robot faces there.
-
-        :param speed: [m/s].
-        """
-        self._state[at.V_X] = self._state[at.U_X] = speed
 
 
 @dataclasses.dataclass(frozen=True)
@@ -130,7 +117,8 @@ def _start(obj, contact, location, speed, turn):
     normal = pose.theta + normal_range(obj, now)[0]
     radius = location.robot_radius
     robot = RoundRobot(radius, max_speed=speed, max_acceleration=100.0, time_constant=0.0)
-    plant = MovingPlant(obj, robot, pose, Pose(x - radius * math.cos(normal),
-                                               y - radius * math.sin(normal), 0.0), WAY / speed)
-    plant.set_moving(speed)
+    plant = Plant(obj, robot, pose, Pose(x - radius * math.cos(normal),
+                                         y - radius * math.sin(normal), 0.0), WAY / speed)
+    along_x = Twist(speed, 0.0, 0.0)
+    plant.set_velocities(object_twist=along_x, robot_twist=along_x)
     return plant

@@ -78,7 +78,7 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
     perception.localization.inflate_covariance(unsure)
     leg, pose, before = None, None, 0.0
     while plant.time < 30.0 and not (leg and (leg.finished or leg.failure_reason)):
-        measured = plant.next()
+        measured = plant.next_measurement()
         if not isinstance(measured, Odometry):
             pose = measured
             continue

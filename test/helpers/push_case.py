@@ -168,7 +168,7 @@ def run(case, settings, seed=0, sensors=SENSORS, longest=400.0, watch=None):
     odometry = pose = None
     before, commands = 0.0, []
     while plant.time < longest:
-        measured = plant.next()
+        measured = plant.next_measurement()
         if isinstance(measured, Odometry):
             odometry = measured
         else:
@@ -186,7 +186,7 @@ def run(case, settings, seed=0, sensors=SENSORS, longest=400.0, watch=None):
             break
     end = plant.time
     while plant.time < end + 1.0:
-        plant.next()
+        plant.next_measurement()
         plant.command((0.0, 0.0, 0.0))
     final, goal = plant.truth.object_pose, case.target.object_poses[-1]
     return Outcome(controller.status, math.hypot(final.x - goal[0], final.y - goal[1]),

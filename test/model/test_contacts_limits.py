@@ -10,6 +10,7 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 import pytest
 
 pytestmark = pytest.mark.physics
@@ -74,10 +75,10 @@ def test_every_robot_hits_sticks_slides_both_ways_and_leaves(name, radius):
                 (-0.3, 0.0, 0.0)]
     truths = courses(obj, point, normal, radius, commands, gap=0.01)
     modes = [truth.mode for truth in truths]
-    assert modes[0] == 'separate' and truths[0].gap > 0.0
-    assert modes[-1] == 'separate' and truths[-1].gap > 0.01
-    assert {'stick', 'slide+', 'slide-'} <= set(modes)
-    assert 'stick' in modes[40:80]
+    assert modes[0] == ContactMode.SEPARATE and truths[0].gap > 0.0
+    assert modes[-1] == ContactMode.SEPARATE and truths[-1].gap > 0.01
+    assert {ContactMode.STICK, ContactMode.SLIDE_LEFT, ContactMode.SLIDE_RIGHT} <= set(modes)
+    assert ContactMode.STICK in modes[40:80]
     friction = obj.contact_friction_coefficient
     for truth in truths:
         assert truth.gap > -2e-5 and truth.force_n >= 0.0
@@ -104,7 +105,7 @@ def test_push_travels_from_a_face_round_the_corner_to_the_next_face(radius):
         contact, gamma, gap = find_contact(obj, truth.object_pose, truth.robot_pose, radius)
         normals.append(wrap_angle(gamma - truth.object_pose.theta))
         gaps.append(gap)
-        if truth.mode != 'separate' and (contact.kind, contact.index) not in seen:
+        if truth.mode is not ContactMode.SEPARATE and (contact.kind, contact.index) not in seen:
             seen.append((contact.kind, contact.index))
         if seen[-1] == ('face', 0) and abs(contact.offset) < 0.1:
             break
@@ -134,7 +135,7 @@ def test_fence_that_swings_sweeps_the_object_along():
     plant.advance(0.5, Twist(0.0, 0.0, 0.5))
     truth = plant.truth(0.0)
     arm = math.hypot(truth.contact_point[0] + 0.2, truth.contact_point[1] - 1.0)
-    assert truth.mode == 'stick' and abs(truth.gap) < 1e-6
+    assert truth.mode is ContactMode.STICK and abs(truth.gap) < 1e-6
     assert truth.pushing_angle == pytest.approx(0.0, abs=1e-9)
     n = np.array([math.cos(truth.normal), math.sin(truth.normal)])
     assert n @ truth.object_twist[:2] == pytest.approx(0.5 * arm, rel=2e-3)

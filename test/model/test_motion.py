@@ -16,6 +16,7 @@ from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.signals import Twist
 from push_model.state import Input, State
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 import pytest
 
 pytestmark = pytest.mark.physics
@@ -58,7 +59,7 @@ def test_straight_push_moves_as_in_the_plant(obj, contact, normal, radius):
     assert reached == pytest.approx(times)
     for state in states[1:]:
         plant.advance(0.2, command)
-        assert plant.mode == 'stick'
+        assert plant.mode is ContactMode.STICK
         assert plant.object_pose == pytest.approx(tuple(state[:3]), abs=3e-4)
     assert abs(states[-1, 2] - begin.theta) > 0.01
 

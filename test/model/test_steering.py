@@ -11,6 +11,7 @@ from push_model.parameters import Contact, RoundRobot
 from push_model.quasi_static import vehicle
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 import pytest
 
 CORNER, FACE = Contact('vertex', 0), Contact('face', 3)
@@ -148,7 +149,7 @@ def slipped(obj, robot, push, way=0.3):
     slid, steps = 0, math.ceil((way / speed + speed / ramp) / 0.02)
     for step in range(steps):
         plant.advance(0.02, Twist(*push.twist))
-        slid += plant.mode != 'stick' and step > 2
+        slid += plant.mode is not ContactMode.STICK and step > 2
     return slid / steps
 
 

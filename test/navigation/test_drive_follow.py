@@ -35,7 +35,7 @@ class Drive:
         sim = Simulation(obj or box(), true or robot, object_pose, start or way.poses[0])
         self.commands, self.gaps, self.times = [STOP], [], [0.0]
         while not self.follower.finished and sim.time < patience * self.expected + 3.0:
-            seen = sim.next()
+            seen = sim.next_measurement()
             if isinstance(seen, Odometry):
                 pose = Pose(*(seen.pose + noise()))
                 self.commands.append(self.follower.step(pose, sim.time - self.times[-1]))
@@ -158,7 +158,7 @@ def test_what_remains_falls_to_nothing(drive):
     left, last = [follower.remaining_distance], 0.0
     assert left[0] == pytest.approx(way.length)
     while not follower.finished:
-        seen = sim.next()
+        seen = sim.next_measurement()
         if isinstance(seen, Odometry):
             sim.command(follower.step(seen.pose, sim.time - last))
             last = sim.time

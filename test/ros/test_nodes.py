@@ -410,7 +410,7 @@ def drive(b, plant, end, done=lambda: False, pause=0.0):
     """Let the plant run in lockstep with the controller; return the commanded speeds."""
     speeds = []
     while plant.time < end and not done():
-        measured = plant.next()
+        measured = plant.next_measurement()
         if isinstance(measured, Odometry):
             command = b.odometry(measured.time, measured.pose, twist=measured.twist)
             speeds.append(command[0])

@@ -6,7 +6,7 @@ from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
 from push_sim_node.disturbance import change_times, friction_factors, FrictionChange, ObjectDisplacement
-from push_sim_node.simulation import COLUMNS, Simulation, SimulationSettings
+from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
 
 
@@ -15,14 +15,14 @@ def pushed(changes, seconds=2.0):
     sim = Simulation(box(), RoundRobot(0.17), Pose(0.0, 0.0, 0.0), Pose(-0.37, 0.0, 0.0),
                      SimulationSettings(friction_changes=changes))
     while sim.time < seconds:
-        sim.next()
+        sim.next_measurement()
         sim.command(Twist(0.2, 0.0, 0.0))
     return sim
 
 
 def column(sim, name):
     """Return a column of the tape."""
-    return np.array(sim.tape)[:, COLUMNS.index(name)]
+    return sim.tape[name]
 
 
 def test_friction_change_acts_while_it_lasts():
@@ -71,11 +71,11 @@ def test_shoves_are_displacements_in_the_frame_of_the_object():
     """Whatever their order in the list, at their times, one after the other, and again."""
     one, two = ObjectDisplacement(0.3, 0.2, -0.1, 0.4), ObjectDisplacement(0.6, 0.0, 0.3, -1.0)
     sim = shoved((two, one))
-    ends = (Pose(1.0, 2.0, 0.5) @ one.displacement,
-            Pose(1.0, 2.0, 0.5) @ one.displacement @ two.displacement)
+    ends = (Pose(1.0, 2.0, 0.5) @ one.relative_pose,
+            Pose(1.0, 2.0, 0.5) @ one.relative_pose @ two.relative_pose)
     for _ in range(2):
         while sim.time < 0.9:
-            sim.next()
+            sim.next_measurement()
             pose = sim.truth.object_pose
             if sim.time < 0.3:
                 assert pose == pytest.approx((1.0, 2.0, 0.5), abs=1e-12)
@@ -87,8 +87,8 @@ def test_shoves_are_displacements_in_the_frame_of_the_object():
 
 def test_a_shove_into_the_robot_is_refused_by_name():
     sim = shoved((ObjectDisplacement(0.5, -1.0),), Pose(1.0, 2.0, 0.5) @ Pose(-1.0, 0.1, 0.0))
-    with pytest.raises(ValueError, match='shoves: at 0.5 s'):
+    with pytest.raises(ValueError, match='object_displacements: at 0.5 s'):
         while sim.time < 1.0:
-            sim.next()
+            sim.next_measurement()
     with pytest.raises(ValueError, match='object_displacements'):
         SimulationSettings(object_displacements=[0.5])

@@ -8,7 +8,7 @@ from helpers.plant_reference import ramp_robot
 import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import Twist
-from push_sim_node.kernel.compiled import sequence
+from push_sim_node.kernel.compiled import kernel_array
 from push_sim_node.kernel.floor import floor_rows, FloorPatch, friction_factor_at
 from push_sim_node.plant import Plant
 from push_sim_node.simulation import Simulation, SimulationSettings
@@ -91,7 +91,7 @@ def test_energy_closes_and_supports_rub_as_the_floor_under_them_does(obj, edge):
     assert energy.work == pytest.approx(sum(energy[1:]), rel=1e-9) and energy.work > 0.3
     losses = np.diff([truth.energy.support_loss for truth in truths])
     assert losses.min() >= 0.0
-    seen, rows = set(), sequence(floor_rows(patches))
+    seen, rows = set(), kernel_array(floor_rows(patches))
     for truth in truths[5:]:
         for foot, force, capacity in zip(obj.supports, truth.support_forces, obj.capacities):
             place = truth.object_pose.transform((foot.x, foot.y))
@@ -120,7 +120,7 @@ def test_simulation_has_the_floor_of_its_settings():
         settings = SimulationSettings(floor_patches=patches)
         sim = Simulation(box(), ramp_robot(0.17), ORIGIN, Pose(-0.37, 0.0, 0.0), settings)
         while sim.time < 1.0:
-            sim.next()
+            sim.next_measurement()
             sim.command(Twist(0.3, 0.0, 0.0))
         turned.append(sim.truth.object_pose.theta)
     assert turned[0] == pytest.approx(0.0, abs=1e-9) and turned[1] < -0.05

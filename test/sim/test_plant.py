@@ -9,6 +9,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 import pytest
 
 pytestmark = pytest.mark.physics
@@ -89,7 +90,7 @@ def test_rolling_push_converges_to_the_rolling_equations(scene):
     times = np.linspace(0.0, seconds, 9)[1:]
     course, forces = rolling_push(obj, robot, normal, point, surface, heading, command, times)
     start = touching(robot, point, normal, heading)
-    coarse, middle, fine = errors_of(obj, robot, start, command, times, course, {'stick'})
+    coarse, middle, fine = errors_of(obj, robot, start, command, times, course, {ContactMode.STICK})
     assert middle < 4e-5
     assert coarse / middle > 3.0 and middle / fine > 3.0
     _, truths = pushed(obj, robot, start, command, times, 2.5e-4)
@@ -105,7 +106,7 @@ def test_sliding_push_converges_to_the_sliding_equations(side, command):
     start = touching(robot, (-0.2, -0.05 * side), 0.0, 0.0)
     times = np.linspace(0.0, 0.5, 6)[1:]
     course = sliding_push(obj, robot, start, command, side, times)
-    mode = {'slide+' if side > 0 else 'slide-'}
+    mode = {ContactMode.SLIDE_LEFT if side > 0 else ContactMode.SLIDE_RIGHT}
     coarse, middle, fine = errors_of(obj, robot, start, command, times, course, mode)
     assert middle < 4e-5
     assert coarse / middle > 3.0 and middle / fine > 3.0
@@ -121,7 +122,7 @@ def test_contact_slides_where_the_rolling_force_leaves_the_cone(scene):
         limited = dataclasses.replace(obj, contact_friction_coefficient=factor * needed)
         start = touching(robot, point, normal, heading)
         _, truths = pushed(limited, robot, start, command, times, 1e-3)
-        assert ({truth.mode for truth in truths} == {'stick'}) == sticks
+        assert ({truth.mode for truth in truths} == {ContactMode.STICK}) == sticks
 
 
 @pytest.mark.parametrize('offset', [-0.1, 0.1])
@@ -131,7 +132,7 @@ def test_default_step_is_accurate_over_a_metre_of_mixed_contact(offset):
     start = touching(robot, (-0.2, offset), 0.0, 0.0)
     times, command = np.linspace(0.0, 4.0, 41)[1:], (0.25, 0.05, 0.1)
     reference, truths = pushed(obj, robot, start, command, times, 5e-5)
-    assert {truth.mode for truth in truths} >= {'stick', 'slide+'}
+    assert {truth.mode for truth in truths} >= {ContactMode.STICK, ContactMode.SLIDE_LEFT}
     assert reference[-1, 0] > 0.4
     coarse, _ = pushed(obj, robot, start, command, times, 2e-3)
     assert apart(coarse, reference) < 1e-4

@@ -12,6 +12,7 @@ from push_model.parameters import GRAVITY, RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.state import ObjectTerms, State
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 import pytest
 from scipy.optimize import brentq
 
@@ -24,8 +25,8 @@ def hit(obj, offset, command, step=1e-5):
     """Drive at full speed into the object's left side; return the truth just after impact."""
     robot = RoundRobot(0.17, 'holonomic', **SUDDEN)
     plant = Plant(obj, robot, ORIGIN, Pose(-0.47, offset, 0.0), step)
-    assert plant.truth(0.0).mode == 'separate'
-    while plant.truth(0.0).mode == 'separate':
+    assert plant.truth(0.0).mode is ContactMode.SEPARATE
+    while plant.truth(0.0).mode is ContactMode.SEPARATE:
         plant.advance(2 * step, command)
     return plant.truth(0.0)
 
@@ -38,7 +39,7 @@ def test_first_impact_gives_the_impulse_of_the_model(obj, offset):
     truth = hit(obj, offset, command)
     state = State(0.0, 0.0, 0.0, 0.0, truth.normal, *truth.contact_point)
     d_omega, j_n, j_t = (float(v) for v in impulse(ObjectTerms.of(obj), state, 0.5, 0.1))
-    assert truth.mode == 'stick' and abs(j_t) < obj.contact_friction_coefficient * j_n
+    assert truth.mode is ContactMode.STICK and abs(j_t) < obj.contact_friction_coefficient * j_n
     assert abs(d_omega) > 0.1
     assert truth.object_twist.omega == pytest.approx(d_omega, rel=1e-3)
     assert momentum(obj, truth) == pytest.approx([j_n, j_t], rel=1e-2, abs=1e-3)
@@ -57,7 +58,7 @@ def test_impact_outside_the_cone_acts_along_its_edge(side):
     obj = box(contact_friction_coefficient=0.2)
     truth = hit(obj, -0.08 * side, Twist(0.5, 0.4 * side, 0.0))
     j_n, j_t = momentum(obj, truth)
-    assert truth.mode == ('slide+' if side > 0.0 else 'slide-')
+    assert truth.mode is (ContactMode.SLIDE_LEFT if side > 0.0 else ContactMode.SLIDE_RIGHT)
     assert j_n > 0.1
     assert j_t == pytest.approx(0.2 * side * j_n, rel=1e-3)
 
@@ -73,16 +74,16 @@ def test_object_coasts_when_the_robot_brakes_and_is_caught_again():
     robot = RoundRobot(0.17, 'differential', **SUDDEN)
     plant = Plant(box(), robot, ORIGIN, Pose(-0.37, 0.0, 0.0), 1e-4)
     plant.advance(0.5, Twist(1.0, 0.0, 0.0))
-    assert plant.truth(0.0).mode == 'stick'
+    assert plant.truth(0.0).mode is ContactMode.STICK
     assert plant.truth(0.0).gap == pytest.approx(0.0, abs=1e-9)
     plant.advance(1.0, STOP)
     truth = plant.truth(0.0)
-    assert truth.mode == 'separate'
+    assert truth.mode is ContactMode.SEPARATE
     coast, brake = 1.0 / (2.0 * 0.3 * GRAVITY), 1.0 / (2.0 * 100.0)
     assert truth.gap == pytest.approx(coast - brake, rel=1e-3)
     plant.advance(truth.gap / 0.2 + 0.1, Twist(0.2, 0.0, 0.0))
     truth = plant.truth(0.0)
-    assert truth.mode == 'stick' and truth.gap == pytest.approx(0.0, abs=1e-9)
+    assert truth.mode is ContactMode.STICK and truth.gap == pytest.approx(0.0, abs=1e-9)
     assert truth.object_twist.v_x == pytest.approx(0.2, abs=1e-6)
     assert truth.force_n == pytest.approx(2.0 * GRAVITY * 0.3, rel=1e-3)
 
@@ -96,7 +97,7 @@ def test_rolling_on_a_face_conserves_offset_and_angle(radius):
     for i in range(20):
         plant.advance(0.1, Twist(0.25, 0.0, 0.3 * math.cos(i)))
         truth = plant.truth(0.0)
-        assert truth.mode == 'stick'
+        assert truth.mode is ContactMode.STICK
         contact, _, _ = find_contact(obj, truth.object_pose, truth.robot_pose[:2], radius)
         assert contact.kind == 'face'
         turned.append(truth.robot_pose.theta - truth.object_pose.theta)
@@ -115,7 +116,7 @@ def test_running_round_a_corner_is_smooth():
         truth = plant.truth(0.0)
         moves.append(math.hypot(truth.object_pose.x - pose.x, truth.object_pose.y - pose.y))
         pose = truth.object_pose
-        if truth.mode == 'separate':
+        if truth.mode is ContactMode.SEPARATE:
             continue
         kinds.append(find_contact(obj, pose, truth.robot_pose[:2], 0.17)[0].kind)
         normals.append(wrap_angle(truth.normal - pose.theta))

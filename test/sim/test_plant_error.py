@@ -3,6 +3,7 @@
 import statistics
 
 from benchmarks.plant.scenes import apart, extrapolated, SCENES
+from push_sim_node.truth import ContactMode
 import pytest
 
 pytestmark = pytest.mark.physics
@@ -32,4 +33,4 @@ def test_scenes_meet_every_kind_of_contact():
             for _ in range(4):
                 plant.advance(seconds / 4, command)
                 modes.add(plant.truth(0.0).mode)
-    assert modes == {'stick', 'slide+', 'separate'}
+    assert modes == {ContactMode.STICK, ContactMode.SLIDE_LEFT, ContactMode.SEPARATE}

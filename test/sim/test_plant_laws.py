@@ -22,7 +22,7 @@ def test_isotropy(obj):
     places = Pose(0.0, 0.0, 0.2), Pose(-0.41, 0.02, -0.1)
     one = course(plant_of(obj, *places))
     two = course(plant_of(obj, *(turn @ place for place in places)))
-    assert {'stick', 'slide+'} <= {truth.mode for truth in one}
+    assert {ContactMode.STICK, ContactMode.SLIDE_LEFT} <= {truth.mode for truth in one}
     expected = [truth._replace(object_pose=turn @ truth.object_pose,
                                robot_pose=turn @ truth.robot_pose) for truth in one]
     assert poses(two) == pytest.approx(poses(expected), abs=1e-9)
@@ -36,7 +36,7 @@ def test_mirror_symmetry():
                  [Twist(c.v_x, -c.v_y, -c.omega) for c in COMMANDS])
     assert poses(two) == pytest.approx(poses(one) * [1, -1, -1, 1, -1, -1], abs=1e-9)
     assert forces(two) == pytest.approx(forces(one) * [1, -1], abs=1e-6)
-    swapped = {'slide+': 'slide-', 'slide-': 'slide+'}
+    swapped = {ContactMode.SLIDE_LEFT: ContactMode.SLIDE_RIGHT, ContactMode.SLIDE_RIGHT: ContactMode.SLIDE_LEFT}
     assert [t.mode for t in two] == [swapped.get(t.mode, t.mode) for t in one]
 
 
@@ -82,17 +82,17 @@ def test_support_friction_opposes_motion_and_fills_its_capacity():
 def test_contact_force_stays_in_its_cone_and_opposes_slip():
     obj = box(contact_friction_coefficient=0.3, **UNEVEN)
     truths = course(plant_of(obj, (0.0, 0.0, 0.2), (-0.41, 0.02, -0.1)))
-    assert {truth.mode for truth in truths} == {'separate', 'stick', 'slide+', 'slide-'}
+    assert {truth.mode for truth in truths} == set(ContactMode)
     for truth in truths:
         assert truth.force_n >= 0.0
         limit = 0.3 * truth.force_n
         slip = slip_of(truth)
-        if truth.mode == 'separate':
+        if truth.mode is ContactMode.SEPARATE:
             assert truth.force_n == truth.force_t == 0.0
-        elif truth.mode == 'stick':
+        elif truth.mode is ContactMode.STICK:
             assert abs(truth.force_t) <= limit and abs(slip) < 2e-3
         else:
-            side = 1.0 if truth.mode == 'slide+' else -1.0
+            side = 1.0 if truth.mode is ContactMode.SLIDE_LEFT else -1.0
             assert truth.force_t == pytest.approx(side * limit) and side * slip > 0.0
 
 
@@ -138,6 +138,7 @@ SCRIPT = """
 from helpers.objects import bin_, box
 from helpers.plant_course import course, forces, plant_of, poses, UNEVEN
 from push_sim_node.kernel.compiled import IS_COMPILED
+from push_sim_node.truth import ContactMode
 assert not IS_COMPILED
 for obj in (box(**UNEVEN), bin_()):
     truths = course(plant_of(obj, (0.0, 0.0, 0.2), (-0.41, 0.02, -0.1)))

@@ -8,6 +8,7 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 import pytest
 
 pytestmark = pytest.mark.physics
@@ -56,7 +57,7 @@ def test_every_step_is_solved_and_keeps_the_laws(seed):
         for _ in range(100):
             plant.advance(6e-3, command)
             truth = plant.truth(0.0)
-            touched += truth.mode != 'separate'
+            touched += truth.mode is not ContactMode.SEPARATE
             assert truth.gap > -5e-5
             assert truth.force_n >= 0.0
             assert abs(truth.force_t) <= friction * truth.force_n * (1.0 + 1e-9) + 1e-9

@@ -7,6 +7,7 @@ from push_model.analysis.steady_turn import steady_force
 from push_model.analysis.turning_circle import rotated_about, rotation_center
 from push_model.friction import c_squared
 from push_model.geometry import Pose
+from push_sim_node.truth import ContactMode
 from push_study.chapter2.corner_push import (
     motion as corner_motion, quasi_static_limit as corner_limit, rates as corner_rates,
     support_patterns, transients as corner_transients,
@@ -167,7 +168,7 @@ def test_turning_center_stands_still():
 def test_contact_simulation_turns_and_pushes_as_the_steady_turn(speed):
     obj, direction = scene()
     end = push_by_robot(obj, direction, speed, 0.1, 4.0)[-1]
-    assert end.mode == 'stick'
+    assert end.mode is ContactMode.STICK
     assert end.object_twist[2] == pytest.approx(steady_rates(obj, direction, [speed])[0],
                                                 rel=2e-4)
     force_n, force_t = steady_force(obj, obj.outline[0], direction, speed, direction)

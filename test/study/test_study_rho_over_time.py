@@ -13,6 +13,7 @@ from push_model.geometry import Pose
 from push_model.signals import Twist
 from push_model.state import State
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 from push_study.chapter2.rolling import rho_over_time
 from push_study.framework.run import run_here
 from push_study.framework.values import read_table, values_of
@@ -89,7 +90,7 @@ def test_the_plant_moves_alike_and_its_contact_holds(figure):
     _, states = integrate(obj, location.rolling, straight_push(values.speed, 0.0), begin, times)
     for state in states[1:]:
         plant.advance(0.1, Twist(values.speed, 0.0, 0.0))
-        assert plant.mode == 'stick'
+        assert plant.mode is ContactMode.STICK
         assert plant.object_pose.theta == pytest.approx(state[2], abs=2e-4)
 
 

@@ -12,6 +12,7 @@ from push_model.geometry import Pose
 from push_model.parameters import Support
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 from push_study.chapter2.rolling import flat_fence, round_on_round
 from push_study.framework.run import run_here
 from push_study.framework.values import read_table, values_of
@@ -96,7 +97,8 @@ def test_the_plant_turns_as_push_and_cone_vote(rho, back, foot):
     assert (plant.object_pose.theta > turn) == back
     if foot > 0.2 or 0.51 < rho < 0.63:
         # Wide feet hardly let the object turn, so that the force follows the push.
-        assert plant.mode == ('stick' if rho < math.atan(0.5) else 'slide+')
+        sticks = rho < math.atan(0.5)
+        assert plant.mode is (ContactMode.STICK if sticks else ContactMode.SLIDE_LEFT)
 
 
 def test_a_fence_holds_an_object_whose_friction_centre_is_before_its_middle():

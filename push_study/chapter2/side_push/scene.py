@@ -13,6 +13,7 @@ from push_model.parameters import Contact, RoundRobot
 from push_model.signals import Twist
 from push_model.state import ObjectTerms, State
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 from push_study.framework import scenes
 from push_study.framework.study import Parameter
 from scipy.optimize import brentq
@@ -72,7 +73,7 @@ def simulate(values, distance, turned, aside):
     for duration in np.diff(times):
         plant.advance(duration, Twist(values.speed))
         turns.append(plant.object_pose.theta)
-        holds.append(holds[-1] and plant.mode == 'stick')
+        holds.append(holds[-1] and plant.mode is ContactMode.STICK)
     return times, np.array(turns), np.array(holds)
 
 
