@@ -168,7 +168,8 @@ class Rival:
         data, h = self.data, self.engine.step
         while count > 0:
             steps = min(together, count)
-            *self.twist, m_x, m_y, m_omega = track_command(*self.twist, command, self.drive, steps * h)
+            *self.twist, m_x, m_y, m_omega = track_command(*self.twist, command, self.drive,
+                                                           steps * h)
             u_x, u_y = chord_velocity(data.qpos[9], m_x, m_y, m_omega, steps * h)
             data.qvel[6:9] = u_x, u_y, m_omega
             mujoco.mj_step(self.model, data, steps)

@@ -23,7 +23,9 @@ from push_sim_node.kernel.contact_law import (
 from push_sim_node.kernel.layout import (
     ANY_MODE, CONTACT_FRICTION, INERTIA, MASS, MODE_COUNT, OMEGA, SEPARATE, V_X, V_Y,
 )
-from push_sim_node.kernel.support_friction import augmented_mass, AugmentedMass, Velocity, velocity_of
+from push_sim_node.kernel.support_friction import (
+    augmented_mass, AugmentedMass, Velocity, velocity_of,
+)
 
 # Change of the velocity [m/s] at which the iteration ends: chosen, a thousandth of a millimetre
 # per second, far below what a pose sensor sees.

@@ -1,11 +1,12 @@
 """Support friction that changes with time, and an object that is shoved."""
 
 from helpers.objects import box
-import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
-from push_sim_node.disturbance import change_times, friction_factors, FrictionChange, ObjectDisplacement
+from push_sim_node.disturbance import (
+    change_times, friction_factors, FrictionChange, ObjectDisplacement,
+)
 from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
 

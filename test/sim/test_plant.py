@@ -90,7 +90,8 @@ def test_rolling_push_converges_to_the_rolling_equations(scene):
     times = np.linspace(0.0, seconds, 9)[1:]
     course, forces = rolling_push(obj, robot, normal, point, surface, heading, command, times)
     start = touching(robot, point, normal, heading)
-    coarse, middle, fine = errors_of(obj, robot, start, command, times, course, {ContactMode.STICK})
+    coarse, middle, fine = errors_of(obj, robot, start, command, times, course,
+                                     {ContactMode.STICK})
     assert middle < 4e-5
     assert coarse / middle > 3.0 and middle / fine > 3.0
     _, truths = pushed(obj, robot, start, command, times, 2.5e-4)

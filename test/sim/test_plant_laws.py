@@ -11,6 +11,7 @@ from helpers.plant_course import COMMANDS, course, forces, plant_of, poses, UNEV
 import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import Twist
+from push_sim_node.truth import ContactMode
 import pytest
 
 pytestmark = pytest.mark.physics
@@ -36,7 +37,8 @@ def test_mirror_symmetry():
                  [Twist(c.v_x, -c.v_y, -c.omega) for c in COMMANDS])
     assert poses(two) == pytest.approx(poses(one) * [1, -1, -1, 1, -1, -1], abs=1e-9)
     assert forces(two) == pytest.approx(forces(one) * [1, -1], abs=1e-6)
-    swapped = {ContactMode.SLIDE_LEFT: ContactMode.SLIDE_RIGHT, ContactMode.SLIDE_RIGHT: ContactMode.SLIDE_LEFT}
+    swapped = {ContactMode.SLIDE_LEFT: ContactMode.SLIDE_RIGHT,
+               ContactMode.SLIDE_RIGHT: ContactMode.SLIDE_LEFT}
     assert [t.mode for t in two] == [swapped.get(t.mode, t.mode) for t in one]
 
 
@@ -138,7 +140,6 @@ SCRIPT = """
 from helpers.objects import bin_, box
 from helpers.plant_course import course, forces, plant_of, poses, UNEVEN
 from push_sim_node.kernel.compiled import IS_COMPILED
-from push_sim_node.truth import ContactMode
 assert not IS_COMPILED
 for obj in (box(**UNEVEN), bin_()):
     truths = course(plant_of(obj, (0.0, 0.0, 0.2), (-0.41, 0.02, -0.1)))

@@ -4,7 +4,6 @@ import itertools
 import math
 
 from helpers.objects import box
-import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
