@@ -1,28 +1,59 @@
 """
-The contact between a round robot and an object: where it is, and how it rolls.
+Contact between a round robot and an object: where it is, and how it rolls.
 
-Symbols: n is the unit normal from robot to object, t is n turned by +90 degrees, gamma the world
-angle of n.
+Symbols: n is the unit normal from robot to object, t is n rotated by +90 degrees, gamma the angle
+of n in the world.
 """
 
 import math
+from typing import Any, NamedTuple
 
-from push_model.geometry import closest_on_polygon, lowest_vertex, Pose
-from push_model.parameters import Contact
+from push_model.geometry import boundary_point, Coordinates, lowest_vertex, Pose
+from push_model.parameters import Contact, PushedObject
 
+# Chosen: a contact this near to a vertex [m] counts as one at the vertex. Far below what a
+# localization resolves, far above rounding.
 VERTEX_TOLERANCE = 1e-3
 
 
-def rolling_constants(robot_radius, object_radius):
+class RollingConstants(NamedTuple):
     """
-    Share of the object in the turn of the normal, and effective radius.
+    How normal and contact move as robot and object rotate: numbers, or casadi symbols.
 
-    ``lam = R_s / (R_p + R_s)``, ``R_e = R_p R_s / (R_p + R_s)``, with their limits for a vertex
-    (R_s = 0), a flat face (R_s infinite), a point robot (R_p = 0) and a flat fence (R_p infinite).
+    :param normal_ratio: ``lam = R_s / (R_p + R_s)``, fraction of the object's rotation that the
+        normal takes part in [-]; it follows the robot's rotation with ``1 - lam``.
+    :param effective_radius: ``R_e = R_p R_s / (R_p + R_s)``, travel of the contact per relative
+        rotation [m].
+    """
+
+    normal_ratio: Any
+    effective_radius: Any
+
+
+class FoundContact(NamedTuple):
+    """
+    Where a robot touches an object, or would touch it first.
+
+    :param contact: the ``Contact``.
+    :param gamma: angle of the normal in the world [rad].
+    :param gap: distance between robot and object, negative on overlap [m].
+    """
+
+    contact: Contact
+    gamma: float
+    gap: float
+
+
+def rolling_constants(robot_radius: float, object_radius: float) -> RollingConstants:
+    """
+    Rolling constants of two surfaces.
+
+    They have limits for a vertex (R_s = 0), a flat face (R_s infinite), a point robot (R_p = 0)
+    and a flat pusher (R_p infinite).
 
     :param robot_radius: R_p, robot's radius of curvature at the contact [m], 0 to infinite.
     :param object_radius: R_s, object's radius of curvature at the contact [m], 0 to infinite.
-    :return: (lam [-], R_e [m]).
+    :return: ``RollingConstants``.
     :raises ValueError: where both radii are 0 or both infinite, or one is negative.
     """
     for name, value in (('robot_radius', robot_radius), ('object_radius', object_radius)):
@@ -32,14 +63,14 @@ def rolling_constants(robot_radius, object_radius):
         raise ValueError(f'robot_radius and object_radius: got {robot_radius} for both, expected '
                          'at least one curved surface')
     if math.isinf(object_radius):
-        return 1.0, robot_radius
+        return RollingConstants(1.0, robot_radius)
     if math.isinf(robot_radius):
-        return 0.0, object_radius
+        return RollingConstants(0.0, object_radius)
     total = robot_radius + object_radius
-    return object_radius / total, robot_radius * object_radius / total
+    return RollingConstants(object_radius / total, robot_radius * object_radius / total)
 
 
-def curvature_radius(obj, contact):
+def curvature_radius(obj: PushedObject, contact: Contact) -> float:
     """
     Radius of curvature R_s of the object's outline at a contact [m].
 
@@ -49,7 +80,7 @@ def curvature_radius(obj, contact):
     return {'vertex': 0.0, 'face': math.inf, 'round': obj.radius}[contact.kind]
 
 
-def contact_point(obj, contact):
+def contact_point(obj: PushedObject, contact: Contact) -> tuple[float, float]:
     """
     Contact point C in the object frame, (x, y) [m].
 
@@ -65,13 +96,13 @@ def contact_point(obj, contact):
         return x0, y0
     x1, y1 = obj.outline[(contact.index + 1) % len(obj.outline)]
     length = math.hypot(x1 - x0, y1 - y0)
-    along = 0.5 - contact.offset / length
-    return x0 + along * (x1 - x0), y0 + along * (y1 - y0)
+    fraction = 0.5 - contact.offset / length
+    return x0 + fraction * (x1 - x0), y0 + fraction * (y1 - y0)
 
 
-def normal_range(obj, contact):
+def normal_range(obj: PushedObject, contact: Contact) -> tuple[float, float]:
     """
-    Angles that the normal n can take at a contact, in the object frame.
+    Angles that the normal n can have at a contact, in the object frame.
 
     :param obj: the ``PushedObject``.
     :param contact: the ``Contact``.
@@ -89,7 +120,7 @@ def normal_range(obj, contact):
     return low, low + (high - low) % (2 * math.pi)
 
 
-def face_normal(obj, index):
+def face_normal(obj: PushedObject, index: int) -> float:
     """
     Angle of the inward normal of a face in the object frame [rad].
 
@@ -101,7 +132,7 @@ def face_normal(obj, index):
     return math.atan2(x1 - x0, y0 - y1)
 
 
-def face_length(obj, index):
+def face_length(obj: PushedObject, index: int) -> float:
     """
     Length of a face [m].
 
@@ -113,62 +144,55 @@ def face_length(obj, index):
     return math.hypot(x1 - x0, y1 - y0)
 
 
-def find_contact(obj, object_pose, robot_pose, robot_radius):
+def find_contact(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordinates,
+                 robot_radius: float) -> FoundContact:
     """
-    Find where a round robot touches the object, or would first touch it.
+    Find where a round robot touches the object, or would touch it first.
 
     :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object in the world.
-    :param robot_pose: (x, y) of the robot's centre in the world [m]; a fence needs its ``Pose``.
-    :param robot_radius: R_p [m]; infinite for a fence.
-    :return: (``Contact``, gamma in the world [rad], gap [m]; the gap is negative on overlap).
-    :raises ValueError: for a fence without heading.
+    :param robot_pose: (x, y) of the robot's centre in the world [m]; a flat pusher needs its
+        ``Pose``.
+    :param robot_radius: R_p [m]; infinite for a flat pusher.
+    :return: ``FoundContact``.
+    :raises ValueError: for a flat pusher without heading.
     """
-    x, y = Pose(*object_pose).inverse().transform(robot_pose[:2])
+    object_pose = Pose(*object_pose)
+    x, y = object_pose.inverse().transform(robot_pose[:2])
     if math.isinf(robot_radius):
         if len(robot_pose) < 3:
             raise ValueError(f'robot_pose: got {tuple(robot_pose)}, expected (x, y, theta) of a '
-                             'fence')
-        return _find_fence_contact(obj, x, y, robot_pose[2] - object_pose[2], robot_pose[2])
+                             'flat pusher')
+        pusher = Pose(x, y, robot_pose[2] - object_pose.theta)
+        contact, gap = _find_flat_pusher_contact(obj, pusher)
+        return FoundContact(contact, robot_pose[2], gap)
     if not obj.outline:
         angle = math.atan2(y, x)
         gap = math.hypot(x, y) - obj.radius - robot_radius
-        return Contact('round', 0, angle), object_pose[2] + angle + math.pi, gap
-    _, _, nx, ny, signed, face, along = closest_on_polygon(obj.outline, x, y)
-    gamma = object_pose[2] + math.atan2(ny, nx)
-    length = face_length(obj, face)
-    if min(along, 1.0 - along) * length < VERTEX_TOLERANCE:
-        index = (face + (along > 0.5)) % len(obj.outline)
-        return Contact('vertex', index), gamma, signed - robot_radius
-    return Contact('face', face, (0.5 - along) * length), gamma, signed - robot_radius
+        return FoundContact(Contact('round', 0, angle), object_pose.theta + angle + math.pi, gap)
+    closest = boundary_point(obj.outline, x, y)
+    gamma = object_pose.theta + math.atan2(closest.normal_y, closest.normal_x)
+    gap = closest.signed_distance - robot_radius
+    length = face_length(obj, closest.face)
+    if min(closest.fraction, 1.0 - closest.fraction) * length < VERTEX_TOLERANCE:
+        at_end = closest.fraction > 0.5
+        index = (closest.face + 1 if at_end else closest.face) % len(obj.outline)
+        return FoundContact(Contact('vertex', index), gamma, gap)
+    offset = (0.5 - closest.fraction) * length
+    return FoundContact(Contact('face', closest.face, offset), gamma, gap)
 
 
-def contact_velocity(phi, gamma, robot_radius, twist):
-    """
-    Material velocity that the robot imposes at C, ``v_C = v_P + omega_p R_p t``.
-
-    :param phi: robot heading [rad].
-    :param gamma: world angle of the contact normal [rad].
-    :param robot_radius: R_p [m].
-    :param twist: robot (v_x, v_y, omega_p), body axes.
-    :return: (v_x, v_y), world axes [m/s].
-    """
-    cosine, sine = math.cos(phi), math.sin(phi)
-    spin = twist[2] * robot_radius
-    return (cosine * twist[0] - sine * twist[1] - spin * math.sin(gamma),
-            sine * twist[0] + cosine * twist[1] + spin * math.cos(gamma))
-
-
-def _find_fence_contact(obj, x, y, local, heading):
-    n_x, n_y = math.cos(local), math.sin(local)
-    contact = Contact('round', 0, local + math.pi)
+def _find_flat_pusher_contact(obj: PushedObject, pusher: Pose) -> tuple[Contact, float]:
+    """Contact and gap of a flat pusher that faces along its heading, in the object frame."""
+    n_x, n_y = math.cos(pusher.theta), math.sin(pusher.theta)
+    contact = Contact('round', 0, pusher.theta + math.pi)
     if obj.outline:
         contact = Contact('vertex', lowest_vertex(obj.outline, n_x, n_y))
     c_x, c_y = contact_point(obj, contact)
-    return contact, heading, n_x * (c_x - x) + n_y * (c_y - y)
+    return contact, n_x * (c_x - pusher.x) + n_y * (c_y - pusher.y)
 
 
-def _check_feature(obj, contact):
+def _check_feature(obj: PushedObject, contact: Contact) -> None:
     if (contact.kind == 'round') != (not obj.outline):
         shape = 'a polygon' if obj.outline else 'a disc'
         raise ValueError(f'Contact.kind: got {contact.kind!r}, expected a feature of {shape}')

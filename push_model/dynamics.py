@@ -1,5 +1,5 @@
 """
-Motion of an object pushed through one rolling (or fixed) contact.
+Dynamics of an object that is pushed through one rolling (or fixed) contact.
 
 Numbers, casadi SX and MX serve alike as arguments, so that planner, studies and tests evaluate
 the same expressions. Symbols: C contact point, G mass centre, r = G - C, n and t contact normal
@@ -11,14 +11,78 @@ and tangent, omega the object's yaw rate, omega_p the robot's.
 a_C is the time derivative of the material velocity imposed at C along the motion.
 """
 
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
 import casadi as ca
 from push_model.friction import friction_weight
-from push_model.state import INPUT, Input, ObjectTerms, STATE, State
+from push_model.parameters import PushedObject
 
+STATE = ('x', 'y', 'theta', 'omega', 'gamma', 'c_x', 'c_y')
+INPUT = ('v_x', 'v_y', 'a_x', 'a_y', 'omega_p')
+# Sliding speed below which support friction becomes viscous [m/s]. Chosen: a thousandth of a slow
+# push of 1 cm/s, and still large enough for implicit integration.
 SMOOTHING = 1e-5
+# The pair (lam, R_e [m]), ``contact.RollingConstants`` or in its order.
+Rolling = tuple[Any, Any]
 
 
-def moment_balance(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING):
+class ObjectTerms(NamedTuple):
+    """
+    What the equations need of an object, as numbers or casadi symbols.
+
+    :param mass: m [kg].
+    :param inertia: I about the mass centre [kg m^2].
+    :param com_x: mass centre in the object frame, x [m].
+    :param com_y: mass centre in the object frame, y [m].
+    :param supports: (x, y [m], friction capacity q [N]) of each support, object frame.
+    """
+
+    mass: Any
+    inertia: Any
+    com_x: Any
+    com_y: Any
+    supports: tuple[tuple[Any, Any, Any], ...]
+
+    @classmethod
+    def of(cls, obj: PushedObject) -> 'ObjectTerms':
+        """
+        Take the terms from an object.
+
+        :param obj: the ``PushedObject``.
+        """
+        supports = tuple((s.x, s.y, q) for s, q in zip(obj.supports, obj.capacities))
+        return cls(obj.mass, obj.inertia, *obj.center_of_mass, supports)
+
+
+class State(NamedTuple):
+    """
+    Object frame (x, y, theta), yaw rate omega, normal gamma, contact point (c_x, c_y).
+
+    x, y, theta, gamma are in the world; c_x, c_y in the object frame [m, rad, rad/s].
+    """
+
+    x: Any
+    y: Any
+    theta: Any
+    omega: Any
+    gamma: Any
+    c_x: Any
+    c_y: Any
+
+
+class Input(NamedTuple):
+    """Velocity (v_x, v_y) imposed at C and its rate (a_x, a_y), world axes; robot yaw rate."""
+
+    v_x: Any
+    v_y: Any
+    a_x: Any
+    a_y: Any
+    omega_p: Any
+
+
+def moment_balance(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any],
+                   omega_dot: Any, rolling: Rolling, smoothing: Any = SMOOTHING) -> Any:
     """
     Residual of the moment equation about C [N m]; zero on the motion.
 
@@ -30,7 +94,7 @@ def moment_balance(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING
     :param inputs: ``Input`` (or a sequence in its order).
     :param omega_dot: yaw acceleration of the object [rad/s^2].
     :param rolling: (lam, R_e [m]) of ``contact.rolling_constants``.
-    :param smoothing: speed below which support friction turns viscous [m/s].
+    :param smoothing: speed below which support friction becomes viscous [m/s].
     :return: residual [N m].
     """
     state, inputs = State(*state), Input(*inputs)
@@ -41,7 +105,8 @@ def moment_balance(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING
     return inertia * omega_dot + terms.mass * (r_x * bias_y - r_y * bias_x) - moment
 
 
-def yaw_acceleration(terms, state, inputs, rolling, smoothing=SMOOTHING):
+def yaw_acceleration(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any],
+                     rolling: Rolling, smoothing: Any = SMOOTHING) -> Any:
     """
     Yaw acceleration of the object [rad/s^2], from ``moment_balance`` = 0.
 
@@ -53,7 +118,8 @@ def yaw_acceleration(terms, state, inputs, rolling, smoothing=SMOOTHING):
     return -moment_balance(terms, state, inputs, 0.0, rolling, smoothing) / inertia
 
 
-def derivative(terms, state, inputs, rolling, smoothing=SMOOTHING):
+def derivative(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any], rolling: Rolling,
+               smoothing: Any = SMOOTHING) -> State:
     """
     Time derivative of the state, a ``State`` of rates.
 
@@ -65,9 +131,10 @@ def derivative(terms, state, inputs, rolling, smoothing=SMOOTHING):
     return kinematics(state, inputs, omega_dot, rolling)
 
 
-def kinematics(state, inputs, omega_dot, rolling):
+def kinematics(state: Iterable[Any], inputs: Iterable[Any], omega_dot: Any,
+               rolling: Rolling) -> State:
     """
-    Rates of the state for a given yaw acceleration; only the rolling rule, no forces.
+    Rates of the state for a given yaw acceleration; only the rolling constraint, no forces.
 
     :param state: ``State``.
     :param inputs: ``Input``.
@@ -76,16 +143,18 @@ def kinematics(state, inputs, omega_dot, rolling):
     :return: ``State`` of rates.
     """
     state, inputs = State(*state), Input(*inputs)
-    share, effective = rolling
-    w_x, w_y = _turn(state.theta, state.c_x, state.c_y)
-    slip = effective * (state.omega - inputs.omega_p)
+    normal_ratio, effective_radius = rolling
+    w_x, w_y = _rotated(state.theta, state.c_x, state.c_y)
+    slip = effective_radius * (state.omega - inputs.omega_p)
     local = state.gamma - state.theta
     return State(inputs.v_x + state.omega * w_y, inputs.v_y - state.omega * w_x, state.omega,
-                 omega_dot, share * state.omega + (1 - share) * inputs.omega_p,
+                 omega_dot, normal_ratio * state.omega + (1 - normal_ratio) * inputs.omega_p,
                  -slip * ca.sin(local), slip * ca.cos(local))
 
 
-def contact_force(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING):
+def contact_force(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any],
+                  omega_dot: Any, rolling: Rolling,
+                  smoothing: Any = SMOOTHING) -> tuple[Any, Any]:
     """
     Force of the robot on the object, ``F_C = m a_G - sum f_i``.
 
@@ -102,7 +171,8 @@ def contact_force(terms, state, inputs, omega_dot, rolling, smoothing=SMOOTHING)
     return _along_normal(state.gamma, force_x, force_y)
 
 
-def impulse(terms, state, dv_x, dv_y):
+def impulse(terms: ObjectTerms, state: Iterable[Any], dv_x: Any,
+            dv_y: Any) -> tuple[Any, Any, Any]:
     """
     Effect of a jump of the velocity imposed at C: ``(I + m r^2) d_omega = -m (k x r) . dv``.
 
@@ -111,7 +181,7 @@ def impulse(terms, state, dv_x, dv_y):
     :param terms: ``ObjectTerms``.
     :param state: ``State`` before the jump.
     :param dv_x: jump of the material velocity at C, world x [m/s].
-    :param dv_y: the same, y [m/s].
+    :param dv_y: jump of the material velocity at C, world y [m/s].
     :return: (d_omega [rad/s], J_n [N s], J_t [N s]).
     """
     state = State(*state)
@@ -123,13 +193,14 @@ def impulse(terms, state, dv_x, dv_y):
     return d_omega, j_n, j_t
 
 
-def equation_of_motion(obj, rolling, smoothing=SMOOTHING):
+def equation_of_motion(obj: PushedObject, rolling: Rolling,
+                       smoothing: Any = SMOOTHING) -> ca.Function:
     """
     Build the equation of motion as a casadi function.
 
     :param obj: the ``PushedObject``.
     :param rolling: (lam, R_e [m]).
-    :param smoothing: speed below which support friction turns viscous [m/s].
+    :param smoothing: speed below which support friction becomes viscous [m/s].
     :return: ``casadi.Function`` (state (7,), input (5,)) -> (rate (7,), contact force (2,) [N]).
     """
     terms = ObjectTerms.of(obj)
@@ -141,29 +212,34 @@ def equation_of_motion(obj, rolling, smoothing=SMOOTHING):
                        ['state', 'input'], ['rate', 'force'])
 
 
-def _turn(angle, x, y):
+def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
     return ca.cos(angle) * x - ca.sin(angle) * y, ca.sin(angle) * x + ca.cos(angle) * y
 
 
-def _along_normal(gamma, x, y):
+def _along_normal(gamma: Any, x: Any, y: Any) -> tuple[Any, Any]:
     return ca.cos(gamma) * x + ca.sin(gamma) * y, ca.cos(gamma) * y - ca.sin(gamma) * x
 
 
-def _lever(terms, state):
-    return _turn(state.theta, terms.com_x - state.c_x, terms.com_y - state.c_y)
+def _lever(terms: ObjectTerms, state: State) -> tuple[Any, Any]:
+    """r = G - C in world axes."""
+    return _rotated(state.theta, terms.com_x - state.c_x, terms.com_y - state.c_y)
 
 
-def _bias(terms, state, inputs, rolling):
+def _bias(terms: ObjectTerms, state: State, inputs: Input, rolling: Rolling) -> tuple[Any, Any]:
+    """a_bias: the acceleration of G where the yaw rate does not change."""
     r_x, r_y = _lever(terms, state)
-    rolled = state.omega * rolling[1] * (state.omega - inputs.omega_p)
-    return (inputs.a_x - state.omega ** 2 * r_x + rolled * ca.cos(state.gamma),
-            inputs.a_y - state.omega ** 2 * r_y + rolled * ca.sin(state.gamma))
+    _, effective_radius = rolling
+    centripetal = state.omega * effective_radius * (state.omega - inputs.omega_p)
+    return (inputs.a_x - state.omega ** 2 * r_x + centripetal * ca.cos(state.gamma),
+            inputs.a_y - state.omega ** 2 * r_y + centripetal * ca.sin(state.gamma))
 
 
-def _support_friction(terms, state, inputs, smoothing):
+def _support_friction(terms: ObjectTerms, state: State, inputs: Input,
+                      smoothing: Any) -> tuple[Any, Any, Any]:
+    """Sum of the friction forces f_i (x, y), and their moment about C."""
     force_x, force_y, moment = 0.0, 0.0, 0.0
     for s_x, s_y, capacity in terms.supports:
-        arm_x, arm_y = _turn(state.theta, s_x - state.c_x, s_y - state.c_y)
+        arm_x, arm_y = _rotated(state.theta, s_x - state.c_x, s_y - state.c_y)
         v_x, v_y = inputs.v_x - state.omega * arm_y, inputs.v_y + state.omega * arm_x
         weight = friction_weight(capacity, v_x, v_y, smoothing)
         force_x, force_y = force_x - weight * v_x, force_y - weight * v_y

@@ -1,20 +1,26 @@
 """
-What the robot must do to give the contact a wanted velocity, by drive.
+Kinematics of a robot in contact: robot motion to contact velocity, and back.
 
-Written without division by speed: rates are per speed of the contact where ``speed`` is left at
-1. Numbers and casadi symbols serve alike.
+``v_C = v_P + omega_p R_p t``. Robot motion is written without division by speed: rates are per
+speed of the contact where ``speed`` is left at 1. There numbers and casadi symbols serve alike.
 """
 
+import math
+from typing import Any
+
 import casadi as ca
+from push_model.geometry import Coordinates
+from push_model.parameters import Drive
 
 
-def yaw_rate(drive, radius, pushing_angle, heading_offset, object_rate, speed=1.0):
+def yaw_rate(drive: Drive, radius: Any, pushing_angle: Any, heading_offset: Any, object_rate: Any,
+             speed: Any = 1.0) -> Any:
     """
-    Yaw rate omega_p of the robot.
+    Yaw rate omega_p of a robot whose contact has a given velocity.
 
     A differential drive has no choice: ``v = v_c cos b / cos d`` and
-    ``omega_p = (v_c sin b + v sin d) / R_p``. A holonomic robot turns with the object, so that the
-    contact stays where it is on both.
+    ``omega_p = (v_c sin b + v sin d) / R_p``. A holonomic robot rotates with the object, so that
+    the contact stays where it is on both.
 
     :param drive: one of ``push_model.parameters.DRIVES``.
     :param radius: R_p [m].
@@ -29,7 +35,8 @@ def yaw_rate(drive, radius, pushing_angle, heading_offset, object_rate, speed=1.
     return speed * ca.sin(pushing_angle + heading_offset) / (radius * ca.cos(heading_offset))
 
 
-def center_velocity(radius, pushing_angle, robot_rate, speed=1.0):
+def center_velocity(radius: Any, pushing_angle: Any, robot_rate: Any,
+                    speed: Any = 1.0) -> tuple[Any, Any]:
     """
     Velocity of the robot's centre, ``v_P = v_C - omega_p R_p t``.
 
@@ -40,3 +47,20 @@ def center_velocity(radius, pushing_angle, robot_rate, speed=1.0):
     :return: components along n and along t [m/s, or per speed].
     """
     return speed * ca.cos(pushing_angle), speed * ca.sin(pushing_angle) - robot_rate * radius
+
+
+def contact_velocity(phi: float, gamma: float, robot_radius: float,
+                     twist: Coordinates) -> tuple[float, float]:
+    """
+    Velocity of the robot's material at the contact, ``v_C = v_P + omega_p R_p t``.
+
+    :param phi: robot heading [rad].
+    :param gamma: angle of the contact normal in the world [rad].
+    :param robot_radius: R_p [m].
+    :param twist: robot (v_x, v_y, omega_p), body axes.
+    :return: (v_x, v_y), world axes [m/s].
+    """
+    cosine, sine = math.cos(phi), math.sin(phi)
+    spin = twist[2] * robot_radius
+    return (cosine * twist[0] - sine * twist[1] - spin * math.sin(gamma),
+            sine * twist[0] + cosine * twist[1] + spin * math.cos(gamma))

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
+from push_model.dynamics import ObjectTerms
 from push_model.geometry import wrap_angle
-from push_model.state import ObjectTerms
 
 PUSH_KINDS = ('held', 'rolling', 'differential')
 VERTEX_MARGIN = 0.02

@@ -10,11 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.dynamics import equation_of_motion, impulse, SMOOTHING
+from push_model.dynamics import equation_of_motion, impulse, ObjectTerms, SMOOTHING, State
 from push_model.geometry import Pose, wrap_angle
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import yaw_rate
-from push_model.state import ObjectTerms, State
 from scipy.integrate import solve_ivp
 
 STRETCH = 8.0

@@ -14,9 +14,8 @@ from benchmarks.planner.check import Push
 from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
 import numpy as np
 from push_model.dubins import dubins_paths
-from push_model.dynamics import impulse
+from push_model.dynamics import impulse, State
 from push_model.geometry import Pose, wrap_angle
-from push_model.state import State
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 

@@ -4,9 +4,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.contact import contact_velocity
 from push_model.geometry import Pose
 from push_model.quasi_static import ellipsoid_yaw_rate
+from push_model.robot_kinematics import contact_velocity
 
 
 class PushState(NamedTuple):

@@ -6,7 +6,7 @@ from push_control.estimation.contact_detection import ContactDetector
 from push_control.estimation.estimator import Estimator
 from push_control.estimation.monitors import FollowMonitor
 from push_control.laws.command import mean_twist
-from push_model.contact import contact_velocity
+from push_model.robot_kinematics import contact_velocity
 
 
 class PushTracker:

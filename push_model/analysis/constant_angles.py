@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from push_model.analysis.time_integration import integrate
 from push_model.contact import contact_point, face_normal
-from push_model.dynamics import equation_of_motion, impulse
+from push_model.dynamics import equation_of_motion, impulse, Input, ObjectTerms, State
 from push_model.geometry import Pose
-from push_model.state import Input, ObjectTerms, State
 
 SPACING = 0.004
 
@@ -24,7 +23,7 @@ class IntegratedPush(NamedTuple):
     A push that was integrated; two samples at a jump, before and after.
 
     :param times: [s], shape (n,).
-    :param states: in the order of ``push_model.state.STATE``, shape (n, 7).
+    :param states: in the order of ``push_model.dynamics.STATE``, shape (n, 7).
     :param forces: of the robot on the object (F_n, F_t), shape (n, 2) [N].
     :param impulses: (time [s], J_n, J_t [N s]) of each jump, the first touch included, shape
         (k, 3).

@@ -2,10 +2,11 @@
 
 from typing import NamedTuple
 
-from push_model.dynamics import contact_force, kinematics, SMOOTHING, yaw_acceleration
+from push_model.dynamics import (
+    contact_force, Input, kinematics, ObjectTerms, SMOOTHING, State, yaw_acceleration,
+)
 from push_model.friction import friction_weight
 from push_model.geometry import Pose
-from push_model.state import Input, ObjectTerms, State
 
 
 class FreeBody(NamedTuple):

@@ -8,9 +8,8 @@ object, ``a_C = omega k x v_C``, and in ``moment_balance`` the inertial term bec
 
 import math
 
-from push_model.dynamics import contact_force, moment_balance
+from push_model.dynamics import contact_force, Input, moment_balance, ObjectTerms, State
 from push_model.quasi_static import quasi_static_yaw_rate
-from push_model.state import Input, ObjectTerms, State
 from scipy.optimize import brentq
 
 FIXED = (1.0, 0.0)

@@ -8,8 +8,7 @@ implicit one.
 import math
 
 import numpy as np
-from push_model.dynamics import equation_of_motion
-from push_model.state import Input, STATE, State
+from push_model.dynamics import equation_of_motion, Input, STATE, State
 from scipy.integrate import solve_ivp
 
 TOLERANCE = 1e-8

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from push_model.dynamics import contact_force, impulse, kinematics, moment_balance
+from push_model.dynamics import contact_force, impulse, Input, kinematics, moment_balance, State
 from push_model.robot_kinematics import center_velocity, yaw_rate
-from push_model.state import Input, State
 from push_planner.push_parameters import place
 
 

@@ -10,10 +10,11 @@ sharp as pushing allows, while the object follows the model within millimetres o
 import dataclasses
 import math
 
-from push_model.contact import contact_point, contact_velocity, find_contact
+from push_model.contact import contact_point, find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure
 from push_model.quasi_static import quasi_static_yaw_rate
+from push_model.robot_kinematics import contact_velocity
 from push_planner.problem import InitialMotion, PlanningFailed, problem_from_placement
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.planner import plan

@@ -7,10 +7,9 @@ The object frame of the start is that of the world.
 import math
 
 import numpy as np
-from push_model.dynamics import equation_of_motion, impulse
+from push_model.dynamics import equation_of_motion, impulse, Input, ObjectTerms, State
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import yaw_rate
-from push_model.state import Input, ObjectTerms, State
 from scipy.integrate import solve_ivp
 
 TOLERANCE = 1e-9
@@ -50,7 +49,7 @@ class OpenLoopSimulation:
     """
     The equation of motion under the pieces of a plan.
 
-    States are arrays in the order of ``push_model.state.STATE``.
+    States are arrays in the order of ``push_model.dynamics.STATE``.
 
     :param problem: the ``PushProblem`` with object, contact and robot.
     """

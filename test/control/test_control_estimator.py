@@ -11,13 +11,12 @@ from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.laws.limit_surface_table import LimitSurfaceTable
 from push_control.path.path import flat_output_pose, path_to_goal, project_on_path, SampledPath
 from push_control.settings import ControlSettings
-from push_model.dynamics import kinematics
+from push_model.dynamics import Input, kinematics, State
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.quasi_static import quasi_static_yaw_rate, vehicle
 from push_model.signals import ObjectPose, Odometry, Twist
-from push_model.state import Input, State
 from push_model.trajectory import PushTrajectory
 import pytest
 

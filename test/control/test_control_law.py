@@ -12,12 +12,11 @@ from push_control.laws.curvature_limits import (
 )
 from push_control.laws.limit_surface_table import LimitSurfaceTable
 from push_control.settings import ControlSettings
-from push_model.contact import contact_velocity
-from push_model.dynamics import contact_force
+from push_model.dynamics import contact_force, ObjectTerms
 from push_model.parameters import RoundRobot
 from push_model.quasi_static import quasi_static_yaw_rate, vehicle
+from push_model.robot_kinematics import contact_velocity
 from push_model.signals import Twist
-from push_model.state import ObjectTerms
 import pytest
 from scipy.integrate import solve_ivp
 

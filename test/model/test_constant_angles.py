@@ -7,10 +7,10 @@ import numpy as np
 from push_model.analysis.constant_angles import push_at_angles
 from push_model.analysis.steady_turn import steady_yaw_rate
 from push_model.contact import contact_point
+from push_model.dynamics import STATE
 from push_model.geometry import Pose
 from push_model.parameters import Contact
 from push_model.quasi_static import quasi_static_yaw_rate
-from push_model.state import STATE
 import pytest
 
 FACE = Contact('face', 3)

@@ -7,12 +7,11 @@ from helpers.objects import bin_, box
 import numpy as np
 from push_model.contact import rolling_constants
 from push_model.dynamics import (
-    contact_force, derivative, equation_of_motion, impulse, kinematics, moment_balance,
-    yaw_acceleration,
+    contact_force, derivative, equation_of_motion, impulse, Input, kinematics, moment_balance,
+    ObjectTerms, State, yaw_acceleration,
 )
 from push_model.parameters import GRAVITY
 from push_model.quasi_static import quasi_static_yaw_rate
-from push_model.state import Input, ObjectTerms, State
 import pytest
 from scipy.integrate import solve_ivp
 

@@ -10,11 +10,11 @@ from push_model.analysis import time_integration as motion
 from push_model.analysis.steady_turn import steady_force, steady_yaw_rate
 from push_model.analysis.time_integration import body_fixed_push, integrate, straight_push
 from push_model.contact import contact_point, curvature_radius, rolling_constants
+from push_model.dynamics import Input, State
 from push_model.geometry import Pose
 from push_model.parameters import Contact, GRAVITY
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.signals import Twist
-from push_model.state import Input, State
 from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 import pytest

@@ -8,9 +8,9 @@ from helpers.push_problems import DIFFERENTIAL, FACE, face_problem, vertex_probl
 import numpy as np
 from push_model.analysis.constant_angles import push_at_angles
 from push_model.analysis.time_integration import integrate
+from push_model.dynamics import Input, State
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_model.state import Input, State
 from push_planner.single_push.planner import plan
 from push_study.chapter3.errors.mismatch_rollout import replay
 import pytest

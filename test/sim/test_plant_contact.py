@@ -6,11 +6,10 @@ from helpers.objects import bin_, box
 from helpers.plant_reference import ramp_robot
 import numpy as np
 from push_model.contact import find_contact
-from push_model.dynamics import impulse
+from push_model.dynamics import impulse, ObjectTerms, State
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import GRAVITY, RoundRobot
 from push_model.signals import STOP, Twist
-from push_model.state import ObjectTerms, State
 from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 import pytest

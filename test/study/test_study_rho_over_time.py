@@ -9,9 +9,9 @@ from push_model.analysis.free_response import free_response
 from push_model.analysis.pushing_location import pushing_location
 from push_model.analysis.stability import LinearMotion
 from push_model.analysis.time_integration import integrate, straight_push
+from push_model.dynamics import State
 from push_model.geometry import Pose
 from push_model.signals import Twist
-from push_model.state import State
 from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 from push_study.chapter2.rolling import rho_over_time

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from push_model.analysis.steady_turn import FIXED, steady_yaw_rate
 from push_model.analysis.time_integration import body_fixed_push, integrate
+from push_model.dynamics import State
 from push_model.parameters import PushedObject, Support
-from push_model.state import State
 from push_study.framework import paper
 from push_study.framework.scenes import BOX, corners
 from push_study.framework.study import Parameter
@@ -77,7 +77,7 @@ def motion(obj, direction, speed, times):
     :param direction: of the push in the object frame [rad].
     :param speed: of the contact [m/s].
     :param times: where to sample [s], shape (n,).
-    :return: states in the order of ``push_model.state.STATE``, shape (n, 7).
+    :return: states in the order of ``push_model.dynamics.STATE``, shape (n, 7).
     """
     start = State(0.0, 0.0, 0.0, 0.0, direction, *obj.outline[0])
     return integrate(obj, FIXED, body_fixed_push(direction, speed), start, times)[1]

@@ -8,9 +8,8 @@ from push_model.analysis.pushing_location import pushing_location
 from push_model.analysis.stability import linear_motion
 from push_model.analysis.time_integration import integrate, straight_push
 from push_model.contact import contact_point
-from push_model.dynamics import equation_of_motion
+from push_model.dynamics import equation_of_motion, State
 from push_model.parameters import Contact, Support
-from push_model.state import State
 from push_study.chapter2.rolling import alpha_plot
 from push_study.framework import paper
 from push_study.framework.scenes import BOX, box, corners

@@ -7,11 +7,10 @@ from push_model.analysis.pushing_location import pushing_location
 from push_model.analysis.stability import equilibria, linear_motion
 from push_model.analysis.time_integration import integrate, straight_push
 from push_model.contact import find_contact, rolling_constants
-from push_model.dynamics import impulse
+from push_model.dynamics import impulse, ObjectTerms, State
 from push_model.geometry import Pose
 from push_model.parameters import Contact, RoundRobot
 from push_model.signals import Twist
-from push_model.state import ObjectTerms, State
 from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 from push_study.framework import scenes

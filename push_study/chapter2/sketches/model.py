@@ -3,8 +3,8 @@
 import math
 
 from push_model.contact import contact_point, normal_range
+from push_model.dynamics import Input, State
 from push_model.parameters import Contact, Support
-from push_model.state import Input, State
 from push_study.chapter2.sketches.push_instant import PushInstant
 from push_study.framework import paper, sketch, sketch_body
 from push_study.framework.scenes import BOX, box, corners

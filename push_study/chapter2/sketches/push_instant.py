@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 from push_model.analysis.free_body import free_body
 from push_model.contact import rolling_constants
+from push_model.dynamics import Input, State
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
-from push_model.state import Input, State
 
 
 class PushInstant(NamedTuple):

@@ -6,8 +6,8 @@ import numpy as np
 from push_model.analysis.pushing_location import pushing_location
 from push_model.analysis.time_integration import integrate, straight_push
 from push_model.contact import rolling_constants
+from push_model.dynamics import State
 from push_model.parameters import Contact
-from push_model.state import State
 from push_study.chapter2.sketches.push_instant import at_turn
 from push_study.framework import sketch, sketch_body
 from push_study.framework.scenes import BOX, box

@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from push_model.dynamics import STATE
 from push_model.geometry import Pose, wrap_angle
-from push_model.state import STATE
 from push_planner.verification.open_loop import integrate, open_loop_simulation
 from push_planner.verification.verification import merge_steady_segments, segments_of
 
