@@ -4,6 +4,7 @@ import casadi as ca
 import numpy as np
 from push_control.laws.mpc import optimal_weights, PredictiveLaw, SolverFailed
 from push_control.laws.mpc_problem import horizon_problem, SCALARS
+from push_control.laws.steering_law import SolverFailure
 
 OPTIONS = {'print_time': False, 'error_on_fail': False, 'ipopt': {
     'print_level': 0, 'sb': 'yes', 'tol': 1e-8, 'max_iter': 200}}
@@ -32,7 +33,7 @@ class ConvergedLaw(PredictiveLaw):
         found = self._nlp(x0=[*self._start, 0.0], p=self._parameters, ubg=0.0,
                           lbx=[*low, 0.0], ubx=[*high, WIDEST_SLACK])
         if not self._nlp.stats()['success']:
-            raise SolverFailed(f"ipopt: {self._nlp.stats()['return_status']}")
+            raise SolverFailed(SolverFailure.NOT_CONVERGED)
         self._plan[:] = np.array(found['x']).ravel()[:-1]
         return float(self._plan[0])
 

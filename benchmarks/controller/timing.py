@@ -15,8 +15,10 @@ from benchmarks.controller.tables import spread, table, TO_DEGREES
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.mpc import optimal_weights, PredictiveLaw
+from push_control.laws.steering_law import SolverReport, SteeringInput, SteeringLaw
 from push_control.observation import Observation
 from push_control.push.controller import Controller
+from push_control.push.status import Phase
 from push_model.geometry import distance
 from push_model.signals import Odometry
 from push_planner.problem import PlanningFailed
@@ -41,7 +43,7 @@ class Timed(NamedTuple):
     :param troubles: number of times that the closed-form law stood in for a solver.
     """
 
-    phase: str
+    phase: Phase
     steps: list
     laws: list
     cost: float
@@ -49,7 +51,7 @@ class Timed(NamedTuple):
     troubles: int
 
 
-class Watched:
+class Watched(SteeringLaw):
     """A law whose time is taken and whose cost is added up."""
 
     def __init__(self, law, weights):
@@ -60,27 +62,31 @@ class Watched:
         :param weights: as ``optimal_weights`` gives them.
         """
         self._law, self._weights = law, weights
-        self.times, self.cost, self.reset = [], 0.0, law.reset
+        self.times, self.cost = [], 0.0
 
     @property
-    def report(self):
-        """Report of the law."""
-        return self._law.report
+    def solver(self) -> SolverReport:
+        """Report of the law's solver."""
+        return self._law.solver
 
-    def curvature(self, situation):
+    def reset(self) -> None:
+        """Reset the law."""
+        self._law.reset()
+
+    def curvature(self, steering: SteeringInput) -> float:
         """
         Choose as the law does.
 
-        :param situation: ``SteeringInput``.
+        :param steering: ``SteeringInput``.
         :return: curvature [1/m].
         """
         began = time.process_time()
-        chosen = self._law.curvature(situation)
+        chosen = self._law.curvature(steering)
         self.times.append(time.process_time() - began)
-        track, (lateral, heading, _) = situation.track, self._weights
-        self.cost += situation.moved * (
+        track, (lateral, heading, _) = steering.projection, self._weights
+        self.cost += steering.distance * (
             lateral * track.lateral_error ** 2 + heading * track.heading_error ** 2
-            + (situation.allowed(chosen) - track.curvature) ** 2)
+            + (steering.clip(chosen) - track.curvature) ** 2)
         return chosen
 
 
@@ -131,7 +137,7 @@ def timed(kind, seed, name):
 def _pushed(simulation, controller, target, observation):
     """Push to the end; return the CPU times of the steps."""
     steps, dt = [], 0.0
-    while simulation.time < LONGEST and controller.status.phase not in ('done', 'failed'):
+    while simulation.time < LONGEST and not controller.status.phase.has_ended:
         began = time.process_time()
         command = controller.step(target, observation, dt)
         steps.append(time.process_time() - began)
@@ -161,7 +167,7 @@ def step_table(runs):
                      spread(pooled(found, 'laws'), '.3f', 99),
                      f'{sum(run.cost for run in found):.3f}', spread(1e3 * position),
                      spread(TO_DEGREES * heading),
-                     sum(run.phase == 'done' for run in found),
+                     sum(run.phase is Phase.DONE for run in found),
                      sum(run.troubles for run in found)))
     return table(['law', 'pushes', 'steps', 'CPU ms per step: median, p99',
                   'the law in it: median, p99', 'closed-loop cost, sum', 'mm median, p95',

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from push_control.estimation.contact_site import ContactOffset
+from push_control.events import EventReport, PushEvent
 
 STEP_LIMIT = 3.0
 SLACK = 0.75
@@ -136,23 +137,23 @@ class ContactDetector:
         return ContactUpdate(slid, ContactOffset(back, aside))
 
     @property
-    def notice(self):
-        """What is out of the ordinary, empty while nothing is."""
+    def notice(self) -> EventReport | None:
+        """What is out of the ordinary, or None."""
         if self.lost:
-            return 'contact is lost: approaches the object'
-        return 'the contact slides' if self.slipping else ''
+            return PushEvent.CLOSING_GAP.report()
+        return PushEvent.CONTACT_SLIDES.report() if self.slipping else None
 
-    def out_of_reach(self, way):
+    def out_of_reach(self, way) -> EventReport | None:
         """
         Say why the object cannot be approached any further.
 
         :param way: that the robot is about to go towards it [m].
-        :return: the reason, or an empty text.
+        :return: ``EventReport``, or None.
         """
         self._approached += way
         if max(self.gap, self._approached) <= self._settings.max_approach_distance:
-            return ''
-        return f'contact is lost: the object is at least {1e3 * self.gap:.0f} mm away'
+            return None
+        return PushEvent.GAP_TOO_WIDE.report(gap=1e3 * self.gap)
 
     def _watch_gap(self, seen, way):
         limit = self._settings.contact_gap

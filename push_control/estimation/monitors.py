@@ -3,34 +3,36 @@
 from collections import deque
 import math
 
+from push_control.events import EventReport, PushEvent
+
 STEEPEST_PUSH = 1.2
 NORMAL_SLACK = 0.15
 ALMOST_STRAIGHT = 0.1
 
 
-def measurement_fault(observation, last_pose_time, settings):
+def measurement_fault(observation, last_pose_time, settings) -> EventReport | None:
     """
     Say why the measurements cannot be used.
 
     :param observation: ``Observation``.
     :param last_pose_time: time of the last finite object pose [s], or None.
     :param settings: ``ControlSettings``.
-    :return: the reason, or an empty text.
+    :return: ``EventReport``, or None.
     """
     odometry, measured = observation.odometry, observation.object_pose
     if not is_finite_odometry(odometry):
-        return 'odometry is not finite'
+        return PushEvent.ODOMETRY_NOT_FINITE.report()
     if measured is None:
-        return 'no object pose yet'
+        return PushEvent.NO_OBJECT_POSE.report()
     if not (measured.pose.is_finite() and math.isfinite(measured.time)):
-        return 'object pose is not finite'
+        return PushEvent.OBJECT_POSE_NOT_FINITE.report()
     age = observation.time - last_pose_time
     if age > settings.pose_timeout:
-        return f'object pose is stale: {age:.2f} s old, at most {settings.pose_timeout:g} s'
+        return PushEvent.OBJECT_POSE_STALE.report(age=age, limit=settings.pose_timeout)
     age = observation.time - odometry.time
     if age > settings.odometry_timeout:
-        return f'odometry is stale: {age:.2f} s old, at most {settings.odometry_timeout:g} s'
-    return ''
+        return PushEvent.ODOMETRY_STALE.report(age=age, limit=settings.odometry_timeout)
+    return None
 
 
 def is_finite_odometry(odometry):
@@ -50,14 +52,14 @@ def jackknifed(site, normal, angle):
     :param site: the contact ``ContactSite``.
     :param normal: estimated angle of the normal in the object frame [rad].
     :param angle: from the normal to the wanted contact velocity [rad].
-    :return: the reason, or an empty text.
+    :return: ``EventReport``, or None.
     """
     low, high = site.normal_limits
     if not low - NORMAL_SLACK < normal < high + NORMAL_SLACK:
-        return 'jackknifed: the robot has turned round the vertex onto a face'
+        return PushEvent.TURNED_OFF_VERTEX.report()
     if abs(math.remainder(angle, 2.0 * math.pi)) > STEEPEST_PUSH:
-        return 'jackknifed: the wanted push points out of the contact'
-    return ''
+        return PushEvent.PUSH_OUT_OF_CONTACT.report()
+    return None
 
 
 class FollowMonitor:
@@ -105,11 +107,10 @@ class OneSidedMonitor:
 
         :param limits: ``CurvatureLimits``.
         :param travelled_distance: way of the contact since the start [m].
-        :return: the reason, or an empty text.
+        :return: ``EventReport``, or None.
         """
         if limits.low - ALMOST_STRAIGHT <= 0.0 <= limits.high + ALMOST_STRAIGHT:
             self._straight = travelled_distance
         if travelled_distance - self._straight <= self._longest:
-            return ''
-        return ('the friction centre lies too far aside of this contact: friction does not hold '
-                'a straight push there')
+            return None
+        return PushEvent.ONE_SIDED_STEERING.report()

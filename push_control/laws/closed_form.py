@@ -1,80 +1,49 @@
-"""What a steering law sees, and the closed-form one."""
+"""The closed-form steering law: state feedback of the path errors."""
 
-from typing import Callable, NamedTuple, Optional
-
-from push_control.laws.curvature_limits import CurvatureLimits, feedback_curvature
-from push_control.path.guidance import PathProjection
-from push_model.quasi_static import Vehicle
+from push_control.laws.steering_law import SteeringInput, SteeringLaw
+from push_control.settings import ControlSettings
 
 
-class SteeringInput(NamedTuple):
-    """
-    The push at one instant; ways are those of z [m].
-
-    :param track: ``PathProjection`` of z one drive lag ahead.
-    :param present: gives the ``PathProjection`` of z now.
-    :param preview: gives the curvatures of the path at ways beyond the present place.
-    :param flat: the ``Vehicle``.
-    :param zeta: angle from C->F to the contact normal now [rad].
-    :param rest: where zeta rests on a straight way: D of a differential drive, else where the
-        contact is rolled to [rad].
-    :param zeta_limits: (lowest, highest) zeta at which the contact stays in its place [rad].
-    :param limits: ``CurvatureLimits``.
-    :param cone: half angle of the friction cone that may be used [rad].
-    :param before: curvature commanded last, or None.
-    :param change: largest change from it.
-    :param moved: way since then.
-    :param lag: way that the drive lags behind.
-    """
-
-    track: PathProjection
-    present: Callable
-    preview: Callable
-    flat: Vehicle
-    zeta: float
-    rest: float
-    zeta_limits: tuple
-    limits: CurvatureLimits
-    cone: float
-    before: Optional[float]
-    change: float
-    moved: float
-    lag: float
-
-    def allowed(self, curvature):
-        """
-        Bring a curvature into the limits, as far as the largest change lets it.
-
-        :param curvature: wanted [1/m].
-        """
-        curvature = self.limits.clip(curvature)
-        if self.before is None:
-            return curvature
-        return min(self.before + self.change, max(self.before - self.change, curvature))
-
-
-class ClosedFormLaw:
+class ClosedFormLaw(SteeringLaw):
     """Feedback of the errors one drive lag ahead."""
 
-    def __init__(self, settings):
+    def __init__(self, settings: ControlSettings):
         """
         Take the gains.
 
         :param settings: ``ControlSettings``.
         """
         self._settings = settings
-        self.report = {'solver_failures': 0, 'solver_reason': ''}
 
-    def reset(self):
-        """Set out anew; this law remembers nothing."""
+    def reset(self) -> None:
+        """Do nothing: this law has no memory."""
 
-    def curvature(self, situation):
+    def curvature(self, steering: SteeringInput) -> float:
         """
-        Choose the curvature of z, before any limit.
+        Choose the curvature of z; the caller brings it into the limits.
 
-        :param situation: ``SteeringInput``.
+        :param steering: ``SteeringInput``.
         :return: curvature [1/m].
         """
-        track = situation.track
-        return feedback_curvature(track.lateral_error, track.heading_error, track.curvature,
-                                  self._settings)
+        projection = steering.projection
+        return feedback_curvature(projection.lateral_error, projection.heading_error,
+                                  projection.curvature, self._settings)
+
+
+def feedback_curvature(lateral_error: float, heading_error: float, path_curvature: float,
+                       settings: ControlSettings) -> float:
+    """
+    Curvature of z that brings it back to its path, before any limit.
+
+    ``kappa = kappa_path - k_y sat(e_y) - k_psi e_psi``.
+
+    :param lateral_error: e_y of z, left of the path is positive [m].
+    :param heading_error: e_psi of z, to the left is positive [rad].
+    :param path_curvature: kappa_path of the path there [1/m].
+    :param settings: ``ControlSettings``.
+    :return: curvature [1/m].
+    """
+    bound = settings.lateral_saturation
+    saturated = min(bound, max(-bound, lateral_error))
+    return (path_curvature - settings.lateral_gain * saturated
+            - settings.heading_gain * heading_error)

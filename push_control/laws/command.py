@@ -62,3 +62,18 @@ def mean_twist(twist, command, time_constant):
         return Twist(*command)
     share = 1.0 - math.exp(-1.0)
     return Twist(*(b + (a - b) * share for a, b in zip(twist, command)))
+
+
+def contact_speed(elapsed, remaining_distance, fastest, settings):
+    """
+    Speed of the contact: rises after the start, falls towards the goal.
+
+    :param elapsed: time since the robot set out [s].
+    :param remaining_distance: way of z that is left [m].
+    :param fastest: speed of the plan [m/s].
+    :param settings: ``ControlSettings``.
+    :return: speed [m/s].
+    """
+    start = settings.start_speed
+    braking = math.sqrt(start ** 2 + 2.0 * settings.deceleration * max(0.0, remaining_distance))
+    return min(fastest, start + settings.acceleration * elapsed, braking)

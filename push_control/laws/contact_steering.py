@@ -112,9 +112,9 @@ class ContactSteering:
         """
         zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
         rest = self.site.heading_offset if self._differential else self._centred(belief)[1]
-        return {'zeta': zeta, 'rest': rest,
+        return {'zeta': zeta, 'zeta_rest': rest,
                 'zeta_limits': self._room(flat, normal),
-                'cone': self._settings.feedback_cone_fraction * self._cone}
+                'cone_angle': self._settings.feedback_cone_fraction * self._cone}
 
     def _centred(self, belief):
         """Turn of the robot that centres the contact, and zeta there."""
@@ -150,7 +150,7 @@ class ContactSteering:
         :param belief: ``PushState`` one drive lag ahead.
         :param curvature: of z [1/m].
         :param speed: of the contact [m/s].
-        :return: ``Twist``; and why there is none, or an empty text.
+        :return: ``Twist``; and why there is none as ``EventReport``, or None.
         """
         site, robot = self.site, self._robot
         normal = site.at(belief.phi - belief.theta)[2]

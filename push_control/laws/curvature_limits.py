@@ -77,34 +77,3 @@ def friction_cone_limits(supports, flat, normal, cone):
     """
     zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
     return CurvatureLimits(*supports.curvatures(flat, zeta - cone, zeta + cone))
-
-
-def feedback_curvature(lateral_error, heading_error, path_curvature, settings):
-    """
-    Curvature of z that brings it back to its path, before any limit.
-
-    :param lateral_error: of z, left of the path is positive [m].
-    :param heading_error: of z, to the left is positive [rad].
-    :param path_curvature: of the path there [1/m].
-    :param settings: ``ControlSettings``.
-    :return: curvature [1/m].
-    """
-    bound = settings.lateral_saturation
-    aside = min(bound, max(-bound, lateral_error))
-    return (path_curvature - settings.lateral_gain * aside
-            - settings.heading_gain * heading_error)
-
-
-def contact_speed(elapsed, remaining_distance, fastest, settings):
-    """
-    Speed of the contact: rises after the start, falls towards the goal.
-
-    :param elapsed: time since the robot set out [s].
-    :param remaining_distance: way of z that is left [m].
-    :param fastest: speed of the plan [m/s].
-    :param settings: ``ControlSettings``.
-    :return: speed [m/s].
-    """
-    start = settings.start_speed
-    braking = math.sqrt(start ** 2 + 2.0 * settings.deceleration * max(0.0, remaining_distance))
-    return min(fastest, start + settings.acceleration * elapsed, braking)

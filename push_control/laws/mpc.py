@@ -5,16 +5,28 @@ import math
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.mpc_problem import horizon_problem, SCALARS, terminal_root
+from push_control.laws.steering_law import (
+    SolverFailure, SolverReport, SteeringInput, SteeringLaw,
+)
 
 TOLERANCE = 1e-4
 WIDEST = 10.0
 
 
 class SolverFailed(Exception):
-    """The solver gave no answer that can be used; says why."""
+    """
+    The solver gave no answer that can be used.
+
+    :param failure: why.
+    """
+
+    def __init__(self, failure: SolverFailure):
+        """Keep the code."""
+        super().__init__(failure.value)
+        self.failure = failure
 
 
-class PredictiveLaw:
+class PredictiveLaw(SteeringLaw):
     """
     Keeps the force in its cone and the contact in its place over the horizon.
 
@@ -43,65 +55,69 @@ class PredictiveLaw:
         for place, result in enumerate((self._plan, self._slack, self._beyond)):
             self._buffer.set_res(place, memoryview(result))
         self._curvature = None
-        self.report = {'solver_failures': 0, 'solver_reason': ''}
+        self._solver = SolverReport()
 
-    def reset(self):
-        """Set out anew, without a plan."""
+    @property
+    def solver(self) -> SolverReport:
+        """Report of the solver over all pushes."""
+        return self._solver
+
+    def reset(self) -> None:
+        """Forget the last plan."""
         self._curvature = None
 
-    def curvature(self, situation):
+    def curvature(self, steering: SteeringInput) -> float:
         """
-        Choose the curvature of z, before any limit.
+        Choose the curvature of z; the caller brings it into the limits.
 
-        :param situation: ``SteeringInput``.
+        :param steering: ``SteeringInput``.
         :return: curvature [1/m].
         """
         try:
-            return self._optimum(situation)
-        except SolverFailed as trouble:
+            return self._optimum(steering)
+        except SolverFailed as error:
             self._curvature = None
-            self.report = {'solver_failures': self.report['solver_failures'] + 1,
-                           'solver_reason': str(trouble)}
-            return self._instead.curvature(situation)
+            self._solver = SolverReport(self._solver.failures + 1, error.failure)
+            return self._instead.curvature(steering)
 
-    def _optimum(self, situation):
-        self._fill(situation)
+    def _optimum(self, steering: SteeringInput) -> float:
+        self._fill(steering)
         if not math.isfinite(self._parameters.sum()):
-            raise SolverFailed('the problem is not finite')
+            raise SolverFailed(SolverFailure.PROBLEM_NOT_FINITE)
         self._run()
         if not math.isfinite(self._plan.sum()):
-            raise SolverFailed('the solution is not finite')
+            raise SolverFailed(SolverFailure.SOLUTION_NOT_FINITE)
         if not self._beyond[0] <= TOLERANCE:
-            raise SolverFailed('the solver was stopped before it met the limits')
+            raise SolverFailed(SolverFailure.LIMITS_NOT_MET)
         return float(self._plan[0])
 
-    def _fill(self, situation):
+    def _fill(self, situation: SteeringInput) -> None:
         """Write the parameters, around the last plan moved on by the way since."""
-        flat, track, lag = situation.flat, situation.present(), situation.lag
+        flat, track, lag = situation.vehicle, situation.project_now(), situation.lag_distance
         low, high = situation.limits
         low = min(low, high)
         path = self._path
         path[:] = situation.preview(self._ways)
-        before = situation.before
+        before = situation.previous_curvature
         if self._curvature is None or before is None:
             self._root[:] = terminal_root(self._robot.drive, self._step, self._weights,
                                           lag).ravel(order='F')
             self._curvature = min(high, max(low, path[0] if before is None else before))
             self._start[:] = path
         else:
-            left = math.exp(-situation.moved / lag) if lag > 0.0 else 0.0
+            left = math.exp(-situation.distance / lag) if lag > 0.0 else 0.0
             self._curvature = before + left * (self._curvature - before)
-            shift = situation.moved / self._step
+            shift = situation.distance / self._step
             places = np.arange(len(path))
             self._start[:] = np.interp(places + shift, places, self._plan)
         np.clip(self._start, low, high, out=self._start)
-        first = WIDEST if before is None else situation.change
+        first = WIDEST if before is None else situation.max_change
         held = min(high, max(low, self._curvature if before is None else before))
         bound = self._settings.lateral_saturation
         self._scalars[:] = (
             min(bound, max(-bound, track.lateral_error)), track.heading_error, situation.zeta,
             self._curvature, flat.wheelbase, flat.c_squared / flat.arm, self._robot.radius,
-            situation.rest, self._settings.rolling_gain, lag, situation.cone,
+            situation.zeta_rest, self._settings.rolling_gain, lag, situation.cone_angle,
             *situation.zeta_limits, low, high, max(low, held - first), min(high, held + first),
             self._settings.max_curvature_rate * self._step)
 

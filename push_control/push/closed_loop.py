@@ -6,12 +6,15 @@ import math
 import numpy as np
 from push_control.estimation.contact_site import initial_contact_site
 from push_control.estimation.monitors import OneSidedMonitor
-from push_control.laws.closed_form import SteeringInput
+from push_control.events import EventReport, PushEvent, sentence
+from push_control.laws.command import contact_speed
 from push_control.laws.contact_steering import ContactSteering
-from push_control.laws.curvature_limits import contact_speed
 from push_control.laws.limit_surface_table import LimitSurfaceTable
+from push_control.laws.steering_law import SteeringInput
 from push_control.path.guidance import Guidance
 from push_control.path.path import flat_output_pose, SampledPath
+from push_control.push.execution import PushExecution
+from push_control.push.status import ControllerStatus, Phase
 from push_control.push.tracking import PushTracker
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
@@ -19,7 +22,7 @@ from push_model.quasi_static import vehicle
 from push_model.signals import STOP
 
 
-class ClosedLoopPush:
+class ClosedLoopPush(PushExecution):
     """Brings the object along the path of a target, from late and noisy measurements."""
 
     def __init__(self, obj, robot, settings, law, target, observation):
@@ -61,8 +64,8 @@ class ClosedLoopPush:
         tracking, settings = self._tracking, self._settings
         if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
             return False
-        speed = 0.0 if self.failure else self._speed
-        self._anew += bool(self.failure)
+        speed = 0.0 if self._failure else self._speed
+        self._anew += bool(self._failure)
         self._elapsed = max(0.0, speed - settings.start_speed) / settings.acceleration
         self._aim(target)
         return True
@@ -73,7 +76,7 @@ class ClosedLoopPush:
         self._goal = Pose(*target.object_poses[-1].tolist())
         self._one_sided, self._asks = OneSidedMonitor(settings), False
         self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
-        self._begin, self._track, self.finished, self.failure = self._tracking.way, None, False, ''
+        self._begin, self._track, self._finished, self._failure = self._tracking.way, None, False, None
 
     def observe(self, observation):
         """
@@ -81,7 +84,7 @@ class ClosedLoopPush:
 
         :param observation: ``Observation``, usable.
         """
-        self.failure = self._tracking.observe(observation)
+        self._failure = self._tracking.observe(observation)
 
     def pause(self, odometry):
         """
@@ -119,11 +122,21 @@ class ClosedLoopPush:
         if track.remaining_distance <= self._settings.stop_distance:
             self._track = track = self._arrive(pose, track, planning)
         if self.travelled_distance > self._settings.max_length_ratio * self._guidance.budget + 1.0:
-            self._ask_anew(f'gave up after {self.travelled_distance:.1f} m, planned were '
-                           f'{self._guidance.budget:.1f} m')
-        over = self.finished or self.failure
+            self._ask_anew(PushEvent.PATH_TOO_LONG.report(
+                travelled=self.travelled_distance, planned=self._guidance.budget))
+        over = self._finished or self._failure
         self._command = STOP if over else self._steer(flat, now, track, dt)
         return self._command
+
+    @property
+    def finished(self) -> bool:
+        """Whether the object is at its goal."""
+        return self._finished
+
+    @property
+    def failure(self) -> EventReport | None:
+        """Why the push has failed, or None."""
+        return self._failure
 
     @property
     def travelled_distance(self):
@@ -131,24 +144,31 @@ class ClosedLoopPush:
         return self._tracking.way - self._begin
 
     @property
-    def notice(self):
-        """What is out of the ordinary, empty while nothing is."""
+    def notice(self) -> EventReport | None:
+        """What is out of the ordinary, or None."""
         return self._tracking.watch.notice
 
-    @property
-    def report(self):
-        """What the status tells: errors of the estimate, way left, friction centre, counts."""
+    def status(self, phase: Phase, event: EventReport | None) -> ControllerStatus:
+        """
+        Describe the push.
+
+        :param phase: the controller's ``Phase``.
+        :param event: ``EventReport`` of what is out of the ordinary, or None.
+        :return: ``ControllerStatus``.
+        """
         belief, goal = self._belief, self._goal
-        return {'position_error': math.hypot(belief.x - goal.x, belief.y - goal.y),
+        return ControllerStatus(phase, sentence(event), None if event is None else event.event, **{
+                'position_error': math.hypot(belief.x - goal.x, belief.y - goal.y),
                 'heading_error': wrap_angle(belief.theta - goal.theta),
                 'remaining_distance': self._track.remaining_distance if self._track else self._guidance.budget,
                 'travelled_distance': self.travelled_distance, 'friction_center': belief.center,
                 'push_direction': belief.phi, 'object_pose': belief.pose,
                 'robot_pose': Pose(*self._tracking.site.robot_center(belief.pose, belief.phi),
                                    belief.phi),
-                'replan': self.failure if self._asks else '',
+                'replan_requested': self._failure is not None and self._asks,
                 'path_replans': self._guidance.path_replans, 'reapproaches': self._guidance.reapproaches,
-                **self._tracking.report, **self._law.report}
+                'solver_failures': self._law.solver.failures,
+                'solver_failure': self._law.solver.last, **self._tracking.report})
 
     @property
     def _care(self):
@@ -159,21 +179,21 @@ class ClosedLoopPush:
     def _approach(self, dt):
         """Close a gap; the object lies still meanwhile."""
         way = self._settings.start_speed * dt
-        self.failure = self.failure or self._tracking.watch.out_of_reach(way)
+        self._failure = self._failure or self._tracking.watch.out_of_reach(way)
         self._elapsed, self._curvature = 0.0, None
         self._law.reset()
-        return STOP if self.failure else self._drive.approach(self._belief)
+        return STOP if self._failure else self._drive.approach(self._belief)
 
     def _arrive(self, pose, track, planning):
         again = self._guidance.arrive(pose, track, planning)
-        self.finished = again is None and not self._guidance.is_off(track)
-        if again is None and not self.finished:
-            self._ask_anew(f'ended {1e3 * track.lateral_error:.0f} mm and '
-                           f'{math.degrees(track.heading_error):.1f} deg beside the goal')
+        self._finished = again is None and not self._guidance.is_off(track)
+        if again is None and not self._finished:
+            self._ask_anew(PushEvent.GOAL_MISSED.report(
+                lateral=1e3 * track.lateral_error, heading=math.degrees(track.heading_error)))
         return again or track
 
     def _ask_anew(self, failure):
-        self.failure, self._asks = failure, self._anew < self._settings.max_replan_requests
+        self._failure, self._asks = failure, self._anew < self._settings.max_replan_requests
 
     def _from_goal(self, flat, belief):
         local = flat_output_pose(flat)
@@ -185,14 +205,14 @@ class ClosedLoopPush:
                                             self._settings)
         normal = self._tracking.site.at(now.phi - now.theta)[2]
         limits = self._drive.limits(flat, normal, self._settings.feedback_cone_fraction)
-        self.failure = self._one_sided.trouble(limits, self.travelled_distance)
-        if self.failure:
+        self._failure = self._one_sided.trouble(limits, self.travelled_distance)
+        if self._failure:
             return STOP
         situation = SteeringInput(
             track, lambda: self._guidance.follow(self._from_goal(flat, now)),
-            self._guidance.preview, flat, limits=limits, before=self._curvature,
-            change=self._settings.max_curvature_rate * speed * dt, moved=speed * dt,
-            lag=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
-        self._curvature = situation.allowed(self._law.curvature(situation))
-        command, self.failure = self._drive.command(flat, self._belief, self._curvature, speed)
-        return STOP if self.failure else command
+            self._guidance.preview, flat, limits=limits, previous_curvature=self._curvature,
+            max_change=self._settings.max_curvature_rate * speed * dt, distance=speed * dt,
+            lag_distance=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
+        self._curvature = situation.clip(self._law.curvature(situation))
+        command, self._failure = self._drive.command(flat, self._belief, self._curvature, speed)
+        return STOP if self._failure else command

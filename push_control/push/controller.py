@@ -1,177 +1,172 @@
-"""The controller that the node runs: which phase, whether it may move, and why not."""
+"""The controller of a push: which phase it is in, and whether the robot may move."""
 
-import dataclasses
+import math
+from typing import NamedTuple
 
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
+from push_control.events import EventReport, PushEvent
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.mpc import PredictiveLaw
+from push_control.laws.steering_law import SteeringLaw
+from push_control.observation import Observation
 from push_control.push.closed_loop import ClosedLoopPush
+from push_control.push.execution import plain_status, PushExecution
 from push_control.push.open_loop import OpenLoopPush
 from push_control.push.start import start_fault
-from push_model.geometry import Pose
-from push_model.signals import STOP
+from push_control.push.status import ControllerStatus, Phase
+from push_control.settings import ControlSettings
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import Odometry, STOP, Twist
+from push_model.trajectory import PushTrajectory
 
-PHASES = ('idle', 'pushing', 'waiting', 'done', 'failed')
+
+class _State(NamedTuple):
+    """What the controller does, and what is out of the ordinary."""
+
+    phase: Phase = Phase.IDLE
+    event: EventReport | None = None
 
 
-@dataclasses.dataclass(frozen=True)
-class ControllerStatus:
-    """
-    What the controller does, and why; errors are those of its estimate.
+class _Answer(NamedTuple):
+    """The last command, and the times of the measurements that it answers."""
 
-    :param phase: one of ``PHASES``.
-    :param reason: one sentence, empty while all is well.
-    :param position_error: distance of the object from its goal [m].
-    :param heading_error: object heading less that of the goal [rad].
-    :param remaining_distance: way of the flat point that is left [m].
-    :param travelled_distance: way of the contact since the start [m].
-    :param friction_center: estimate in the object frame (x, y) [m].
-    :param push_direction: estimated effective robot heading [rad].
-    :param object_pose: estimated ``Pose`` of the object, one drive lag ahead.
-    :param robot_pose: ``Pose`` of the robot at that time, as it must be to touch the object.
-    :param in_contact: whether the robot is seen to touch the object.
-    :param replan: why a push has failed that a plan from there may bring to its goal, else empty.
-    :param path_replans: number of new paths.
-    :param reapproaches: number of new approaches near the goal.
-    :param slips: number of times that the contact was seen to slide.
-    :param contact_losses: number of times that the object was seen to be out of touch.
-    :param rejected_poses: number of measurements that did not fit.
-    :param solver_failures: number of times that the closed-form law stood in for the solver.
-    :param solver_reason: why it did so last, empty while it did not.
-    """
-
-    phase: str = 'idle'
-    reason: str = ''
-    position_error: float = 0.0
-    heading_error: float = 0.0
-    remaining_distance: float = 0.0
-    travelled_distance: float = 0.0
-    friction_center: tuple = (0.0, 0.0)
-    push_direction: float = 0.0
-    object_pose: Pose = Pose(0.0, 0.0, 0.0)
-    robot_pose: Pose = Pose(0.0, 0.0, 0.0)
-    in_contact: bool = True
-    replan: str = ''
-    path_replans: int = 0
-    reapproaches: int = 0
-    slips: int = 0
-    contact_losses: int = 0
-    rejected_poses: int = 0
-    solver_failures: int = 0
-    solver_reason: str = ''
+    stamps: tuple[float, float, float | None] | None = None
+    command: Twist = STOP
 
 
 class Controller:
-    """Calls the law of the settings, and stops the robot when it must."""
+    """
+    Answers every measurement with a command that pushes the object along a target.
 
-    def __init__(self, obj, robot, settings):
+    Waits while measurements are stale or broken, and stops for good once the push is done or has
+    failed.
+    """
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings):
         """
         Stand idle.
 
-        :param obj: the ``PushedObject`` as believed.
+        :param obj: the nominal ``PushedObject``; its friction may be wrong.
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
         """
-        self._parts = obj, robot, settings
-        self._law = None
-        if settings.control_law == 'mpc':
-            self._law = PredictiveLaw(robot, settings)
-        elif settings.control_law == 'feedback':
-            self._law = ClosedFormLaw(settings)
+        self._obj = obj
+        self._robot = robot
+        self._settings = settings
+        self._law = make_steering_law(robot, settings)
         self.reset()
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget the target and everything measured."""
-        self._target = self._push = self._stamps = self._pose_time = None
-        self._phase, self._reason, self._command = 'idle', '', STOP
+        self._target: PushTrajectory | None = None
+        self._push: PushExecution | None = None
+        self._pose_time: float | None = None
+        self._state = _State()
+        self._answer = _Answer()
 
     @property
-    def status(self):
+    def status(self) -> ControllerStatus:
         """The present ``ControllerStatus``."""
-        report = {} if self._push is None else self._push.report
-        return ControllerStatus(self._phase, self._reason, **report)
+        if self._push is None:
+            return plain_status(*self._state)
+        return self._push.status(*self._state)
 
-    def step(self, target, observation, dt):
+    def step(self, target: PushTrajectory | None, observation: Observation, dt: float) -> Twist:
         """
         Answer a measurement; the same observation again gets the same answer.
 
-        :param target: ``PushTrajectory`` in the world frame, or None; a new one starts anew,
-            unless it starts at the push that is under way.
+        :param target: ``PushTrajectory`` in the world frame, or None; a new one resets the
+            controller, unless it starts at the push that is under way.
         :param observation: ``Observation``.
         :param dt: time since the last step [s].
         :return: ``Twist`` in the robot's axes.
         :raises ValueError: where dt is negative or not finite.
         """
-        if not 0.0 <= dt < float('inf'):
+        if not 0.0 <= dt < math.inf:
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
         if target is not self._target:
-            if not self._goes_on(target, observation):
+            if target is None or not self._continues_with(target, observation):
                 self.reset()
             self._target = target
-        if target is None or self._phase in ('done', 'failed'):
+        if target is None or self._state.phase.has_ended:
             return STOP
-        if observation.stamps != self._stamps:
-            self._stamps = observation.stamps
-            self._command = self._answer(observation, dt)
-        return self._command
+        if observation.stamps != self._answer.stamps:
+            self._answer = _Answer(observation.stamps, self._command(target, observation, dt))
+        return self._answer.command
 
-    def _goes_on(self, target, observation):
-        if target is None or not (self._phase == 'pushing' or self.status.replan):
+    def _continues_with(self, target: PushTrajectory, observation: Observation) -> bool:
+        """Change over to a target that starts at the present push, if it does."""
+        phase = self._state.phase
+        if self._push is None or not (phase is Phase.PUSHING or self.status.replan_requested):
             return False
         try:
-            kept = self._push.continue_with(target, observation)
+            continued = self._push.continue_with(target, observation)
         except ValueError:
-            # It is said when the push begins anew.
+            # The push that then starts from rest reports it.
             return False
-        self._phase = 'pushing' if kept else self._phase
-        return kept
+        if continued:
+            self._state = self._state._replace(phase=Phase.PUSHING)
+        return continued
 
-    def _answer(self, observation, dt):
-        open_loop = self._law is None
+    def _command(self, target: PushTrajectory, observation: Observation, dt: float) -> Twist:
+        """Wait, start a push or go on with it, whichever the measurements allow."""
+        fault = self._measurement_fault(observation)
+        if fault is not None:
+            return self._wait(fault, observation.odometry)
+        if self._push is None:
+            fault = self._start(target, observation)
+        if self._push is None or fault is not None:
+            self._state = _State(Phase.FAILED, fault)
+            return STOP
+        self._push.observe(observation)
+        command = self._push.advance(observation.time, dt)
+        if self._push.failure is not None:
+            self._state = _State(Phase.FAILED, self._push.failure)
+        elif self._push.finished:
+            self._state = _State(Phase.DONE)
+        else:
+            self._state = _State(Phase.PUSHING, self._push.notice)
+        return command
+
+    def _measurement_fault(self, observation: Observation) -> EventReport | None:
+        """Tell why the measurements cannot be used; open loop uses none."""
         measured = observation.object_pose
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
-        if not open_loop:
-            self._reason = measurement_fault(observation, self._pose_time, self._parts[2])
-        if self._reason:
-            return self._wait(observation.odometry)
-        if self._push is None:
-            try:
-                self._push = (OpenLoopPush(*self._parts, self._target, observation) if open_loop
-                              else ClosedLoopPush(*self._parts, self._law, self._target,
-                                                  observation))
-            except ValueError as error:
-                self._reason = str(error)
-            self._reason = self._reason or start_fault(
-                *self._parts[1:], self._target, observation)
-            if self._reason:
-                self._phase = 'failed'
-                return STOP
-        self._phase = 'pushing'
-        self._push.observe(observation)
-        command = self._push.advance(observation.time, dt)
-        if self._push.failure:
-            self._phase, self._reason = 'failed', self._push.failure
-        elif self._push.finished:
-            self._phase = 'done'
-        else:
-            self._reason = self._push.notice
-        return command
+        if self._law is None:
+            return None
+        return measurement_fault(observation, self._pose_time, self._settings)
 
-    def _wait(self, odometry):
-        self._phase = 'waiting'
+    def _start(self, target: PushTrajectory, observation: Observation) -> EventReport | None:
+        """Start a push; tell why it cannot be done."""
+        try:
+            if self._law is None:
+                self._push = OpenLoopPush(self._robot, self._settings, target)
+            else:
+                self._push = ClosedLoopPush(self._obj, self._robot, self._settings, self._law,
+                                            target, observation)
+        except ValueError as error:
+            return PushEvent.TARGET_REFUSED.report(error=error)
+        return start_fault(self._robot, self._settings, target, observation)
+
+    def _wait(self, fault: EventReport, odometry: Odometry) -> Twist:
+        """Stand while the measurements cannot be used."""
+        self._state = _State(Phase.WAITING, fault)
         if self._push is not None:
             self._push.pause(odometry if is_finite_odometry(odometry) else None)
         return STOP
 
 
-def make_controller(obj, robot, settings):
+def make_steering_law(robot: RoundRobot, settings: ControlSettings) -> SteeringLaw | None:
     """
-    Make the controller of a robot.
+    Make the law that the settings name.
 
-    :param obj: the ``PushedObject`` as believed; its friction may be wrong.
     :param robot: the ``RoundRobot``.
     :param settings: ``ControlSettings``.
-    :return: ``Controller``.
+    :return: ``SteeringLaw``; None for open loop.
     """
-    return Controller(obj, robot, settings)
+    if settings.control_law == 'mpc':
+        return PredictiveLaw(robot, settings)
+    if settings.control_law == 'feedback':
+        return ClosedFormLaw(settings)
+    return None

@@ -2,6 +2,7 @@
 
 import math
 
+from push_control.events import EventReport, PushEvent
 from push_model.geometry import distance, Pose, wrap_angle
 
 
@@ -28,7 +29,7 @@ def contact_start_point(target):
     return planned.inverse().transform(target.contact_poses[0][:2].tolist())
 
 
-def start_fault(robot, settings, target, observation):
+def start_fault(robot, settings, target, observation) -> EventReport | None:
     """
     Say how far the robot stands from the start of a plan, and where it should.
 
@@ -36,16 +37,16 @@ def start_fault(robot, settings, target, observation):
     :param settings: ``ControlSettings``.
     :param target: the ``PushTrajectory``.
     :param observation: ``Observation``.
-    :return: the reason why it cannot push so, or an empty text.
+    :return: ``EventReport``, or None where it stands near enough.
     """
     if observation.object_pose is None:
-        return ''
+        return None
     pose, place = observation.object_pose.pose, observation.odometry.pose
     meant = robot_start_pose(target, pose)
     away, turn = distance(meant, place), wrap_angle(place.theta - meant.theta)
     aside = robot.radius * abs(turn) if robot.drive == 'differential' else 0.0
     if max(away, aside) <= settings.start_tolerance:
-        return ''
-    return (f'the robot is not where the plan starts, but {away:.3f} m away and turned by '
-            f'{math.degrees(turn):.1f} deg: it must stand at {meant.x:.3f} m, {meant.y:.3f} m, '
-            f'{wrap_angle(meant.theta):.3f} rad')
+        return None
+    return PushEvent.ROBOT_NOT_AT_START.report(
+        distance=away, rotation=math.degrees(turn), x=meant.x, y=meant.y,
+        heading=wrap_angle(meant.theta))

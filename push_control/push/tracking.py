@@ -5,6 +5,7 @@ import math
 from push_control.estimation.contact_detection import ContactDetector
 from push_control.estimation.estimator import Estimator
 from push_control.estimation.monitors import FollowMonitor
+from push_control.events import EventReport, PushEvent
 from push_control.laws.command import mean_twist
 from push_model.robot_kinematics import contact_velocity
 
@@ -31,25 +32,25 @@ class PushTracker:
         self.last, self._pose_time = odometry, measured.time
         self.way = 0.0
 
-    def observe(self, observation):
+    def observe(self, observation) -> EventReport | None:
         """
         Take in the measurements that are new.
 
         :param observation: ``Observation``, usable.
-        :return: why the push is at an end, or an empty text.
+        :return: ``EventReport`` where the push has failed, or None.
         """
         measured = observation.object_pose
         self.roll(observation.odometry)
         if measured.time <= self._pose_time:
-            return ''
+            return None
         self._pose_time = measured.time
         self._estimator.add_pose(measured)
         found = self.watch.look(self._estimator.contact_offset(measured), self.way)
         self.site = self.site.slid(found.slid)
         self._estimator.place_contact(self.site, found.drift, self.watch.lost)
         if self._monitor.lost(self.way, measured.pose.transform(self._estimator.contact)):
-            return 'contact is lost: the object does not follow the robot'
-        return ''
+            return PushEvent.OBJECT_DOES_NOT_FOLLOW.report()
+        return None
 
     def roll(self, odometry):
         """

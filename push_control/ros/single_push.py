@@ -1,6 +1,7 @@
 """One push: the controller's node follows the plan that there is."""
 
 from push_control.push.controller import Controller
+from push_control.push.status import Phase
 from push_model.signals import STOP
 from push_ros.conversions.markers import GREY, plan_markers, scene_markers
 from push_ros.conversions.plan import from_plan_message
@@ -8,7 +9,7 @@ from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.node import RateLimiter
 
-LEVELS = {'waiting': WARN, 'failed': ERROR}
+LEVELS = {Phase.WAITING: WARN, Phase.FAILED: ERROR}
 
 
 class SinglePushMode:
@@ -121,16 +122,16 @@ class SinglePushMode:
         due = self._report_rate.due(time)
         if changed or due:
             self._said = status.phase, status.reason
-            if changed and status.replan:
+            if changed and status.replan_requested:
                 self._replan()
-            text = status.reason or f'is {status.phase}'
-            level = LEVELS.get(status.phase, WARN if status.reason else OK)
-            self._reporter.report(level, text, stamp, {'time': time, **vars(status)})
+            text = status.reason or f'is {status.phase.value}'
+            level = LEVELS.get(status.phase, OK if status.event is None else WARN)
+            self._reporter.report(level, text, stamp, {'time': time, **status.values()})
         if self._marker_rate.due(time) and self._markers.get_subscription_count():
             self._draw(status, stamp)
 
     def _draw(self, status, stamp):
-        if self._robot_pose is not None and status.phase in ('pushing', 'waiting'):
+        if self._robot_pose is not None and status.phase in (Phase.PUSHING, Phase.WAITING):
             self._markers.publish(scene_markers(
                 stamp, self._frame, 'controller', *self._parts, status.object_pose,
                 self._robot_pose, GREY))

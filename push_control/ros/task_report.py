@@ -88,7 +88,7 @@ class TaskReporter:
         values = {'time': time, 'state': now.state.value, 'reason': now.reason, 'since': now.time,
                   'pushes': status.pushes, 'recoveries': status.recoveries,
                   'robot_pose': status.robot_pose and tuple(status.robot_pose)}
-        values.update({f'push.{key}': value for key, value in vars(status.push).items()})
+        values.update({f'push.{key}': value for key, value in status.push.values().items()})
         self._reporter.report(LEVELS.get(now.state, WARN if now.reason else OK),
                               f'task: {_sentence(now.state, now.reason)}', stamp, values, always)
 

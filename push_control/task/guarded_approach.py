@@ -3,6 +3,7 @@
 import math
 
 from push_control.estimation.contact_detection import CusumTest
+from push_control.events import sentence
 from push_control.laws.command import holonomic_command, limit_command
 from push_control.push.start import contact_start_point, robot_start_pose, start_fault
 from push_control.task.approach import approach_direction
@@ -95,5 +96,6 @@ class GuardedApproach:
         moved = (now[0] - before[0]) * n_x + (now[1] - before[1]) * n_y
         if self._alarm.update(moved / self._noise) > 0:
             perception.update_from_contact(*self._parts[:2], self._noise)
-            self.failure_reason = start_fault(*self._parts[1:3], self._target, perception.corrected_observation)
+            self.failure_reason = sentence(start_fault(
+                *self._parts[1:3], self._target, perception.corrected_observation))
             self.finished = not self.failure_reason

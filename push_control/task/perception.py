@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
+from push_control.events import sentence
 from push_control.task.localization import RobotLocalization
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
@@ -213,7 +214,7 @@ class TaskPerception:
         :return: the reason, or an empty text.
         """
         seen = self._observation.time if blind else self._pose_time
-        return measurement_fault(self._observation, seen, self._settings)
+        return sentence(measurement_fault(self._observation, seen, self._settings))
 
     @property
     def observation(self):

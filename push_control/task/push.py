@@ -7,6 +7,7 @@ from push_control.estimation.contact_site import initial_contact_site
 from push_control.laws.command import mean_twist
 from push_control.push.controller import Controller
 from push_control.push.start import contact_start_point
+from push_control.push.status import Phase
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import STOP
@@ -63,8 +64,8 @@ class SupervisedPush:
             self._unsure = float(perception.localization.standard_deviations[:2].max())
         command = self._controller.step(self._target, perception.observation, dt)
         status = self.status
-        self.finished = status.phase == 'done'
-        self.failure_reason = (status.reason if status.phase == 'failed' else
+        self.finished = status.phase is Phase.DONE
+        self.failure_reason = (status.reason if status.phase is Phase.FAILED else
                                self._astray(perception) or self._near_obstacle(status))
         if (self.finished or self.failure_reason) and self._tells_place and status.in_contact:
             self._look_back(perception, status, command)
@@ -82,7 +83,7 @@ class SupervisedPush:
     def _near_obstacle(self, status):
         """Say what comes nearer to an obstacle of the map than it should, and than planned."""
         room, target = self._workspace, self._target
-        if room is None or status.phase != 'pushing':
+        if room is None or status.phase is not Phase.PUSHING:
             return ''
         way = target.object_poses[:, :2] - status.object_pose[:2]
         row = int(np.hypot(*way.T).argmin())

@@ -4,7 +4,7 @@ import dataclasses
 import enum
 from typing import NamedTuple
 
-from push_control.push.controller import ControllerStatus
+from push_control.push.status import ControllerStatus
 from push_model.geometry import Pose
 
 

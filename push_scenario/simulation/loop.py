@@ -37,7 +37,7 @@ class Replanner:
         :param odometry: newest ``Odometry``; only its time and motion count.
         :return: ``PushTrajectory``, or None where nothing is asked or there is no plan.
         """
-        if not status.replan:
+        if not status.replan_requested:
             return None
         measured = ObjectPose(odometry.time, status.object_pose)
         try:
@@ -146,8 +146,8 @@ class _Loop:
         while self.simulation.time < time_limit:
             status = self.controller.status
             anew = self.replanner.answer(status, self.observation.odometry)
-            if anew is None and status.phase in ('done', 'failed'):
-                return status.phase, status.reason, self.simulation.time
+            if anew is None and status.phase.has_ended:
+                return status.phase.value, status.reason, self.simulation.time
             self.target = anew or self.target
             self._advance('pushing')
         return 'time_limit', f'not done after {time_limit:g} s', self.simulation.time

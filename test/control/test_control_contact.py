@@ -6,6 +6,7 @@ from helpers.push_case import held_case, random_case, run
 import numpy as np
 from push_control.estimation.contact_detection import ContactDetector, CusumTest
 from push_control.estimation.contact_site import ContactOffset, ContactSite
+from push_control.push.status import Phase
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 import pytest
@@ -128,7 +129,7 @@ def test_a_small_gap_is_closed_and_the_push_succeeds(kind, law):
     """The robot begins 30 mm away."""
     case = random_case(9) if kind == 'corner' else held_case(9, kind)
     outcome = run(gapped(case, 0.03), ControlSettings(control_law=law), 9)
-    assert outcome.status.phase == 'done', outcome.status
+    assert outcome.status.phase is Phase.DONE, outcome.status
     assert outcome.status.contact_losses == 1
     assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
 
@@ -149,13 +150,13 @@ def test_a_robot_that_is_pulled_back_returns_slowly_and_pushes_on():
     touch = next(k for k, row in enumerate(told) if row[0] > 5.6 and row[2] < 1e-4)
     assert told[touch][3] < 1.5 * SETTINGS.start_speed
     assert max(gap for _, _, gap, _ in told) > 0.02
-    assert outcome.status.phase == 'done' and outcome.position_error < GOOD_POSITION
+    assert outcome.status.phase is Phase.DONE and outcome.position_error < GOOD_POSITION
 
 
 def test_a_wide_gap_stops_the_robot_with_a_reason():
     """Further away than it may approach by itself, it does not move at all."""
     outcome = run(gapped(random_case(3), 0.12), ControlSettings(start_tolerance=0.2), 3)
-    assert outcome.status.phase == 'failed'
+    assert outcome.status.phase is Phase.FAILED
     assert 'contact is lost' in outcome.status.reason and 'mm away' in outcome.status.reason
     assert outcome.status.travelled_distance < 0.05
 
@@ -173,7 +174,7 @@ def test_a_contact_that_has_slid_is_known_where_it_is(aside):
             (truth.object_pose, truth.robot_pose), (status.object_pose, status.robot_pose))])
 
     outcome = run(case, SETTINGS, 7, watch=shove)
-    assert outcome.status.phase == 'done' and outcome.status.slips >= 1
+    assert outcome.status.phase is Phase.DONE and outcome.status.slips >= 1
     assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
     time, true, believed = np.array(offsets).T
     before, after = (abs(time - middle) < 0.3 for middle in (3.5, 5.5))

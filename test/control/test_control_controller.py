@@ -10,6 +10,7 @@ from helpers.push_case import (
 import numpy as np
 from push_control.observation import Observation
 from push_control.push.controller import Controller
+from push_control.push.status import Phase
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
@@ -105,9 +106,9 @@ def test_a_new_target_and_reset_start_anew(recorded):
         found = [controller.step(target, now, dt) for now, dt in steps[:100]]
         assert np.array(found) == pytest.approx(commands[:100], abs=0.0)
     controller.reset()
-    assert controller.status.phase == 'idle'
+    assert controller.status.phase is Phase.IDLE
     assert controller.step(None, steps[0][0], 0.02) == STOP
-    assert controller.status.phase == 'idle'
+    assert controller.status.phase is Phase.IDLE
 
 
 def replayed_until(controller, case, steps, time):
@@ -138,12 +139,12 @@ def test_two_lost_poses_in_a_row_do_not_stop_the_robot_and_more_do(recorded):
         now = later(now, 0.01)
         command = controller.step(case.target, now, 0.01)
         if now.time < last + 0.235:
-            assert command.v_x > 0.0 and controller.status.phase == 'pushing'
+            assert command.v_x > 0.0 and controller.status.phase is Phase.PUSHING
     assert command == STOP
-    assert controller.status.phase == 'waiting' and 'stale' in controller.status.reason
+    assert controller.status.phase is Phase.WAITING and 'stale' in controller.status.reason
     now = later(now, 0.02, pose_age=0.08)
     assert controller.step(case.target, now, 0.02).v_x > 0.0
-    assert controller.status.phase == 'pushing' and not controller.status.reason
+    assert controller.status.phase is Phase.PUSHING and not controller.status.reason
 
 
 def test_stale_odometry_stops_the_robot(recorded):
@@ -156,7 +157,7 @@ def test_stale_odometry_stops_the_robot(recorded):
         now = Observation(time, now.odometry, ObjectPose(time - 0.08, now.object_pose.pose))
         command = controller.step(case.target, now, 0.05)
     assert command == STOP
-    assert controller.status.phase == 'waiting' and 'odometry' in controller.status.reason
+    assert controller.status.phase is Phase.WAITING and 'odometry' in controller.status.reason
 
 
 @pytest.mark.parametrize('bad', [math.nan, math.inf])
@@ -173,7 +174,7 @@ def test_what_is_not_finite_stops_the_robot_and_leaves_no_trace(recorded, bad):
     assert controller.step(case.target, broken, 0.01) == STOP
     assert 'odometry is not finite' in controller.status.reason
     command = controller.step(case.target, later(now, 0.04, 0.08), 0.01)
-    assert controller.status.phase == 'pushing'
+    assert controller.status.phase is Phase.PUSHING
     assert all(math.isfinite(value) for value in command) and command.v_x > 0.0
 
 
@@ -182,7 +183,7 @@ def test_without_a_pose_it_waits(recorded):
     case, steps, _ = recorded
     controller = Controller(case.believed, ROBOT, SETTINGS)
     assert controller.step(case.target, steps[0][0]._replace(object_pose=None), 0.0) == STOP
-    assert controller.status.phase == 'waiting'
+    assert controller.status.phase is Phase.WAITING
     assert 'no object pose' in controller.status.reason
 
 
@@ -206,9 +207,9 @@ def test_an_object_that_does_not_follow_is_given_up():
         command = controller.step(case.target, Observation(time, odometry,
                                                            ObjectPose(time, start)), 0.02)
         driven += 0.02 * command.v_x
-        if controller.status.phase == 'failed':
+        if controller.status.phase is Phase.FAILED:
             break
-    assert controller.status.phase == 'failed' and 'contact is lost' in controller.status.reason
+    assert controller.status.phase is Phase.FAILED and 'contact is lost' in controller.status.reason
     assert 0.1 < driven < 0.5 and command == STOP
 
 
@@ -223,7 +224,7 @@ def test_a_differential_drive_on_a_face_is_refused_and_a_robot_elsewhere_too():
         now = Observation(0.0, Odometry(0.0, Pose(*first), STOP),
                           ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
         assert controller.step(target, now, 0.0) == STOP
-        assert controller.status.phase == 'failed' and reason in controller.status.reason
+        assert controller.status.phase is Phase.FAILED and reason in controller.status.reason
 
 
 def test_open_loop_plays_the_plan_and_stops():
@@ -231,7 +232,7 @@ def test_open_loop_plays_the_plan_and_stops():
     case = random_case(4)
     controller = Controller(case.believed, ROBOT, OPEN_LOOP)
     pose, time, dt = Pose(*case.target.robot_poses[0].tolist()), 0.0, 0.005
-    while controller.status.phase != 'done' and time < 300.0:
+    while controller.status.phase is not Phase.DONE and time < 300.0:
         now = Observation(time, Odometry(time, Pose(math.nan, 0.0, 0.0), STOP))
         command = controller.step(case.target, now, dt)
         pose = pose @ Pose(dt * command.v_x, 0.0, dt * command.omega)
@@ -248,7 +249,7 @@ def test_with_a_right_belief_open_loop_arrives_and_feedback_arrives_better():
     case = Case(obj, obj, ROBOT, target, Pose(*target.robot_poses[0].tolist()))
     blind = run(case, OPEN_LOOP, sensors=SensorSettings())
     seeing = run(case, SETTINGS, sensors=SensorSettings())
-    assert blind.status.phase == seeing.status.phase == 'done'
+    assert blind.status.phase is seeing.status.phase is Phase.DONE
     assert blind.position_error < 0.03
     assert seeing.position_error < 0.002 and seeing.heading_error < 2e-3
 
@@ -258,7 +259,7 @@ def test_random_pushes_at_a_corner_succeed(seed):
     """Friction, mass, contact, placement and sensors as wrong as they may be."""
     case = random_case(seed)
     outcome = run(case, SETTINGS, seed)
-    assert outcome.status.phase == 'done', outcome.status
+    assert outcome.status.phase is Phase.DONE, outcome.status
     assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
     assert abs(outcome.status.position_error - outcome.position_error) < 8e-3
 
@@ -268,7 +269,7 @@ def test_a_holonomic_base_pushes_anywhere(kind):
     """On a face, at a vertex and on a disc, with the same errors."""
     for seed in (3, 7):
         outcome = run(held_case(seed, kind), SETTINGS, seed)
-        assert outcome.status.phase == 'done', outcome.status
+        assert outcome.status.phase is Phase.DONE, outcome.status
         assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
 
 
@@ -279,7 +280,7 @@ def test_a_contact_that_cannot_push_straight_is_given_up():
                  for foot in case.believed.supports)
     case = case._replace(true=dataclasses.replace(case.true, supports=feet))
     outcome = run(case, SETTINGS)
-    assert outcome.status.phase == 'failed' and outcome.status.reason
+    assert outcome.status.phase is Phase.FAILED and outcome.status.reason
     assert outcome.status.travelled_distance < 2.0
 
 
@@ -288,7 +289,7 @@ def test_the_rate_of_odometry_hardly_matters(rate):
     """The law counts time and way, not steps."""
     outcome = run(random_case(9), SETTINGS, 9,
                   dataclasses.replace(SENSORS, odometry_rate=rate))
-    assert outcome.status.phase == 'done'
+    assert outcome.status.phase is Phase.DONE
     assert outcome.position_error < 0.01 and outcome.heading_error < 0.01
 
 
@@ -301,8 +302,8 @@ def test_it_stops_for_a_drop_out_and_goes_on():
                                                                  control.status.phase,
                                                                  plant.truth.robot_twist.v_x)))
     standing = [(phase, speed) for time, phase, speed in speeds if 4.9 < time < 6.0]
-    assert all(phase == 'waiting' and abs(speed) < 1e-3 for phase, speed in standing)
-    assert outcome.status.phase == 'done'
+    assert all(phase is Phase.WAITING and abs(speed) < 1e-3 for phase, speed in standing)
+    assert outcome.status.phase is Phase.DONE
     assert outcome.status.rejected_poses == 0
     assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
 
@@ -317,7 +318,7 @@ def test_an_object_without_friction_is_refused():
     now = Observation(0.0, Odometry(0.0, Pose(*target.robot_poses[0].tolist()), STOP),
                       ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
     assert controller.step(target, now, 0.0) == STOP
-    assert controller.status.phase == 'failed' and 'friction' in controller.status.reason
+    assert controller.status.phase is Phase.FAILED and 'friction' in controller.status.reason
 
 
 def test_a_target_that_starts_at_the_push_is_taken_up_without_a_stop(recorded):
@@ -332,7 +333,7 @@ def test_a_target_that_starts_at_the_push_is_taken_up_without_a_stop(recorded):
                           **{name: getattr(case.target, name)[begin:] for name in COLUMNS})
     rejected, center = controller.status.rejected_poses, controller.status.friction_center
     found = np.array([controller.step(rest, now, dt) for now, dt in steps[400:500]])
-    assert controller.status.phase == 'pushing' and controller.status.travelled_distance < 0.5
+    assert controller.status.phase is Phase.PUSHING and controller.status.travelled_distance < 0.5
     assert controller.status.rejected_poses - rejected < 5
     assert controller.status.friction_center == pytest.approx(center, abs=0.02)
     assert commands[400:500, 0].min() > 0.05
@@ -345,11 +346,11 @@ def test_a_target_that_starts_elsewhere_starts_anew(recorded):
     """Another contact, or an object elsewhere: the estimate is not kept, nor the speed."""
     case, steps, _ = recorded
     away = moved_target(case.target, Pose(1.0, 0.0, 0.0))
-    for target, phase in ((away, 'pushing'), (mirrored_target(case.target), 'failed')):
+    for target, phase in ((away, Phase.PUSHING), (mirrored_target(case.target), Phase.FAILED)):
         controller = Controller(case.believed, ROBOT, SETTINGS)
         pushing = [controller.step(case.target, now, dt) for now, dt in steps[:60]]
         command = controller.step(target, *steps[60])
-        assert controller.status.phase == phase
+        assert controller.status.phase is phase
         assert command.v_x < 0.5 * pushing[-1].v_x
 
 
@@ -367,7 +368,7 @@ def test_a_robot_that_is_not_where_the_plan_starts_does_not_move(law, place, tex
     now = Observation(0.0, Odometry(0.0, moved, STOP),
                       ObjectPose(0.0, Pose(*case.target.object_poses[0].tolist())))
     command = controller.step(case.target, now, 0.0)
-    assert (controller.status.phase == 'failed') == (command == STOP) == bool(text)
+    assert (controller.status.phase is Phase.FAILED) == (command == STOP) == bool(text)
     assert text in controller.status.reason
     meant = f'it must stand at {start.x:.3f} m, {start.y:.3f} m'
     assert (meant in controller.status.reason) == bool(text)

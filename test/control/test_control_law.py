@@ -4,11 +4,12 @@ import math
 
 from helpers.objects import bin_, box
 import numpy as np
+from push_control.laws.closed_form import feedback_curvature
 from push_control.laws.command import (
-    differential_command, holonomic_command, limit_command, mean_twist,
+    contact_speed, differential_command, holonomic_command, limit_command, mean_twist,
 )
 from push_control.laws.curvature_limits import (
-    contact_speed, CurvatureLimits, feedback_curvature, friction_cone_limits, jackknife_limits,
+    CurvatureLimits, friction_cone_limits, jackknife_limits,
 )
 from push_control.laws.limit_surface_table import LimitSurfaceTable
 from push_control.settings import ControlSettings

@@ -6,12 +6,13 @@ import math
 import casadi as ca
 from helpers.push_case import box
 import numpy as np
-from push_control.laws.closed_form import ClosedFormLaw, SteeringInput
+from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.curvature_limits import CurvatureLimits
 from push_control.laws.mpc import optimal_weights, PredictiveLaw
 from push_control.laws.mpc_problem import (
     horizon_problem, SCALARS, STATES, straight_step, terminal_root,
 )
+from push_control.laws.steering_law import SolverFailure, SteeringInput
 from push_control.path.guidance import PathProjection
 from push_control.settings import ControlSettings
 from push_model.parameters import RoundRobot
@@ -62,7 +63,7 @@ def test_near_a_straight_path_it_is_the_linear_quadratic_regulator(lag):
     value = solve_discrete_are(a, b, costs, np.array([[STEP]]))
     gain = np.linalg.solve(STEP + b.T @ value @ b, b.T @ value @ a)
     for errors in ((1e-3, 0.0), (0.0, 2e-3), (-1e-3, 1e-3)):
-        found = PredictiveLaw(ROBOT, SETTINGS).curvature(situation(*errors, lag=lag))
+        found = PredictiveLaw(ROBOT, SETTINGS).curvature(situation(*errors, lag_distance=lag))
         wanted = -float((gain @ (*errors, 0.0))[0])
         assert found == pytest.approx(wanted, rel=1e-3, abs=1e-6)
 
@@ -89,20 +90,20 @@ def test_limits_and_changes_are_kept(lag):
     law, rng = PredictiveLaw(ROBOT, SETTINGS), np.random.default_rng(1)
     before = None
     for _ in range(300):
-        place = situation(*rng.normal(0.0, (0.05, 0.1, 0.15)), before=before, lag=lag)
+        place = situation(*rng.normal(0.0, (0.05, 0.1, 0.15)), previous_curvature=before, lag_distance=lag)
         found = law.curvature(place)
-        assert found == pytest.approx(place.allowed(found), abs=1e-6)
-        before = place.allowed(found)
-    assert law.report['solver_failures'] == 0
+        assert found == pytest.approx(place.clip(found), abs=1e-6)
+        before = place.clip(found)
+    assert law.solver.failures == 0
 
 
 def test_the_force_stays_in_its_cone_where_the_closed_form_law_leaves_it():
     """With the normal turned aside, a sharp turn the wrong way must wait."""
     place = situation(lateral=-0.05, zeta=0.25)
     slope = FLAT.c_squared / FLAT.arm
-    closed = place.allowed(ClosedFormLaw(SETTINGS).curvature(place))
+    closed = place.clip(ClosedFormLaw(SETTINGS).curvature(place))
     found = PredictiveLaw(ROBOT, SETTINGS).curvature(place)
-    assert place.zeta + slope * closed > place.cone
+    assert place.zeta + slope * closed > place.cone_angle
     assert place.zeta + slope * found < place.zeta + slope * closed
 
 
@@ -151,13 +152,13 @@ def test_a_broken_problem_is_answered_by_the_closed_form_law():
     law, good = PredictiveLaw(ROBOT, SETTINGS), situation(0.01, 0.02)
     bad = good._replace(preview=lambda ways: np.full(len(ways), math.nan))
     assert law.curvature(bad) == ClosedFormLaw(SETTINGS).curvature(bad)
-    assert law.report == {'solver_failures': 1, 'solver_reason': 'the problem is not finite'}
+    assert law.solver == (1, SolverFailure.PROBLEM_NOT_FINITE)
     fresh = PredictiveLaw(ROBOT, SETTINGS)
     assert law.curvature(good) == fresh.curvature(good)
-    assert law.report['solver_failures'] == 1
+    assert law.solver.failures == 1
 
 
 def test_the_speed_does_not_matter_without_lag():
     """Ways count, not times."""
-    assert (PredictiveLaw(ROBOT, SETTINGS).curvature(situation(0.02, 0.1, moved=0.001))
-            == PredictiveLaw(ROBOT, SETTINGS).curvature(situation(0.02, 0.1, moved=0.005)))
+    assert (PredictiveLaw(ROBOT, SETTINGS).curvature(situation(0.02, 0.1, distance=0.001))
+            == PredictiveLaw(ROBOT, SETTINGS).curvature(situation(0.02, 0.1, distance=0.005)))

@@ -11,6 +11,7 @@ from push_control.laws.contact_steering import centering_rotation
 from push_control.laws.curvature_limits import vertex_limits
 from push_control.laws.limit_surface_table import LimitSurfaceTable
 from push_control.observation import Observation
+from push_control.push.status import Phase
 from push_control.push.tracking import PushTracker
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
@@ -122,5 +123,5 @@ def test_uneven_supports_are_pushed_from_where_their_centre_is(kind):
                  for foot in case.believed.supports)
     case = case._replace(true=dataclasses.replace(case.true, supports=feet))
     outcome = run(case, ControlSettings(), 3)
-    assert outcome.status.phase == 'done', outcome.status
+    assert outcome.status.phase is Phase.DONE, outcome.status
     assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING

@@ -182,7 +182,7 @@ def run(case, settings, seed=0, sensors=SENSORS, longest=400.0, watch=None):
         plant.command(command)
         if watch is not None:
             watch(plant, controller, observation)
-        if controller.status.phase in ('done', 'failed'):
+        if controller.status.phase.has_ended:
             break
     end = plant.time
     while plant.time < end + 1.0:

@@ -7,6 +7,7 @@ from helpers.objects import box
 from helpers.tapes import straight_plan
 from push_control.observation import Observation
 from push_control.push.controller import Controller
+from push_control.push.status import Phase
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import Contact, RoundRobot
@@ -44,7 +45,7 @@ def test_controller_refuses_with_the_reason(radius):
     controller = Controller(box(), robot, ControlSettings())
     seen = Observation(0.0, Odometry(0.0, start, STOP), ObjectPose(0.0, Pose(0.0, 0.0, 0.0)))
     assert controller.step(straight_plan(), seen, 0.0) == STOP
-    assert controller.status.phase == 'failed'
+    assert controller.status.phase is Phase.FAILED
     assert 'neither a point nor a fence' in controller.status.reason
 
 

@@ -1,0 +1,81 @@
+"""What can happen during a push: codes for the program, sentences for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+from typing import Any, Mapping
+
+
+class PushEvent(enum.Enum):
+    """
+    Something out of the ordinary during a push.
+
+    The value is the template of the sentence that tells it; ``report`` fills in the numbers.
+    """
+
+    # The robot waits: the measurements cannot be used.
+    ODOMETRY_NOT_FINITE = 'odometry is not finite'
+    NO_OBJECT_POSE = 'no object pose yet'
+    OBJECT_POSE_NOT_FINITE = 'object pose is not finite'
+    OBJECT_POSE_STALE = 'object pose is stale: {age:.2f} s old, at most {limit:g} s'
+    ODOMETRY_STALE = 'odometry is stale: {age:.2f} s old, at most {limit:g} s'
+
+    # The push cannot start.
+    TARGET_REFUSED = '{error}'
+    ROBOT_NOT_AT_START = (
+        'the robot is not where the plan starts, but {distance:.3f} m away and turned by '
+        '{rotation:.1f} deg: it must stand at {x:.3f} m, {y:.3f} m, {heading:.3f} rad')
+
+    # The push goes on.
+    CONTACT_SLIDES = 'the contact slides'
+    CLOSING_GAP = 'contact is lost: approaches the object'
+
+    # The push has failed.
+    GAP_TOO_WIDE = 'contact is lost: the object is at least {gap:.0f} mm away'
+    OBJECT_DOES_NOT_FOLLOW = 'contact is lost: the object does not follow the robot'
+    ONE_SIDED_STEERING = (
+        'the friction centre lies too far aside of this contact: friction does not hold a '
+        'straight push there')
+    TURNED_OFF_VERTEX = 'jackknifed: the robot has turned round the vertex onto a face'
+    PUSH_OUT_OF_CONTACT = 'jackknifed: the wanted push points out of the contact'
+
+    # The push has failed, but another plan may bring the object to its goal.
+    PATH_TOO_LONG = 'gave up after {travelled:.1f} m, planned were {planned:.1f} m'
+    GOAL_MISSED = 'ended {lateral:.0f} mm and {heading:.1f} deg beside the goal'
+
+    def report(self, **values: Any) -> EventReport:
+        """
+        Tell that this has happened.
+
+        :param values: the numbers that the sentence names, in its units.
+        :return: ``EventReport``.
+        """
+        return EventReport(self, values)
+
+
+@dataclasses.dataclass(frozen=True)
+class EventReport:
+    """
+    An event, and the numbers that belong to it; ``str`` gives the sentence.
+
+    :param event: what has happened.
+    :param values: the numbers that its sentence names.
+    """
+
+    event: PushEvent
+    values: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
+
+    def __str__(self) -> str:
+        """Return the sentence."""
+        return self.event.value.format(**self.values)
+
+
+def sentence(report: EventReport | None) -> str:
+    """
+    Put an event into words.
+
+    :param report: ``EventReport``, or None.
+    :return: one sentence; empty where nothing has happened.
+    """
+    return '' if report is None else str(report)
