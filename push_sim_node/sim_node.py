@@ -4,10 +4,11 @@ import json
 from pathlib import Path
 import sys
 import time
+from typing import Any, NamedTuple
 
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_ros.conversions.primitives import (
     check_frame, from_pose_message, from_twist_message, MessageRefused, nanoseconds,
 )
@@ -18,16 +19,36 @@ from push_ros.node_settings import Frames, SimOptions
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import SimOutputs
+from push_sim_node.ros.run_control import RunAction, RunControl, RunState
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
-from rclpy.clock import Clock, ClockType
+# Where ROS 2 Humble has both.
+from rclpy.clock import Clock, ClockType  # pyright: ignore[reportPrivateImportUsage]
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
             ('simulation.', SimulationSettings), ('', Frames), ('', SimOptions))
-TICK, REAL_TIME_TICK = 0.05, 0.002
-OFFER_PERIOD, QUIET_TIME = 0.1, 0.4
-GRACE = 0.005
+# Periods of the tick on the wall [s], chosen: in lockstep it only finds what is lost, against the
+# wall clock it paces measurements of 50 Hz.
+LOCKSTEP_TICK = 0.05
+WALL_CLOCK_TICK = 0.002
+# Wall time that a command has after its measurement before the next is computed [s], chosen: most
+# answers come within it.
+COMMAND_GRACE = 0.005
+
+
+class _InFlight(NamedTuple):
+    """
+    The measurement that was published last.
+
+    :param message: of it.
+    :param is_object_pose: whether it is an object pose, else odometry.
+    :param sent: wall time [s].
+    """
+
+    message: Any
+    is_object_pose: bool
+    sent: float
 
 
 class SimNode(PushNode):
@@ -40,11 +61,11 @@ class SimNode(PushNode):
     ``sim/start``) it holds time and offers the first measurements. With ``lockstep`` it then goes
     from one measurement to the next when the command with its stamp has come; else it keeps to
     the wall clock. Parameters: ``object.*`` and ``robot.*`` as they truly are, ``sensors.*``,
-    ``simulation.*``, frames and how time goes; at its end it writes the tape to ``tape_path``,
+    ``simulation.*``, frames and how time passes; at its end it writes the tape to ``tape_path``,
     and times on the wall beside it.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__(SIM, SECTIONS)
         obj, robot, sensors, settings, self._frames, self._options = self.settings
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
@@ -52,8 +73,8 @@ class SimNode(PushNode):
         self._outputs = SimOutputs(self, obj, robot, self._frames, self._options)
         self._exchange = MeasurementExchange(self._options.answer_timeout,
                                              self._options.stamped_cmd_vel)
-        self._latencies = []
-        self._hold(self._options.autostart)
+        self._latencies: list[float] = []
+        self._hold()
         self.subscribe('cmd_vel', self._on_command, real_time=True,
                        stamped=self._options.stamped_cmd_vel)
         self.subscribe('initialpose', self._on_initial_pose)
@@ -61,130 +82,130 @@ class SimNode(PushNode):
         self.serve_trigger('sim/reset', self._reset)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         if self._options.lockstep:
-            self.create_timer(TICK, self._tick, clock=wall)
+            self.create_timer(LOCKSTEP_TICK, self._tick, clock=wall)
         else:
-            self.create_timer(REAL_TIME_TICK, self._tick, clock=wall, callback_group=self.real_time)
+            self.create_timer(WALL_CLOCK_TICK, self._tick, clock=wall,
+                              callback_group=self.real_time)
 
-    def close(self):
+    def close(self) -> None:
         """Write the tape, and times on the wall."""
         if not self._options.tape_path or not self._simulation.rows:
             return
         path = Path(self._options.tape_path)
         self._simulation.tape.save(path)
-        wall = (self._ended or time.monotonic()) - self._began
         path.with_suffix('.json').write_text(json.dumps({
-            'simulated_time': self._simulation.time, 'wall_time': wall,
+            'simulated_time': self._simulation.time,
+            'wall_time': self._control.duration(time.monotonic()),
             'latencies': self._latencies}), encoding='utf-8')
 
-    def _hold(self, go_on, object_pose=None):
+    def _hold(self, object_pose: Pose | None = None) -> None:
         self._simulation.reset(object_pose)
-        self._first = [self._simulation.next_measurement(), self._simulation.next_measurement()]
+        self._first_measurements = [self._simulation.next_measurement(),
+                                    self._simulation.next_measurement()]
         self._simulation.reset(object_pose)
-        self._pending = self._message = self._ended = None
-        self._began = self._heard = time.monotonic()
-        self._offered = 0.0
-        self._state = 'starting' if go_on else 'holding'
+        self._computed: Odometry | ObjectPose | None = None
+        self._in_flight: _InFlight | None = None
+        self._control = RunControl(time.monotonic(), self._options.autostart)
         self._report(OK, 'holds time')
 
-    def _start(self):
-        if self._state == 'holding':
-            self._state, self._heard = 'starting', time.monotonic()
-        return self._state != 'ended', f'is {self._state}'
+    def _start(self) -> tuple[bool, str]:
+        success = self._control.request_start(time.monotonic())
+        return success, f'is {self._control.state.value}'
 
-    def _reset(self):
-        self._hold(self._options.autostart)
+    def _reset(self) -> tuple[bool, str]:
+        self._hold()
         return True, 'put back to the start'
 
-    def _tick(self):
+    def _tick(self) -> None:
         now = time.monotonic()
-        if self._state == 'holding' and now - self._offered > OFFER_PERIOD:
-            self._offered = now
-            self._outputs.epoch = self._outputs.now_epoch()
-            self._outputs.clock(0.0)
-            for measurement in self._first:
-                self._outputs.measurement(measurement)
-        elif self._state == 'starting' and now - self._heard > QUIET_TIME:
-            # Answers to what was offered must not be taken for those to come.
-            self._state, self._began = 'running', now
-            self._outputs.epoch = self._outputs.now_epoch()
+        action = self._control.tick(now)
+        if action is RunAction.OFFER_FIRST_MEASUREMENTS:
+            self._outputs.restart_time()
+            self._outputs.publish_clock(0.0)
+            for measurement in self._first_measurements:
+                self._outputs.publish_measurement(measurement)
+        elif action is RunAction.START:
+            self._outputs.restart_time()
             self._report(OK, 'runs')
-            self._go_on(now)
-        elif self._state == 'running':
-            (self._wait_for_answer if self._options.lockstep else self._keep_time)(now)
+            self._publish_next(now)
+        elif action is RunAction.CONTINUE and self._options.lockstep:
+            self._wait_for_answer(now)
+        elif action is RunAction.CONTINUE:
+            self._keep_time(now)
 
-    def _wait_for_answer(self, now):
+    def _wait_for_answer(self, now: float) -> None:
         if self._exchange.is_abandoned(now):
             self._end(ERROR, f'no command for {self._options.answer_timeout:g} s: the controller '
                       'is gone; stopped')
-        elif self._exchange.is_resend_due(now):
+        elif self._in_flight is not None and self._exchange.is_resend_due(now):
             self._exchange.resent(now)
-            self._outputs.again(self._message)
+            self._outputs.republish(self._in_flight.message)
 
-    def _keep_time(self, now):
-        if self._pending is None and now - self._sent > GRACE:
-            self._pending = self._simulation.next_measurement()
-        due = self._began + self._simulation.time / self._options.time_scale
-        if self._pending is not None and now >= due:
-            self._publish(self._pending, now)
+    def _keep_time(self, now: float) -> None:
+        sent = self._in_flight.sent if self._in_flight is not None else now
+        if self._computed is None and now - sent > COMMAND_GRACE:
+            self._computed = self._simulation.next_measurement()
+        due = self._control.started_at + self._simulation.time / self._options.time_scale
+        if self._computed is not None and now >= due:
+            self._publish(self._computed, now)
 
-    def _go_on(self, now):
+    def _publish_next(self, now: float) -> None:
         limit = self._options.time_limit
         if limit and self._simulation.time >= limit:
             self._end(OK, f'has reached the time limit of {limit:g} s')
             return
         self._publish(self._simulation.next_measurement(), now)
 
-    def _publish(self, measurement, now):
-        self._pending = None
-        self._is_pose = not isinstance(measurement, Odometry)
-        self._sent = time.monotonic()
-        self._message = self._outputs.measurement(measurement)
-        self._exchange.sent(nanoseconds(self._message.header.stamp), now)
-        # While the controller thinks.
-        self._outputs.scene(self._simulation)
+    def _publish(self, measurement: Odometry | ObjectPose, now: float) -> None:
+        self._computed = None
+        sent = time.monotonic()
+        message = self._outputs.publish_measurement(measurement)
+        self._in_flight = _InFlight(message, isinstance(measurement, ObjectPose), sent)
+        self._exchange.sent(nanoseconds(message.header.stamp), now)
+        # While the controller computes its command.
+        self._outputs.publish_scene(self._simulation)
 
-    def _on_command(self, message):
+    def _on_command(self, message: Any) -> None:
         now = time.monotonic()
-        self._heard = time.monotonic()
-        if self._state != 'running':
+        self._control.on_command(now)
+        if self._control.state is not RunState.RUNNING or self._in_flight is None:
             return
         stamped = self._options.stamped_cmd_vel
         stamp = nanoseconds(message.header.stamp) if stamped else None
-        answers = self._exchange.is_answer(stamp)
-        if answers and self._is_pose:
-            self._latencies.append(now - self._sent)
-        if answers or not self._options.lockstep:
+        is_answer = self._exchange.is_answer(stamp)
+        if is_answer and self._in_flight.is_object_pose:
+            self._latencies.append(now - self._in_flight.sent)
+        if is_answer or not self._options.lockstep:
             self._command(message.twist if stamped else message)
-        if answers and self._options.lockstep:
-            self._go_on(self._heard)
+        if is_answer and self._options.lockstep:
+            self._publish_next(now)
 
-    def _command(self, message):
+    def _command(self, message: Any) -> None:
         try:
             self._simulation.command(from_twist_message(message))
         except ValueError as error:
             self._simulation.command(STOP)
             self._report(WARN, f'{error}; stopped')
 
-    def _on_initial_pose(self, message):
+    def _on_initial_pose(self, message: Any) -> None:
         try:
             check_frame(message.header.frame_id, self._frames.world_frame, 'initialpose')
-            self._hold(self._options.autostart,
-                       from_pose_message(message.pose.pose, 'initialpose'))
+            self._hold(from_pose_message(message.pose.pose, 'initialpose'))
         except (MessageRefused, ValueError) as error:
             self._report(ERROR, str(error))
 
-    def _end(self, level, text):
-        self._state, self._ended = 'ended', time.monotonic()
+    def _end(self, level: bytes, text: str) -> None:
+        self._control.end(time.monotonic())
         self._simulation.command(STOP)
-        self._outputs.clock(self._simulation.time)
+        self._outputs.publish_clock(self._simulation.time)
         self._report(level, text)
 
-    def _report(self, level, text):
-        values = {'state': self._state, 'time': self._simulation.time}
+    def _report(self, level: bytes, text: str) -> None:
+        values = {'state': self._control.state.value, 'time': self._simulation.time}
         self.reporter.report(level, text, self._outputs.stamp(self._simulation.time), values)
 
 
-def main(arguments=None):
+def main(arguments: list[str] | None = None) -> int:
     """
     Run the simulator.
 

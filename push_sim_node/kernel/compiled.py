@@ -8,6 +8,7 @@ every process compiles anew.
 """
 
 import hashlib
+import importlib
 import os
 import pathlib
 from typing import Any, Callable, cast, TypeVar
@@ -15,16 +16,21 @@ from typing import Any, Callable, cast, TypeVar
 import numpy as np
 from push_model import friction, geometry
 
-try:
-    import numba
-except ImportError:
-    numba = None
-
 # Environment variable that keeps the kernel in plain Python, to debug it.
 INTERPRET = 'PUSH_SIM_INTERPRET'
 # Modules of this folder whose code ends up in the machine code.
 KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'floor.py', 'layout.py', 'solver.py',
           'step.py', 'support_friction.py')
+
+
+def _import_numba() -> Any:
+    try:
+        return importlib.import_module('numba')
+    except ImportError:
+        return None
+
+
+numba = _import_numba()
 IS_COMPILED = numba is not None and not os.environ.get(INTERPRET)
 
 Function = TypeVar('Function', bound=Callable[..., Any])
@@ -37,7 +43,7 @@ def compiled(function: Function) -> Function:
     :param function: plain Python on numbers and on sequences of numbers.
     :return: the compiled function, or the function itself.
     """
-    if numba is None or not IS_COMPILED:
+    if not IS_COMPILED:
         return function
     directory = cache_directory()
     if directory is None:

@@ -1,31 +1,61 @@
-"""What the simulator publishes, and how often."""
+"""Publishers of the simulator, and how often they publish."""
 
 import math
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from push_model.geometry import Pose
-from push_model.signals import Odometry
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose, Odometry
 from push_ros.conversions.markers import scene_markers
 from push_ros.conversions.measurements import (
     to_object_pose_message, to_odometry_message, to_wrench_message,
 )
 from push_ros.conversions.primitives import NANOSECONDS, to_quaternion
-from push_ros.node import RateLimiter
+from push_ros.node import PushNode, RateLimiter
+from push_ros.node_settings import Frames, SimOptions
 from push_ros.qos import EVENT
+from push_sim_node.simulation import Simulation
+from push_sim_node.truth import Truth
 from rosgraph_msgs.msg import Clock
 
 try:
-    from tf2_msgs.msg import TFMessage
+    # Not installed everywhere.
+    from tf2_msgs.msg import TFMessage  # pyright: ignore[reportMissingImports]
 except ModuleNotFoundError:
     TFMessage = None
 
-CLOCK_RATE, WRENCH_RATE, MARKER_RATE, TF_RATE = 10.0, 10.0, 5.0, 20.0
+# Rates in simulated time [Hz], chosen for what looks at them: timers and plots, a display, and
+# transforms between which tf interpolates.
+CLOCK_RATE = 10.0
+WRENCH_RATE = 10.0
+MARKER_RATE = 5.0
+TF_RATE = 20.0
+
+
+class _Output:
+    """A publisher with its rate; None in place of a publisher publishes nothing."""
+
+    def __init__(self, publisher: Any, rate: float) -> None:
+        self._publisher = publisher
+        self._limiter = RateLimiter(rate)
+
+    def is_due(self, time: float) -> bool:
+        """Return whether to publish, and if so count it as done."""
+        return self._publisher is not None and self._limiter.due(time)
+
+    def has_subscribers(self) -> bool:
+        return self._publisher.get_subscription_count() > 0
+
+    def publish(self, message: Any) -> None:
+        if self._publisher is not None:
+            self._publisher.publish(message)
 
 
 class SimOutputs:
     """
-    Publishers of the simulator; what few look at is published seldom, and only to them.
+    Publishers of the simulator; markers and wrenches are made only for subscribers.
 
     :param node: the ``PushNode``.
     :param obj: the true ``PushedObject``.
@@ -34,33 +64,38 @@ class SimOutputs:
     :param options: ``SimOptions``.
     """
 
-    def __init__(self, node, obj, robot, frames, options):
-        self._node, self._obj, self._robot, self._frames = node, obj, robot, frames
+    def __init__(self, node: PushNode, obj: PushedObject, robot: RoundRobot, frames: Frames,
+                 options: SimOptions) -> None:
+        self._node = node
+        self._obj = obj
+        self._robot = robot
+        self._frames = frames
         self._owns_time = options.owns_time
-        self.epoch = self.now_epoch()
+        self._epoch = 0
         self._odometry = node.publisher('odom')
         self._object_pose = node.publisher('object_pose')
-        self._wrench, self._wrench_rate = node.publisher('contact_wrench'), RateLimiter(WRENCH_RATE)
-        self._markers, self._marker_rate = node.publisher('markers'), RateLimiter(MARKER_RATE)
-        self._clock = node.publisher('clock') if self._owns_time else None
-        self._clock_rate = RateLimiter(CLOCK_RATE)
-        self._tf = TFMessage and node.create_publisher(TFMessage, '/tf', EVENT)
-        self._tf_rate = RateLimiter(TF_RATE)
+        self._wrench = _Output(node.publisher('contact_wrench'), WRENCH_RATE)
+        self._markers = _Output(node.publisher('markers'), MARKER_RATE)
+        self._clock = _Output(node.publisher('clock') if self._owns_time else None, CLOCK_RATE)
+        self._tf = _Output(
+            None if TFMessage is None else node.create_publisher(TFMessage, '/tf', EVENT), TF_RATE)
+        self.restart_time()
 
-    def now_epoch(self):
-        """Stamp of simulated time 0, where that is now [ns]."""
-        return 0 if self._owns_time else self._node.get_clock().now().nanoseconds
+    def restart_time(self) -> None:
+        """Let simulated time 0 be now, where stamps are those of the node's clock."""
+        if not self._owns_time:
+            self._epoch = self._node.get_clock().now().nanoseconds
 
-    def stamp(self, time):
+    def stamp(self, time: float) -> Time:
         """
         Make the stamp of a simulated time.
 
         :param time: [s].
         """
-        whole, part = divmod(self.epoch + math.floor(time * NANOSECONDS + 0.5), NANOSECONDS)
+        whole, part = divmod(self._epoch + math.floor(time * NANOSECONDS + 0.5), NANOSECONDS)
         return Time(sec=whole, nanosec=part)
 
-    def measurement(self, measurement):
+    def publish_measurement(self, measurement: Odometry | ObjectPose) -> Any:
         """
         Publish a measurement.
 
@@ -73,51 +108,54 @@ class SimOutputs:
         else:
             message = to_object_pose_message(measurement, self._frames.world_frame)
         message.header.stamp = self.stamp(measurement.time)
-        self.again(message)
+        self.republish(message)
         return message
 
-    def again(self, message):
+    def republish(self, message: Any) -> None:
         """
-        Publish a measurement as it stands.
+        Publish the message of a measurement as it stands.
 
         :param message: ``nav_msgs/Odometry`` or ``geometry_msgs/PoseStamped``.
         """
-        is_pose = hasattr(message.pose, 'position')
-        (self._object_pose if is_pose else self._odometry).publish(message)
+        is_object_pose = hasattr(message.pose, 'position')
+        (self._object_pose if is_object_pose else self._odometry).publish(message)
 
-    def clock(self, time):
+    def publish_clock(self, time: float) -> None:
         """
-        Publish the clock, where time is ours.
+        Publish the clock, where stamps are simulated time.
 
         :param time: simulated time [s].
         """
-        if self._clock is not None:
-            self._clock.publish(Clock(clock=self.stamp(time)))
+        self._clock.publish(Clock(clock=self.stamp(time)))
 
-    def scene(self, simulation):
+    def publish_scene(self, simulation: Simulation) -> None:
         """
         Publish clock, contact wrench, markers and transforms where they are due.
 
         :param simulation: the ``Simulation``.
         """
         time = simulation.time
-        if self._clock_rate.due(time):
-            self.clock(time)
-        if self._wrench_rate.due(time) and self._wrench.get_subscription_count():
-            truth = simulation.truth
-            n, t = truth.force_n, truth.force_t
-            angle = truth.normal - truth.object_pose.theta
-            self._wrench.publish(to_wrench_message(
-                Pose(0.0, 0.0, angle).rotate((n, t)), self.stamp(time), self._frames.object_frame))
-        if self._marker_rate.due(time) and self._markers.get_subscription_count():
+        if self._clock.is_due(time):
+            self.publish_clock(time)
+        if self._wrench.is_due(time) and self._wrench.has_subscribers():
+            self._publish_wrench(simulation.truth)
+        if self._markers.is_due(time) and self._markers.has_subscribers():
             truth = simulation.truth
             self._markers.publish(scene_markers(
                 self.stamp(time), self._frames.world_frame, 'sim', self._obj, self._robot,
                 truth.object_pose, truth.robot_pose))
-        if self._tf is not None and self._tf_rate.due(time):
-            self._send_transforms(simulation.truth)
+        if self._tf.is_due(time):
+            self._publish_transforms(simulation.truth)
 
-    def _send_transforms(self, truth):
+    def _publish_wrench(self, truth: Truth) -> None:
+        normal_in_object = Pose(0.0, 0.0, truth.normal - truth.object_pose.theta)
+        self._wrench.publish(to_wrench_message(
+            normal_in_object.rotate((truth.force_n, truth.force_t)), self.stamp(truth.time),
+            self._frames.object_frame))
+
+    def _publish_transforms(self, truth: Truth) -> None:
+        if TFMessage is None:
+            return
         message = TFMessage()
         for child, pose in ((self._frames.base_frame, truth.robot_pose),
                             (self._frames.object_frame, truth.object_pose)):
