@@ -38,7 +38,7 @@ def generate_launch_description():
              parameters=[params_file, {'autostart': True}], **root),
         Node(package='push_control', executable='planner', name='push_planner',
              condition=IfCondition(task),
-             parameters=[params_file, {'planner.site': 'chain'}], **root),
+             parameters=[params_file, {'planner.site': 'sequence'}], **root),
         Node(package='push_control', executable='planner', name='push_planner',
              condition=UnlessCondition(task), parameters=[params_file], **root),
         Node(package='push_control', executable='controller', name='push_controller',

@@ -9,7 +9,6 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.trajectory import COLUMNS, PushTrajectory
 from push_planner.problem import InitialMotion, PlannerSettings, PushProblem
-from push_planner.verification.verification import verify
 
 
 class Switch(NamedTuple):
@@ -58,14 +57,6 @@ class Plan:
     speeds: tuple
     switches: tuple
     report: dict
-
-    def verify(self):
-        """
-        Integrate the push anew, independently of how the plan was found.
-
-        :return: ``push_planner.verification.verification.Verification``.
-        """
-        return verify(self)
 
     def save(self, path):
         """

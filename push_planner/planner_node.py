@@ -33,12 +33,12 @@ class PlannerNode(PushNode):
     has their stamp. A goal that comes before them waits for them. While the robot pushes, a new
     goal and ``planner/replan`` are planned from the present motion, at the site where it pushes.
     A failed plan or a refused message leaves the former plan as it is, and is an error on
-    ``diagnostics`` with its reason. With ``planner.site`` at ``auto`` the plan of a robot at rest
+    ``diagnostics`` with its reason. With ``planner.site`` at ``best`` the plan of a robot at rest
     starts at the quickest site of the object; the diagnostics tell where the robot must stand for
     it, warn where it does not, and list all sites.
 
     A request is answered with its own stamp; where there is no plan, or the request is refused,
-    by an empty one and an error. With ``planner.site`` at ``chain`` a goal is not planned for,
+    by an empty one and an error. With ``planner.site`` at ``sequence`` a goal is not planned for,
     only ``planner/replan`` and requests are. Chains keep to the ``map``, if there is one.
     Parameters: ``object.*`` and ``robot.*`` as believed, ``planner.*``, ``drive.*``, ``task.*``,
     frames.
@@ -75,7 +75,7 @@ class PlannerNode(PushNode):
         except MessageRefused as error:
             self._report(ERROR, str(error))
             return
-        if self._planner.site == 'chain':
+        if self._planner.site == 'sequence':
             self._last_goal, self._goal = self._goal, None
             self._report(OK, 'has a goal and waits for a request')
             return
@@ -125,7 +125,7 @@ class PlannerNode(PushNode):
         try:
             odometry = from_odometry_message(self._odometry, world)
             measured = from_object_pose_message(self._object_pose, world)
-            if self._planner.site == 'chain':
+            if self._planner.site == 'sequence':
                 chain = self._chains.plan(measured.pose, odometry.pose, goal)
                 return True, self._publish_chain(chain, self._stamp())
             choice = plan_from_measurements(self._obj, self._robot, measured, odometry, goal,

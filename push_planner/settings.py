@@ -13,7 +13,7 @@ class PlannerSettings:
     site: str = quantity('where to push: where the robot stands, at whichever site of the object '
                          'is quickest, or at those of the quickest chain of pushes, which is '
                          'planned where a controller asks for it, not at a new goal',
-                         choices=('placed', 'auto', 'chain'), default='placed')
+                         choices=('current', 'best', 'sequence'), default='current')
     pushing_speed: float = quantity('speed of the contact point along the push', 'm/s', above=0.0,
                                     high=5.0, default=0.15)
     deceleration: float = quantity('braking of the contact before the goal; 0: none', 'm/s^2',

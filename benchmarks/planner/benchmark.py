@@ -22,7 +22,7 @@ from benchmarks.planner.vehicle_bound import Bounded
 import numpy as np
 from push_model.geometry import Pose
 from push_planner.problem import PlanningFailed
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 
 SQUARE = 'square, mid-face, holonomic'
 SEED, WARM_SEED, MOVED_SEED = 2026, 7, 11
@@ -61,7 +61,7 @@ def family(name, make, count, warm):
 
 def _quietly(problem):
     try:
-        return plan(problem)
+        return plan_push(problem)
     except PlanningFailed:
         return None
 
@@ -89,11 +89,11 @@ def _again(answer):
     problem = answer.problem
     rng = np.random.default_rng((MOVED_SEED, int(1e6 * abs(problem.goal.x))))
     goal = problem.goal @ Pose(*rng.uniform(-MOVED, MOVED, 2), rng.uniform(-MOVED, MOVED))
-    moved, before = dataclasses.replace(problem, goal=goal), plan(problem)
+    moved, before = dataclasses.replace(problem, goal=goal), plan_push(problem)
     times = []
     for known in ({}, {'previous': before}):
         began = time.process_time()
-        found = plan(moved, **known)
+        found = plan_push(moved, **known)
         times.append((time.process_time() - began, found.trajectory.duration))
     return times
 

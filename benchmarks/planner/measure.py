@@ -9,7 +9,7 @@ from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
 from benchmarks.progress_bar import progress
 from push_model.geometry import distance
 from push_planner.problem import PlanningFailed
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 
 
 class Answer(NamedTuple):
@@ -47,7 +47,7 @@ def measure(problem):
     """Plan once, and drive the plan."""
     began = time.process_time()
     try:
-        found = plan(problem)
+        found = plan_push(problem)
     except PlanningFailed as failure:
         return Answer(problem, time.process_time() - began, fault=str(failure))
     cpu = time.process_time() - began

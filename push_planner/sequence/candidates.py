@@ -12,7 +12,7 @@ from push_planner.sequence.costs import plan_approach
 from push_planner.sequence.miss_probability import miss_probability
 from push_planner.sequence.steps import PlannedPush
 from push_planner.single_push.contact_sites import robot_start
-from push_planner.single_push.planner import plan, PlanRequirements
+from push_planner.single_push.planner import plan_push, PlanRequirements
 from push_planner.single_push.site_selection import ROUTE_SLACK
 
 SHORTEST = 0.01
@@ -71,7 +71,7 @@ class Candidate:
         try:
             self.way = plan_approach(problem.robot, problem.obj, problem.start, robot_pose,
                                      robot_start(problem), drive, room and room.occupancy_map)
-            found = plan(problem, requirements=self._requirements(room))
+            found = plan_push(problem, requirements=self._requirements(room))
             if room is not None:
                 self.duration += self._detours(robot_pose, drive, room)
         except NoPathFound as failure:

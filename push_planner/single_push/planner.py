@@ -174,7 +174,7 @@ class _Candidate(NamedTuple):
         return self.solution.way + self.formulation.grid.fixed
 
 
-def plan(problem, previous=None, requirements=NO_REQUIREMENTS):
+def plan_push(problem, previous=None, requirements=NO_REQUIREMENTS):
     """
     Find the quickest push to the goal that keeps to the planning cone.
 

@@ -17,7 +17,7 @@ from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import contact_velocity
 from push_planner.problem import InitialMotion, PlanningFailed, problem_from_placement
 from push_planner.settings import PlannerSettings
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_planner.single_push.site_selection import choose_site, SiteChoice
 
 SLOWEST = 0.01
@@ -46,15 +46,15 @@ def plan_from_measurements(obj, robot, measured, odometry, goal, settings=None, 
     try:
         here = problem_from_measurements(obj, robot, measured, odometry, goal, settings)
     except PlanningFailed as failure:
-        if settings.site == 'placed' or failure.code is not PlanFailure.NOT_IN_CONTACT:
+        if settings.site == 'current' or failure.code is not PlanFailure.NOT_IN_CONTACT:
             raise
     if here is not None and here.motion.speed > 0.0:
         try:
-            return SiteChoice(plan(here, previous if _is_alike(previous, goal) else None), ())
+            return SiteChoice(plan_push(here, previous if _is_alike(previous, goal) else None), ())
         except PlanningFailed:
             here = dataclasses.replace(here, motion=InitialMotion())
-    if settings.site == 'placed':
-        return SiteChoice(plan(here), ())
+    if settings.site == 'current':
+        return SiteChoice(plan_push(here), ())
     return choose_site(obj, robot, measured.pose, goal, settings, here)
 
 

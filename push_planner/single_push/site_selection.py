@@ -13,7 +13,7 @@ from push_planner.settings import PlannerSettings
 from push_planner.single_push.bounds import displacement_bound
 from push_planner.single_push.contact_sites import robot_start, site_problems
 from push_planner.single_push.feasibility import check_feasibility
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 
 # Plans cut the corners of steady turns: by 7 % at most in 120 random pushes of a differential
 # drive, by 1 % with a contact that is held.
@@ -97,7 +97,7 @@ def choose_site(obj, robot, start, goal, settings=None, here=None):
             reason = reason or f'not quicker than {bound:.1f} s'
         if not reason:
             try:
-                found = plan(problem)
+                found = plan_push(problem)
             except PlanningFailed as failure:
                 reason = failure.reason
             else:
@@ -125,7 +125,7 @@ def bound_site(problem):
         check_feasibility(problem)
         turns = tightest_turns(problem)
         if turns is None:
-            plan(problem)
+            plan_push(problem)
     except PlanningFailed as failure:
         return BoundedSite(problem, math.inf, failure.reason)
     settings = problem.settings

@@ -43,7 +43,7 @@ def _sections(scenario, settings, real_time, stamped):
     options = ControllerOptions(stamped_cmd_vel=stamped)
     more = {PLANNER: (), CONTROLLER: ()}
     if task is not None:
-        planner = dataclasses.replace(planner, site='chain')
+        planner = dataclasses.replace(planner, site='sequence')
         options = dataclasses.replace(options, task=True, wait_for_plans=not real_time)
         more = {PLANNER: (('drive.', task.drive), ('task.', task.planning)),
                 CONTROLLER: (('drive.', task.drive), ('supervision.', task.supervision))}

@@ -25,7 +25,7 @@ class Start:
     Where object and robot stand at first, in the world frame.
 
     The robot's place is either ``robot``, or is found from ``contact``, ``gap``, ``normal`` and
-    ``heading``; with neither, it is the quickest site, which ``planner.site: auto`` must ask for.
+    ``heading``; with neither, it is the quickest site, which ``planner.site: best`` must ask for.
     In all cases ``placement_error`` is then added, in the robot's own frame.
     """
 
@@ -119,9 +119,9 @@ class Scenario:
     def __post_init__(self):
         """Validate the fields and the robot's place."""
         check(self)
-        if self.start.is_open and self.planner.site != 'auto':
+        if self.start.is_open and self.planner.site != 'best':
             raise ValueError('Scenario.start: got neither robot nor contact, expected one of the '
-                             'two, or planner.site auto')
+                             'two, or planner.site best')
         try:
             pose = self.robot_start
         except (ValueError, PlanningFailed) as error:

@@ -27,7 +27,7 @@ class Replanner:
         :param scenario: the ``Scenario``.
         """
         self._parts, self._goal = (scenario.object, scenario.robot), scenario.goal.pose
-        self._settings = dataclasses.replace(scenario.planner, site='placed')
+        self._settings = dataclasses.replace(scenario.planner, site='current')
 
     def answer(self, status, odometry):
         """

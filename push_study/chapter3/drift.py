@@ -5,7 +5,7 @@ import math
 import numpy as np
 from push_model.analysis.constant_angles import push_at_angles
 from push_model.geometry import Pose
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_study.chapter3.scene import draw_outlines, input_table, push_problem, SCENE, SEGMENTS
 from push_study.framework import paper
 from push_study.framework.scenes import box
@@ -22,7 +22,7 @@ def compute(values, batch):
     :param batch: not used.
     :return: ``Outcome``.
     """
-    found = plan(push_problem(values, values.planned_speed, values.segments))
+    found = plan_push(push_problem(values, values.planned_speed, values.segments))
     inputs, problem = input_table(found), found.problem
     tables, ends, steepest = {'inputs': inputs}, [], 0.0
     for speed in [*values.speeds, values.slow_speed]:

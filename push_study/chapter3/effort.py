@@ -2,7 +2,7 @@
 
 import numpy as np
 from push_planner.collocation.dimensions import Dimensions
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_study.chapter3.scene import input_table, push_problem, SCENE, SPEED
 from push_study.framework import paper
 from push_study.framework.study import Finding, Outcome, Parameter, Study
@@ -42,7 +42,7 @@ def compute(values, batch):
     :return: ``Outcome``.
     """
     counts = sorted({REFERENCE, *map(int, values.counts)})
-    plans = {name: [plan(push_problem(values, values.speed, count, goal=goal))
+    plans = {name: [plan_push(push_problem(values, values.speed, count, goal=goal))
                     for count in counts]
              for name, goal in zip(GOALS, (values.goal, values.asymmetrical_goal))}
     table, findings, middle = {'segments': counts}, {}, counts.index(REFERENCE)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from push_model.analysis.constant_angles import push_at_angles
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_study.chapter3.scene import (
     draw_inputs, draw_outlines, draw_push, GOAL, input_table, path_table, poses_at, push_problem,
     SEGMENTS, SPEED,
@@ -45,7 +45,7 @@ def compute(values, batch):
     :return: ``Outcome``.
     """
     cone = math.atan(values.contact_friction)
-    found = plan(push_problem(values, values.speed, values.segments, angle_limit='angle',
+    found = plan_push(push_problem(values, values.speed, values.segments, angle_limit='angle',
                               max_pushing_angle=cone, cone_margin=1.0))
     inputs, force, impulses = forces(found, values.speed)
     outside = np.abs(impulses['angle_rad']) > cone

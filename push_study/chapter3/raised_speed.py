@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 from push_study.chapter3.friction_cone import INSIDE, MAKING
 from push_study.chapter3.scene import draw_inputs, input_table, push_problem
 from push_study.framework import paper
@@ -24,7 +25,7 @@ def compute(values, batch):
         found = _unlimited(values, speed)
         inputs, touch = input_table(found), found.switches[0]
         tables[f'inputs_{speed:g}'] = inputs
-        rows.append((speed, _steepest(inputs['rho_rad']), cone * found.verify().friction_usage,
+        rows.append((speed, _steepest(inputs['rho_rad']), cone * verify(found).friction_usage,
                      abs(math.atan2(touch.tangential_impulse, touch.normal_impulse))))
     names = ('speed_m_s', 'push_rad', 'force_rad', 'touch_rad')
     table = tables['steepest'] = dict(zip(names, map(np.array, zip(*rows))))
@@ -42,7 +43,7 @@ def compute(values, batch):
 
 
 def _unlimited(values, speed):
-    return plan(push_problem(values, speed, values.segments, angle_limit='none',
+    return plan_push(push_problem(values, speed, values.segments, angle_limit='none',
                              cone_margin=1.0))
 
 

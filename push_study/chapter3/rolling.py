@@ -1,7 +1,8 @@
 """Round robots that do not turn: the contact rolls along the face while they push."""
 
 import numpy as np
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 from push_study.chapter3.scene import (
     draw_center, draw_inputs, draw_outlines, draw_push, input_table, path_table, poses_at,
     push_problem, SCENE, SEGMENTS, SPEED,
@@ -23,7 +24,7 @@ def rolling_tables(values, radius):
     :return: (``Plan``, table of the path with the place of the contact on the face added, table
         of the inputs).
     """
-    found = plan(push_problem(values, values.speed, values.segments, radius))
+    found = plan_push(push_problem(values, values.speed, values.segments, radius))
     path = path_table(found.trajectory)
     path['along_face_m'] = along_face(path)
     return found, path, input_table(found)
@@ -49,7 +50,7 @@ def compute(values, batch):
     :return: ``Outcome``.
     """
     found, path, inputs = rolling_tables(values, values.robot_radius)
-    point = plan(push_problem(values, values.speed, values.segments))
+    point = plan_push(push_problem(values, values.speed, values.segments))
     travel = path['along_face_m']
     return Outcome({'path': path, 'inputs': inputs}, {
         'duration': Finding(found.trajectory.duration, 's', 'time that the push takes'),
@@ -60,7 +61,7 @@ def compute(values, batch):
                          'as a share of what the plan may use'),
         'first': Finding(float(inputs['rho_rad'][0]), 'rad', 'first pushing angle'),
         'point': Finding(point.pushing_angles[0][0], 'rad', 'the same of a point robot'),
-        'miss': Finding(found.verify().position_error, 'm', 'distance from the goal, integrated '
+        'miss': Finding(verify(found).position_error, 'm', 'distance from the goal, integrated '
                         'anew')})
 
 

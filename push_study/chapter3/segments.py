@@ -1,7 +1,8 @@
 """Point robot: the planned push and its input, and what few constant pushing angles cost."""
 
 import numpy as np
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 from push_study.chapter2.corner_push.scene import nested
 from push_study.chapter3.scene import (
     draw_center, draw_inputs, draw_outlines, draw_push, input_table, path_table, poses_at,
@@ -21,8 +22,8 @@ def compute(values, batch):
     :param batch: not used.
     :return: ``Outcome``.
     """
-    found = plan(push_problem(values, values.speed, values.segments))
-    check, inputs = found.verify(), input_table(found)
+    found = plan_push(push_problem(values, values.speed, values.segments))
+    check, inputs = verify(found), input_table(found)
     way = float(inputs['end_m'][-1])
     return Outcome({'path': path_table(found.trajectory), 'inputs': inputs}, {
         'duration': Finding(found.trajectory.duration, 's', 'time that the push takes'),
@@ -45,7 +46,7 @@ def compute_counts(values, batch):
     """
     tables, ways, paths = {}, [], []
     for count in values.counts:
-        found = plan(push_problem(values, values.speed, count))
+        found = plan_push(push_problem(values, values.speed, count))
         tables[f'path_{count}'] = path_table(found.trajectory)
         tables[f'inputs_{count}'] = input_table(found)
         ways.append(float(found.segment_ends[-1]))

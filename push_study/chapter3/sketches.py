@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 from push_model.geometry import Pose
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 from push_study.chapter3.rolling import along_face
 from push_study.chapter3.scene import input_table, path_table, push_problem, SCENE, SPEED
 from push_study.framework import paper
@@ -24,7 +25,7 @@ def compute(values, batch):
     :param batch: not used.
     :return: ``Outcome``.
     """
-    found = plan(push_problem(values, values.speed, SEGMENTS, values.robot_radius))
+    found = plan_push(push_problem(values, values.speed, SEGMENTS, values.robot_radius))
     inputs, path = input_table(found), path_table(found.trajectory)
     times = np.append(inputs['begin_s'], inputs['end_s'][-1])
     ends = {name: np.interp(times, path['time_s'], column) for name, column in path.items()}
@@ -36,7 +37,7 @@ def compute(values, batch):
         'turn': Finding(float(path['theta_rad'][-1]), 'rad', 'turn of the box'),
         'travel': Finding(1e3 * float(travel[-1] - travel[0]), 'mm', 'way of the contact along '
                           'the face, to the left'),
-        'miss': Finding(found.verify().position_error, 'm', 'distance from the goal, integrated '
+        'miss': Finding(verify(found).position_error, 'm', 'distance from the goal, integrated '
                         'anew')})
 
 

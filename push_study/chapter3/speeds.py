@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_study.chapter2.corner_push.scene import nested
 from push_study.chapter3.scene import (
     draw_center, draw_inputs, draw_outlines, input_table, path_table, poses_at, push_problem,
@@ -22,7 +22,7 @@ def compute(values, batch):
     :param batch: not used.
     :return: ``Outcome``.
     """
-    tables, plans = {}, [plan(push_problem(values, speed, values.segments))
+    tables, plans = {}, [plan_push(push_problem(values, speed, values.segments))
                          for speed in values.speeds]
     for speed, found in zip(values.speeds, plans):
         tables[f'path_{speed:g}'] = path_table(found.trajectory)

@@ -7,7 +7,8 @@ from benchmarks.planner.check import replay, STRETCH
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 import pytest
 
 LONG = {'deceleration': 0.0, 'run_in': 0.0, 'max_path_length': 60.0}
@@ -22,7 +23,7 @@ PROBLEMS = {
 @pytest.fixture(scope='module')
 def plans():
     """All plans, made once."""
-    return {name: plan(problem) for name, problem in PROBLEMS.items()}
+    return {name: plan_push(problem) for name, problem in PROBLEMS.items()}
 
 
 @pytest.fixture(params=PROBLEMS)
@@ -42,7 +43,7 @@ def test_long_plans_are_followed_to_their_goal(answer):
 
 def test_it_agrees_with_the_check_of_the_plan_itself(answer):
     """Two drives of one plan, one by its samples, one by its pieces."""
-    own, driven = answer.verify(), replay(answer)
+    own, driven = verify(answer), replay(answer)
     assert abs(own.position_error - driven.position_error) < 1e-4
     assert own.cone_usage == pytest.approx(
         driven.steepest / answer.problem.planning_cone_angle, abs=0.05)
@@ -59,5 +60,5 @@ def test_samples_that_do_not_follow_from_each_other_are_found_out(plans, what, c
     values[:, column] += bump
     wrong = dataclasses.replace(answer, trajectory=dataclasses.replace(
         answer.trajectory, **{what: values}))
-    for found in (replay(wrong), wrong.verify()):
+    for found in (replay(wrong), verify(wrong)):
         assert found.position_error > 1e-3 or found.heading_error > math.radians(0.1)

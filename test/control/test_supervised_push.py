@@ -20,7 +20,7 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.signals import Odometry, STOP
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
@@ -48,9 +48,9 @@ def planned(kind, world):
     """Plan a push straight ahead, along the x axis of ``world``."""
     if kind == 'vertex':
         aslant = Pose(0.0, 0.0, -math.pi / 4)
-        return plan(vertex_problem(world @ AHEAD @ aslant, start=world @ aslant)).trajectory
+        return plan_push(vertex_problem(world @ AHEAD @ aslant, start=world @ aslant)).trajectory
     problem = {'face': face_problem, 'round': round_problem}[kind]
-    return plan(problem(world @ AHEAD, start=world)).trajectory
+    return plan_push(problem(world @ AHEAD, start=world)).trajectory
 
 
 def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNOWN,

@@ -10,7 +10,8 @@ from helpers.push_problems import (
 import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 import pytest
 
 PROBLEMS = {
@@ -30,7 +31,7 @@ PROBLEMS = {
 @pytest.fixture(scope='module')
 def plans():
     """All plans, made once."""
-    return {name: plan(problem) for name, problem in PROBLEMS.items()}
+    return {name: plan_push(problem) for name, problem in PROBLEMS.items()}
 
 
 @pytest.fixture(params=PROBLEMS)
@@ -41,7 +42,7 @@ def answer(request, plans):
 
 def test_a_plan_reaches_its_goal_when_integrated_anew(answer):
     """Far inside the tolerance of 2 mm and 0.2 degrees, in the cone; short ones in one piece."""
-    check = answer.verify()
+    check = verify(answer)
     assert check.position_error < 1e-4
     assert check.heading_error < 1e-4
     assert check.friction_usage < 0.9
@@ -57,7 +58,7 @@ def test_a_plan_that_is_wrong_is_found_out(answer):
     wrong = dataclasses.replace(answer, pushing_angles=tuple(
         (begin + math.radians(0.5), end + math.radians(0.5))
         for begin, end in answer.pushing_angles))
-    assert wrong.verify().position_error > answer.problem.settings.position_tolerance
+    assert verify(wrong).position_error > answer.problem.settings.position_tolerance
 
 
 def test_a_plan_begins_at_the_start_and_ends_at_the_goal(answer):
@@ -183,7 +184,7 @@ def test_impulses_turn_the_object_as_they_must(answer):
 def test_two_calls_give_the_same_plan(plans):
     """Bit by bit."""
     for name in ('vertex, differential', 'face, holonomic'):
-        again = plan(PROBLEMS[name])
+        again = plan_push(PROBLEMS[name])
         assert again.pushing_angles == plans[name].pushing_angles
         assert again.segment_ends == plans[name].segment_ends
         for column in ('times', 'object_poses', 'object_twists', 'robot_twists'):
@@ -195,7 +196,7 @@ def test_two_calls_give_the_same_plan(plans):
 @pytest.mark.parametrize('distance', [0.05, 0.3, 2.0])
 def test_straight_ahead_is_straight(robot, distance):
     """No steering, no turning, the way is the distance; and the normal may be off the push."""
-    answer = plan(vertex_problem(Pose(distance, 0.0, -DIAGONAL), robot))
+    answer = plan_push(vertex_problem(Pose(distance, 0.0, -DIAGONAL), robot))
     motion = answer.trajectory
     np.testing.assert_allclose(motion.object_poses[:, 1], 0.0, atol=1e-8)
     np.testing.assert_allclose(motion.object_poses[:, 2], -DIAGONAL, atol=1e-8)
@@ -207,17 +208,17 @@ def test_straight_ahead_is_straight(robot, distance):
 def test_a_slow_drive_turns_more_gently():
     """A yaw rate limit below what the push would take costs way, and is kept."""
     goal = Pose(1.6, 0.8, 0.2)
-    quick = plan(vertex_problem(goal))
+    quick = plan_push(vertex_problem(goal))
     limit = 0.8 * np.abs(quick.trajectory.robot_twists[:, 2]).max()
-    slow = plan(vertex_problem(goal, RoundRobot(radius=0.17, max_yaw_rate=limit)))
+    slow = plan_push(vertex_problem(goal, RoundRobot(radius=0.17, max_yaw_rate=limit)))
     assert np.abs(slow.trajectory.robot_twists[:, 2]).max() <= limit * (1.0 + 1e-3)
     assert slow.report['path_length'] >= quick.report['path_length'] - 1e-6
 
 
 def test_a_way_that_coarse_pieces_miss_is_followed_in_finer_ones():
     """Rather than another way of twice the length."""
-    answer = plan(vertex_problem(Pose(2.2, -2.1, 2.1), normal=-0.15))
+    answer = plan_push(vertex_problem(Pose(2.2, -2.1, 2.1), normal=-0.15))
     first, second = answer.report['attempts'][:2]
     assert 'misses the goal' in first and second.endswith('solved')
     assert answer.report['path_length'] < 8.0
-    assert answer.verify().position_error < 1e-3
+    assert verify(answer).position_error < 1e-3

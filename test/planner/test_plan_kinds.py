@@ -13,7 +13,8 @@ from push_model.parameters import RoundRobot
 from push_planner.plan import Plan
 from push_planner.problem import InitialMotion, PlanningFailed
 from push_planner.single_push.bounds import displacement_bound, vehicle_bound
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 import pytest
 
 IDEAL = RoundRobot(0.17, 'holonomic', max_speed=5.0, max_yaw_rate=50.0, max_acceleration=100.0)
@@ -48,7 +49,7 @@ ANSWERED = {
 @pytest.fixture(scope='module')
 def plans():
     """All plans, made once."""
-    return {name: plan(problem) for name, problem in ANSWERED.items()}
+    return {name: plan_push(problem) for name, problem in ANSWERED.items()}
 
 
 @pytest.fixture(params=ANSWERED)
@@ -59,7 +60,7 @@ def answer(request, plans):
 
 def test_it_reaches_its_goal_when_integrated_anew(answer):
     """By scipy, to a tenth of what is asked."""
-    check = answer.verify()
+    check = verify(answer)
     assert check.position_error < 1e-4
     assert check.heading_error < 1e-4
     assert answer.report['position_error'] < 1e-4
@@ -127,7 +128,7 @@ def test_a_file_holds_all_of_a_plan(answer, tmp_path):
     for name in ('pushing_angles', 'segment_ends', 'speeds', 'switches'):
         assert getattr(again, name) == getattr(answer, name)
     np.testing.assert_array_equal(again.trajectory.robot_twists, answer.trajectory.robot_twists)
-    assert again.verify() == answer.verify()
+    assert verify(again) == verify(answer)
 
 
 def test_a_file_that_is_no_plan_is_refused(tmp_path, plans):
@@ -148,7 +149,7 @@ def test_a_rolling_contact_is_not_turned_off_its_face(radius, turn):
 
 def _refused_for_turning(problem):
     try:
-        plan(problem)
+        plan_push(problem)
     except PlanningFailed as failure:
         return 'leaves its face' in failure.reason
     return False
@@ -156,14 +157,14 @@ def _refused_for_turning(problem):
 
 def test_slow_dynamic_pushes_are_quasi_static():
     """The way at 2 cm/s is that without inertia."""
-    ways = [plan(face_problem(BENT, pushing_speed=0.02, motion_model=model)).segment_ends[-1]
+    ways = [plan_push(face_problem(BENT, pushing_speed=0.02, motion_model=model)).segment_ends[-1]
             for model in ('dynamic', 'quasi_static')]
     assert ways[0] == pytest.approx(ways[1], rel=2e-4)
 
 
 def test_finer_pieces_change_less_and_less():
     """Durations converge with the number of pieces."""
-    times = [plan(face_problem(Pose(2.0, 1.0, 0.3), IDEAL, segments=count, final_straight=0.0)).report[
+    times = [plan_push(face_problem(Pose(2.0, 1.0, 0.3), IDEAL, segments=count, final_straight=0.0)).report[
         'path_length'] for count in (8, 16, 32, 64)]
     changes = np.abs(np.diff(times))
     assert changes[1] < changes[0] and changes[2] < 0.6 * changes[1] + 1e-4
@@ -174,11 +175,11 @@ def test_more_freedom_is_no_slower():
     given = round_problem(Pose(0.5, 0.9, 0.4))
     free = dataclasses.replace(given, settings=dataclasses.replace(given.settings,
                                                                    heading_free=True))
-    assert plan(free).trajectory.duration <= plan(given).trajectory.duration + 1e-3
-    durations = [plan(face_problem(BENT, IDEAL, angle_limit=limit)).trajectory.duration
+    assert plan_push(free).trajectory.duration <= plan_push(given).trajectory.duration + 1e-3
+    durations = [plan_push(face_problem(BENT, IDEAL, angle_limit=limit)).trajectory.duration
                  for limit in ('cone', 'none')]
     assert durations[1] <= durations[0] + 1e-3
-    durations = [plan(face_problem(BENT, IDEAL, pushing_angles='constant', segments=count,
+    durations = [plan_push(face_problem(BENT, IDEAL, pushing_angles='constant', segments=count,
                                    segment_length=20.0)).trajectory.duration for count in (3, 12)]
     assert durations[1] <= durations[0] + 1e-3
 
@@ -196,20 +197,20 @@ def test_the_vehicle_bound_is_the_distance_straight_ahead_and_falls_with_the_con
 def test_planning_anew_from_a_former_plan_finds_the_same_push():
     """With nothing changed the same way; with the goal moved a valid plan of the same turn."""
     problem = face_problem(BENT, IDEAL)
-    former = plan(problem)
-    same = plan(problem, previous=former)
+    former = plan_push(problem)
+    same = plan_push(problem, previous=former)
     assert same.report['route'] == 'previous plan'
     assert same.trajectory.duration == pytest.approx(former.trajectory.duration, rel=1e-3)
-    moved = plan(dataclasses.replace(problem, goal=Pose(1.47, 0.44, 0.52)), previous=former)
+    moved = plan_push(dataclasses.replace(problem, goal=Pose(1.47, 0.44, 0.52)), previous=former)
     assert moved.report['route'] == 'previous plan'
-    assert moved.verify().position_error < 1e-4
+    assert verify(moved).position_error < 1e-4
 
 
 @pytest.mark.parametrize('model', ['dynamic', 'quasi_static'])
 def test_a_push_under_way_is_planned_on_from(model):
     """No touch, no jump; together with what was pushed it takes about as long as the whole."""
     problem = face_problem(BENT, IDEAL, motion_model=model, pushing_speed=0.3)
-    former = plan(problem)
+    former = plan_push(problem)
     time = 0.4 * former.trajectory.duration
     now = former.trajectory.at(time)
     velocity, gamma = now['contact_twists'][:2], now['contact_poses'][2]
@@ -217,12 +218,12 @@ def test_a_push_under_way_is_planned_on_from(model):
     going = dataclasses.replace(
         problem, start=Pose(*now['object_poses']), normal=gamma, heading=now['robot_poses'][2],
         motion=InitialMotion(math.hypot(*velocity), now['object_twists'][2], rho))
-    answer = plan(going, previous=former)
+    answer = plan_push(going, previous=former)
     assert answer.switches == ()
     assert answer.pushing_angles[0][0] == pytest.approx(rho, abs=3e-3)
     assert answer.trajectory.object_twists[0, 2] == pytest.approx(now['object_twists'][2],
                                                                   abs=0.01)
-    check = answer.verify()
+    check = verify(answer)
     assert check.position_error < 1e-4 and check.heading_error < 1e-4
     assert time + answer.trajectory.duration == pytest.approx(former.trajectory.duration, rel=0.01)
 
@@ -234,14 +235,14 @@ def test_a_correction_that_would_reverse_the_push_ends_a_trial_and_not_the_plann
                            segments=2, segment_length=20.0, final_straight=0.0, cone_margin=0.9,
                            friction_discount=1.0)
     with contextlib.suppress(PlanningFailed):
-        assert plan(problem).verify().position_error < 1e-3
+        assert verify(plan_push(problem)).position_error < 1e-3
 
 
 def test_a_former_plan_is_left_where_there_is_a_much_shorter_way():
     """Where the goal moves so that the loop of the former plan is not needed any more."""
     behind = face_problem(Pose(-0.4, 0.0, 0.3), IDEAL)
-    former = plan(behind)
+    former = plan_push(behind)
     ahead = dataclasses.replace(behind, goal=Pose(1.5, 0.0, 0.0))
-    anew = plan(ahead, previous=former)
-    assert anew.trajectory.duration <= 1.1 * plan(ahead).trajectory.duration
+    anew = plan_push(ahead, previous=former)
+    assert anew.trajectory.duration <= 1.1 * plan_push(ahead).trajectory.duration
     assert anew.report['route'] != 'previous plan'

@@ -10,7 +10,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
 from push_planner.problem import PlannerSettings, PushProblem
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 import pytest
 
 GOAL = Pose(1.9, 0.7, -0.2)
@@ -31,7 +31,7 @@ def mirrored(problem):
 def test_the_mirror_image_is_pushed_in_the_mirror(robot):
     """Steering and motion change sign, the way stays."""
     problem = vertex_problem(GOAL, robot, normal=0.05, obj=box(friction=UNEVEN))
-    one, other = plan(problem), plan(mirrored(problem))
+    one, other = plan_push(problem), plan_push(mirrored(problem))
     assert other.segment_ends[-1] == pytest.approx(one.segment_ends[-1], abs=1e-6)
     np.testing.assert_allclose(np.negative(other.pushing_angles), one.pushing_angles, atol=1e-4)
     sign = np.array([1.0, -1.0, -1.0])
@@ -45,11 +45,11 @@ def test_the_mirror_image_is_pushed_in_the_mirror(robot):
 def test_the_place_of_the_scene_does_not_matter(robot, scene):
     """The plan moves along with everything else."""
     here = vertex_problem(GOAL, robot)
-    one = plan(here)
+    one = plan_push(here)
     there = dataclasses.replace(here, start=scene @ here.start, goal=scene @ here.goal,
                                 normal=here.normal + scene.theta,
                                 heading=here.heading + scene.theta)
-    other = plan(there)
+    other = plan_push(there)
     np.testing.assert_allclose(other.pushing_angles, one.pushing_angles, atol=1e-5)
     for time in np.linspace(0.0, one.trajectory.duration, 5):
         meant = scene @ Pose(*one.trajectory.at(time)['robot_poses'])
@@ -59,7 +59,7 @@ def test_the_place_of_the_scene_does_not_matter(robot, scene):
 @ROBOTS
 def test_mass_does_not_matter_if_inertia_goes_with_it(robot):
     """Loads scale with the mass, so every force does."""
-    light, heavy = (plan(vertex_problem(GOAL, robot, obj=box(mass=mass))) for mass in (0.5, 8.0))
+    light, heavy = (plan_push(vertex_problem(GOAL, robot, obj=box(mass=mass))) for mass in (0.5, 8.0))
     np.testing.assert_allclose(heavy.pushing_angles, light.pushing_angles, atol=1e-5)
     assert heavy.switches[0].normal_impulse == pytest.approx(
         16.0 * light.switches[0].normal_impulse, rel=1e-4)
@@ -67,7 +67,7 @@ def test_mass_does_not_matter_if_inertia_goes_with_it(robot):
 
 def test_slow_pushes_share_one_path():
     """Towards the quasi-static limit the way no longer depends on the speed, nor on inertia."""
-    ways = [plan(face_problem(Pose(1.5, 0.5, 0.6), pushing_speed=speed)).segment_ends[-1]
+    ways = [plan_push(face_problem(Pose(1.5, 0.5, 0.6), pushing_speed=speed)).segment_ends[-1]
             for speed in (0.01, 0.02, 0.04, 0.3)]
     assert abs(ways[1] - ways[0]) < 1e-4
     assert abs(ways[2] - ways[0]) < 5e-4
@@ -77,7 +77,7 @@ def test_slow_pushes_share_one_path():
 @ROBOTS
 def test_twice_the_segments_are_no_slower(robot):
     """Every plan with 24 equal segments is also one with 48."""
-    few, many = (plan(vertex_problem(GOAL, robot, segments=count)) for count in (24, 48))
+    few, many = (plan_push(vertex_problem(GOAL, robot, segments=count)) for count in (24, 48))
     assert len(many.pushing_angles) - len(few.pushing_angles) == 24
     assert many.segment_ends[-1] <= few.segment_ends[-1] + 1e-3
     assert many.segment_ends[-1] >= 0.98 * few.segment_ends[-1]
@@ -87,7 +87,7 @@ def test_twice_the_segments_are_no_slower(robot):
                                             (HOLONOMIC, (0.4, 0.5, 0.6))])
 def test_a_wider_cone_is_no_slower(robot, margins):
     """Whatever a narrow cone allows, a wide one does."""
-    answers = [plan(vertex_problem(Pose(1.9, 1.3, 0.35), robot, cone_margin=margin))
+    answers = [plan_push(vertex_problem(Pose(1.9, 1.3, 0.35), robot, cone_margin=margin))
                for margin in margins]
     assert len({answer.report['final_straight'] for answer in answers}) == 1
     ways = [answer.segment_ends[-1] for answer in answers]
@@ -99,7 +99,7 @@ def test_a_wider_cone_is_no_slower(robot, margins):
 def test_the_optimum_lies_between_its_bounds(goal):
     """No shorter than z's Dubins way under the cone, no longer than the way that follows it."""
     problem = vertex_problem(goal, HOLONOMIC, pushing_speed=0.02)
-    answer = plan(problem)
+    answer = plan_push(problem)
     route = routes(problem, tightest_turns(problem))[0]
     # The vehicle view is exact for the ellipsoid only; real supports turn a little differently.
     assert answer.segment_ends[-1] >= 0.97 * (route.path.length + route.final_straight)
@@ -109,7 +109,7 @@ def test_the_optimum_lies_between_its_bounds(goal):
 def test_steady_turns_keep_to_the_curvature_limit():
     """On a long loop a differential drive turns as tightly as the planning cone lets it."""
     problem = vertex_problem(Pose(0.4, 1.2, 2.0), heading=0.05, normal=0.05)
-    answer = plan(problem)
+    answer = plan_push(problem)
     highest, lowest = (turn.curvature for turn in tightest_turns(problem))
     motion = answer.trajectory
     x, y = problem.vehicle.flat_output

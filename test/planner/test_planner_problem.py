@@ -12,7 +12,7 @@ from push_model.parameters import PushedObject, RoundRobot, Support
 from push_planner.integration.refinement import refine
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
 from push_planner.single_push import planner as solver
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 import pytest
 
 AHEAD = Pose(1.5, 0.3, -0.6)
@@ -109,7 +109,7 @@ def test_the_impossible_is_refused_with_its_reason(name):
     """One sentence, with the numbers."""
     problem, reason = IMPOSSIBLE[name]
     with pytest.raises(PlanningFailed, match=reason) as failure:
-        plan(problem)
+        plan_push(problem)
     assert failure.value.reason == str(failure.value)
     assert '\n' not in failure.value.reason
 
@@ -137,4 +137,4 @@ def test_an_integration_that_breaks_down_is_no_plan(monkeypatch, spoilt):
 
     monkeypatch.setattr(solver, 'refine', astray)
     with pytest.raises(PlanningFailed, match='the fine integration broke down'):
-        plan(vertex_problem(AHEAD))
+        plan_push(vertex_problem(AHEAD))

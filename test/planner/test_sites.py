@@ -11,14 +11,14 @@ from push_model.parameters import Contact, RoundRobot, Support
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
 from push_planner.single_push.contact_sites import site_problems
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_planner.single_push.replanning import plan_from_measurements
 from push_planner.single_push.site_selection import choose_site
 import pytest
 
 HOME = Pose(0.0, 0.0, 0.0)
 FIXED = PlannerSettings(robot_yaw='fixed', max_path_length=3.0)
-AUTO = PlannerSettings(site='auto')
+AUTO = PlannerSettings(site='best')
 UNEVEN = (0.4, 0.3, 0.35, 0.2)
 FACES = {0: Pose(0.0, 1.5, 0.0), 1: Pose(-1.5, 0.0, 0.0), 2: Pose(0.0, -1.5, 0.0),
          3: Pose(1.5, 0.0, 0.0)}
@@ -29,7 +29,7 @@ def one_by_one(obj, robot, goal, settings):
     durations = []
     for problem in site_problems(obj, robot, HOME, goal, settings):
         try:
-            durations.append(plan(problem).trajectory.duration)
+            durations.append(plan_push(problem).trajectory.duration)
         except PlanningFailed:
             durations.append(math.inf)
     return durations

@@ -16,7 +16,7 @@ from push_planner.problem import PlanningFailed
 from push_planner.sequence.candidates import ASIDE
 from push_planner.sequence.planner import plan_task
 from push_planner.sequence.steps import SequenceStep
-from push_planner.single_push.planner import plan, PlanRequirements
+from push_planner.single_push.planner import plan_push, PlanRequirements
 import pytest
 from scipy.spatial import cKDTree
 
@@ -99,7 +99,7 @@ def test_the_first_push_keeps_near_the_way_that_was_checked(robot):
         problem, goal=problem.start @ end @ flat.inverse(),
         settings=dataclasses.replace(problem.settings, max_path_length=20.0))
     step = SequenceStep(problem, found.pushes[0]._replace(start=problem.start), segments)
-    free, near = (plan(problem, requirements=PlanRequirements(step.route(aside))) for aside in (math.inf, ASIDE))
+    free, near = (plan_push(problem, requirements=PlanRequirements(step.route(aside))) for aside in (math.inf, ASIDE))
     way = cKDTree(np.array(step.object_poses(0.002))[:, :2])
     offs = [way.query(found.trajectory.object_poses[:, :2])[0].max() for found in (free, near)]
     assert offs[1] < min(offs[0], 2.0 * ASIDE)
@@ -118,7 +118,7 @@ def test_what_finds_fault_with_all_pushes_is_asked_only_so_often():
     for max_solves in (1, 3):
         seen.clear()
         with pytest.raises(PlanningFailed, match='not to my liking'):
-            plan(problem, requirements=PlanRequirements(violation=violation, max_solves=max_solves))
+            plan_push(problem, requirements=PlanRequirements(violation=violation, max_solves=max_solves))
         assert 1 <= len(seen) <= max_solves
 
 

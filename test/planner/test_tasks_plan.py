@@ -15,7 +15,8 @@ from push_planner.sequence.costs import plan_approach, standoff
 from push_planner.sequence.planner import plan_task
 from push_planner.settings import PlannerSettings, TaskSettings
 from push_planner.single_push.contact_sites import robot_start, site_problems
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 import pytest
 
 HOME, HERE = Pose(0.0, 0.0, 0.0), Pose(-1.2, 0.9, 2.0)
@@ -35,8 +36,8 @@ def execute(obj, robot, found, goal):
         place = pose @ push.start.inverse() @ push.robot_start
         problem = problem_from_placement(obj, robot, pose, place, push.end, gentle)
         assert problem.contact.kind == push.contact.kind
-        answer = plan(problem)
-        check = answer.verify()
+        answer = plan_push(problem)
+        check = verify(answer)
         assert check.position_error < 2e-3 and check.heading_error < 3e-3
         assert check.friction_usage <= 1.0
         ratios.append(answer.trajectory.duration / push.duration)
@@ -84,7 +85,7 @@ def test_no_single_push_is_quicker(obj, robot, goal):
     found, best = plan_task(obj, robot, HOME, HERE, goal, task=SURE), math.inf
     for problem in site_problems(obj, robot, HOME, goal, SETTINGS):
         try:
-            time = plan(problem).trajectory.duration
+            time = plan_push(problem).trajectory.duration
         except PlanningFailed:
             continue
         way = plan_approach(robot, obj, HOME, HERE, robot_start(problem), DRIVE)

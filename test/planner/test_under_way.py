@@ -9,8 +9,9 @@ import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_planner.problem import InitialMotion, PlannerSettings, PlanningFailed
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_planner.single_push.replanning import plan_from_measurements, problem_from_measurements
+from push_planner.verification.verification import verify
 import pytest
 
 GOALS = {'differential': Pose(2.5, 0.7, -0.2), 'holonomic': Pose(1.5, 0.5, 0.8)}
@@ -21,8 +22,8 @@ LATE = 0.08
 @pytest.fixture(scope='module')
 def plans():
     """Plan a curve for each drive."""
-    return {'differential': plan(vertex_problem(GOALS['differential'], DIFFERENTIAL)),
-            'holonomic': plan(face_problem(GOALS['holonomic'], HOLONOMIC))}
+    return {'differential': plan_push(vertex_problem(GOALS['differential'], DIFFERENTIAL)),
+            'holonomic': plan_push(face_problem(GOALS['holonomic'], HOLONOMIC))}
 
 
 def seen(former, time, late=0.0):
@@ -108,7 +109,7 @@ def test_another_goal_is_planned_from_the_present_motion(plans, drive):
                                    problem.settings, former).plan
     assert found.switches == () and found.problem.motion.speed > 0.1
     assert distance(found.trajectory.object_poses[-1], goal) < 1e-3
-    check = found.verify()
+    check = verify(found)
     assert check.position_error < 1e-3 and check.heading_error < 2e-3
 
 
@@ -117,7 +118,7 @@ def test_a_push_goes_on_at_its_site_though_another_is_quicker(plans, drive):
     """Sites are compared for robots at rest only."""
     former = plans[drive]
     problem = former.problem
-    auto = dataclasses.replace(problem.settings, site='auto', max_path_length=40.0)
+    auto = dataclasses.replace(problem.settings, site='best', max_path_length=40.0)
     goal = problem.start @ Pose(-1.0, 0.2, 0.5)
     measured, odometry = seen(former, 2.0, LATE)
     going = plan_from_measurements(problem.obj, problem.robot, measured, odometry, goal, auto)
@@ -137,6 +138,6 @@ def test_where_the_present_motion_cannot_go_on_it_is_planned_as_from_rest():
     problem = problem_from_measurements(box(), HOLONOMIC, measured, steep, goal, settings)
     assert problem.motion.pushing_angle == pytest.approx(math.atan2(0.12, 0.06))
     with pytest.raises(PlanningFailed):
-        plan(problem)
+        plan_push(problem)
     found = plan_from_measurements(box(), HOLONOMIC, measured, steep, goal, settings).plan
     assert found.problem.motion == InitialMotion()

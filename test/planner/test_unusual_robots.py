@@ -13,7 +13,8 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import PlanningFailed, problem_from_placement
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 from push_ros.conversions.markers import scene_markers
 from push_scenario.definition.scenario import Placement, Start
 from push_sim_node.simulation import Simulation
@@ -31,11 +32,11 @@ def test_planner_refuses_a_fence_with_the_reason():
 
 def test_a_point_on_a_face_is_planned_for_and_at_a_vertex_refused():
     robot, here = RoundRobot(0.0, 'holonomic'), Pose(0.0, 0.0, 0.0)
-    answer = plan(problem_from_placement(box(), robot, here, Pose(-0.2, 0.0, 0.0),
+    answer = plan_push(problem_from_placement(box(), robot, here, Pose(-0.2, 0.0, 0.0),
                                          Pose(1.0, 0.3, 0.4)))
-    assert answer.verify().position_error < 1e-3
+    assert verify(answer).position_error < 1e-3
     with pytest.raises(PlanningFailed, match='a point robot needs .* a face or a round'):
-        plan(problem_from_placement(box(), robot, here, Pose(-0.2, -0.2, 0.0),
+        plan_push(problem_from_placement(box(), robot, here, Pose(-0.2, -0.2, 0.0),
                                     Pose(1.0, 0.3, 0.4)))
 
 

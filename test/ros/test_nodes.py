@@ -14,7 +14,7 @@ from helpers.node_bench import bench
 from push_model.geometry import distance, Pose
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_planner.problem import problem_from_placement
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_ros.conversions.measurements import (
     from_object_pose_message, to_object_pose_message, to_odometry_message,
 )
@@ -49,7 +49,7 @@ PERIOD = 0.02
 @pytest.fixture(scope='module')
 def trajectory():
     """Plan the straight push."""
-    return plan(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
+    return plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
                                        SCENARIO.planner)).trajectory
 
 
@@ -212,7 +212,7 @@ def test_a_plan_that_is_refused_stops_the_push(controller, trajectory):
 def test_a_plan_from_another_site_stops_the_push(controller):
     """The robot does not set out blindly: it is told where to stand."""
     opposite = Pose(-ROBOT.x, -ROBOT.y, ROBOT.theta + math.pi)
-    elsewhere = plan(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, opposite,
+    elsewhere = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, opposite,
                                             Pose(-1.0, 0.0, OBJECT.theta), SCENARIO.planner))
     controller.speak('push_plan', to_plan_message(elsewhere.trajectory, to_stamp(0.1), 'odom'))
     controller.until(lambda: 'has a plan' in last_text(controller))
@@ -351,7 +351,7 @@ def test_a_push_is_planned_again_when_asked(planner):
 
 def test_the_planner_says_where_the_robot_must_stand(tmp_path):
     """With site auto; before a goal there is nothing to plan again."""
-    parameters = {**PHYSICS, 'robot.drive': 'holonomic', 'planner.site': 'auto'}
+    parameters = {**PHYSICS, 'robot.drive': 'holonomic', 'planner.site': 'best'}
     with bench(tmp_path, PLANNER, MODULES[PLANNER], parameters) as b:
         for topic in ('push_plan', 'diagnostics'):
             b.listen(topic)

@@ -7,7 +7,7 @@ from push_control.estimation.contact_site import initial_contact_site
 from push_model.geometry import Pose
 from push_model.signals import Twist
 from push_planner.problem import problem_from_placement
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_ros.conversions.plan import to_plan_message
 from push_ros.conversions.primitives import to_stamp
 from push_ros.parameters import to_parameter_values
@@ -29,7 +29,7 @@ def texts(b):
 
 def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
     """Object and robot go past the goal, 8 cm beside it; the robot stands and the node asks."""
-    target = plan(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
+    target = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
                                          SCENARIO.planner)).trajectory
     assert initial_contact_site(SCENARIO.object, SCENARIO.robot, target).kind == 'vertex'
     asked = []

@@ -255,7 +255,7 @@ def test_measurements_wait_for_the_plan(tmp_path, planned):
 @pytest.fixture(scope='module')
 def planner(tmp_path_factory):
     """Start a planner of chains."""
-    parameters = {**PHYSICS, 'planner.site': 'chain', **to_parameter_values(TaskSettings(), 'task.')}
+    parameters = {**PHYSICS, 'planner.site': 'sequence', **to_parameter_values(TaskSettings(), 'task.')}
     with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
                parameters) as b:
         for topic in ('push_plan', 'planned_path', 'diagnostics'):

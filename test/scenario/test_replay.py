@@ -11,7 +11,8 @@ from push_model.analysis.time_integration import integrate
 from push_model.dynamics import Input, State
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 from push_study.chapter3.errors.mismatch_rollout import replay
 import pytest
 
@@ -25,7 +26,7 @@ ROUGH_LEFT = box(friction=(0.27, 0.27, 0.33, 0.33))
 
 def made(robot, speed=0.3, goal=NEAR, **settings):
     """Plan a push of the box at its face, at constant speed."""
-    return plan(face_problem(goal, robot, pushing_speed=speed, **{
+    return plan_push(face_problem(goal, robot, pushing_speed=speed, **{
         **FREE, 'robot_yaw': 'fixed', 'cone_margin': 0.95, 'friction_discount': 1.0, **settings}))
 
 
@@ -47,12 +48,12 @@ def test_a_plan_leads_to_its_goal_where_the_belief_is_right(point, wide, blind):
         found = replay(answer, blind=blind)
         assert found.position_error < 2e-4
         assert abs(found.heading_error) < 2e-4
-        assert found.friction_usage == pytest.approx(answer.verify().friction_usage, rel=1e-6)
+        assert found.friction_usage == pytest.approx(verify(answer).friction_usage, rel=1e-6)
 
 
 def test_a_push_by_a_differential_drive_is_played_as_well():
-    answer = plan(vertex_problem(Pose(2.0, 0.5, -0.5), DIFFERENTIAL))
-    assert replay(answer).position_error == pytest.approx(answer.verify().position_error, abs=1e-6)
+    answer = plan_push(vertex_problem(Pose(2.0, 0.5, -0.5), DIFFERENTIAL))
+    assert replay(answer).position_error == pytest.approx(verify(answer).position_error, abs=1e-6)
     assert replay(answer, box(friction=(0.3, 0.3, 0.33, 0.3))).position_error > 1e-3
 
 
@@ -107,7 +108,7 @@ def test_a_wide_robot_holds_a_box_that_runs_away_from_a_point(wide):
 
 
 def test_a_robot_that_follows_the_object_is_not_blind():
-    for answer in (plan(vertex_problem(Pose(2.0, 0.5, -0.5), DIFFERENTIAL)),
+    for answer in (plan_push(vertex_problem(Pose(2.0, 0.5, -0.5), DIFFERENTIAL)),
                    made(POINT, motion_model='quasi_static')):
         with pytest.raises(ValueError, match='plan: got .* expected a dynamic one of a point'):
             replay(answer, blind=True)

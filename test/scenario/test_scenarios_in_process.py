@@ -141,7 +141,7 @@ def test_a_robot_without_a_place_is_put_at_the_quickest_site():
     placed = scenario('holonomic_face')
     goal = Placement(0.2, -1.2, 0.1)
     auto = dataclasses.replace(placed, goal=goal, start=Start(),
-                               planner=dataclasses.replace(placed.planner, site='auto'))
+                               planner=dataclasses.replace(placed.planner, site='best'))
     assert auto.robot_start == pytest.approx((0.0, 0.37, -math.pi / 2), abs=1e-9)
     result = run(auto)
     assert is_as_expected(result), result.reason

@@ -6,7 +6,7 @@ import numpy as np
 from push_model.analysis.constant_angles import push_at_angles
 from push_model.analysis.rolling_limits import quasi_static_force
 from push_model.friction import c_squared
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_study.chapter3 import (
     drift as plan_drift, friction_cone as plan_cone, radii as plan_radii,
     raised_speed as plan_raised_speed, rolling as plan_rolling, segments as plan_segments,
@@ -99,7 +99,7 @@ def test_slow_pushes_to_one_goal_have_one_input_and_fast_ones_larger_angles():
 
 def test_the_slowest_input_is_that_of_a_plan_without_inertia():
     given = values('3.5')
-    slow = input_table(plan(push_problem(given, 0.05, given.segments,
+    slow = input_table(plan_push(push_problem(given, 0.05, given.segments,
                                          motion_model='quasi_static')))
     np.testing.assert_allclose(found('3.5')[0]['inputs_0.05']['rho_rad'], slow['rho_rad'],
                                atol=5e-3)
@@ -121,7 +121,7 @@ def test_a_slow_force_is_that_of_friction_and_leans_half_as_far_as_a_small_push(
     """At the end of each segment; the friction centre moves c^2 / (r^2 + c^2) as far aside."""
     given = values('3.3', goal=[1.2, 0.05, 0.06])
     problem = push_problem(given, 0.02, 6)
-    inputs, force, _ = plan_cone.forces(plan(problem), 0.02)
+    inputs, force, _ = plan_cone.forces(plan_push(problem), 0.02)
     obj, place = problem.obj, problem.contact_point
     for rho, end in zip(inputs['rho_rad'], inputs['end_s']):
         angle = force['angle_rad'][np.searchsorted(force['time_s'], end - 1e-6) - 1]
@@ -229,7 +229,7 @@ def test_the_input_misses_least_at_the_speed_that_it_was_planned_for():
 
 def test_played_plans_agree_with_the_replay_of_the_planner():
     given = values('3.11')
-    base = plan(push_problem(given, given.planned_speed, given.segments))
+    base = plan_push(push_problem(given, given.planned_speed, given.segments))
     tables = found('3.11')[0]
     for number, speed in enumerate(given.speeds):
         other = replay(base, pace=speed / given.planned_speed)

@@ -5,7 +5,7 @@ import functools
 
 import numpy as np
 from push_model.parameters import PushedObject, Support
-from push_planner.single_push.planner import plan
+from push_planner.single_push.planner import plan_push
 from push_study.chapter3.errors.mismatch_rollout import replay
 from push_study.chapter3.errors.truth import truth
 from push_study.chapter3.scene import push_problem, SCENE, SEGMENTS
@@ -81,7 +81,7 @@ class PlayedPush:
         return _plan(push_problem(self, speed, self.segments, radius, obj=self.object))
 
 
-_plan = functools.lru_cache(maxsize=32)(plan)
+_plan = functools.lru_cache(maxsize=32)(plan_push)
 
 
 def error_table(values, batch, kinds, robots=ROBOTS):
