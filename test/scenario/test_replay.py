@@ -19,7 +19,7 @@ import pytest
 pytestmark = pytest.mark.physics
 POINT = RoundRobot(0.0, 'holonomic', max_speed=5.0, max_acceleration=100.0)
 ROUND = RoundRobot(0.35, 'holonomic', max_speed=5.0, max_acceleration=100.0)
-FREE = {'deceleration': 0.0, 'run_in': 0.0, 'segments': 6}
+FREE = {'deceleration': 0.0, 'final_straight': 0.0, 'segments': 6}
 NEAR = Pose(1.5, 0.1, 0.1)
 ROUGH_LEFT = box(friction=(0.27, 0.27, 0.33, 0.33))
 
