@@ -28,7 +28,7 @@ ROLLED_WAYS = 0.2, 2.0
 def settings(speed, **wanted):
     """Return the planner's settings; no braking and no straight end, unless wanted."""
     return PlannerSettings(**{
-        'pushing_speed': speed, 'run_in': 0.0, 'deceleration': 0.0,
+        'pushing_speed': speed, 'final_straight': 0.0, 'deceleration': 0.0,
         'max_path_length': LONGEST_WAY, 'position_tolerance': POSITION_TOLERANCE,
         'heading_tolerance': HEADING_TOLERANCE, **wanted})
 
@@ -179,7 +179,7 @@ def families():
     optional = {
         'free heading': {'heading_free': True},
         'braking at 0.5 m/s^2': {'deceleration': 0.5},
-        'straight at the end': {'run_in': 0.4},
+        'straight at the end': {'final_straight': 0.4},
         'quasi-static': {'motion_model': 'quasi_static', **slow},
         'constant angles': {'pushing_angles': 'constant', **slow}}
     kinds.update({f'square, mid-face, {name}': functools.partial(mid_face, **wanted)

@@ -37,7 +37,7 @@ def push_problem(values, speed, segments, radius=0.0, goal=None, obj=None, **set
     :return: ``PushProblem``.
     """
     fields = {'pushing_angles': 'constant', 'segments': int(segments), 'segment_length': LONGEST,
-              'pushing_speed': speed, 'deceleration': 0.0, 'run_in': 0.0, 'robot_yaw': 'fixed',
+              'pushing_speed': speed, 'deceleration': 0.0, 'final_straight': 0.0, 'robot_yaw': 'fixed',
               'friction_discount': 1.0}
     if 'cone_margin' not in settings:
         fields['cone_margin'] = values.cone_margin
