@@ -46,7 +46,7 @@ class FoundContact(NamedTuple):
 
 def rolling_constants(robot_radius: float, object_radius: float) -> RollingConstants:
     """
-    Rolling constants of two surfaces.
+    Find the rolling constants of two surfaces.
 
     They have limits for a vertex (R_s = 0), a flat face (R_s infinite), a point robot (R_p = 0)
     and a flat pusher (R_p infinite).

@@ -1,15 +1,20 @@
 """
-Shortest forward paths of bounded curvature, with unequal radii to the left and to the right.
+Dubins paths: shortest forward paths of bounded curvature, with unequal radii to either side.
 
-After L. E. Dubins (1957); the construction by tangent circles works for unequal radii as well.
+After L. E. Dubins, On curves of minimal length with a constraint on average curvature (1957). A
+path is a word of three letters: L and R are arcs at the tightest radius to the left and to the
+right, S is a straight line. The construction by tangent circles works for unequal radii as well.
 """
 
 import math
 from typing import NamedTuple
 
-from push_model.geometry import Pose
+from push_model.geometry import Coordinates, Pose
 
 SIDES = {'L': 1.0, 'S': 0.0, 'R': -1.0}
+WORDS = ('LSL', 'RSR', 'LSR', 'RSL', 'LRL', 'RLR')
+# Lengths of the three segments of a path [m].
+Lengths = tuple[float, float, float]
 
 
 class DubinsPath(NamedTuple):
@@ -17,26 +22,26 @@ class DubinsPath(NamedTuple):
     A path of up to three arcs and straight lines.
 
     :param start: ``Pose`` at its beginning.
-    :param word: its pieces in order, letters L, S, R.
-    :param lengths: length of each piece [m].
-    :param curvatures: signed curvature of each piece, positive to the left [1/m].
+    :param word: its segments in order, letters L, S, R.
+    :param lengths: length of each segment [m].
+    :param curvatures: signed curvature of each segment, positive to the left [1/m].
     """
 
     start: Pose
     word: str
-    lengths: tuple
-    curvatures: tuple
+    lengths: tuple[float, ...]
+    curvatures: tuple[float, ...]
 
     @property
-    def length(self):
+    def length(self) -> float:
         """Length of the whole path [m]."""
         return sum(self.lengths)
 
-    def at(self, s):
+    def at(self, s: float) -> tuple[Pose, float]:
         """
-        Return the pose and curvature after a way; beyond the ends the path goes on straight.
+        Return pose and curvature at an arc length; beyond the ends the path goes on straight.
 
-        :param s: way from the start [m].
+        :param s: arc length from the start [m].
         :return: (``Pose`` with unwrapped angle, curvature [1/m]).
         """
         pose, left = self.start, s
@@ -49,12 +54,12 @@ class DubinsPath(NamedTuple):
         return advance_along_arc(pose, left, 0.0), 0.0
 
 
-def advance_along_arc(pose, length, curvature):
+def advance_along_arc(pose: Pose, length: float, curvature: float) -> Pose:
     """
-    Follow an arc.
+    Follow an arc from a pose.
 
     :param pose: ``Pose`` at its beginning.
-    :param length: way along the arc [m], may be negative.
+    :param length: arc length [m], may be negative.
     :param curvature: signed curvature [1/m].
     :return: ``Pose`` at its end.
     """
@@ -64,14 +69,15 @@ def advance_along_arc(pose, length, curvature):
                 pose.y + chord * math.sin(pose.theta + half), pose.theta + 2.0 * half)
 
 
-def dubins_paths(start, goal, radius_left, radius_right):
+def dubins_paths(start: Coordinates, goal: Coordinates, radius_left: float,
+                 radius_right: float) -> list[DubinsPath]:
     """
     Find every Dubins path between two poses, shortest first.
 
     :param start: ``Pose`` at the beginning.
     :param goal: ``Pose`` at the end.
-    :param radius_left: radius of left turns [m], above 0.
-    :param radius_right: radius of right turns [m], above 0.
+    :param radius_left: radius of arcs to the left [m], above 0.
+    :param radius_right: radius of arcs to the right [m], above 0.
     :return: list of ``DubinsPath``; LSL and RSR always exist.
     :raises ValueError: where a radius is not above 0 and finite.
     """
@@ -79,29 +85,33 @@ def dubins_paths(start, goal, radius_left, radius_right):
     for side, radius in radii.items():
         if not 0.0 < radius < math.inf:
             raise ValueError(f'radius {side}: got {radius!r}, expected a finite one above 0 [m]')
-    found = []
-    for word in ('LSL', 'RSR', 'LSR', 'RSL', 'LRL', 'RLR'):
-        solve = _curve_line_curve if word[1] == 'S' else _three_curves
+    found: list[DubinsPath] = []
+    for word in WORDS:
+        solve = _arc_line_arc if word[1] == 'S' else _three_arcs
         for lengths in solve(start, goal, word, radii):
             curvatures = tuple(SIDES[c] / radii.get(c, 1.0) for c in word)
             found.append(DubinsPath(Pose(*start), word, lengths, curvatures))
     return sorted(found, key=lambda path: path.length)
 
 
-def _center(pose, side, radii):
+def _circle_center(pose: Coordinates, side: str, radii: dict[str, float]) -> tuple[float, float]:
+    """Centre of the circle on which the path leaves or reaches a pose."""
     offset = SIDES[side] * radii[side]
     return pose[0] - offset * math.sin(pose[2]), pose[1] + offset * math.cos(pose[2])
 
 
-def _arc(side, begin, end, radii):
-    turn = (SIDES[side] * (end - begin)) % (2.0 * math.pi)
-    return 0.0 if 2.0 * math.pi - turn < 1e-9 else turn * radii[side]
+def _arc_length(side: str, begin: float, end: float, radii: dict[str, float]) -> float:
+    """Length of the arc between two headings; a full circle by rounding counts as none."""
+    angle = (SIDES[side] * (end - begin)) % (2.0 * math.pi)
+    return 0.0 if 2.0 * math.pi - angle < 1e-9 else angle * radii[side]
 
 
-def _curve_line_curve(start, goal, word, radii):
+def _arc_line_arc(start: Coordinates, goal: Coordinates, word: str,
+                  radii: dict[str, float]) -> list[Lengths]:
+    """Path along the common tangent of the circles at start and goal, if they have one."""
     first, last = word[0], word[2]
-    x0, y0 = _center(start, first, radii)
-    x1, y1 = _center(goal, last, radii)
+    x0, y0 = _circle_center(start, first, radii)
+    x1, y1 = _circle_center(goal, last, radii)
     between, bearing = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
     cross = SIDES[first] * radii[first] - SIDES[last] * radii[last]
     if between < abs(cross):
@@ -110,23 +120,28 @@ def _curve_line_curve(start, goal, word, radii):
     if between == 0.0:
         heading = start[2]
     line = math.sqrt(between * between - cross * cross)
-    return [(_arc(first, start[2], heading, radii), line, _arc(last, heading, goal[2], radii))]
+    return [(_arc_length(first, start[2], heading, radii), line,
+             _arc_length(last, heading, goal[2], radii))]
 
 
-def _three_curves(start, goal, word, radii):
+def _three_arcs(start: Coordinates, goal: Coordinates, word: str,
+                radii: dict[str, float]) -> list[Lengths]:
+    """Paths over a middle circle that touches those at start and goal, on either side of both."""
     outer, inner = word[0], word[1]
-    x0, y0 = _center(start, outer, radii)
-    x1, y1 = _center(goal, outer, radii)
+    x0, y0 = _circle_center(start, outer, radii)
+    x1, y1 = _circle_center(goal, outer, radii)
     between, bearing = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
-    reach = radii['L'] + radii['R']
-    if between > 2.0 * reach or between < 1e-12:
+    side_length = radii['L'] + radii['R']
+    if between > 2.0 * side_length or between < 1e-12:
         return []
-    opening = math.acos(0.5 * between / reach)
-    found = []
+    # The three centres make an isosceles triangle; this is the angle at its base.
+    base_angle = math.acos(0.5 * between / side_length)
+    found: list[Lengths] = []
     for sign in (1.0, -1.0):
         quarter = SIDES[outer] * 0.5 * math.pi
-        leave = bearing + sign * opening + quarter
-        join = bearing + math.pi - sign * opening + quarter
-        found.append((_arc(outer, start[2], leave, radii), _arc(inner, leave, join, radii),
-                      _arc(outer, join, goal[2], radii)))
+        leave = bearing + sign * base_angle + quarter
+        join = bearing + math.pi - sign * base_angle + quarter
+        found.append((_arc_length(outer, start[2], leave, radii),
+                      _arc_length(inner, leave, join, radii),
+                      _arc_length(outer, join, goal[2], radii)))
     return found

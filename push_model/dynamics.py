@@ -221,12 +221,12 @@ def _along_normal(gamma: Any, x: Any, y: Any) -> tuple[Any, Any]:
 
 
 def _lever(terms: ObjectTerms, state: State) -> tuple[Any, Any]:
-    """r = G - C in world axes."""
+    """Vector r from C to G in world axes."""
     return _rotated(state.theta, terms.com_x - state.c_x, terms.com_y - state.c_y)
 
 
 def _bias(terms: ObjectTerms, state: State, inputs: Input, rolling: Rolling) -> tuple[Any, Any]:
-    """a_bias: the acceleration of G where the yaw rate does not change."""
+    """Find a_bias, the acceleration of G where the yaw rate does not change."""
     r_x, r_y = _lever(terms, state)
     _, effective_radius = rolling
     centripetal = state.omega * effective_radius * (state.omega - inputs.omega_p)

@@ -1,97 +1,23 @@
-"""What the physics knows of objects and robots: units, ranges and meanings, written once."""
+"""
+Parameters of objects, robots and contacts: units, ranges and meanings, written once.
+
+An object stands on point supports under a rigid plate. Where no more is given, its inertia is that
+of a uniform plate in the shape of its outline, and its supports share the load like springs of
+equal stiffness.
+"""
 
 import dataclasses
 import functools
 import math
-from typing import get_args, Literal
+from typing import Any, get_args, Literal
 
 import numpy as np
+from push_model.geometry import Coordinates, FloatArray, Polygon
 from push_model.quantity import check, quantity
 from scipy.optimize import nnls
 
 
-def plate_inertia(mass, outline, radius=0.0):
-    """
-    Moment of inertia about the vertical axis through the mass centre [kg m^2].
-
-    That of a uniform plate in the shape of the outline, about its centroid. It is also taken where
-    the mass centre is elsewhere: what moves it is thought to be spread out as far as the plate.
-
-    :param mass: [kg].
-    :param outline: vertices (x, y) of a polygon, counter-clockwise [m]; empty for a disc.
-    :param radius: of the disc [m].
-    :return: inertia [kg m^2].
-    """
-    if not outline:
-        return 0.5 * mass * radius ** 2
-    # Triangles between the centroid of the vertices, which is inside, and the edges.
-    count = len(outline)
-    o_x, o_y = sum(x for x, _ in outline) / count, sum(y for _, y in outline) / count
-    area, first_x, first_y, second = 0.0, 0.0, 0.0, 0.0
-    for i, (x, y) in enumerate(outline):
-        a_x, a_y = outline[i - 1][0] - o_x, outline[i - 1][1] - o_y
-        b_x, b_y = x - o_x, y - o_y
-        part = 0.5 * (a_x * b_y - a_y * b_x)
-        area += part
-        first_x += part * (a_x + b_x) / 3.0
-        first_y += part * (a_y + b_y) / 3.0
-        second += part * (a_x * a_x + a_x * b_x + b_x * b_x
-                          + a_y * a_y + a_y * b_y + b_y * b_y) / 6.0
-    return mass * (second / area - (first_x / area) ** 2 - (first_y / area) ** 2)
-
-
-BALANCE_TOLERANCE = 0.01
-STIFF = 1e5
-
-
-def load_fractions(points, given, center):
-    """
-    Share of the weight on each support.
-
-    :param points: places of the supports, shape (k, 2) [m].
-    :param given: relative shares, one per support; all 0 where none are given.
-    :param center: mass centre (x, y) [m], same frame.
-    :return: tuple of k shares that sum up to 1.
-    :raises ValueError: where the object would tip, where given shares do not balance it, or where
-        only some are given; the text has no name in front.
-    """
-    points, given, center = (np.array(v, dtype=float) for v in (points, given, center))
-    reach = max(float(np.abs(points - center).max()), 1e-9)
-    shares = _balanced((points - center) / reach)
-    if shares is None:
-        raise ValueError(f'got a mass centre at ({center[0]:g}, {center[1]:g}), expected it '
-                         'inside the hull of the supports: the object would tip')
-    if given.any() and not given.all():
-        raise ValueError(f'got load shares {given.tolist()}, expected one above 0 for every '
-                         'support, or none')
-    given = given / given.sum() if given.any() else shares
-    pressure = given @ points
-    if np.abs(pressure - center).max() > BALANCE_TOLERANCE * reach:
-        raise ValueError(f'got load shares that balance about ({pressure[0]:.4g}, '
-                         f'{pressure[1]:.4g}), expected about the mass centre ({center[0]:g}, '
-                         f'{center[1]:g}): change either, or give no shares')
-    # Where statics leave no choice, rounded shares do not count.
-    return tuple((shares if _is_determinate(points) else given).tolist())
-
-
-def _is_determinate(points):
-    return np.linalg.matrix_rank(np.column_stack([np.ones(len(points)), points])) == len(points)
-
-
-def _balanced(points):
-    # Least squares of the loads among all that balance: springs of equal stiffness under a plate.
-    rows = np.vstack([np.ones(len(points)), points.T])
-    want = np.array([1.0, 0.0, 0.0])
-    rough, _ = nnls(np.vstack([STIFF * rows, np.eye(len(points))]),
-                    np.concatenate([STIFF * want, np.zeros(len(points))]))
-    # A foot without load is allowed: a mass centre on the edge of the hull is at the limit.
-    carrying = rough > 1e-9
-    shares = np.zeros(len(points))
-    shares[carrying] = np.linalg.lstsq(rows[:, carrying], want, rcond=None)[0]
-    balances = np.abs(rows @ shares - want).max() < 1e-6 and shares.min() > -1e-6
-    return np.maximum(shares, 0.0) if balances else None
-
-
+# Standard acceleration of free fall, to the digits that friction coefficients deserve [m/s^2].
 GRAVITY = 9.81
 Drive = Literal['differential', 'holonomic']
 DRIVES: tuple[Drive, ...] = get_args(Drive)
@@ -102,15 +28,15 @@ Outline = tuple[tuple[float, float], ...]
 
 @dataclasses.dataclass(frozen=True)
 class Support:
-    """A foot of the object: where it stands, what it carries, how it rubs."""
+    """A support point of the object: its position, its load and its friction."""
 
     x: float = quantity('position in the object frame, x', 'm')
     y: float = quantity('position in the object frame, y', 'm')
     friction_coefficient: float = quantity('Coulomb friction on the floor', '', 0.0, 10.0)
-    load_fraction: float = quantity('share of the weight, relative to the other supports; 0 for all: '
-                                    'as the mass centre has it', '', 0.0, default=0.0)
+    load_fraction: float = quantity('fraction of the weight, relative to the other supports; 0 '
+                                    'for all: as the mass centre has it', '', 0.0, default=0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
@@ -137,12 +63,13 @@ class PushedObject:
     contact_friction_coefficient: float = quantity('Coulomb friction between outline and robot',
                                                    '', 0.0, 10.0, default=0.5)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields and the shape."""
         check(self)
         if not self.supports:
             raise ValueError('PushedObject.supports: got none, expected at least one Support')
-        for support in self.supports:
+        supports: tuple[Any, ...] = self.supports
+        for support in supports:
             if not isinstance(support, Support):
                 raise ValueError(f'PushedObject.supports: got {support!r}, expected a Support')
         if len(self.center_of_mass) != 2:
@@ -156,15 +83,20 @@ class PushedObject:
         if self.inertia == 0.0:
             object.__setattr__(self, 'inertia',
                                plate_inertia(self.mass, self.outline, self.radius))
-        object.__setattr__(self, '_shares', _balanced_shares(self.supports, self.center_of_mass))
+        # Refuses supports that do not balance the object.
+        _support_load_fractions(self.supports, self.center_of_mass)
+
+    @functools.cached_property
+    def _load_fractions(self) -> tuple[float, ...]:
+        return _support_load_fractions(self.supports, self.center_of_mass)
 
     @property
-    def loads(self):
+    def loads(self) -> tuple[float, ...]:
         """Normal load on each support [N], shape (k,); they balance about the mass centre."""
-        return tuple(self.mass * GRAVITY * share for share in self._shares)
+        return tuple(self.mass * GRAVITY * fraction for fraction in self._load_fractions)
 
     @property
-    def capacities(self):
+    def capacities(self) -> tuple[float, ...]:
         """Friction capacity ``q_i = mu_i N_i`` of each support [N], shape (k,)."""
         return tuple(support.friction_coefficient * load
                      for support, load in zip(self.supports, self.loads))
@@ -175,11 +107,11 @@ class RoundRobot:
     """
     A disc-shaped mobile base and the limits of its drive.
 
-    A radius of 0 is a point. An infinite one is a straight fence through the robot's position,
-    which faces along its heading.
+    A radius of 0 is a point. An infinite one is a flat pusher, a straight edge through the robot's
+    position that faces along its heading.
     """
 
-    radius: float = quantity('radius of the outline; 0: a point, infinite: a straight fence', 'm',
+    radius: float = quantity('radius of the outline; 0: a point, infinite: a flat pusher', 'm',
                              0.0, infinite=True)
     drive: Drive = quantity('kinematics of the base', choices=DRIVES, default='differential')
     max_speed: float = quantity('speed limit', 'm/s', above=0.0, high=10.0, default=0.5)
@@ -191,7 +123,7 @@ class RoundRobot:
     time_constant: float = quantity('first-order lag from command to motion', 's', 0.0, 5.0,
                                     default=0.1)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
@@ -207,36 +139,134 @@ class Contact:
                              'as the robot looks at it; on a round outline: angle of the contact '
                              'in the object frame; 0 at a vertex', 'm or rad', default=0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
 
-# Kept, as variations of an object mostly stand on the same feet.
+def plate_inertia(mass: float, outline: Polygon, radius: float = 0.0) -> float:
+    """
+    Moment of inertia about the vertical axis through the mass centre [kg m^2].
+
+    That of a uniform plate in the shape of the outline, about its centroid. It is also taken where
+    the mass centre is elsewhere: what moves it is thought to be spread out as far as the plate.
+    The plate is cut into triangles (o, a, b) between a point o inside and the edges ab:
+
+        A = sum A_k,   A c = sum A_k (a + b) / 3,   J = sum A_k (a.a + a.b + b.b) / 6
+        I = m (J / A - |c|^2)
+
+    :param mass: m [kg].
+    :param outline: vertices (x, y) of a polygon, counter-clockwise [m]; empty for a disc.
+    :param radius: of the disc [m].
+    :return: inertia I [kg m^2].
+    """
+    if not outline:
+        return 0.5 * mass * radius ** 2
+    count = len(outline)
+    o_x, o_y = sum(x for x, _ in outline) / count, sum(y for _, y in outline) / count
+    area, first_x, first_y, second = 0.0, 0.0, 0.0, 0.0
+    for i, (x, y) in enumerate(outline):
+        a_x, a_y = outline[i - 1][0] - o_x, outline[i - 1][1] - o_y
+        b_x, b_y = x - o_x, y - o_y
+        triangle = 0.5 * (a_x * b_y - a_y * b_x)
+        area += triangle
+        first_x += triangle * (a_x + b_x) / 3.0
+        first_y += triangle * (a_y + b_y) / 3.0
+        second += triangle * (a_x * a_x + a_x * b_x + b_x * b_x
+                              + a_y * a_y + a_y * b_y + b_y * b_y) / 6.0
+    return mass * (second / area - (first_x / area) ** 2 - (first_y / area) ** 2)
+
+
+# Chosen: given load fractions may put the mass centre off by this fraction of the supports'
+# extent, as weighed ones do.
+BALANCE_TOLERANCE = 0.01
+# Weight of the balance against the spread of the loads in the first, rough solution. Chosen: large
+# enough that supports without load are told from others, and well below 1e8, where the squared
+# problem loses all digits of the spread.
+BALANCE_STIFFNESS = 1e5
+
+
+def load_fractions(points: Any, given: Any, center: Coordinates) -> tuple[float, ...]:
+    """
+    Fraction of the weight on each support.
+
+    :param points: positions of the supports, shape (k, 2) [m].
+    :param given: relative fractions, one per support; all 0 where none are given.
+    :param center: mass centre (x, y) [m], same frame.
+    :return: tuple of k fractions that sum up to 1.
+    :raises ValueError: where the object would tip, where given fractions do not balance it, or
+        where only some are given; the text has no name in front.
+    """
+    points, given, center = (np.array(v, dtype=float) for v in (points, given, center))
+    extent = max(float(np.abs(points - center).max()), 1e-9)
+    balanced = _spring_loads((points - center) / extent)
+    if balanced is None:
+        raise ValueError(f'got a mass centre at ({center[0]:g}, {center[1]:g}), expected it '
+                         'inside the hull of the supports: the object would tip')
+    if given.any() and not given.all():
+        raise ValueError(f'got load fractions {given.tolist()}, expected one above 0 for every '
+                         'support, or none')
+    given = given / given.sum() if given.any() else balanced
+    pressure = given @ points
+    if np.abs(pressure - center).max() > BALANCE_TOLERANCE * extent:
+        raise ValueError(f'got load fractions that balance about ({pressure[0]:.4g}, '
+                         f'{pressure[1]:.4g}), expected about the mass centre ({center[0]:g}, '
+                         f'{center[1]:g}): change either, or give no fractions')
+    # Where statics leave no choice, rounded fractions do not count.
+    return tuple((balanced if _is_determinate(points) else given).tolist())
+
+
+def _is_determinate(points: FloatArray) -> bool:
+    rank = np.linalg.matrix_rank(np.column_stack([np.ones(len(points)), points]))
+    return bool(rank == len(points))
+
+
+def _spring_loads(points: FloatArray) -> FloatArray | None:
+    """
+    Load fractions of springs of equal stiffness under a rigid plate, or None where it tips.
+
+    These are the least squares of the loads w >= 0 among all that balance about the origin,
+    ``sum w = 1, sum w s = 0``.
+    """
+    balance = np.vstack([np.ones(len(points)), points.T])
+    wanted = np.array([1.0, 0.0, 0.0])
+    rough, _ = nnls(np.vstack([BALANCE_STIFFNESS * balance, np.eye(len(points))]),
+                    np.concatenate([BALANCE_STIFFNESS * wanted, np.zeros(len(points))]))
+    # A support without load is allowed: a mass centre on the edge of the hull is at the limit.
+    carrying = rough > 1e-9
+    loads = np.zeros(len(points))
+    loads[carrying] = np.linalg.lstsq(balance[:, carrying], wanted, rcond=None)[0]
+    balances = np.abs(balance @ loads - wanted).max() < 1e-6 and loads.min() > -1e-6
+    return np.maximum(loads, 0.0) if balances else None
+
+
+# Kept, as variations of an object mostly stand on the same supports; 256 such sets take few kB.
 @functools.lru_cache(maxsize=256)
-def _balanced_shares(supports, center_of_mass):
+def _support_load_fractions(supports: tuple[Support, ...],
+                            center_of_mass: tuple[float, float]) -> tuple[float, ...]:
     try:
-        return load_fractions([(foot.x, foot.y) for foot in supports],
-                              [foot.load_fraction for foot in supports], center_of_mass)
+        return load_fractions([(support.x, support.y) for support in supports],
+                              [support.load_fraction for support in supports], center_of_mass)
     except ValueError as error:
         raise ValueError(f'PushedObject.supports: {error}') from error
 
 
-def _check_convex(outline):
+def _check_convex(outline: tuple[Any, ...]) -> None:
     for vertex in outline:
         if not isinstance(vertex, tuple) or len(vertex) != 2:
             raise ValueError(f'PushedObject.outline: got vertex {vertex!r}, expected (x, y) [m]')
     if len(outline) < 3:
         raise ValueError(f'PushedObject.outline: got {len(outline)} vertices, expected 3 or more')
-    turned = 0.0
+    rotation = 0.0
     for i, (x, y) in enumerate(outline):
         x0, y0 = outline[i - 1]
         x1, y1 = outline[(i + 1) % len(outline)]
         cross = (x - x0) * (y1 - y) - (y - y0) * (x1 - x)
         dot = (x - x0) * (x1 - x) + (y - y0) * (y1 - y)
         if cross <= 0.0:
-            raise ValueError(f'PushedObject.outline: got a turn of {math.atan2(cross, dot):.3g} '
-                             f'rad at vertex {i}, expected a convex outline, counter-clockwise')
-        turned += math.atan2(cross, dot)
-    if abs(turned - 2 * math.pi) > 1e-6:
+            raise ValueError('PushedObject.outline: got an exterior angle of '
+                             f'{math.atan2(cross, dot):.3g} rad at vertex {i}, expected a convex '
+                             'outline, counter-clockwise')
+        rotation += math.atan2(cross, dot)
+    if abs(rotation - 2 * math.pi) > 1e-6:
         raise ValueError('PushedObject.outline: got edges that cross, expected a convex outline')

@@ -101,7 +101,7 @@ def range_text(metadata: Mapping[str, Any]) -> str:
 
 
 def _normalised(name: str, value: Any, kind: Any, metadata: Mapping[str, Any]) -> Any:
-    if dataclasses.is_dataclass(kind):
+    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         if not isinstance(value, kind):
             raise ValueError(f'{name}: got {value!r}, expected a {kind.__name__}')
         return value

@@ -1,4 +1,4 @@
-"""What is measured and commanded: the pure counterparts of the topics."""
+"""Measurements and commands, the pure counterparts of the topics."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from push_model.geometry import Pose
 
 
 class Twist(NamedTuple):
-    """Velocity (v_x, v_y) [m/s] and yaw rate omega [rad/s], in the robot's own axes."""
+    """Velocity (v_x, v_y) [m/s] and yaw rate omega [rad/s], in robot axes."""
 
     v_x: float = 0.0
     v_y: float = 0.0
@@ -17,7 +17,7 @@ STOP = Twist()
 
 
 class Odometry(NamedTuple):
-    """Robot pose in the world frame and twist in its own axes, measured at a time [s]."""
+    """Robot pose in the world frame and twist in robot axes, measured at a time [s]."""
 
     time: float
     pose: Pose

@@ -1,8 +1,10 @@
-"""A push over time: object, contact and robot. What planner and controller hand to each other."""
+"""Trajectory of a push: object, contact and robot over time, from planner to controller."""
 
 import dataclasses
+import os
 
 import numpy as np
+from push_model.geometry import FloatArray
 
 COLUMNS = ('object_poses', 'object_twists', 'contact_poses', 'contact_twists', 'robot_poses',
            'robot_twists')
@@ -17,22 +19,22 @@ class PushTrajectory:
     :param object_poses: object frame (x, y, theta) [m, m, rad], shape (n, 3), angle unwrapped.
     :param object_twists: its (v_x, v_y, omega) [m/s, m/s, rad/s], world axes, shape (n, 3).
     :param contact_poses: contact point and normal (x, y, gamma), shape (n, 3).
-    :param contact_twists: material velocity of the object at the contact and turning rate of the
+    :param contact_twists: material velocity of the object at the contact and yaw rate of the
         normal (v_x, v_y, gamma'), shape (n, 3).
     :param robot_poses: robot centre and heading (x, y, phi), shape (n, 3).
     :param robot_twists: its (v_x, v_y, omega_p), world axes, shape (n, 3).
     :raises ValueError: naming the array, its shape or the sample that is wrong.
     """
 
-    times: np.ndarray
-    object_poses: np.ndarray
-    object_twists: np.ndarray
-    contact_poses: np.ndarray
-    contact_twists: np.ndarray
-    robot_poses: np.ndarray
-    robot_twists: np.ndarray
+    times: FloatArray
+    object_poses: FloatArray
+    object_twists: FloatArray
+    contact_poses: FloatArray
+    contact_twists: FloatArray
+    robot_poses: FloatArray
+    robot_twists: FloatArray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Check shapes and values, and freeze the arrays."""
         count = len(self.times)
         if count < 2:
@@ -54,16 +56,16 @@ class PushTrajectory:
                              'from 0 [s]')
 
     @property
-    def duration(self):
-        """Time that the push takes [s]."""
+    def duration(self) -> float:
+        """Duration of the push [s]."""
         return float(self.times[-1])
 
     @property
-    def path_length(self):
-        """Way of the robot's centre [m]."""
+    def path_length(self) -> float:
+        """Length of the path of the robot's centre [m]."""
         return float(np.hypot(*np.diff(self.robot_poses[:, :2], axis=0).T).sum())
 
-    def at(self, time):
+    def at(self, time: float) -> dict[str, FloatArray]:
         """
         Interpolate linearly, holding the ends.
 
@@ -73,16 +75,16 @@ class PushTrajectory:
         return {name: np.array([np.interp(time, self.times, column)
                                 for column in getattr(self, name).T]) for name in COLUMNS}
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike[str]) -> None:
         """
         Write the trajectory to a file.
 
-        :param path: where, by convention ``*.npz``.
+        :param path: of the file, by convention ``*.npz``.
         """
         np.savez(path, times=self.times, **{name: getattr(self, name) for name in COLUMNS})
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | os.PathLike[str]) -> 'PushTrajectory':
         """
         Read a trajectory that ``save`` wrote.
 
