@@ -22,7 +22,7 @@ class ConvergedLaw(PredictiveLaw):
         :param settings: ``ControlSettings``.
         """
         super().__init__(robot, settings)
-        self._nlp = _programme(robot.drive, settings)
+        self._nlp = _horizon_nlp(robot.drive, settings)
 
     def _optimum(self, situation):
         self._fill(situation)
@@ -38,7 +38,7 @@ class ConvergedLaw(PredictiveLaw):
         return float(self._plan[0])
 
 
-def _programme(drive, settings):
+def _horizon_nlp(drive, settings):
     """Build the problem of one horizon, with the soft constraints' one slack."""
     weights, steps = optimal_weights(settings), settings.horizon_steps
     _, problem = horizon_problem(drive, steps, settings.horizon_step, weights)

@@ -20,7 +20,7 @@ from push_scenario.definition.scenario import Placement, Scenario, Start
 from push_scenario.simulation.loop import run
 from push_sim_node.plant import Plant
 
-HALF, SPEED, WAY, PERIOD = 0.5, 0.1, 30.0, 0.02
+HALF, SPEED, PATH_LENGTH, PERIOD = 0.5, 0.1, 30.0, 0.02
 CORNERS = ((-HALF, -HALF), (HALF, -HALF), (HALF, HALF), (-HALF, HALF))
 ROBOT = RoundRobot(0.05, 'holonomic', max_speed=0.3)
 INERTIAS = (1.0 / 12.0, 1.0 / 6.0, 0.5)
@@ -68,44 +68,44 @@ def _placed(job):
 def _published(job, box, start):
     robot_pose = start.robot_pose(box, ROBOT.radius)._replace(theta=0.0)
     plant = Plant(box, ROBOT, start.object.pose, robot_pose, PERIOD / 4, 1e-5)
-    ways = []
-    for k in range(round(1.3 * WAY / SPEED / PERIOD)):
+    positions = []
+    for k in range(round(1.3 * PATH_LENGTH / SPEED / PERIOD)):
         truth = plant.truth(k * PERIOD)
-        ways.append((truth.object_pose.x, truth.object_pose.y))
-        if truth.robot_pose.x >= WAY:
+        positions.append((truth.object_pose.x, truth.object_pose.y))
+        if truth.robot_pose.x >= PATH_LENGTH:
             break
         if job['law'] == 'dipole':
-            angle = dipole_law(truth, (WAY + 10.0, 0.0))
+            angle = dipole_law(truth, (PATH_LENGTH + 10.0, 0.0))
         else:
             angle = force_angle_law(truth, 0.0, truth.contact_point[1])
         angle -= truth.robot_pose.theta
         plant.advance(PERIOD, Twist(SPEED * math.cos(angle), SPEED * math.sin(angle), 0.0))
-    return judged('', np.array(ways))
+    return evaluate_path('', np.array(positions))
 
 
 def _ours(job, box, start):
-    settings = PlannerSettings(pushing_speed=SPEED, max_path_length=2.0 * WAY)
-    goal = Placement(WAY + HALF, 0.0, 0.0)
+    settings = PlannerSettings(pushing_speed=SPEED, max_path_length=2.0 * PATH_LENGTH)
+    goal = Placement(PATH_LENGTH + HALF, 0.0, 0.0)
     case = Scenario(name='grid', description='straight on', object=box, truth=box, robot=ROBOT,
                     robot_truth=ROBOT, start=start, goal=goal, planner=settings, time_limit=900.0)
     result = run(case, job['law'])
     if result.tape is None:
         return {'outcome': result.reason, 'off': math.nan, 'converged': False}
-    ways = result.tape.poses('object')[:, :2]
-    return judged('' if result.outcome == 'done' else result.reason, ways)
+    positions = result.tape.poses('object')[:, :2]
+    return evaluate_path('' if result.outcome == 'done' else result.reason, positions)
 
 
-def judged(outcome, ways):
+def evaluate_path(outcome, positions):
     """
     Judge a push by the last half metre of its way.
 
     :param outcome: why it ended early, or ''.
-    :param ways: places of the object, shape (n, 2).
+    :param positions: places of the object, shape (n, 2).
     :return: as ``push``.
     """
-    x, y = ways.T
-    last = (x >= WAY - LAST) & (x <= WAY)
-    arrived = bool(x.max() >= WAY - 0.5)
+    x, y = positions.T
+    last = (x >= PATH_LENGTH - LAST) & (x <= PATH_LENGTH)
+    arrived = bool(x.max() >= PATH_LENGTH - 0.5)
     off = float(np.abs(y[last]).max()) if last.any() else math.nan
     return {'outcome': outcome or ('' if arrived else 'not there'), 'off': off,
             'converged': bool(arrived and off <= CLOSE)}

@@ -16,8 +16,8 @@ from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import yaw_rate
 from scipy.integrate import solve_ivp
 
-STRETCH = 8.0
-LONGEST_PIECE = 1.0
+SECTION_LENGTH = 8.0
+MAX_SEGMENT_LENGTH = 1.0
 ACCURACY = 1e-9
 INSTANT = 2e-6
 STRAIGHT = 1e-7
@@ -32,35 +32,36 @@ class Replay(NamedTuple):
     :param heading_error: the same of the heading, unless it is free, and of the contact normal
         between stretches [rad].
     :param steepest: largest angle of the contact force from the normal [rad].
-    :param way: of the contact [m].
-    :param stretches: number of stretches.
+    :param path_length: of the contact [m].
+    :param sections: number of stretches.
     """
 
     position_error: float
     heading_error: float
     steepest: float
-    way: float
-    stretches: int
+    path_length: float
+    sections: int
 
 
-class Pieces(NamedTuple):
+class ContactMotion(NamedTuple):
     """Samples of what moves the contact: times, speeds, pushing angles; where pieces begin."""
 
     times: np.ndarray
     speeds: np.ndarray
     angles: np.ndarray
-    ways: np.ndarray
+    arc_lengths: np.ndarray
     breaks: list
 
 
-def pieces(trajectory, longest, slower=1.0):
+def contact_motion(trajectory, longest, slower=1.0):
     """
     Read speed and pushing angle off a trajectory, and cut it where they bend or jump.
 
     :param trajectory: the ``PushTrajectory``.
     :param longest: way after which it is cut in any case, for stretches to end there [m].
     :param slower: factor on all speeds.
-    :return: ``Pieces``; between breaks the speed is linear in time, the angle along the way.
+    :return: ``ContactMotion``; between breaks the speed is linear in time, the angle in
+        arc length.
     """
     times, twists = np.array(trajectory.times), trajectory.contact_twists
     speeds = np.hypot(twists[:, 0], twists[:, 1])
@@ -71,15 +72,16 @@ def pieces(trajectory, longest, slower=1.0):
     jumps = np.flatnonzero(np.diff(times) < INSTANT)
     times[jumps] = times[jumps + 1]
     steps = np.diff(times)
-    ways = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * steps)])
-    bends = (np.diff(angles) / np.maximum(np.diff(ways), 1e-12),
+    arc_lengths = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * steps)])
+    bends = (np.diff(angles) / np.maximum(np.diff(arc_lengths), 1e-12),
              np.diff(speeds) / np.maximum(steps, 1e-12))
     cut = np.zeros(len(times), dtype=bool)
     for slopes in bends:
         cut[1:-1] |= np.abs(np.diff(slopes)) > STRAIGHT * (1.0 + np.abs(slopes[1:]))
-    cut[1:] |= np.diff(ways // longest) > 0.0
+    cut[1:] |= np.diff(arc_lengths // longest) > 0.0
     cut[[0, -1]] = True
-    return Pieces(times / slower, speeds * slower, angles, ways, np.flatnonzero(cut).tolist())
+    return ContactMotion(times / slower, speeds * slower, angles, arc_lengths,
+                         np.flatnonzero(cut).tolist())
 
 
 class Push:
@@ -106,8 +108,8 @@ class Push:
     def steer(self, begin, speeds, angles, duration):
         """Set the input of a piece: its begin [s], and speed and angle at both ends."""
         change = (speeds[1] - speeds[0]) / duration
-        way = 0.5 * (speeds[0] + speeds[1]) * duration
-        self._piece = begin, speeds[0], change, angles[0], (angles[1] - angles[0]) / way
+        path_length = 0.5 * (speeds[0] + speeds[1]) * duration
+        self._piece = begin, speeds[0], change, angles[0], (angles[1] - angles[0]) / path_length
 
     def rate(self, time, state):
         """Return the rate of the state; the contact force is kept."""
@@ -152,12 +154,12 @@ class Push:
         return self._arrays[3].copy()
 
 
-def replay(plan, stretch=STRETCH):
+def replay(plan, section_length=SECTION_LENGTH):
     """
     Drive a plan.
 
     :param plan: with ``problem`` and ``trajectory``.
-    :param stretch: length of the stretches over the wheelbase.
+    :param section_length: length of the stretches over the wheelbase.
     :return: ``Replay``; not finite where the integration fails.
     """
     problem = plan.problem
@@ -165,32 +167,34 @@ def replay(plan, stretch=STRETCH):
     slow = problem.settings.motion_model == 'quasi_static'
     slower = SLOWER if slow else 1.0
     wheelbase = problem.vehicle.wheelbase
-    track = pieces(plan.trajectory, LONGEST_PIECE * wheelbase, slower)
-    push, longest = Push(problem, slower, slow), stretch * wheelbase
+    track = contact_motion(plan.trajectory, MAX_SEGMENT_LENGTH * wheelbase, slower)
+    push, longest = Push(problem, slower, slow), section_length * wheelbase
     state = np.array([*problem.start, 0.0, problem.normal, *problem.contact_point,
                       problem.heading])
     state = push.jump(state, (0.0, 0.0), (track.speeds[0], track.angles[0]))
-    missed, begun, stretches, steepest = np.zeros(2), 0.0, 1, 0.0
+    missed, begun, sections, steepest = np.zeros(2), 0.0, 1, 0.0
     for first, last in zip(track.breaks, track.breaks[1:]):
         ends, duration = [first, last], track.times[last] - track.times[first]
         if duration == 0.0:
             state = push.jump(state, *zip(track.speeds[ends], track.angles[ends]))
             continue
-        if track.ways[first] > begun and track.ways[last] - begun > longest:
+        if track.arc_lengths[first] > begun and track.arc_lengths[last] - begun > longest:
             meant = _planned(plan.trajectory, problem, first, slower)
             missed += math.hypot(*(state - meant)[:2]), np.abs(state - meant)[[2, 4]].max()
-            state, begun, stretches = meant, track.ways[first], stretches + 1
+            state, begun, sections = meant, track.arc_lengths[first], sections + 1
         push.steer(track.times[first], track.speeds[ends], track.angles[ends], duration)
         answer = solve_ivp(push.rate, track.times[ends], state, method='LSODA', rtol=ACCURACY,
                            atol=1e-2 * ACCURACY)
         if not answer.success:
-            return Replay(math.inf, math.inf, math.inf, track.ways[-1], stretches)
+            return Replay(math.inf, math.inf, math.inf, track.arc_lengths[-1], sections)
         forces = np.array([*map(push.force, answer.t, answer.y.T)])
         steepest = max(steepest, np.abs(np.arctan2(forces[:, 1], forces[:, 0])).max())
         state = answer.y[:, -1]
-    turned = 0.0 if problem.settings.heading_free else wrap_angle(state[2] - problem.goal.theta)
-    missed += math.hypot(state[0] - problem.goal.x, state[1] - problem.goal.y), abs(turned)
-    return Replay(*missed.tolist(), float(steepest), float(track.ways[-1]), stretches)
+    heading_error = 0.0
+    if not problem.settings.heading_free:
+        heading_error = wrap_angle(state[2] - problem.goal.theta)
+    missed += math.hypot(state[0] - problem.goal.x, state[1] - problem.goal.y), abs(heading_error)
+    return Replay(*missed.tolist(), float(steepest), float(track.arc_lengths[-1]), sections)
 
 
 def _planned(trajectory, problem, index, slower):

@@ -15,22 +15,22 @@ from scipy.integrate import solve_ivp
 POSITION_TOLERANCE, HEADING_TOLERANCE = 1e-3, math.radians(0.1)
 SPEEDS = (0.05, 0.1, 0.25, 0.5, 1.0)
 SIDE, MASS, FRICTION, SPREAD = 0.4, 2.0, 0.3, 0.4
-NEAREST, FARTHEST, LONGEST_WAY = 0.2, 5.0, 100.0
+NEAREST, FARTHEST, MAX_PATH_LENGTH = 0.2, 5.0, 100.0
 # What a drive can do is not what is asked here: no limit but the cone is to bind.
 LIMITS = {'max_speed': 5.0, 'max_yaw_rate': 50.0, 'max_acceleration': 100.0,
           'max_yaw_acceleration': 1000.0}
 STEERING_RESERVE = 0.4
 # Where the contact rolls, goals are ends of random pushes: this share of the cone, this long.
 ROLLED_SHARE, ROLLED_KNOTS, ROLLED_RADII = 0.8, 5, (0.05, 0.1, 0.17, 0.3)
-ROLLED_WAYS = 0.2, 2.0
+ROLLED_DISTANCES = 0.2, 2.0
 
 
-def settings(speed, **wanted):
+def settings(speed, **overrides):
     """Return the planner's settings; no braking and no straight end, unless wanted."""
     return PlannerSettings(**{
         'pushing_speed': speed, 'final_straight': 0.0, 'deceleration': 0.0,
-        'max_path_length': LONGEST_WAY, 'position_tolerance': POSITION_TOLERANCE,
-        'heading_tolerance': HEADING_TOLERANCE, **wanted})
+        'max_path_length': MAX_PATH_LENGTH, 'position_tolerance': POSITION_TOLERANCE,
+        'heading_tolerance': HEADING_TOLERANCE, **overrides})
 
 
 def box(length, width, mass, friction):
@@ -71,20 +71,20 @@ def random_goal(rng):
     return Pose(distance * math.cos(bearing), distance * math.sin(bearing), turn)
 
 
-def mid_face(rng, obj=None, radius=0.17, drive='holonomic', speeds=SPEEDS, **wanted):
+def mid_face(rng, obj=None, radius=0.17, drive='holonomic', speeds=SPEEDS, **overrides):
     """Draw a push at the middle of the face whose normal is the object's +x axis."""
     return _push(rng, obj or square(), Contact('face', 3), RoundRobot(radius, drive, **LIMITS),
-                 0.0, 0.0, speeds, wanted)
+                 0.0, 0.0, speeds, overrides)
 
 
-def random_face(rng, **wanted):
+def random_face(rng, **overrides):
     """Draw a box and a push at a face, somewhere from where it can be steered both ways."""
     while True:
         obj = random_box(rng)
         aside = friction_center(obj)[1] + rng.uniform(-0.1, 0.1) * abs(obj.outline[0][1])
         problem = _push(rng, obj, Contact('face', 3, aside),
                         RoundRobot(rng.uniform(0.05, 0.3), 'holonomic', **LIMITS), 0.0, 0.0,
-                        SPEEDS, wanted)
+                        SPEEDS, overrides)
         if _steers(problem):
             return problem
 
@@ -115,7 +115,7 @@ def rolling(rng):
 def _random_end(rng, problem):
     """End of a push at random angles, or None where it does not stay on the face in the cone."""
     push, speed = Push(problem), problem.settings.pushing_speed
-    length = rng.uniform(*ROLLED_WAYS) / (ROLLED_KNOTS - 1)
+    length = rng.uniform(*ROLLED_DISTANCES) / (ROLLED_KNOTS - 1)
     angles = rng.uniform(-1.0, 1.0, ROLLED_KNOTS) * problem.planning_cone_angle
     state = np.array([*problem.start, 0.0, problem.normal, *problem.contact_point, 0.0])
     state = push.jump(state, (0.0, 0.0), (speed, angles[0]))
@@ -142,9 +142,9 @@ def random_round(rng):
             return problem
 
 
-def _push(rng, obj, contact, robot, normal, heading, speeds, wanted):
+def _push(rng, obj, contact, robot, normal, heading, speeds, overrides):
     return PushProblem(obj, robot, contact, Pose(0.0, 0.0, 0.0), normal, heading,
-                       random_goal(rng), settings(float(rng.choice(speeds)), **wanted))
+                       random_goal(rng), settings(float(rng.choice(speeds)), **overrides))
 
 
 def _steers(problem):
@@ -182,6 +182,6 @@ def families():
         'straight at the end': {'final_straight': 0.4},
         'quasi-static': {'motion_model': 'quasi_static', **slow},
         'constant angles': {'pushing_angles': 'constant', **slow}}
-    kinds.update({f'square, mid-face, {name}': functools.partial(mid_face, **wanted)
-                  for name, wanted in optional.items()})
+    kinds.update({f'square, mid-face, {name}': functools.partial(mid_face, **overrides)
+                  for name, overrides in optional.items()})
     return kinds

@@ -87,8 +87,8 @@ def starts(problem, rng, count):
         between = Pose(*rng.uniform(-size, size, 2), rng.uniform(-math.pi, math.pi))
         path, pose = (), begin
         for end in (between, goal) if rng.random() < 0.5 else (goal,):
-            ways = dubins_paths(pose, end, 1.0 / left.curvature, -1.0 / right.curvature)
-            path, pose = (*path, ways[rng.integers(len(ways))]), end
+            paths = dubins_paths(pose, end, 1.0 / left.curvature, -1.0 / right.curvature)
+            path, pose = (*path, paths[rng.integers(len(paths))]), end
         lengths, curvatures = (sum((getattr(part, name) for part in path), ())
                                for name in ('lengths', 'curvatures'))
         turns = tuple((left if c > 0.0 else right) if c else SteadyTurn(0.0, 0.0)
@@ -105,7 +105,8 @@ def solve(problem, route, solver=None):
 
     :param problem: the ``PushProblem``.
     :param route: the ``Route``.
-    :param solver: function of a ``Dimensions`` that returns a ``NlpSolver``; the planner's if None.
+    :param solver: function of a ``Dimensions`` that returns an ``NlpSolver``; that of the planner
+        if None.
     :return: (duration of the push [s], CPU time [s], iterations); the first is infinite where
         there is none.
     """

@@ -30,13 +30,13 @@ class Shot(NamedTuple):
     What single shooting found.
 
     :param solved: whether the push reaches the goal within the cone.
-    :param way: of the contact [m].
+    :param path_length: of the contact [m].
     :param cpu: CPU time [s].
     :param verdict: of the optimiser.
     """
 
     solved: bool
-    way: float
+    path_length: float
     cpu: float
     verdict: str
 

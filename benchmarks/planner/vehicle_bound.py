@@ -28,13 +28,14 @@ def bounds(problem):
     :return: (least, greatest) time of the quickest push [s].
     """
     flat = problem.vehicle
-    square = sum(c_squared(problem.obj, flat.angle + turn) for turn in (0.0, 0.5 * math.pi))
-    paths = flat_paths(problem, square)
-    wheelbase = flat.arm + square / flat.arm
-    way = min(sum(length * math.hypot(1.0, wheelbase * curvature)
-                  for length, curvature in zip(path.lengths, path.curvatures)) for path in paths)
+    c_squared_sum = sum(c_squared(problem.obj, flat.angle + turn) for turn in (0.0, 0.5 * math.pi))
+    paths = flat_paths(problem, c_squared_sum)
+    wheelbase = flat.arm + c_squared_sum / flat.arm
+    path_length = min(
+        sum(length * math.hypot(1.0, wheelbase * curvature)
+            for length, curvature in zip(path.lengths, path.curvatures)) for path in paths)
     speed = problem.settings.pushing_speed
-    return paths[0].length / speed, way / speed
+    return paths[0].length / speed, path_length / speed
 
 
 class Bounded:
@@ -54,11 +55,11 @@ class Bounded:
         problem = dataclasses.replace(problem, settings=dataclasses.replace(
             problem.settings, motion_model='quasi_static'))
         least, greatest = bounds(problem)
-        ways = routes(problem, tightest_turns(problem))[:TRIED]
-        quickest = min(solve(problem, route, self._programme)[0] for route in ways)
+        paths = routes(problem, tightest_turns(problem))[:TRIED]
+        quickest = min(solve(problem, route, self._nlp_solver)[0] for route in paths)
         return quickest / least, quickest / greatest
 
-    def _programme(self, shape):
+    def _nlp_solver(self, shape):
         if shape not in self._built:
             self._built[shape] = NlpSolver(shape, options=EXACT, smoothing=VISCOUS)
         return self._built[shape]

@@ -47,7 +47,7 @@ def timed(jobs, out, **how):
     return out.with_suffix('.csv').read_bytes(), seconds, rate
 
 
-def ways(cores, with_cluster):
+def execution_modes(cores, with_cluster):
     """Yield (name, options of ``run_batch``)."""
     yield 'one process', {'workers': 1}
     yield f'{cores} processes', {'workers': cores}
@@ -72,7 +72,7 @@ def main():
     print(f'{len(jobs)} variations of {STEPS} steps of {1e3 * STEP:g} ms\n')
     print('| | in all [s] | variations/s | million steps/s | scaling | once under way |')
     print('|---|---|---|---|---|---|')
-    for name, how in ways(available_cores(), not arguments.no_cluster):
+    for name, how in execution_modes(available_cores(), not arguments.no_cluster):
         with tempfile.TemporaryDirectory() as directory:
             runs = [timed(jobs, Path(directory) / f'{i}.jsonl', **how)
                     for i in range(arguments.repeat)]

@@ -16,7 +16,7 @@ import sys
 
 from benchmarks.tasks.cases import ALONE, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
 from benchmarks.tasks.report import picture, text
-from benchmarks.tasks.run import run, watched
+from benchmarks.tasks.run import run, run_case
 from push_scenario.batch.batch import run_batch
 from push_scenario.definition.loader import scenario_text
 from tqdm import tqdm
@@ -61,18 +61,18 @@ def records(chosen, part, count):
 def one(chosen):
     """Run one task and tell about it; write it as a scenario."""
     case = draw(chosen.part, chosen.kind, chosen.seed)
-    result, watch = watched(case)
+    result, clock = run_case(case)
     for change in result.history:
         print(f'{change.time:7.2f} s {change.state.value:9} {change.reason}')
     for number, plan in enumerate(result.plans, 1):
-        ways = ', '.join(f'{push.contact.kind} {push.contact.index}: {push.path_length:.2f} m'
-                         for push in plan.pushes)
-        print(f'plan {number}: {plan.duration:.1f} s (single push {plan.single:.1f} s): {ways}')
-    if case.hand is not None and case.hand.shove is not None:
-        print(f'moved in {case.hand.state}: {case.hand.shove}')
+        pushes = ', '.join(f'{push.contact.kind} {push.contact.index}: {push.path_length:.2f} m'
+                           for push in plan.pushes)
+        print(f'plan {number}: {plan.duration:.1f} s (single push {plan.single:.1f} s): {pushes}')
+    if case.intervention is not None and case.intervention.displacement is not None:
+        print(f'moved in {case.intervention.state}: {case.intervention.displacement}')
     print(f'{result.outcome} after {result.duration:.1f} s {result.reason}: '
           f'{1e3 * result.position_error:.1f} mm, {math.degrees(result.heading_error):.2f} deg; '
-          f'planning {", ".join(f"{value:.2f} s" for value in watch.planning)}')
+          f'planning {", ".join(f"{value:.2f} s" for value in clock.planning)}')
     chosen.records.mkdir(parents=True, exist_ok=True)
     path = chosen.records / 'random.yaml'
     path.write_text(scenario_text(disturbed(case)), encoding='utf-8')
@@ -80,8 +80,8 @@ def one(chosen):
 
 
 def disturbed(case):
-    """Return the scenario with what the hand has done."""
-    done = case.hand and case.hand.shove
+    """Return the scenario with what the intervention has moved."""
+    done = case.intervention and case.intervention.displacement
     return dataclasses.replace(case.scenario, simulation=dataclasses.replace(
         case.scenario.simulation, object_displacements=(done,) if done else ()))
 

@@ -22,7 +22,7 @@ from push_model.geometry import Pose
 from push_navigation.settings import DriveSettings
 
 
-def contact_way(obj, start, goal, supervision=None):
+def contact_path_bound(obj, start, goal, supervision=None):
     """
     Way of the contact at least [m], to within the tolerances of the goal.
 
@@ -33,10 +33,10 @@ def contact_way(obj, start, goal, supervision=None):
     """
     allowed = supervision or SupervisionSettings()
     feet = np.array([(foot.x, foot.y) for foot in obj.supports])
-    ways = np.hypot(*np.subtract([Pose(*goal).transform(foot) for foot in feet],
-                                 [Pose(*start).transform(foot) for foot in feet]).T)
+    distances = np.hypot(*np.subtract([Pose(*goal).transform(foot) for foot in feet],
+                                      [Pose(*start).transform(foot) for foot in feet]).T)
     slack = allowed.position_tolerance + allowed.heading_tolerance * np.hypot(*feet.T)
-    return float(np.average(np.maximum(ways - slack, 0.0), weights=obj.capacities))
+    return float(np.average(np.maximum(distances - slack, 0.0), weights=obj.capacities))
 
 
 def gap(scenario):
@@ -57,7 +57,7 @@ def least_time(scenario, drive=None):
     :param drive: ``DriveSettings``, or None for the defaults.
     """
     speed = (drive or DriveSettings()).limited_to(scenario.robot_truth).speed
-    way = contact_way(scenario.truth, scenario.start.object.pose, scenario.goal.pose)
-    if math.isclose(way, 0.0):
+    distance = contact_path_bound(scenario.truth, scenario.start.object.pose, scenario.goal.pose)
+    if math.isclose(distance, 0.0):
         return 0.0
-    return gap(scenario) / speed + way / scenario.planner.pushing_speed
+    return gap(scenario) / speed + distance / scenario.planner.pushing_speed

@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
-from benchmarks.tasks.intervention import Hand, MOVES
+from benchmarks.tasks.intervention import Intervention, INTERVENTIONS
 from benchmarks.tasks.maps import draw_floor, Floor, MAPS, places, reach
 import numpy as np
 from push_model.contact import find_contact
@@ -48,13 +48,13 @@ class Case(NamedTuple):
     :param scenario: the ``Scenario``.
     :param variety: what sets it apart within its part, empty on open floor.
     :param floor: ``tasks_maps.Floor``, or None for open floor.
-    :param hand: ``tasks_hand.Hand`` that disturbs it, or None.
+    :param intervention: ``Intervention`` that disturbs it, or None.
     """
 
     scenario: Scenario
     variety: str = ''
     floor: Floor | None = None
-    hand: Hand | None = None
+    intervention: Intervention | None = None
 
 
 def jobs(counts):
@@ -82,7 +82,7 @@ def draw(part, kind, seed):
     name, drive = kind.split(', ')
     robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
     believed, true = objects(name, rng, STRESSES[0], seed)
-    speed, spell, floor, variety, hand = rng.uniform(0.1, 0.25), (), None, '', None
+    speed, dropouts, floor, variety, intervention = rng.uniform(0.1, 0.25), (), None, '', None
     if part == IN_MAPS:
         variety = MAPS[seed % len(MAPS)]
         floor, start, goal = _in_map(variety, true, robot, rng)
@@ -90,19 +90,20 @@ def draw(part, kind, seed):
         start, goal = Pose(0.0, 0.0, 0.0), _goal(rng)
     stand = _stand(true, robot, start, floor, rng)
     if part == DISTURBED:
-        variety = MOVES[seed % len(MOVES)]
-        hand = Hand(variety, rng.uniform(0.0, LATEST), rng.uniform(-math.pi, math.pi))
+        variety = INTERVENTIONS[seed % len(INTERVENTIONS)]
+        intervention = Intervention(variety, rng.uniform(0.0, LATEST),
+                                    rng.uniform(-math.pi, math.pi))
         begin = rng.uniform(0.0, LATEST)
-        spell = ((begin, begin + rng.uniform(0.0, LONGEST_LOST)),)
+        dropouts = ((begin, begin + rng.uniform(0.0, LONGEST_LOST)),)
     return Case(Scenario(
         name='random', description=f'{part}, {kind}, seed {seed}', object=believed, truth=true,
         robot=robot, robot_truth=robot, goal=Placement(*goal),
         start=Start(object=Placement(*start), robot=Placement(*stand)),
         planner=PlannerSettings(pushing_speed=speed),
-        sensors=dataclasses.replace(SENSORS, pose_dropouts=spell),
+        sensors=dataclasses.replace(SENSORS, pose_dropouts=dropouts),
         simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
         task=Task(map=floor and floor.map, planning=TaskSettings(
-            max_pushes=1 if part == ALONE else 4))), variety, floor, hand)
+            max_pushes=1 if part == ALONE else 4))), variety, floor, intervention)
 
 
 def _goal(rng):

@@ -90,7 +90,7 @@ def faults_of(_, record):
     :return: list of texts, empty where all went well.
     """
     found = [f'{body} collides' for body in ('robot', 'object')
-             if record.get(f'{body}_room', 0.0) < 0.0]
+             if record.get(f'{body}_clearance', 0.0) < 0.0]
     if record['success']:
         return found
     if record['outcome'] == 'done':

@@ -5,15 +5,15 @@ import math
 from push_model.geometry import Pose
 from push_sim_node.disturbance import ObjectDisplacement
 
-MOVES = ('shoved by 0.2 m', 'turned by 45 degrees')
-SHOVE, TURN, DIRECTIONS = 0.2, math.radians(45.0), 8
+INTERVENTIONS = ('shoved by 0.2 m', 'turned by 45 degrees')
+DISPLACEMENT, ROTATION, DIRECTIONS = 0.2, math.radians(45.0), 8
 
 
-class Hand:
+class Intervention:
     """
     Moves the object once, as soon as the robot is not in the way.
 
-    :param move: one of ``MOVES``.
+    :param move: one of ``INTERVENTIONS``.
     :param moment: when [s].
     :param direction: of the shove, in the object frame [rad]; where the robot is in the way
         another is taken. Its sign is that of the turn.
@@ -21,7 +21,7 @@ class Hand:
 
     def __init__(self, move, moment, direction):
         self._move, self._moment, self._direction = move, moment, direction
-        self.shove, self.state = None, ''
+        self.displacement, self.state = None, ''
 
     def __call__(self, simulation, supervisor):
         """
@@ -30,21 +30,22 @@ class Hand:
         :param simulation: the ``Simulation``.
         :param supervisor: the ``Supervisor``.
         """
-        if self.shove is not None or simulation.time < self._moment:
+        if self.displacement is not None or simulation.time < self._moment:
             return
         for move in self._displacements():
             try:
                 simulation.plant.set_object_pose(simulation.plant.object_pose @ move)
             except ValueError:
                 continue
-            self.shove = ObjectDisplacement(simulation.time, *move)
+            self.displacement = ObjectDisplacement(simulation.time, *move)
             self.state = supervisor.status.state.value
             return
 
     def _displacements(self):
-        if self._move == MOVES[1]:
-            turn = math.copysign(TURN, self._direction)
+        if self._move == INTERVENTIONS[1]:
+            turn = math.copysign(ROTATION, self._direction)
             return [Pose(0.0, 0.0, turn), Pose(0.0, 0.0, -turn)]
         angles = [self._direction + 2.0 * math.pi * number / DIRECTIONS
                   for number in range(DIRECTIONS)]
-        return [Pose(SHOVE * math.cos(angle), SHOVE * math.sin(angle), 0.0) for angle in angles]
+        return [Pose(DISPLACEMENT * math.cos(angle), DISPLACEMENT * math.sin(angle), 0.0)
+                for angle in angles]

@@ -99,7 +99,7 @@ def to_rectangles(points, rectangles):
         beyond.max(axis=-1), 0.0)
 
 
-def robot_room(robot, poses, rectangles):
+def robot_clearance(robot, poses, rectangles):
     """
     Least distance of the robot from obstacles on its way [m]; negative where it collides.
 
@@ -110,7 +110,7 @@ def robot_room(robot, poses, rectangles):
     return float(to_rectangles(_moved(poses)[:, :2], rectangles).min() - robot.radius)
 
 
-def object_room(obj, poses, rectangles):
+def object_clearance(obj, poses, rectangles):
     """
     Least distance of the object from obstacles on its way [m]; negative where it collides.
 

@@ -6,7 +6,7 @@ from benchmarks.controller.tables import ALL, table
 from benchmarks.tasks.cases import ALONE, DISTURBED, IN_MAPS, OPEN, PARTS
 from benchmarks.tasks.groups import grouped, kind, variety
 from benchmarks.tasks.tables import (
-    effort_table, failure_table, legs_table, room_table, success_table, trouble_table,
+    collision_table, effort_table, failure_table, recovery_table, state_table, success_table,
 )
 import numpy as np
 
@@ -35,13 +35,13 @@ def _rows(group):
     yield (f'{group.part}: success, %', f'{SUCCESS_AIM:g}',
            f'{share:.1f} ({group.successes} of {len(group.tasks)})', share >= SUCCESS_AIM)
     if group.part == IN_MAPS:
-        hits = sum(int((group.values(f'{body}_room', successful=False) < 0.0).sum())
+        hits = sum(int((group.values(f'{body}_clearance', successful=False) < 0.0).sum())
                    for body in ('robot', 'object'))
         yield f'{group.part}: collisions', '0', str(hits), hits == 0
     if group.part != OPEN:
         return
-    for name, unit in (('duration', 'time'), ('way', 'way')):
-        single = 'single' if name == 'duration' else 'single_way'
+    for name, unit in (('duration', 'time'), ('distance', 'distance')):
+        single = 'single' if name == 'duration' else 'single_push_distance'
         value = _median(group.ratios(name, single))
         yield (f'{group.part}: {unit} over that of the best single push, median',
                f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM)
@@ -63,7 +63,7 @@ def _against_alone(pairs):
     if not done:
         return []
     rows = []
-    for name, unit in (('duration', 'time'), ('way', 'way')):
+    for name, unit in (('duration', 'time'), ('distance', 'distance')):
         value = _median([record[name] / other[name] for record, other in done])
         rows.append((f'{OPEN}: {unit} over that with single pushes only, as driven, median of '
                      f'{len(done)}', f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM))
@@ -92,12 +92,12 @@ def text(jobs, records):
             ('AIMS', aim_table(pairs)),
             ('OPEN', success_table(kinds) if kinds else NOT_MEASURED),
             ('EFFORT', effort_table(kinds) if kinds else NOT_MEASURED),
-            ('LEGS', legs_table(everything)),
+            ('LEGS', state_table(everything)),
             ('MAPS', success_table(mapped) if mapped else NOT_MEASURED),
-            ('ROOM', room_table(mapped) if mapped else NOT_MEASURED),
+            ('ROOM', collision_table(mapped) if mapped else NOT_MEASURED),
             ('DISTURBED', success_table(moved) if moved else NOT_MEASURED),
             ('ALONE', success_table(alone) if alone else NOT_MEASURED),
-            ('FAILURES', failure_table(pairs)), ('TROUBLES', trouble_table(pairs))):
+            ('FAILURES', failure_table(pairs)), ('TROUBLES', recovery_table(pairs))):
         filled = filled.replace(f'@{name}@', value)
     return filled
 

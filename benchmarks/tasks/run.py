@@ -3,9 +3,9 @@
 import math
 import time
 
-from benchmarks.tasks.bound import contact_way, gap, least_time
+from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import draw, OPEN
-from benchmarks.tasks.maps import object_room, robot_room
+from benchmarks.tasks.maps import object_clearance, robot_clearance
 import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
@@ -18,14 +18,17 @@ from push_scenario.evaluation.metrics import distance_travelled
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, run_task
 
 POSITION, HEADING, CLEAR = 0.01, math.radians(1.0), 0.02
-LEGS = (TaskState.PLAN, TaskState.APPROACH, TaskState.ALIGN, TaskState.PUSH, TaskState.RETREAT)
+TIMED_STATES = (TaskState.PLAN, TaskState.APPROACH, TaskState.ALIGN, TaskState.PUSH,
+                TaskState.RETREAT)
 
 
-class Watch:
+class PlanningClock:
     """Takes the time of planning: CPU time between measurements with an answer between them."""
 
-    def __init__(self, hand):
-        self._hand, self._asked, self._since = hand, None, 0.0
+    def __init__(self, intervention):
+        self._intervention = intervention
+        self._plan_request = None
+        self._since = 0.0
         self.planning = []
 
     def __call__(self, simulation, supervisor):
@@ -36,11 +39,12 @@ class Watch:
         :param supervisor: the ``Supervisor``.
         """
         now, plan_request = time.process_time(), supervisor.plan_request
-        if self._asked is not None and plan_request is not self._asked:
+        if self._plan_request is not None and plan_request is not self._plan_request:
             self.planning.append(now - self._since)
-        if self._hand is not None:
-            self._hand(simulation, supervisor)
-        self._asked, self._since = plan_request, time.process_time()
+        if self._intervention is not None:
+            self._intervention(simulation, supervisor)
+        self._plan_request = plan_request
+        self._since = time.process_time()
 
 
 def run(job):
@@ -48,35 +52,35 @@ def run(job):
     Run one task.
 
     :param job: dict of ``part``, ``kind`` and ``seed``.
-    :return: flat dict of numbers and text, see ``watched`` and below.
+    :return: flat dict of numbers and text, see ``run_case`` and below.
     """
     case = draw(**job)
-    result, watch = watched(case)
+    result, clock = run_case(case)
     record = {'variety': case.variety, 'outcome': result.outcome, 'reason': result.reason,
               'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
-              'planning': ' '.join(f'{value:.4f}' for value in watch.planning),
-              'least': least_time(case.scenario), **_end(result), **_legs(result)}
+              'planning': ' '.join(f'{value:.4f}' for value in clock.planning),
+              'least': least_time(case.scenario), **_end(result), **_state_times(result)}
     if result.plans:
-        record.update(chain=len(result.plans[0].pushes), planned=result.plans[0].duration,
+        record.update(sequence=len(result.plans[0].pushes), planned=result.plans[0].duration,
                       single=result.plans[0].single)
     if job['part'] == OPEN:
-        record.update(_ways(case.scenario))
+        record.update(_robot_distances(case.scenario))
     if case.floor is not None:
-        record.update(_room(case, result.tape))
-    if case.hand is not None:
-        record['moved_in'] = case.hand.state
+        record.update(_clearances(case, result.tape))
+    if case.intervention is not None:
+        record['moved_in'] = case.intervention.state
     return record
 
 
-def watched(case):
+def run_case(case):
     """
     Run a task.
 
     :param case: ``tasks_cases.Case``.
-    :return: (``TaskResult``, ``Watch``).
+    :return: (``TaskResult``, ``PlanningClock``).
     """
-    watch = Watch(case.hand)
-    return run_task(case.scenario, change=watch), watch
+    clock = PlanningClock(case.intervention)
+    return run_task(case.scenario, change=clock), clock
 
 
 def _end(result):
@@ -88,39 +92,41 @@ def _end(result):
     there = abs(result.position_error) <= POSITION and abs(result.heading_error) <= HEADING
     return {'position_error': result.position_error, 'heading_error': abs(result.heading_error),
             'gap': float(last['gap']), 'duration': result.duration,
-            'way': float(distance_travelled(tape)[-1]),
+            'distance': float(distance_travelled(tape)[-1]),
             'success': bool(result.outcome == 'done' and there and still
                             and last['gap'] >= CLEAR)}
 
 
-def _legs(result):
+def _state_times(result):
     """Time in every state, and what went wrong, in order."""
     history = result.status.history
     ends = [change.time for change in history[1:]] + [result.duration]
-    spent = dict.fromkeys(LEGS, 0.0)
+    spent = dict.fromkeys(TIMED_STATES, 0.0)
     for change, end in zip(history, ends):
         if change.state in spent:
             spent[change.state] += end - change.time
     return {**{f'in_{state.value}': seconds for state, seconds in spent.items()},
-            'troubles': '; '.join(change.reason for change in history[1:-1] if change.reason)}
+            'recovery_reasons': '; '.join(
+                change.reason for change in history[1:-1] if change.reason)}
 
 
-def _ways(scenario):
+def _robot_distances(scenario):
     """Ways of the robot: at least that of the contact, and that of the quickest single push."""
     start, goal, robot = scenario.start.object.pose, scenario.goal.pose, scenario.robot_start
-    least = gap(scenario) + contact_way(scenario.truth, start, goal)
+    least = gap(scenario) + contact_path_bound(scenario.truth, start, goal)
     try:
         push = choose_site(scenario.object, scenario.robot, start, goal,
                            scenario.planner).plan.trajectory
-        way = plan_approach(scenario.robot, scenario.object, start, robot, Pose(*push.robot_poses[0]),
-                            DriveSettings())
+        path = plan_approach(scenario.robot, scenario.object, start, robot,
+                             Pose(*push.robot_poses[0]), DriveSettings())
     except (PlanningFailed, NoPathFound):
-        return {'least_way': least, 'single_way': math.inf}
+        return {'least_distance': least, 'single_push_distance': math.inf}
     pushed = np.hypot(*np.diff(push.robot_poses[:, :2], axis=0).T).sum()
-    return {'least_way': least, 'single_way': float(way.length + pushed)}
+    return {'least_distance': least, 'single_push_distance': float(path.length + pushed)}
 
 
-def _room(case, tape):
+def _clearances(case, tape):
     rectangles = case.floor.rectangles
-    return {'robot_room': robot_room(case.scenario.robot_truth, tape.poses('robot'), rectangles),
-            'object_room': object_room(case.scenario.truth, tape.poses('object'), rectangles)}
+    robot, obj = case.scenario.robot_truth, case.scenario.truth
+    return {'robot_clearance': robot_clearance(robot, tape.poses('robot'), rectangles),
+            'object_clearance': object_clearance(obj, tape.poses('object'), rectangles)}

@@ -4,7 +4,7 @@ from collections import Counter
 
 from benchmarks.controller.tables import spread, table, TO_DEGREES, wilson
 from benchmarks.tasks.groups import faults_of, without_numbers
-from benchmarks.tasks.run import LEGS
+from benchmarks.tasks.run import TIMED_STATES
 import numpy as np
 
 
@@ -37,13 +37,13 @@ def effort_table(groups):
     """
     rows = []
     for group in groups:
-        rows.append((group.name, spread(group.values('chain'), '.0f'),
+        rows.append((group.name, spread(group.values('sequence'), '.0f'),
                      int(np.isinf(group.values('single')).sum()),
                      spread(_finite(group.ratios('planned', 'single')), '.2f'),
                      spread(_finite(group.ratios('duration', 'single')), '.2f'),
-                     spread(_finite(group.ratios('way', 'single_way')), '.2f'),
+                     spread(_finite(group.ratios('distance', 'single_push_distance')), '.2f'),
                      spread(group.ratios('duration', 'least'), '.2f'),
-                     spread(group.ratios('way', 'least_way'), '.2f'),
+                     spread(group.ratios('distance', 'least_distance'), '.2f'),
                      spread(group.planning, '.2f')))
     return table(['', 'pushes planned at first', 'no single push', 'planned time over single',
                   'time over single', 'way over single', 'time over bound', 'way over straight',
@@ -55,7 +55,7 @@ def _finite(ratios):
     return ratios[ratios > 0.0]
 
 
-def legs_table(groups):
+def state_table(groups):
     """
     Write where the time goes.
 
@@ -63,13 +63,13 @@ def legs_table(groups):
     """
     rows = []
     for group in groups:
-        spent = [group.values(f'in_{leg}').sum() for leg in LEGS]
+        spent = [group.values(f'in_{state.value}').sum() for state in TIMED_STATES]
         if sum(spent):
             rows.append((group.part, *(f'{100.0 * part / sum(spent):.0f} %' for part in spent)))
-    return table(['', *LEGS], rows)
+    return table(['', *(state.value for state in TIMED_STATES)], rows)
 
 
-def room_table(groups):
+def collision_table(groups):
     """
     Write collisions with what stands in the maps, by the true poses.
 
@@ -77,11 +77,14 @@ def room_table(groups):
     """
     rows = []
     for group in groups:
-        room = [group.values(f'{body}_room', successful=False) for body in ('robot', 'object')]
+        clearance = [group.values(f'{body}_clearance', successful=False)
+                     for body in ('robot', 'object')]
         rows.append((group.name, len(group.tasks),
-                     *(int((values < 0.0).sum()) for values in room),
-                     *(f'{1e3 * min(values):.0f}' if len(values) else '-' for values in room)))
-    return table(['', 'tasks', 'robot collides', 'object collides', 'least room of the robot, mm',
+                     *(int((values < 0.0).sum()) for values in clearance),
+                     *(f'{1e3 * min(values):.0f}' if len(values) else '-'
+                       for values in clearance)))
+    return table(['', 'tasks', 'robot collides', 'object collides',
+                  'least clearance of the robot, mm',
                   'of the object, mm'], rows)
 
 
@@ -104,7 +107,7 @@ def failure_table(pairs):
                  rows) if rows else 'None.'
 
 
-def trouble_table(pairs):
+def recovery_table(pairs):
     """
     List what went wrong on the way, successful or not.
 
@@ -112,6 +115,6 @@ def trouble_table(pairs):
     """
     found = Counter()
     for _, record in pairs:
-        found.update(without_numbers(trouble)
-                     for trouble in record.get('troubles', '').split('; ') if trouble)
+        found.update(without_numbers(reason)
+                     for reason in record.get('recovery_reasons', '').split('; ') if reason)
     return table(['what', 'n'], found.most_common()) if found else 'Nothing.'

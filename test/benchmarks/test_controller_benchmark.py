@@ -3,7 +3,7 @@
 import math
 from types import SimpleNamespace
 
-from benchmarks.controller.grid import judged, push, WAY
+from benchmarks.controller.grid import evaluate_path, PATH_LENGTH, push
 from benchmarks.controller.published_laws import dipole_law, force_angle_law
 from benchmarks.controller.tables import ALL, groups, wilson
 import numpy as np
@@ -70,12 +70,13 @@ def test_the_force_angle_law_reaches_the_path_from_both_sides():
     assert found[0]['off'] == pytest.approx(found[1]['off'], abs=1e-3)
 
 
-@pytest.mark.parametrize(('way', 'aside', 'converged'), [
-    (WAY, lambda x: 0.0 * x, True), (WAY, lambda x: 0.2 + 0.0 * x, False),
-    (WAY, lambda x: 0.4 * np.exp(-x), True), (0.7 * WAY, lambda x: 0.0 * x, False)])
-def test_the_grid_is_judged_at_its_end(way, aside, converged):
+@pytest.mark.parametrize(('position', 'aside', 'converged'), [
+    (PATH_LENGTH, lambda x: 0.0 * x, True), (PATH_LENGTH, lambda x: 0.2 + 0.0 * x, False),
+    (PATH_LENGTH, lambda x: 0.4 * np.exp(-x), True),
+    (0.7 * PATH_LENGTH, lambda x: 0.0 * x, False)])
+def test_the_grid_is_judged_at_its_end(position, aside, converged):
     """On the path at last, wherever it began; one that stops short has not converged."""
-    x = np.linspace(0.0, way, 500)
-    found = judged('', np.column_stack([x, aside(x)]))
+    x = np.linspace(0.0, position, 500)
+    found = evaluate_path('', np.column_stack([x, aside(x)]))
     assert found['converged'] == converged
-    assert found['outcome'] == ('' if way == WAY else 'not there')
+    assert found['outcome'] == ('' if position == PATH_LENGTH else 'not there')

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from benchmarks.planner.check import replay, STRETCH
+from benchmarks.planner.check import replay, SECTION_LENGTH
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
@@ -35,9 +35,9 @@ def answer(request, plans):
 def test_long_plans_are_followed_to_their_goal(answer):
     """However long a steady turn or straight push is, no stretch of it is."""
     driven, wheelbase = replay(answer), answer.problem.vehicle.wheelbase
-    assert driven.way == pytest.approx(answer.report['path_length'])
-    assert driven.way > 2.0 * STRETCH * wheelbase
-    assert driven.stretches >= driven.way / (STRETCH * wheelbase)
+    assert driven.path_length == pytest.approx(answer.report['path_length'])
+    assert driven.path_length > 2.0 * SECTION_LENGTH * wheelbase
+    assert driven.sections >= driven.path_length / (SECTION_LENGTH * wheelbase)
     assert driven.position_error < 1e-4 and driven.heading_error < 1e-3
 
 

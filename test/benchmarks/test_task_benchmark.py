@@ -4,11 +4,13 @@ import math
 from types import SimpleNamespace
 
 from benchmarks.controller.tables import ALL
-from benchmarks.tasks.bound import contact_way, gap, least_time
+from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import ALONE, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
 from benchmarks.tasks.groups import faults_of, grouped, kind
-from benchmarks.tasks.intervention import Hand, MOVES
-from benchmarks.tasks.maps import draw_floor, MAPS, object_room, robot_room, to_rectangles
+from benchmarks.tasks.intervention import Intervention, INTERVENTIONS
+from benchmarks.tasks.maps import (
+    draw_floor, MAPS, object_clearance, robot_clearance, to_rectangles,
+)
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
@@ -24,23 +26,25 @@ START = Pose(0.3, -0.2, 0.4)
 def test_no_plan_is_shorter_than_the_bound(goal):
     """Those of the planner are found without it."""
     plan = choose_site(box(), HOLONOMIC, START, START @ goal).plan
-    assert contact_way(box(), START, START @ goal) < plan.report['path_length']
+    assert contact_path_bound(box(), START, START @ goal) < plan.report['path_length']
 
 
 def test_a_straight_push_is_nearly_as_short_as_the_bound():
     """Through the friction centre nothing is wasted but what the tolerances allow."""
     plan = choose_site(box(), HOLONOMIC, START, START @ Pose(1.0, 0.0, 0.0)).plan
     assert plan.report['path_length'] == pytest.approx(1.0, abs=1e-3)
-    assert contact_way(box(), START, START @ Pose(1.0, 0.0, 0.0)) == pytest.approx(0.98, abs=0.01)
+    bound = contact_path_bound(box(), START, START @ Pose(1.0, 0.0, 0.0))
+    assert bound == pytest.approx(0.98, abs=0.01)
 
 
 def test_the_bound_does_not_depend_on_the_world():
     """Nor on the direction of time; where the object is there already it is 0."""
     world, goal = Pose(-2.0, 1.0, 2.2), START @ Pose(0.4, 0.1, 1.3)
-    assert contact_way(box(), world @ START, world @ goal) == pytest.approx(
-        contact_way(box(), START, goal))
-    assert contact_way(box(), goal, START) == pytest.approx(contact_way(box(), START, goal))
-    assert contact_way(box(), START, START) == 0.0
+    assert contact_path_bound(box(), world @ START, world @ goal) == pytest.approx(
+        contact_path_bound(box(), START, goal))
+    back = contact_path_bound(box(), goal, START)
+    assert back == pytest.approx(contact_path_bound(box(), START, goal))
+    assert contact_path_bound(box(), START, START) == 0.0
 
 
 def test_feet_that_rub_more_count_more():
@@ -49,8 +53,8 @@ def test_feet_that_rub_more_count_more():
     foot = still.supports[0]
     about = Pose(foot.x, foot.y, 0.0)
     turned = START @ about @ Pose(0.0, 0.0, 1.0) @ about.inverse()
-    assert contact_way(still, START, turned) == pytest.approx(0.0, abs=1e-6)
-    assert contact_way(box(), START, turned) > 0.1
+    assert contact_path_bound(still, START, turned) == pytest.approx(0.0, abs=1e-6)
+    assert contact_path_bound(box(), START, turned) > 0.1
 
 
 @pytest.mark.parametrize('name', MAPS)
@@ -84,7 +88,8 @@ def test_rooms_of_robot_and_object_are_those_of_their_rims():
     angles = np.linspace(0.0, 2.0 * math.pi, 4001)
     circle = HOLONOMIC.radius * np.column_stack([np.cos(angles), np.sin(angles)])
     for pose in np.round(rng.uniform((-0.5, -0.5, -3.0), (2.0, 2.5, 3.0), (40, 3)), 3):
-        found = object_room(box(), [pose], rectangles), robot_room(HOLONOMIC, [pose], rectangles)
+        found = (object_clearance(box(), [pose], rectangles),
+                 robot_clearance(HOLONOMIC, [pose], rectangles))
         for room, points in zip(found, (rim, circle)):
             seen = np.array([Pose(*pose).transform(point) for point in points])
             expected = to_rectangles(seen, rectangles).min()
@@ -119,13 +124,13 @@ def test_in_maps_there_is_room_at_start_and_goal(seed):
     case = draw(IN_MAPS, KINDS[IN_MAPS][0], seed)
     scenario, floor = case.scenario, case.floor
     ends = [scenario.start.object.pose, scenario.goal.pose]
-    assert object_room(scenario.truth, ends, floor.rectangles) > 0.4
-    assert robot_room(scenario.robot_truth, [scenario.robot_start], floor.rectangles) > 0.1
+    assert object_clearance(scenario.truth, ends, floor.rectangles) > 0.4
+    assert robot_clearance(scenario.robot_truth, [scenario.robot_start], floor.rectangles) > 0.1
     occupancy_map = scenario.task.occupancy_map
     assert occupancy_map.object_is_free(scenario.object, ends, 0.05)
 
 
-@pytest.mark.parametrize('move', MOVES)
+@pytest.mark.parametrize('move', INTERVENTIONS)
 def test_the_hand_waits_until_the_robot_is_not_in_the_way(move):
     """Then it moves the object once."""
     puts, barred = [], [True]
@@ -137,17 +142,18 @@ def test_the_hand_waits_until_the_robot_is_not_in_the_way(move):
 
     plant = SimpleNamespace(set_object_pose=set_object_pose, object_pose=START)
     supervisor = SimpleNamespace(status=SimpleNamespace(state=TaskState.PUSH))
-    hand = Hand(move, 2.0, -1.0)
+    intervention = Intervention(move, 2.0, -1.0)
     for time in (1.0, 3.0):
-        hand(SimpleNamespace(time=time, plant=plant), supervisor)
-    assert hand.shove is None
+        intervention(SimpleNamespace(time=time, plant=plant), supervisor)
+    assert intervention.displacement is None
     barred[0] = False
     for time in (4.0, 5.0):
-        hand(SimpleNamespace(time=time, plant=plant), supervisor)
+        intervention(SimpleNamespace(time=time, plant=plant), supervisor)
     moved = START.inverse() @ puts[0]
-    assert len(puts) == 1 and hand.shove.time == 4.0 and hand.state == 'push'
+    assert len(puts) == 1
+    assert intervention.displacement.time == 4.0 and intervention.state == 'push'
     assert (math.hypot(moved.x, moved.y), moved.theta) == pytest.approx(
-        (0.2, 0.0) if move == MOVES[0] else (0.0, -math.radians(45.0)), abs=1e-12)
+        (0.2, 0.0) if move == INTERVENTIONS[0] else (0.0, -math.radians(45.0)), abs=1e-12)
 
 
 def test_tasks_are_counted_by_kind():
@@ -158,7 +164,7 @@ def test_tasks_are_counted_by_kind():
                  {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': 60.0,
                   'planning': '0.25 0.50'},
                  {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': math.inf,
-                  'planning': '1.0', 'robot_room': -0.01},
+                  'planning': '1.0', 'robot_clearance': -0.01},
                  {'success': False, 'outcome': 'done', 'planning': ''},
                  {'success': False, 'outcome': 'failed', 'reason': 'off by 3.5 mm'}])]
     everything, first, second = grouped(pairs, OPEN, kind)
