@@ -1,0 +1,179 @@
+"""
+Generate the tables of topics, services and parameters in ``docs/reference``.
+
+``python -m docs.tools.reference`` rewrites the pages in place. A page holds hand-written text and
+sections ``<!-- name -->`` to ``<!-- end -->``; only the sections are replaced.
+"""
+
+from collections.abc import Iterable, Sequence
+import math
+from pathlib import Path
+import re
+import sys
+from typing import Any
+
+from push_control import controller_node
+from push_planner import planner_node
+from push_ros.parameters import parameter_specs, ParameterSpec
+from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
+from push_sim_node import sim_node
+
+REFERENCE = Path(__file__).resolve().parents[1] / 'reference'
+SECTION = re.compile(r'(<!-- (?P<name>[\w. ]+) -->\n)(?P<body>.*?)(<!-- end -->)', re.DOTALL)
+# Parameter groups of each node, as (prefix with its dot, parameter class).
+GROUPS: dict[str, Sequence[tuple[str, type]]] = {
+    PLANNER: planner_node.SECTIONS,
+    CONTROLLER: controller_node.SECTIONS,
+    SIM: sim_node.SECTIONS,
+}
+
+
+def topic_table() -> str:
+    """Format the topics as a Markdown table."""
+    return markdown_table(('topic', 'type', 'from', 'to', 'content'), [
+        (f'`{name}`', f'`{interface_name(topic.type)}`', _nodes(topic.publishers),
+         _nodes(topic.subscribers), topic.description) for name, topic in TOPICS.items()])
+
+
+def service_table() -> str:
+    """Format the services as a Markdown table."""
+    return markdown_table(('service', 'type', 'node', 'effect'), [
+        (f'`{name}`', f'`{interface_name(kind)}`', f'`{node}`', description)
+        for name, (kind, node, description) in SERVICES.items()])
+
+
+def parameter_groups() -> dict[str, tuple[list[str], list[ParameterSpec]]]:
+    """
+    Collect the parameters of all nodes.
+
+    :return: for each group the names of its nodes, and its parameters. A group is named after its
+        prefix, such as ``planner``; parameters without a prefix are ``frames`` where all nodes
+        have them, and else named after their node.
+    """
+    groups: dict[str, tuple[list[str], list[ParameterSpec]]] = {}
+    common = set.intersection(*({cls for _, cls in sections} for sections in GROUPS.values()))
+    for node, sections in GROUPS.items():
+        for prefix, cls in sections:
+            name = prefix.rstrip('.') or ('frames' if cls in common else node)
+            nodes, _ = groups.setdefault(name, ([], parameter_specs(cls, prefix)))
+            nodes.append(node)
+    return groups
+
+
+def parameter_table(specs: Iterable[ParameterSpec]) -> str:
+    """
+    Format parameters as a Markdown table.
+
+    :param specs: the parameters.
+    """
+    return markdown_table(('parameter', 'type', 'unit', 'range', 'default', 'meaning'), [
+        (f'`{spec.name}`', kind_name(spec.kind), spec.metadata['unit'], _range_text(spec),
+         default_text(spec), spec.metadata['description']) for spec in specs])
+
+
+def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """
+    Format a Markdown table.
+
+    :param header: column titles.
+    :param rows: cells, one per title in each row.
+    """
+    lines = [header, ['---'] * len(header), *rows]
+    return '\n'.join('| ' + ' | '.join(cell.replace('|', '\\|') for cell in line) + ' |'
+                     for line in lines)
+
+
+def interface_name(kind: type) -> str:
+    """
+    Name a message or service type as ``ros2 interface`` does.
+
+    :param kind: the class.
+    """
+    package, folder = kind.__module__.split('.')[:2]
+    return f'{package}/{folder}/{kind.__name__}'
+
+
+def kind_name(kind: Any) -> str:
+    """
+    Name the type of a parameter.
+
+    :param kind: bool, int, float, str or a list of one of them.
+    """
+    is_list = hasattr(kind, '__args__')
+    return f'list of {kind.__args__[0].__name__}' if is_list else kind.__name__
+
+
+def default_text(spec: ParameterSpec) -> str:
+    """
+    Format the default value of a parameter.
+
+    :param spec: the parameter.
+    """
+    default: Any = spec.default
+    if default is None:
+        return '**required**'
+    if isinstance(default, bool):
+        return f'`{str(default).lower()}`'
+    if isinstance(default, tuple):
+        return '`[' + ', '.join(map(str, default)) + ']`'
+    return '`""`' if default == '' else f'`{default}`'
+
+
+def tables() -> dict[str, str]:
+    """Format all tables, by the name of their section."""
+    found = {'topics': topic_table(), 'services': service_table()}
+    for name, (nodes, specs) in parameter_groups().items():
+        found[f'parameters {name}'] = f'Nodes: {_nodes(nodes)}.\n\n{parameter_table(specs)}'
+    return found
+
+
+def fill_sections(text: str) -> str:
+    """
+    Replace the sections of a page by the tables of the code.
+
+    :param text: Markdown.
+    :return: Markdown.
+    :raises ValueError: for a section that the code does not know.
+    """
+    known = tables()
+    unknown = sorted(set(section_names(text)) - set(known))
+    if unknown:
+        raise ValueError(f'sections: got {unknown}, expected some of {sorted(known)}')
+    return SECTION.sub(lambda match: f'{match[1]}\n{known[match["name"]]}\n\n{match[4]}', text)
+
+
+def section_names(text: str) -> list[str]:
+    """
+    List the sections of a page, in order.
+
+    :param text: Markdown.
+    """
+    return [match['name'] for match in SECTION.finditer(text)]
+
+
+def pages() -> list[Path]:
+    """List the pages of the reference."""
+    return sorted(REFERENCE.glob('*.md'))
+
+
+def main() -> None:
+    """Rewrite the pages of the reference."""
+    for path in pages():
+        path.write_text(fill_sections(path.read_text(encoding='utf-8')), encoding='utf-8')
+
+
+def _nodes(names: Iterable[str]) -> str:
+    return ', '.join(f'`{name}`' for name in names) or 'user'
+
+
+def _range_text(spec: ParameterSpec) -> str:
+    if spec.metadata['choices']:
+        return ', '.join(spec.metadata['choices'])
+    low, high, above = (spec.metadata[name] for name in ('low', 'high', 'above'))
+    start = f'> {above:g}' if above is not None else f'≥ {low:g}' if math.isfinite(low) else ''
+    end = f'≤ {high:g}' if math.isfinite(high) else ''
+    return ', '.join(filter(None, (start, end)))
+
+
+if __name__ == '__main__':
+    sys.exit(main())
