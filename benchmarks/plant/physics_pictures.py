@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/concepts/physics.md: ``python -m benchmarks.plant.physics_pictures``."""
+"""Draw the pictures of the page on physics: ``python -m benchmarks.plant.physics_pictures``."""
 
 import math
 from pathlib import Path

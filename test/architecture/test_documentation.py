@@ -6,8 +6,8 @@ import re
 
 from docs.tools import reference
 from helpers.architecture import files, ROOT
-import pytest
 from push_scenario.definition.loader import scenario_names
+import pytest
 
 PAGES = sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT) if path.suffix == '.md')
 TEXTS = {page: (ROOT / page).read_text(encoding='utf-8') for page in PAGES}
