@@ -13,7 +13,7 @@ from push_ros import qos
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
 from push_ros.conversions.primitives import MessageRefused, nanoseconds
-from push_ros.diagnostics import ERROR, OK, WARN
+from push_ros.diagnostics import ERROR, HAS_MAP, OK, WARN
 from push_ros.executor import run
 from push_ros.node import PushNode
 from push_ros.node_settings import Frames
@@ -84,7 +84,7 @@ class PlannerNode(PushNode):
 
     def _on_map(self, message):
         try:
-            self._report(OK, self._chains.on_map(message))
+            self._report(OK, self._chains.on_map(message), {HAS_MAP: True})
         except MessageRefused as error:
             self._report(ERROR, str(error))
 

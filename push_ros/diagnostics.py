@@ -5,6 +5,8 @@ from rclpy.clock import Clock, ClockType
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 PERIOD = 1.0
+# Key of the value that tells that a node has a map.
+HAS_MAP = 'has_map'
 
 
 class Reporter:

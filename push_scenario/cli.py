@@ -1,76 +1,85 @@
-"""Command line: replay a scenario over DDS or in one process, judge it, draw it."""
+"""Command line ``replay``: run a scenario over DDS or in one process, report on it, draw it."""
 
 import argparse
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 import sys
 import time
+from typing import TextIO
 
 from push_control.settings import LAWS
 from push_scenario.batch.interrupts import Interrupts
 from push_scenario.definition.loader import (
     find_scenario, read_scenario, scenario_names, scenario_text,
 )
-from push_scenario.evaluation.metrics import is_as_expected, is_task_as_expected
-from push_scenario.evaluation.report import table
-from push_scenario.evaluation.task_report import task_table
-from push_scenario.simulation import loop as closed_loop
-from push_scenario.simulation.loop import run_task
+from push_scenario.definition.scenario import Scenario
+from push_scenario.evaluation.metrics import is_as_expected
+from push_scenario.evaluation.report import format_report
+from push_scenario.simulation.loop import Progress, simulate
+from push_scenario.simulation.result import RunResult
 
+DEMO = 'task_demo'
+AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
+# How often progress is shown: smoothly in a terminal, without flooding a log [s].
 TERMINAL_PERIOD = 0.1
 LOG_PERIOD = 5.0
+# A ratio to wall time is shown once so much of it can be trusted [s].
+MIN_TIMED = 0.2
 
 
 class ProgressLine:
     """
-    Shows a run's progress: one line that is written over in a terminal, else a line now and then.
+    Shows the progress of a run: one line that is overwritten in a terminal, else a line at times.
 
     :param stream: where to write, such as ``sys.stderr``.
     :param clock: function that returns wall-clock seconds.
     :param title: what is running.
     """
 
-    def __init__(self, stream, clock, title):
-        self._stream, self._clock, self._title = stream, clock, title
-        self._terminal = stream.isatty()
-        self._began = self._shown = clock()
-        self._since = None
-        self._stage, self._width = '', 0
+    def __init__(self, stream: TextIO, clock: Callable[[], float], title: str) -> None:
+        self._stream = stream
+        self._clock = clock
+        self._title = title
+        self._started = self._shown = clock()
+        # Wall and simulated time at the end of the planning.
+        self._first: tuple[float, float] | None = None
+        self._stage = ''
+        self._width = 0
 
-    def __call__(self, progress):
+    def __call__(self, progress: Progress) -> None:
         """
         Show progress, unless something was shown a moment ago.
 
         :param progress: the ``Progress``.
         """
         now = self._clock()
-        if progress.stage != 'planning' and self._since is None:
-            self._since = now, progress.time
-        period = TERMINAL_PERIOD if self._terminal else LOG_PERIOD
+        if progress.stage != 'planning' and self._first is None:
+            self._first = now, progress.time
+        period = TERMINAL_PERIOD if self._stream.isatty() else LOG_PERIOD
         if progress.stage == self._stage and now - self._shown < period:
             return
         self._stage, self._shown = progress.stage, now
         self._write(f'{self._title}: {progress.stage}, {progress.time:.1f} s simulated'
                     f'{self._speed(progress.time, now)}, {progress.distance:.3f} m to the goal')
 
-    def end(self, text):
+    def end(self, text: str) -> None:
         """
         Write the last line.
 
         :param text: how it ended.
         """
-        self._write(f'{self._title}: {text}, {self._clock() - self._began:.1f} s')
-        if self._terminal:
+        self._write(f'{self._title}: {text}, {self._clock() - self._started:.1f} s')
+        if self._stream.isatty():
             self._stream.write('\n')
             self._stream.flush()
 
-    def _speed(self, time, now):
-        if self._since is None or now - self._since[0] < 0.2:
+    def _speed(self, time: float, now: float) -> str:
+        if self._first is None or now - self._first[0] < MIN_TIMED:
             return ''
-        factor = (time - self._since[1]) / (now - self._since[0])
-        return f' at {factor:.1f} x real time'
+        return f' at {(time - self._first[1]) / (now - self._first[0]):.1f} x real time'
 
-    def _write(self, text):
-        if self._terminal:
+    def _write(self, text: str) -> None:
+        if self._stream.isatty():
             self._stream.write('\r' + text.ljust(self._width))
             self._width = len(text)
         else:
@@ -78,11 +87,7 @@ class ProgressLine:
         self._stream.flush()
 
 
-DEMO = 'task_demo'
-AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
-
-
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     """
     Run the command line.
 
@@ -102,54 +107,54 @@ def main(arguments=None):
     try:
         return _replay(options)
     except (ValueError, OSError, RuntimeError) as error:
-        return _complain(error, MISUSE)
+        return _report_error(error, MISUSE)
 
 
-def _parser():
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='replay', description='Replay a pushing scenario and judge it. Exit status 0 only '
-        'if the run ends as the scenario expects.')
+        prog='replay', description='Replay a pushing scenario and evaluate it. The exit status '
+        'is 0 only if the run ends as the scenario expects.')
     parser.add_argument('scenario', nargs='?', metavar='SCENARIO',
-                        help='path of a scenario file, or the name of one that comes with the '
-                        'package')
-    parser.add_argument('--list', action='store_true', help='list the scenarios and exit')
+                        help='path of a scenario file, or name of a scenario of the package')
+    parser.add_argument('--list', action='store_true',
+                        help='list the scenarios of the package and exit')
     parser.add_argument('--demo', action='store_true',
-                        help=f'replay {DEMO}; pictures are demo.png and demo.gif')
+                        help=f'replay {DEMO}; the plots are demo.png and demo.gif')
     parser.add_argument('--law', action='append', choices=LAWS,
-                        help="control law instead of the scenario's; may be repeated, to "
-                        'compare')
+                        help="control law, in place of the scenario's; repeat it to compare laws")
     parser.add_argument('--in-process', action='store_true',
-                        help='without ROS: the same planner, controller and plant in one process')
+                        help='run planner, controller and simulator in one process, without ROS')
     parser.add_argument('--real-time', action='store_true',
-                        help='over DDS on the wall clock, not in lockstep')
+                        help='run over DDS at the speed of the wall clock instead of in lockstep')
     parser.add_argument('--out', type=Path, default=Path('out'), metavar='DIR',
-                        help='where tapes, pictures and recordings go (default: out)')
-    parser.add_argument('--no-record', action='store_true', help='no MCAP recording')
-    parser.add_argument('--no-pictures', action='store_true', help='no PNG and no GIF')
+                        help='directory for tapes, plots and recordings (default: out)')
+    parser.add_argument('--no-record', action='store_true', help='write no MCAP recording')
+    parser.add_argument('--no-pictures', action='store_true', help='draw no PNG and no GIF')
     return parser
 
 
-def _complain(text, status):
-    begin = '\n' if sys.stderr.isatty() else ''
-    print(f'{begin}replay: {text}', file=sys.stderr)
+def _report_error(text: object, status: int) -> int:
+    # In a terminal the line of the progress has no end yet.
+    start = '\n' if sys.stderr.isatty() else ''
+    print(f'{start}replay: {text}', file=sys.stderr)
     return status
 
 
-def _list_scenarios():
+def _list_scenarios() -> None:
     names = scenario_names()
     width = max(map(len, names))
     for name in names:
         print(f'{name.ljust(width)}  {read_scenario(find_scenario(name)).description}')
 
 
-def _replay(options):
+def _replay(options: argparse.Namespace) -> int:
     if options.in_process and options.real_time:
         raise ValueError('--real-time: got --in-process too, expected one of the two')
     scenario = read_scenario(find_scenario(options.scenario))
     laws = list(dict.fromkeys(options.law or [scenario.control.control_law]))
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')
-    results = []
+    results: list[RunResult] = []
     try:
         with Interrupts() as interrupts:
             for law in laws:
@@ -158,80 +163,68 @@ def _replay(options):
             interrupts.check()
     except KeyboardInterrupt:
         if results:
-            print(_table(results))
-        return _complain('interrupted', INTERRUPTED)
-    judged = [r for r in results if r.control_law != 'open_loop'] or results
-    judge = is_as_expected if scenario.task is None else is_task_as_expected
-    return AS_EXPECTED if all(map(judge, judged)) else NOT_AS_EXPECTED
+            print(format_report(results))
+        return _report_error('interrupted', INTERRUPTED)
+    judged = [result for result in results if result.control_law != 'open_loop'] or results
+    return AS_EXPECTED if all(map(is_as_expected, judged)) else NOT_AS_EXPECTED
 
 
-def _run(scenario, law, options, interrupts):
+def _run(scenario: Scenario, law: str, options: argparse.Namespace,
+         interrupts: Interrupts) -> RunResult:
     line = ProgressLine(sys.stderr, time.monotonic, f'{scenario.name}, {law}')
 
-    def show(progress):
+    def show(progress: Progress) -> None:
         interrupts.check()
         line(progress)
 
     if options.in_process:
         # As over DDS in lockstep, time stands still while a task is planned.
-        result = (closed_loop.run(scenario, law, show) if scenario.task is None else
-                  run_task(scenario, law, show, planning_time=0.0))
+        result = simulate(scenario, law, progress=show, planning_time=0.0)
     else:
-        run_over_dds = _dds_replay()
-        result = run_over_dds(scenario, law, options.out, real_time=options.real_time,
-                              record=not options.no_record, progress=show)
-    line.end(result.outcome)
+        result = _run_over_dds(scenario, law, options, show)
+    line.end(result.outcome.value)
     if result.tape is not None:
         result.tape.save(options.out / f'{scenario.name}_{law}.csv')
     return result
 
 
-def _table(results):
-    return (table if results[0].scenario.task is None else task_table)(results)
-
-
-def _dds_replay():
+def _run_over_dds(scenario: Scenario, law: str, options: argparse.Namespace,
+                  show: Callable[[Progress], None]) -> RunResult:
+    # Imported here: everything else works without ROS.
     try:
-        from push_ros.dds_replay import run_over_dds
+        from push_scenario.dds.replay import run_over_dds
     except ModuleNotFoundError as error:
         raise RuntimeError(f'a replay over DDS needs ROS 2: no module {error.name}; source a ROS '
                            'installation, or use --in-process') from error
-    return run_over_dds
+    return run_over_dds(scenario, law, options.out, real_time=options.real_time,
+                        record=not options.no_record, progress=show)
 
 
-def _finish(results, options):
-    print(_table(results), flush=True)
-    written = [bag for bag in (getattr(result, 'bag', None) for result in results) if bag]
-    if not options.no_pictures and all(result.tape for result in results):
+def _finish(results: Sequence[RunResult], options: argparse.Namespace) -> None:
+    print(format_report(results), flush=True)
+    written = [result.bag for result in results if result.bag is not None]
+    if not options.no_pictures and all(result.tape is not None for result in results):
         written += _draw(results, options)
     if written:
         print('written: ' + ', '.join(map(str, written)))
 
 
-def _draw(results, options):
+def _draw(results: Sequence[RunResult], options: argparse.Namespace) -> Iterator[Path]:
+    """Draw figure and animation; yield their paths."""
+    # Imported here: only the plots need matplotlib.
     try:
-        pictures = _pictures(results[0].scenario)
+        from push_scenario.plots.animation import draw_animation
+        from push_scenario.plots.figure import draw_figure
     except ModuleNotFoundError as error:
-        print(f'replay: no pictures, for want of the module {error.name}', file=sys.stderr)
+        print(f'replay: no plots: module {error.name} is not installed', file=sys.stderr)
         return
     name = 'demo' if options.demo else results[0].scenario.name
-    for draw, suffix in zip(pictures, ('png', 'gif')):
+    for draw, suffix in ((draw_figure, 'png'), (draw_animation, 'gif')):
         path = options.out / f'{name}.{suffix}'
         line = ProgressLine(sys.stderr, time.monotonic, str(path))
         draw(results, path)
         line.end('drawn')
         yield path
-
-
-def _pictures(scenario):
-    """Return what draws the picture and the animation; matplotlib may be missing."""
-    if scenario.task is None:
-        from push_scenario.animation import draw_animation
-        from push_scenario.figure import draw_figure
-        return draw_figure, draw_animation
-    from push_scenario.task_animation import draw_task_animation
-    from push_scenario.task_figure import draw_task_figure
-    return draw_task_figure, draw_task_animation
 
 
 if __name__ == '__main__':

@@ -55,8 +55,9 @@ def scenario(kind, seed, stress):
     aside, headed = rng.normal(0.0, math.radians(1.5), 2)
     start = _start(answer.problem, aside, headed)
     return Scenario(
-        name='random', description=f'{kind}, {stress}, seed {seed}', object=believed, truth=true,
-        robot=robot, robot_truth=robot, start=start, goal=Placement(*goal), planner=settings,
+        name='random', description=f'{kind}, {stress}, seed {seed}', object=believed,
+        true_object=true, robot=robot, true_robot=robot, start=start, goal=Placement(*goal),
+        planner=settings,
         sensors=SENSORS, simulation=SimulationSettings(seed=seed), time_limit=LONGEST), answer
 
 

@@ -61,16 +61,16 @@ def over_dds(laws):
     :return: list of ``OverDds``.
     :raises ModuleNotFoundError: without ROS 2.
     """
-    from push_ros.dds_replay import run_over_dds
-    from push_ros.interfaces import CONTROLLER
+    from push_ros.topics import CONTROLLER
+    from push_scenario.dds.replay import run_over_dds
     scenario, found = read_scenario(find_scenario(SCENARIO)), []
     for law in laws:
         clock = _CpuClock(CONTROLLER)
         with tempfile.TemporaryDirectory() as folder:
             result = run_over_dds(scenario, law, folder, real_time=True,
                                   record=False, progress=clock.note, on_start=clock.start)
-        found.append(OverDds(law, result.outcome, clock.share, result.latency_median,
-                             result.latency_p99))
+        found.append(OverDds(law, result.outcome.value, clock.share,
+                             result.timing.latency_median, result.timing.latency_p99))
     return found
 
 

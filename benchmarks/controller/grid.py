@@ -17,7 +17,8 @@ from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.signals import Twist
 from push_planner.problem import PlannerSettings
 from push_scenario.definition.scenario import Placement, Scenario, Start
-from push_scenario.simulation.loop import run
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome
 from push_sim_node.plant import Plant
 
 HALF, SPEED, PATH_LENGTH, PERIOD = 0.5, 0.1, 30.0, 0.02
@@ -86,13 +87,14 @@ def _published(job, box, start):
 def _ours(job, box, start):
     settings = PlannerSettings(pushing_speed=SPEED, max_path_length=2.0 * PATH_LENGTH)
     goal = Placement(PATH_LENGTH + HALF, 0.0, 0.0)
-    case = Scenario(name='grid', description='straight on', object=box, truth=box, robot=ROBOT,
-                    robot_truth=ROBOT, start=start, goal=goal, planner=settings, time_limit=900.0)
-    result = run(case, job['law'])
+    case = Scenario(name='grid', description='straight on', object=box, true_object=box,
+                    robot=ROBOT, true_robot=ROBOT, start=start, goal=goal, planner=settings,
+                    time_limit=900.0)
+    result = simulate(case, job['law'])
     if result.tape is None:
         return {'outcome': result.reason, 'off': math.nan, 'converged': False}
     positions = result.tape.poses('object')[:, :2]
-    return evaluate_path('' if result.outcome == 'done' else result.reason, positions)
+    return evaluate_path('' if result.outcome is Outcome.DONE else result.reason, positions)
 
 
 def evaluate_path(outcome, positions):

@@ -6,7 +6,8 @@ import time
 from benchmarks.controller.cases import scenario
 from push_planner.problem import PlanningFailed
 from push_scenario.evaluation.metrics import measure
-from push_scenario.simulation.loop import run
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome
 
 LAWS = ('feedback', 'mpc')
 TOLERANCES = 0.02, math.radians(3.0)
@@ -35,15 +36,15 @@ def push(job):
 
 def _run(case, law, planned):
     began = time.process_time()
-    result = run(case, law)
+    result = simulate(case, law)
     found = measure(result)
-    record = {'outcome': result.outcome, 'reason': result.reason,
+    record = {'outcome': result.outcome.value, 'reason': result.reason,
               'cpu': time.process_time() - began, 'success': False}
     if found is not None:
         record.update(position_error=found.position_error,
                       heading_error=abs(found.heading_error),
                       time_ratio=found.time / planned, slip=found.slip,
-                      success=bool(result.outcome == 'done'
+                      success=bool(result.outcome is Outcome.DONE
                                    and found.position_error <= TOLERANCES[0]
                                    and abs(found.heading_error) <= TOLERANCES[1]))
     return record

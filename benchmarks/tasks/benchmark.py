@@ -64,13 +64,13 @@ def one(chosen):
     result, clock = run_case(case)
     for change in result.history:
         print(f'{change.time:7.2f} s {change.state.value:9} {change.reason}')
-    for number, plan in enumerate(result.plans, 1):
+    for number, plan in enumerate(result.sequence_plans, 1):
         pushes = ', '.join(f'{push.contact.kind} {push.contact.index}: {push.path_length:.2f} m'
                            for push in plan.pushes)
         print(f'plan {number}: {plan.duration:.1f} s (single push {plan.single:.1f} s): {pushes}')
     if case.intervention is not None and case.intervention.displacement is not None:
         print(f'moved in {case.intervention.state}: {case.intervention.displacement}')
-    print(f'{result.outcome} after {result.duration:.1f} s {result.reason}: '
+    print(f'{result.outcome.value} after {result.duration:.1f} s {result.reason}: '
           f'{1e3 * result.position_error:.1f} mm, {math.degrees(result.heading_error):.2f} deg; '
           f'planning {", ".join(f"{value:.2f} s" for value in clock.planning)}')
     chosen.records.mkdir(parents=True, exist_ok=True)

@@ -45,8 +45,8 @@ def gap(scenario):
 
     :param scenario: the ``Scenario``.
     """
-    return find_contact(scenario.truth, scenario.start.object.pose, scenario.robot_start[:2],
-                        scenario.robot_truth.radius)[2]
+    return find_contact(scenario.true_object, scenario.start.object.pose, scenario.robot_start[:2],
+                        scenario.true_robot.radius)[2]
 
 
 def least_time(scenario, drive=None):
@@ -56,8 +56,9 @@ def least_time(scenario, drive=None):
     :param scenario: the ``Scenario``.
     :param drive: ``DriveSettings``, or None for the defaults.
     """
-    speed = (drive or DriveSettings()).limited_to(scenario.robot_truth).speed
-    distance = contact_path_bound(scenario.truth, scenario.start.object.pose, scenario.goal.pose)
+    speed = (drive or DriveSettings()).limited_to(scenario.true_robot).speed
+    distance = contact_path_bound(scenario.true_object, scenario.start.object.pose,
+                                  scenario.goal.pose)
     if math.isclose(distance, 0.0):
         return 0.0
     return gap(scenario) / speed + distance / scenario.planner.pushing_speed

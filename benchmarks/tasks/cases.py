@@ -96,8 +96,8 @@ def draw(part, kind, seed):
         begin = rng.uniform(0.0, LATEST)
         dropouts = ((begin, begin + rng.uniform(0.0, LONGEST_LOST)),)
     return Case(Scenario(
-        name='random', description=f'{part}, {kind}, seed {seed}', object=believed, truth=true,
-        robot=robot, robot_truth=robot, goal=Placement(*goal),
+        name='random', description=f'{part}, {kind}, seed {seed}', object=believed,
+        true_object=true, robot=robot, true_robot=robot, goal=Placement(*goal),
         start=Start(object=Placement(*start), robot=Placement(*stand)),
         planner=PlannerSettings(pushing_speed=speed),
         sensors=dataclasses.replace(SENSORS, pose_dropouts=dropouts),

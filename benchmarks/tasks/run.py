@@ -15,7 +15,8 @@ from push_planner.problem import PlanningFailed
 from push_planner.sequence.costs import plan_approach
 from push_planner.single_push.site_selection import choose_site
 from push_scenario.evaluation.metrics import distance_travelled
-from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, run_task
+from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, simulate
+from push_scenario.simulation.result import Outcome
 
 POSITION, HEADING, CLEAR = 0.01, math.radians(1.0), 0.02
 TIMED_STATES = (TaskState.PLAN, TaskState.APPROACH, TaskState.ALIGN, TaskState.PUSH,
@@ -56,13 +57,13 @@ def run(job):
     """
     case = draw(**job)
     result, clock = run_case(case)
-    record = {'variety': case.variety, 'outcome': result.outcome, 'reason': result.reason,
+    record = {'variety': case.variety, 'outcome': result.outcome.value, 'reason': result.reason,
               'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
               'planning': ' '.join(f'{value:.4f}' for value in clock.planning),
               'least': least_time(case.scenario), **_end(result), **_state_times(result)}
-    if result.plans:
-        record.update(sequence=len(result.plans[0].pushes), planned=result.plans[0].duration,
-                      single=result.plans[0].single)
+    if result.sequence_plans:
+        first = result.sequence_plans[0]
+        record.update(sequence=len(first.pushes), planned=first.duration, single=first.single)
     if job['part'] == OPEN:
         record.update(_robot_distances(case.scenario))
     if case.floor is not None:
@@ -77,10 +78,10 @@ def run_case(case):
     Run a task.
 
     :param case: ``tasks_cases.Case``.
-    :return: (``TaskResult``, ``PlanningClock``).
+    :return: (``RunResult``, ``PlanningClock``).
     """
     clock = PlanningClock(case.intervention)
-    return run_task(case.scenario, change=clock), clock
+    return simulate(case.scenario, intervene=clock), clock
 
 
 def _end(result):
@@ -93,7 +94,7 @@ def _end(result):
     return {'position_error': result.position_error, 'heading_error': abs(result.heading_error),
             'gap': float(last['gap']), 'duration': result.duration,
             'distance': float(distance_travelled(tape)[-1]),
-            'success': bool(result.outcome == 'done' and there and still
+            'success': bool(result.outcome is Outcome.DONE and there and still
                             and last['gap'] >= CLEAR)}
 
 
@@ -113,7 +114,7 @@ def _state_times(result):
 def _robot_distances(scenario):
     """Ways of the robot: at least that of the contact, and that of the quickest single push."""
     start, goal, robot = scenario.start.object.pose, scenario.goal.pose, scenario.robot_start
-    least = gap(scenario) + contact_path_bound(scenario.truth, start, goal)
+    least = gap(scenario) + contact_path_bound(scenario.true_object, start, goal)
     try:
         push = choose_site(scenario.object, scenario.robot, start, goal,
                            scenario.planner).plan.trajectory
@@ -127,6 +128,6 @@ def _robot_distances(scenario):
 
 def _clearances(case, tape):
     rectangles = case.floor.rectangles
-    robot, obj = case.scenario.robot_truth, case.scenario.truth
+    robot, obj = case.scenario.true_robot, case.scenario.true_object
     return {'robot_clearance': robot_clearance(robot, tape.poses('robot'), rectangles),
             'object_clearance': object_clearance(obj, tape.poses('object'), rectangles)}

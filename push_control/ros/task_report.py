@@ -3,7 +3,7 @@
 from push_control.task.status import StateChange, TaskState
 from push_ros.conversions.map import map_text
 from push_ros.conversions.markers import GREY, plan_markers, scene_markers, text_markers
-from push_ros.diagnostics import ERROR, OK, WARN
+from push_ros.diagnostics import ERROR, HAS_MAP, OK, WARN
 from push_ros.node import RateLimiter
 
 LEVELS = {TaskState.FAILED: ERROR, TaskState.PAUSED: WARN}
@@ -72,7 +72,7 @@ class TaskReporter:
 
         :param message: ``nav_msgs/OccupancyGrid``.
         """
-        self._reporter.report(OK, map_text(message), message.header.stamp)
+        self._reporter.report(OK, map_text(message), message.header.stamp, {HAS_MAP: True})
 
     def draw_plan(self, target, stamp):
         """

@@ -10,7 +10,6 @@ from push_ros.conversions.primitives import (
 )
 
 UNKNOWN, FREE, OCCUPIED, FULL = -1, 0, 50, 100
-HAS_MAP = 'has a map'
 
 
 def to_map_message(occupancy_map, stamp, frame):
@@ -63,4 +62,4 @@ def map_text(message):
 
     :param message: ``nav_msgs/OccupancyGrid``.
     """
-    return f'{HAS_MAP} of {message.info.width} times {message.info.height} cells'
+    return f'has a map of {message.info.width} times {message.info.height} cells'

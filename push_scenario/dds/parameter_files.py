@@ -1,20 +1,34 @@
 """Parameter files of the three nodes for a scenario."""
 
 import dataclasses
+from pathlib import Path
+from typing import Any
 
+from push_control.settings import ControlSettings
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
 from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.loop import SETTLE_TIME
 import yaml
 
-# Wall time that a planner may take while simulated time waits for it [s].
-PATIENCE = 60.0
+# How long the simulator waits for a command on the wall clock before it calls the controller
+# gone: several times the slowest answer of a single push on a busy machine; in a task, time
+# stands still while the planner works [s].
+ANSWER_TIMEOUT = 15.0
+PLANNING_TIMEOUT = 180.0
+# Simulated time that the simulator goes on beyond the end of the run and its settling [s].
+RESERVE = 1.0
+
+# (prefix of the parameters, dataclass instance that holds their values)
+Section = tuple[str, Any]
 
 
-def write_parameter_files(folder, scenario, settings, tape_path, real_time, stamped):
+def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSettings,
+                          tape_path: Path, *, real_time: bool,
+                          stamped: bool) -> dict[str, Path]:
     """
-    Write what the nodes must know: beliefs for planner and controller, the truth for the plant.
+    Write the parameters: nominal ones for planner and controller, the true ones for the plant.
 
     :param folder: where.
     :param scenario: the ``Scenario``.
@@ -22,44 +36,53 @@ def write_parameter_files(folder, scenario, settings, tape_path, real_time, stam
     :param tape_path: where the simulator writes its tape.
     :param real_time: keep to the wall clock instead of going in lockstep.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
-    :return: dict of node names to paths.
+    :return: path of each node's file, by name of the node.
     """
-    files = {}
-    sections = _sections(scenario, settings, real_time, stamped)
-    sections[SIM] += (('', _sim_options(scenario, tape_path, real_time, stamped)),)
-    for name, parts in sections.items():
-        values = {'use_sim_time': name != SIM}
-        for prefix, instance in parts:
-            values.update(to_parameter_values(instance, prefix))
-        files[name] = folder / f'{name}.yaml'
-        files[name].write_text(yaml.safe_dump({name: {'ros__parameters': values}},
-                                              sort_keys=False), encoding='utf-8')
-    return files
-
-
-def _sections(scenario, settings, real_time, stamped):
-    """For each node, (prefix, dataclass instance) of all that it must know."""
-    task, planner = scenario.task, scenario.planner
     options = ControllerOptions(stamped_cmd_vel=stamped)
-    more = {PLANNER: (), CONTROLLER: ()}
-    if task is not None:
-        planner = dataclasses.replace(planner, site='sequence')
+    if scenario.task is not None:
         options = dataclasses.replace(options, task=True, wait_for_plans=not real_time)
-        more = {PLANNER: (('drive.', task.drive), ('task.', task.planning)),
-                CONTROLLER: (('drive.', task.drive), ('supervision.', task.supervision))}
-    beliefs = (('object.', scenario.object), ('robot.', scenario.robot), ('', Frames()))
-    return {
-        SIM: (('object.', scenario.truth), ('robot.', scenario.robot_truth), ('', Frames()),
-              ('sensors.', scenario.sensors), ('simulation.', scenario.simulation)),
-        PLANNER: (*beliefs, ('planner.', planner), *more[PLANNER]),
-        CONTROLLER: (*beliefs, ('control.', settings), *more[CONTROLLER], ('', options)),
-    }
-
-
-def _sim_options(scenario, tape_path, real_time, stamped):
-    patience = SimOptions.answer_timeout if scenario.task is None else PATIENCE
-    return SimOptions(
+    sim_options = SimOptions(
         lockstep=not real_time, publish_clock=real_time, stamped_cmd_vel=stamped,
-        answer_timeout=patience, time_limit=scenario.time_limit + SETTLE_TIME + 1.0,
-        tape_path=str(tape_path), object_start=tuple(scenario.start.object.pose),
-        robot_start=tuple(scenario.robot_start))
+        answer_timeout=ANSWER_TIMEOUT if scenario.task is None else PLANNING_TIMEOUT,
+        time_limit=scenario.time_limit + SETTLE_TIME + RESERVE, tape_path=str(tape_path),
+        object_start=tuple(scenario.start.object.pose), robot_start=tuple(scenario.robot_start))
+    sections = {SIM: [*_sim_sections(scenario), ('', sim_options)],
+                PLANNER: _planner_sections(scenario),
+                CONTROLLER: [*_controller_sections(scenario, settings), ('', options)]}
+    return {node: _write(folder, node, parts) for node, parts in sections.items()}
+
+
+def _sim_sections(scenario: Scenario) -> list[Section]:
+    return [('object.', scenario.true_object), ('robot.', scenario.true_robot), ('', Frames()),
+            ('sensors.', scenario.sensors), ('simulation.', scenario.simulation)]
+
+
+def _planner_sections(scenario: Scenario) -> list[Section]:
+    task, planner = scenario.task, scenario.planner
+    if task is None:
+        return [*_nominal_sections(scenario), ('planner.', planner)]
+    return [*_nominal_sections(scenario),
+            ('planner.', dataclasses.replace(planner, site='sequence')),
+            ('drive.', task.drive), ('task.', task.planning)]
+
+
+def _controller_sections(scenario: Scenario, settings: ControlSettings) -> list[Section]:
+    sections = [*_nominal_sections(scenario), ('control.', settings)]
+    if scenario.task is not None:
+        sections += [('drive.', scenario.task.drive), ('supervision.', scenario.task.supervision)]
+    return sections
+
+
+def _nominal_sections(scenario: Scenario) -> list[Section]:
+    return [('object.', scenario.object), ('robot.', scenario.robot), ('', Frames())]
+
+
+def _write(folder: Path, node: str, sections: list[Section]) -> Path:
+    # The simulator makes simulated time, the others follow it.
+    values: dict[str, Any] = {'use_sim_time': node != SIM}
+    for prefix, instance in sections:
+        values.update(to_parameter_values(instance, prefix))
+    path = folder / f'{node}.yaml'
+    path.write_text(yaml.safe_dump({node: {'ros__parameters': values}}, sort_keys=False),
+                    encoding='utf-8')
+    return path

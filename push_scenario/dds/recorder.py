@@ -1,48 +1,60 @@
-"""Listening to all topics, and writing them to a rosbag2 MCAP file."""
+"""Recording: all topics, as they come, into a rosbag2 MCAP file."""
 
+from collections.abc import Mapping
+from pathlib import Path
 import struct
+from typing import Any
 
 from push_ros.conversions.primitives import NANOSECONDS
 from push_ros.executor import take_message
-from push_ros.topics import TOPICS
+from push_ros.topics import Topic, TOPICS
+from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+# CDR: four bytes of encapsulation header, then the stamp as int32 seconds, uint32 nanoseconds.
+CDR_HEADER = 4
 STAMP = struct.Struct('<iI')
-HEADER = 4
-DEPTH = 2000
-# Topics whose messages begin with their stamp; in an array, the first element does.
-FIRST_OF_ARRAY = 'markers'
-NO_STAMP = 'Twist'
+# Length of the array, before its first element.
+ARRAY_LENGTH = 4
+# Messages kept between two calls of ``take_all``: some seconds of all topics in lockstep.
+QUEUE_DEPTH = 2000
+# Messages begin with their stamp; on this topic, the first element of their array does.
+ARRAY_TOPIC = 'markers'
+TYPE_WITHOUT_STAMP = 'Twist'
+# rosbag2 writes the longest duration where a deadline, lifespan or lease is not set.
+UNLIMITED = 9223372036, 854775807
 
 
-class Listener:
+class TopicListener:
     """
-    Takes serialized messages of the topics of the list.
+    Receives the serialized messages of all topics.
 
     It takes them in bulk, not one by one through an executor: a replay in lockstep has thousands
-    a second, and must not be slowed by whoever listens.
+    a second, and must not be slowed down by its recording.
 
     :param node: the rclpy node that subscribes; no executor may spin it.
     :param stamped: whether commands have a stamp.
     """
 
-    def __init__(self, node, stamped=True):
-        self.types = {name: entry.message_type(stamped) for name, entry in TOPICS.items()}
+    def __init__(self, node: Node, stamped: bool = True) -> None:
+        self.types: dict[str, type] = {name: entry.message_type(stamped)
+                                       for name, entry in TOPICS.items()}
         self._subscriptions = {
-            name: node.create_subscription(kind, name, _nothing, _quality(TOPICS[name]), raw=True)
+            name: node.create_subscription(kind, name, _ignore, _subscriber_qos(TOPICS[name]),
+                                           raw=True)
             for name, kind in self.types.items()}
 
-    def take_message(self):
+    def take_all(self) -> list[tuple[str, bytes]]:
         """
-        Take what has come.
+        Take all messages that have come.
 
         :return: (topic, serialized message) list, in order within each topic.
         """
-        taken = []
+        received: list[tuple[str, bytes]] = []
         for name, subscription in self._subscriptions.items():
             while (data := take_message(subscription)) is not None:
-                taken.append((name, data))
-        return taken
+                received.append((name, data))
+        return received
 
 
 class BagWriter:
@@ -50,11 +62,11 @@ class BagWriter:
     Writes serialized messages with their own stamps; an empty bag is not left behind.
 
     :param path: folder of the bag; it must not exist.
-    :param types: dict of topics to message types.
+    :param types: message types by topic.
     :raises RuntimeError: where rosbags is not installed.
     """
 
-    def __init__(self, path, types):
+    def __init__(self, path: Path, types: Mapping[str, type]) -> None:
         try:
             from rosbags.rosbag2 import StoragePlugin, Writer
             from rosbags.typesys import get_typestore, Stores
@@ -66,28 +78,29 @@ class BagWriter:
         store = get_typestore(Stores.ROS2_JAZZY)
         self._connections = {
             topic: self._writer.add_connection(f'/{topic}', _type_name(kind), typestore=store,
-                                               offered_qos_profiles=_offered(TOPICS[topic]))
+                                               offered_qos_profiles=_offered_qos(TOPICS[topic]))
             for topic, kind in types.items()}
-        self._types, self._newest = types, 0
+        self._types = types
+        self._newest = 0
 
-    def write(self, topic, data):
+    def write(self, topic: str, data: bytes) -> None:
         """
-        Write a message.
+        Write a message; one without a stamp gets the newest of those before it.
 
         :param topic: its topic.
         :param data: the message, serialized.
         """
-        time = stamp_of(topic, data, self._types[topic])
-        time = self._newest if time is None else time
+        stamp = stamp_of(topic, data, self._types[topic])
+        time = self._newest if stamp is None else stamp
         self._newest = max(self._newest, time)
         self._writer.write(self._connections[topic], time, data)
 
-    def close(self):
+    def close(self) -> None:
         """Write the index and ``metadata.yaml``."""
         self._writer.close()
 
 
-def stamp_of(topic, data, kind):
+def stamp_of(topic: str, data: bytes, kind: type) -> int | None:
     """
     Read the stamp of a serialized message, without deserializing the rest.
 
@@ -96,39 +109,39 @@ def stamp_of(topic, data, kind):
     :param kind: message type.
     :return: [ns]; None where it has none.
     """
-    offset = HEADER
-    if topic == FIRST_OF_ARRAY:
-        offset += 4
-    if kind.__name__ == NO_STAMP or len(data) < offset + STAMP.size:
+    offset = CDR_HEADER
+    if topic == ARRAY_TOPIC:
+        offset += ARRAY_LENGTH
+    if kind.__name__ == TYPE_WITHOUT_STAMP or len(data) < offset + STAMP.size:
         return None
-    whole, part = STAMP.unpack_from(data, offset)
-    return whole * NANOSECONDS + part
+    seconds, nanoseconds = STAMP.unpack_from(data, offset)
+    return seconds * NANOSECONDS + nanoseconds
 
 
-def _quality(entry):
+def _subscriber_qos(entry: Topic) -> QoSProfile:
     latched = entry.publish_qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    return QoSProfile(depth=DEPTH, reliability=entry.publish_qos.reliability,
+    return QoSProfile(depth=QUEUE_DEPTH, reliability=entry.publish_qos.reliability,
                       durability=entry.publish_qos.durability if latched
                       else DurabilityPolicy.VOLATILE)
 
 
-def _offered(entry):
+def _offered_qos(entry: Topic) -> list[Any]:
     from rosbags.interfaces import (Qos, QosDurability, QosHistory, QosLiveliness, QosReliability,
                                     QosTime)
     profile = entry.publish_qos
     reliable = profile.reliability == ReliabilityPolicy.RELIABLE
     latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    forever = QosTime(9223372036, 854775807)
+    unlimited = QosTime(*UNLIMITED)
     return [Qos(QosHistory.KEEP_LAST, profile.depth,
                 QosReliability.RELIABLE if reliable else QosReliability.BEST_EFFORT,
                 QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
-                forever, forever, QosLiveliness.AUTOMATIC, forever, False)]
+                unlimited, unlimited, QosLiveliness.AUTOMATIC, unlimited, False)]
 
 
-def _type_name(kind):
+def _type_name(kind: type) -> str:
     package, folder = kind.__module__.split('.')[:2]
     return f'{package}/{folder}/{kind.__name__}'
 
 
-def _nothing(_):
+def _ignore(_: object) -> None:
     pass

@@ -1,5 +1,6 @@
-"""Replay a scenario over DDS: three nodes in three processes, and this one that looks on."""
+"""Replay of a scenario over DDS: three nodes in three processes, and this one that watches."""
 
+from collections.abc import Callable
 import contextlib
 from pathlib import Path
 import shutil
@@ -11,29 +12,39 @@ from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.dds.processes import NodeProcesses, private_domain
 from push_scenario.dds.recorder import BagWriter
 from push_scenario.dds.replay_client import ReplayClient, ReplayFailed
-from push_scenario.dds.result import DdsResult, push_result, task_result
-from push_scenario.dds.run_monitor import RunMonitor, TaskWatcher
-from push_scenario.simulation.loop import control_settings, SETTLE_TIME
+from push_scenario.dds.result import collect_result
+from push_scenario.dds.run_monitor import RunMonitor
+from push_scenario.definition.scenario import Scenario
+from push_scenario.definition.task import Task
+from push_scenario.simulation.loop import control_settings, ProgressCallback, SETTLE_TIME
+from push_scenario.simulation.result import Outcome, RunResult
 
 MODULES = {SIM: 'push_sim_node.sim_node', PLANNER: 'push_planner.planner_node',
            CONTROLLER: 'push_control.controller_node'}
-START_TIMEOUT, PLAN_TIMEOUT, SERVICE_TIMEOUT, STALL_TIMEOUT = 90.0, 60.0, 10.0, 15.0
+# Wall-clock limits [s], each chosen at several times what it takes on a machine with twice as
+# many busy processes as cores: they end a replay that hangs, and must not end a slow one.
+START_TIMEOUT = 180.0
+PLAN_TIMEOUT = 180.0
+SERVICE_TIMEOUT = 60.0
+STALL_TIMEOUT = 60.0
 
 
-def run_over_dds(scenario, control_law=None, out_dir='out', real_time=False, record=True,
-                 progress=None, stamped=True, on_start=None):
+def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: str | Path = 'out',
+                 *, real_time: bool = False, record: bool = True,
+                 progress: ProgressCallback | None = None, stamped: bool = True,
+                 on_start: Callable[[NodeProcesses], None] | None = None) -> RunResult:
     """
-    Replay a scenario: in lockstep equal scenarios give equal tapes, to the last bit.
+    Replay a scenario; in lockstep equal scenarios give equal tapes, to the last bit.
 
     :param scenario: the ``Scenario``.
-    :param control_law: ``feedback`` or ``open_loop``; None for what the scenario says.
+    :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for that of the scenario.
     :param out_dir: where the recording, and the nodes' parameters and output go.
     :param real_time: keep to the wall clock instead of going in lockstep.
     :param record: write a rosbag2 MCAP recording.
-    :param progress: called with a ``closed_loop.Progress``; None for nobody.
+    :param progress: called with a ``Progress`` at every message on ``clock``.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
-    :param on_start: called with the ``NodeProcesses`` when time begins to run; None for nobody.
-    :return: the ``DdsResult``, or the ``DdsTaskResult`` of a task.
+    :param on_start: called with the ``NodeProcesses`` when time starts to run.
+    :return: the ``RunResult``.
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
     settings = control_settings(scenario, control_law)
@@ -43,89 +54,87 @@ def run_over_dds(scenario, control_law=None, out_dir='out', real_time=False, rec
     tape_path = folder / 'tape.csv'
     for stale in (tape_path, tape_path.with_suffix('.json')):
         stale.unlink(missing_ok=True)
-    files = write_parameter_files(folder, scenario, settings, tape_path, real_time, stamped)
-    watcher = (RunMonitor(scenario.goal.pose, progress) if scenario.task is None else
-               TaskWatcher(scenario.task, scenario.final_goal, progress))
     bag = Path(out_dir) / f'{scenario.name}_{law}_bag' if record else None
-    refusal = _carry_out(scenario, files, watcher, folder, bag, stamped, on_start)
-    if refusal:
-        return DdsResult(scenario, law, 'refused', refusal, bag=bag)
-    make = push_result if scenario.task is None else task_result
-    return make(scenario, law, watcher, tape_path, bag)
-
-
-def _carry_out(scenario, files, watcher, folder, bag, stamped, on_start):
-    """Run the nodes until all is over; return why the goal was refused, if it was."""
+    files = write_parameter_files(folder, scenario, settings, tape_path, real_time=real_time,
+                                  stamped=stamped)
+    monitor = RunMonitor(scenario, progress)
     with contextlib.ExitStack() as stack:
         nodes = stack.enter_context(NodeProcesses(stack.enter_context(private_domain()), folder))
-        session = ReplayClient(nodes.domain, stamped, watcher.note, nodes.check)
-        stack.callback(session.close)
+        client = ReplayClient(nodes.domain, stamped, monitor.on_message, nodes.check)
+        stack.callback(client.close)
         if bag is not None:
-            _replace(bag)
-            writer = BagWriter(bag, session.types)
+            _clear(bag)
+            writer = BagWriter(bag, client.types)
             stack.callback(writer.close)
-            watcher.write = writer.write
+            monitor.write = writer.write
         for node, path in files.items():
             nodes.start(node, MODULES[node], path)
-        refusal = (_plan if scenario.task is None else _set)(scenario, session, watcher)
+        refusal = _set_goal(scenario, client, monitor)
         if not refusal:
-            _push(scenario, session, watcher, on_start and (lambda: on_start(nodes)))
+            _start(client)
+            if on_start is not None:
+                on_start(nodes)
+            _watch(scenario, client, monitor)
         nodes.stop_all()
-        session.drain()
-    return refusal
+        client.drain()
+    if refusal:
+        return RunResult(scenario, law, Outcome.REFUSED, refusal, bag=bag)
+    return collect_result(scenario, law, monitor, tape_path, bag)
 
 
-def _plan(scenario, session, watcher):
-    """Return why there is no plan; an empty text where there is one."""
-    _wait_for_nodes(session, watcher)
-    session.send_goal(scenario.goal.pose, Frames().world_frame)
-    session.wait_for(lambda: watcher.plan or watcher.errors.get(PLANNER), PLAN_TIMEOUT, 'a plan')
-    return '' if watcher.plan else watcher.errors[PLANNER]
+def _set_goal(scenario: Scenario, client: ReplayClient, monitor: RunMonitor) -> str:
+    """Set map and goals; return why there is no plan of a single push, an empty text else."""
+    client.wait_for(lambda: client.is_connected() and monitor.nodes.keys() == MODULES.keys(),
+                    START_TIMEOUT, 'the nodes to start')
+    frame = Frames().world_frame
+    if scenario.task is not None:
+        _send_map(scenario.task, client, monitor, frame)
+        # The first goal comes last: a node that has it has the later ones too.
+        for later in scenario.task.goals:
+            client.send_goal(later.goal.pose, frame, later.time)
+        client.send_goal(scenario.goal.pose, frame)
+        return ''
+    client.send_goal(scenario.goal.pose, frame)
+    client.wait_for(lambda: monitor.plan is not None or bool(monitor.error(PLANNER)),
+                    PLAN_TIMEOUT, 'a plan')
+    return monitor.error(PLANNER) if monitor.plan is None else ''
 
 
-def _set(scenario, session, watcher):
-    """Set the task, whatever comes of it."""
-    _wait_for_nodes(session, watcher)
-    task, frame = scenario.task, Frames().world_frame
-    if task.occupancy_map is not None:
-        session.send_map(task.occupancy_map, frame)
-        session.wait_for(lambda: watcher.maps == {PLANNER, CONTROLLER}, SERVICE_TIMEOUT,
-                         'the nodes to take the map')
-    # The first goal last: whoever has it has the others too.
-    for later in task.goals:
-        session.send_goal(later.goal.pose, frame, later.time)
-    session.send_goal(scenario.goal.pose, frame)
-    return ''
+def _send_map(task: Task, client: ReplayClient, monitor: RunMonitor, frame: str) -> None:
+    if task.occupancy_map is None:
+        return
+    client.send_map(task.occupancy_map, frame)
+    client.wait_for(lambda: monitor.nodes_with_map() == {PLANNER, CONTROLLER}, SERVICE_TIMEOUT,
+                    'the nodes to receive the map')
 
 
-def _wait_for_nodes(session, watcher):
-    session.wait_for(lambda: session.is_connected() and watcher.heard == set(MODULES),
-                     START_TIMEOUT, 'the nodes to start')
+def _start(client: ReplayClient) -> None:
+    client.call('controller/start', SERVICE_TIMEOUT)
+    client.call('sim/start', SERVICE_TIMEOUT)
 
 
-def _push(scenario, session, watcher, on_start):
-    session.call('controller/start', SERVICE_TIMEOUT)
-    session.call('sim/start', SERVICE_TIMEOUT)
-    if on_start:
-        on_start()
-    moved = time.monotonic()
-    before, patience = watcher.time, STALL_TIMEOUT if scenario.task is None else PLAN_TIMEOUT
+def _watch(scenario: Scenario, client: ReplayClient, monitor: RunMonitor) -> None:
+    """Go on until the run has ended and everything has had its time to come to rest."""
+    time_before, advanced_at = monitor.time, time.monotonic()
+    # In lockstep, simulated time stands still while a task is planned.
+    patience = STALL_TIMEOUT if scenario.task is None else PLAN_TIMEOUT
     until = scenario.time_limit + SETTLE_TIME
-    # The clock may tell a time before the tape has its row.
-    while watcher.time <= until:
-        session.pump()
-        if watcher.errors.get(SIM):
-            raise ReplayFailed(f'{SIM}: {watcher.errors[SIM]}')
-        if watcher.time > before:
-            before, moved = watcher.time, time.monotonic()
-        elif time.monotonic() - moved > patience:
+    # One step further than the end: the clock may show a time before the tape has its row.
+    while monitor.time <= until:
+        client.pump()
+        if monitor.error(SIM):
+            raise ReplayFailed(f'{SIM}: {monitor.error(SIM)}')
+        if monitor.time > time_before:
+            time_before, advanced_at = monitor.time, time.monotonic()
+        elif time.monotonic() - advanced_at > patience:
             raise ReplayFailed(f'simulated time has stood still for {patience:g} s at '
-                               f'{before:g} s')
-        if watcher.end_time is not None:
-            until = min(watcher.end_time, scenario.time_limit) + SETTLE_TIME
+                               f'{time_before:g} s')
+        if monitor.end is not None:
+            until = min(monitor.end.time, scenario.time_limit) + SETTLE_TIME
 
 
-def _replace(bag):
+def _clear(bag: Path) -> None:
+    """Remove a former recording, and nothing else."""
     if (bag / 'metadata.yaml').is_file() or (bag.is_dir() and not any(bag.iterdir())):
         shutil.rmtree(bag)
     elif bag.exists():

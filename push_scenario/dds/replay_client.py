@@ -1,20 +1,26 @@
-"""The replay's own end of DDS: it hears everything, sets the goal and calls services."""
+"""The replay's own end of DDS: it listens to all topics, sets the goal and calls services."""
 
+from collections.abc import Callable, Iterator
 import contextlib
 import os
 import time
 
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid
+from push_model.geometry import Pose
+from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import to_map_message
 from push_ros.conversions.primitives import to_pose_message, to_stamp
 from push_ros.topics import SERVICES, TOPICS
-from push_scenario.dds.recorder import Listener
+from push_scenario.dds.recorder import TopicListener
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
-PAUSE, PATIENCE = 0.002, 2.0
-RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+# Wait where no message has come: short against the period of the odometry, 20 ms [s].
+IDLE_PAUSE = 0.002
+# A service is called again after this time, as an answer may be lost during discovery [s].
+RETRY_PERIOD = 2.0
+DISCOVERY_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 
 
 class ReplayFailed(RuntimeError):
@@ -23,55 +29,56 @@ class ReplayFailed(RuntimeError):
 
 class ReplayClient:
     """
-    A context, a node that calls and a node that listens, on a domain.
+    A context with a node that calls and a node that listens, on a ROS domain.
 
     :param domain: ROS domain.
     :param stamped: whether commands have a stamp.
-    :param watch: called with (topic, serialized message) for every message, in :meth:`pump`.
-    :param check: called in every :meth:`pump`; raises what ends the replay.
+    :param on_message: called with (topic, serialized message) for every message, in ``pump``.
+    :param check: called in every ``pump``; raises what ends the replay.
     """
 
-    def __init__(self, domain, stamped, watch, check):
-        self._watch, self._check = watch, check
+    def __init__(self, domain: int, stamped: bool, on_message: Callable[[str, bytes], None],
+                 check: Callable[[], None]) -> None:
+        self._on_message = on_message
+        self._check = check
         self._context = rclpy.Context()
         with local_discovery():
             rclpy.init(args=[], context=self._context, domain_id=domain)
         self._node = rclpy.create_node('replay', context=self._context)
-        self._ear = rclpy.create_node('recorder', context=self._context)
+        self._recorder_node = rclpy.create_node('recorder', context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        self._goal = self._node.create_publisher(PoseStamped, 'goal_pose',
-                                                 TOPICS['goal_pose'].publish_qos)
-        self._map = self._node.create_publisher(OccupancyGrid, 'map', TOPICS['map'].publish_qos)
+        self._publishers = {
+            topic: self._node.create_publisher(kind, topic, TOPICS[topic].publish_qos)
+            for topic, kind in (('goal_pose', PoseStamped), ('map', OccupancyGrid))}
         self._clients = {name: self._node.create_client(kind, name)
                          for name, (kind, _, _) in SERVICES.items()}
-        self._listener = Listener(self._ear, stamped)
+        self._listener = TopicListener(self._recorder_node, stamped)
         self.types = self._listener.types
 
-    def close(self):
+    def close(self) -> None:
         """Leave the domain."""
         self._executor.shutdown()
-        for node in (self._node, self._ear):
+        for node in (self._node, self._recorder_node):
             node.destroy_node()
         rclpy.shutdown(context=self._context)
 
-    def pump(self):
-        """Hand on what has come; wait a moment where nothing has."""
+    def pump(self) -> None:
+        """Hand on what has come; pause where nothing has."""
         self._check()
-        taken = self._listener.take_message()
-        for topic, data in taken:
-            self._watch(topic, data)
-        if not taken:
-            time.sleep(PAUSE)
+        if not self.drain():
+            time.sleep(IDLE_PAUSE)
 
-    def drain(self):
-        """Hand on what has come and nobody has taken, once the nodes have ended."""
-        for topic, data in self._listener.take_message():
-            self._watch(topic, data)
+    def drain(self) -> bool:
+        """Hand on what has come; tell whether there was anything."""
+        received = self._listener.take_all()
+        for topic, data in received:
+            self._on_message(topic, data)
+        return bool(received)
 
-    def wait_for(self, condition, timeout, what):
+    def wait_for(self, condition: Callable[[], bool], timeout: float, what: str) -> None:
         """
-        Pump until something holds.
+        Pump until a condition holds.
 
         :param condition: takes nothing, tells whether it holds.
         :param timeout: wall time [s].
@@ -81,69 +88,71 @@ class ReplayClient:
         end = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > end:
-                raise ReplayFailed(f'waited {timeout:g} s for {what}, in vain')
+                raise ReplayFailed(f'timed out after {timeout:g} s waiting for {what}')
             self.pump()
 
-    def is_connected(self):
-        """Tell whether nodes, services and recorder have found each other."""
-        return (self._goal.get_subscription_count() > len(TOPICS['goal_pose'].subscribers)
+    def is_connected(self) -> bool:
+        """Tell whether nodes, services and recorder have discovered each other."""
+        # One subscriber more than the nodes: the recorder.
+        return (self._publishers['goal_pose'].get_subscription_count()
+                > len(TOPICS['goal_pose'].subscribers)
                 and all(client.service_is_ready() for client in self._clients.values()))
 
-    def send_goal(self, pose, frame, time=0.0):
+    def send_goal(self, pose: Pose, frame: str, time: float = 0.0) -> None:
         """
         Publish a goal.
 
-        :param pose: ``Pose`` wanted for the object.
+        :param pose: goal ``Pose`` of the object.
         :param frame: id of the world frame.
-        :param time: when it begins to hold, in a task [s].
+        :param time: when it starts to hold, in a task [s].
         """
         message = PoseStamped(pose=to_pose_message(pose))
         message.header.stamp, message.header.frame_id = to_stamp(time), frame
-        self._goal.publish(message)
+        self._publishers['goal_pose'].publish(message)
 
-    def send_map(self, occupancy_map, frame):
+    def send_map(self, occupancy_map: OccupancyMap, frame: str) -> None:
         """
         Publish a map.
 
-        :param occupancy_map: ``push_navigation.occupancy_map.OccupancyMap``.
+        :param occupancy_map: the ``OccupancyMap``.
         :param frame: id of the world frame.
         """
-        self._map.publish(to_map_message(occupancy_map, to_stamp(0.0), frame))
+        self._publishers['map'].publish(to_map_message(occupancy_map, to_stamp(0.0), frame))
 
-    def call(self, service, timeout):
+    def call(self, service: str, timeout: float) -> None:
         """
-        Call a Trigger service, again and again until it agrees.
+        Call a Trigger service until it reports success.
 
         :param service: its name.
         :param timeout: wall time [s].
-        :raises ReplayFailed: where it does not agree in time, with its last answer.
+        :raises ReplayFailed: where it does not succeed in time, with its last answer.
         """
         client, end = self._clients[service], time.monotonic() + timeout
         answer = 'no answer'
         while time.monotonic() < end:
-            # Asked anew after a while: an answer can be lost while both sides get acquainted.
             future = client.call_async(SERVICES[service][0].Request())
-            asked = time.monotonic()
-            while not future.done() and time.monotonic() < asked + PATIENCE:
-                self._executor.spin_once(timeout_sec=PAUSE)
+            called_at = time.monotonic()
+            while not future.done() and time.monotonic() < called_at + RETRY_PERIOD:
+                self._executor.spin_once(timeout_sec=IDLE_PAUSE)
                 self.pump()
             if future.done():
-                if future.result().success:
+                response = future.result()
+                if response.success:
                     return
-                answer = future.result().message
+                answer = response.message
             self.pump()
-        raise ReplayFailed(f'{service} did not agree within {timeout:g} s: {answer}')
+        raise ReplayFailed(f'{service} did not succeed within {timeout:g} s: {answer}')
 
 
 @contextlib.contextmanager
-def local_discovery():
+def local_discovery() -> Iterator[None]:
     """Let contexts that are made in the block find only nodes of this machine."""
-    before = os.environ.get(RANGE)
-    os.environ[RANGE] = 'LOCALHOST'
+    before = os.environ.get(DISCOVERY_RANGE)
+    os.environ[DISCOVERY_RANGE] = 'LOCALHOST'
     try:
         yield
     finally:
         if before is None:
-            del os.environ[RANGE]
+            del os.environ[DISCOVERY_RANGE]
         else:
-            os.environ[RANGE] = before
+            os.environ[DISCOVERY_RANGE] = before

@@ -1,44 +1,113 @@
-"""What a replay sees of the nodes: who speaks, the plan, the time, the end."""
+"""What a replay learns from the messages of the nodes: who is up, the plan, the time, the end."""
 
+from collections.abc import Callable
+import dataclasses
 import math
+from typing import Any, NamedTuple
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from push_control.push.status import Phase
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
-from push_model.geometry import distance
-from push_ros.conversions.map import HAS_MAP
+from push_model.geometry import distance, Pose
+from push_model.trajectory import PushTrajectory
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.plan import from_plan_message
 from push_ros.conversions.primitives import NANOSECONDS
-from push_ros.diagnostics import ERROR
+from push_ros.diagnostics import ERROR, HAS_MAP
 from push_ros.topics import CONTROLLER, PLANNER, TOPICS
 from push_scenario.dds.recorder import stamp_of
-from push_scenario.simulation.loop import Progress
-from push_scenario.simulation.result import TaskHistory
+from push_scenario.definition.scenario import Scenario
+from push_scenario.simulation.history import StateHistory
+from push_scenario.simulation.loop import Progress, ProgressCallback
+from push_scenario.simulation.result import Outcome
 from rclpy.serialization import deserialize_message
 
-ENDS = ('done', 'failed')
+
+class RunEnd(NamedTuple):
+    """
+    How and when the controller's node ended a run.
+
+    :param outcome: the ``Outcome``.
+    :param reason: one sentence.
+    :param time: simulated time [s].
+    """
+
+    outcome: Outcome
+    reason: str
+    time: float
+
+
+@dataclasses.dataclass
+class NodeReport:
+    """
+    What a node has reported so far.
+
+    :param error: text of its last error, empty without any.
+    :param has_map: whether it has a map.
+    """
+
+    error: str = ''
+    has_map: bool = False
+
+
+class TaskMonitor:
+    """
+    What the supervisor of a task reports.
+
+    ``history``: ``StateHistory``. ``status``: the last ``SupervisorStatus``.
+    ``single_push_time``: time of the best single push from the start [s], nan before it is known.
+    """
+
+    def __init__(self) -> None:
+        """Start without any report."""
+        self.history = StateHistory()
+        self.status = SupervisorStatus()
+        self.single_push_time = math.nan
+
+    def update(self, values: dict[str, str]) -> StateChange:
+        """
+        Take in the diagnostics of a supervisor.
+
+        :param values: texts by key.
+        :return: the change to its present state.
+        """
+        change = StateChange(float(values['since']), TaskState(values['state']),
+                             values['reason'])
+        is_new = change[:2] != (self.status.since, self.status.state)
+        recoveries = int(values['recoveries'])
+        self.history.update((change,) if is_new else (), recoveries)
+        self.status = SupervisorStatus(change.state, change.reason, change.time,
+                                       int(values['pushes']), recoveries,
+                                       history=self.history.changes)
+        return change
 
 
 class RunMonitor:
     """
-    Keeps what matters of the messages.
+    Keeps what matters of the messages of a run.
 
-    ``heard``: nodes that have reported. ``plan``: the first ``PushTrajectory``, or None.
-    ``errors``: dict of nodes to their last error. ``time``: simulated time [s]. ``phase``,
-    ``reason``, ``end_time``: the controller's, once it is done or has failed.
+    ``nodes``: ``NodeReport`` by name, of every node that has reported. ``plan``: the first
+    ``PushTrajectory``, or None. ``time``: simulated time [s]. ``task``: ``TaskMonitor``.
+    ``end``: ``RunEnd``, once the controller or supervisor has ended the run.
 
-    :param goal: ``Pose`` wanted for the object.
-    :param progress: called with a ``Progress`` when the clock comes; None for nobody.
+    :param scenario: the ``Scenario``.
+    :param progress: called with a ``Progress`` at every message on ``clock``; None for nobody.
     """
 
-    def __init__(self, goal, progress=None):
-        self._goal, self._progress, self._object_pose = goal, progress, None
-        self.write = None
-        self.heard, self.plan, self.errors, self.time = set(), None, {}, 0.0
-        self.phase = self.reason = self.end_time = None
+    def __init__(self, scenario: Scenario, progress: ProgressCallback | None = None) -> None:
+        self.write: Callable[[str, bytes], None] | None = None
+        self.nodes: dict[str, NodeReport] = {}
+        self.plan: PushTrajectory | None = None
+        self.time = 0.0
+        self.task = TaskMonitor()
+        self.end: RunEnd | None = None
+        self._scenario = scenario
+        self._progress = progress
+        self._object_pose: bytes | None = None
 
-    def note(self, topic, data):
+    def on_message(self, topic: str, data: bytes) -> None:
         """
-        Look at a message, and hand it to ``write`` where there is one.
+        Evaluate a message, and hand it to ``write`` where that is set.
 
         :param topic: its topic.
         :param data: the message, serialized.
@@ -46,83 +115,73 @@ class RunMonitor:
         if self.write is not None:
             self.write(topic, data)
         if topic == 'diagnostics':
-            self._note_diagnostics(_message(topic, data))
+            self._on_diagnostics(_deserialize(topic, data))
         elif topic == 'push_plan' and self.plan is None:
-            message = _message(topic, data)
+            message = _deserialize(topic, data)
             if message.points:
                 self.plan = from_plan_message(message, message.header.frame_id)
         elif topic == 'object_pose':
             self._object_pose = data
         elif topic == 'clock':
-            time = stamp_of(topic, data, TOPICS[topic].type) / NANOSECONDS
-            self.time = max(self.time, time)
-            self._tell()
+            stamp = stamp_of(topic, data, TOPICS[topic].type)
+            if stamp is not None:
+                self.time = max(self.time, stamp / NANOSECONDS)
+                self._report_progress()
 
-    def _note_diagnostics(self, message):
+    def error(self, node: str) -> str:
+        """
+        Look up the last error of a node, an empty text without any.
+
+        :param node: its name.
+        """
+        return self.nodes[node].error if node in self.nodes else ''
+
+    def nodes_with_map(self) -> set[str]:
+        """Names of the nodes that have a map."""
+        return {name for name, report in self.nodes.items() if report.has_map}
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            self.heard.add(status.name)
+            report = self.nodes.setdefault(status.name, NodeReport())
             if status.level == ERROR:
-                self.errors[status.name] = status.message
+                report.error = status.message
             values = {item.key: item.value for item in status.values}
-            self._note_status(status, values)
+            report.has_map = report.has_map or values.get(HAS_MAP) == str(True)
+            self._on_status(status, values)
 
-    def _note_status(self, status, values):
-        if status.name == CONTROLLER and values.get('phase') in ENDS and self.end_time is None:
-            self.phase, self.reason = values['phase'], values['reason']
-            self.end_time = float(values['time'])
+    def _on_status(self, status: DiagnosticStatus, values: dict[str, str]) -> None:
+        if status.name == PLANNER and math.isnan(self.task.single_push_time):
+            self.task.single_push_time = float(values.get('single_push', math.nan))
+        if status.name != CONTROLLER or self.end is not None:
+            return
+        if 'state' in values:
+            change = self.task.update(values)
+            if change.state.is_final and change.time >= self._last_goal_time:
+                self.end = RunEnd(Outcome(change.state.value), change.reason, change.time)
+        elif 'phase' in values and Phase(values['phase']).has_ended:
+            self.end = RunEnd(Outcome(values['phase']), values['reason'], float(values['time']))
 
-    def _stage(self):
-        if self.end_time is not None:
+    @property
+    def _last_goal_time(self) -> float:
+        task = self._scenario.task
+        return max((later.time for later in task.goals), default=0.0) if task else 0.0
+
+    @property
+    def _stage(self) -> str:
+        if self.end is not None:
             return 'settling'
+        if self._scenario.task is not None:
+            return self.task.status.state.value
         return 'planning' if self.plan is None else 'pushing'
 
-    def _tell(self):
+    def _report_progress(self) -> None:
         if self._progress is None or self._object_pose is None:
             return
-        message = _message('object_pose', self._object_pose)
-        pose = from_object_pose_message(message, message.header.frame_id).pose
-        self._progress(Progress(self._stage(), self.time, distance(pose, self._goal)))
+        message = _deserialize('object_pose', self._object_pose)
+        pose: Pose = from_object_pose_message(message, message.header.frame_id).pose
+        self._progress(Progress(self._stage, self.time,
+                                distance(pose, self._scenario.final_goal)))
 
 
-class TaskWatcher(RunMonitor):
-    """
-    Keeps besides what the supervisor of a task does.
-
-    ``history``: ``TaskHistory``. ``status``: the last ``SupervisorStatus``. ``single``: time of
-    the best single push from the start [s]. ``maps``: nodes that have got a map.
-
-    :param task: the scenario's ``Task``.
-    :param goal: ``Pose`` wanted for the object in the end.
-    :param progress: called with a ``Progress`` when the clock comes; None for nobody.
-    """
-
-    def __init__(self, task, goal, progress=None):
-        super().__init__(goal, progress)
-        self._last_goal_at = max((later.time for later in task.goals), default=0.0)
-        self.history, self.status, self.single = TaskHistory(), SupervisorStatus(), math.nan
-        self.maps = set()
-
-    def _note_status(self, status, values):
-        if HAS_MAP in status.message:
-            self.maps.add(status.name)
-        if status.name == PLANNER and 'single_push' in values and math.isnan(self.single):
-            self.single = float(values['single_push'])
-        if status.name != CONTROLLER or 'state' not in values or self.end_time is not None:
-            return
-        change = StateChange(float(values['since']), TaskState(values['state']),
-                             values['reason'])
-        is_new = change[:2] != (self.status.since, self.status.state)
-        self.history.note((change,) if is_new else (), int(values['recoveries']))
-        self.status = SupervisorStatus(
-            change.state, change.reason, change.time, int(values['pushes']),
-            int(values['recoveries']), history=self.history.changes)
-        if change.state.is_final and change.time >= self._last_goal_at:
-            self.phase, self.reason = change.state.value, change.reason
-            self.end_time = change.time
-
-    def _stage(self):
-        return self.status.state.value
-
-
-def _message(topic, data):
+def _deserialize(topic: str, data: bytes) -> Any:
     return deserialize_message(data, TOPICS[topic].type)

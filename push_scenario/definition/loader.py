@@ -2,7 +2,7 @@
 Scenario files: YAML to ``Scenario`` and back.
 
 ``object`` and ``robot`` may name a file of ``config/objects`` or ``config/robots`` (key ``file``)
-and change parts of it; ``truth`` and ``robot_truth`` hold only what differs from the belief. A map
+and change parts of it; ``true_object`` and ``true_robot`` hold only what differs from them. A map
 may name a file of ``config/maps``.
 """
 
@@ -269,7 +269,7 @@ def _unit(field):
     return field.metadata.get('unit', '')
 
 
-BELIEFS = {'object': ('truth', 'objects'), 'robot': ('robot_truth', 'robots')}
+BELIEFS = {'object': ('true_object', 'objects'), 'robot': ('true_robot', 'robots')}
 
 
 def read_scenario(path):

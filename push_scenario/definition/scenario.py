@@ -91,19 +91,19 @@ class Bounds:
 @dataclasses.dataclass(frozen=True)
 class Scenario:
     """
-    One push or one task: beliefs, truth, goal and what is expected of it.
+    One push or one task: nominal and true parameters, goal, and the expected outcome.
 
     With ``task`` the robot may start anywhere, and pushes as often as it takes. ``object`` and
-    ``robot`` are what planner and controller believe; ``truth`` and ``robot_truth`` are what only
-    the plant knows.
+    ``robot`` are the nominal parameters, which planner and controller use; ``true_object`` and
+    ``true_robot`` are those of the plant.
     """
 
     name: str = quantity('short name, that of the file')
     description: str = quantity('what the scenario shows')
     object: PushedObject
-    truth: PushedObject
+    true_object: PushedObject
     robot: RoundRobot
-    robot_truth: RoundRobot
+    true_robot: RoundRobot
     start: Start
     goal: Placement
     planner: PlannerSettings = dataclasses.field(default_factory=PlannerSettings)
@@ -126,7 +126,7 @@ class Scenario:
             pose = self.robot_start
         except (ValueError, PlanningFailed) as error:
             raise ValueError(f'Scenario.start: {error}') from error
-        _, _, gap = find_contact(self.truth, self.start.object.pose, pose, self.robot.radius)
+        _, _, gap = find_contact(self.true_object, self.start.object.pose, pose, self.robot.radius)
         if gap < -1e-6:
             raise ValueError(f'Scenario.start: got a robot that overlaps the object by {-gap:g} m,'
                              ' expected one beside it')

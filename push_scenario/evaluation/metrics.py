@@ -1,13 +1,19 @@
-"""What a task is judged by: where the object rests, what that took, what was touched."""
+"""Metrics of a run: where the object came to rest, what that took, and what was touched."""
 
 import dataclasses
 import math
 
 import numpy as np
-from push_model.geometry import distance, wrap_angle
+from numpy.typing import NDArray
 from push_model.quantity import quantity
-from push_scenario.definition.task import Task
+from push_model.trajectory import PushTrajectory
+from push_scenario.simulation.result import Outcome, RunResult
 from push_sim_node.kernel.layout import SEPARATE
+from push_sim_node.tape import Tape
+
+FloatArray = NDArray[np.float64]
+# Below any planned step: keeps the projection finite where two planned poses coincide [m2].
+MIN_SQUARED_STEP = 1e-18
 
 
 @dataclasses.dataclass(frozen=True)
@@ -16,59 +22,92 @@ class Metrics:
 
     position_error: float = quantity('final distance from the goal', 'm')
     heading_error: float = quantity('final orientation minus that of the goal', 'rad')
-    time: float = quantity('time until the push ended', 's')
+    time: float = quantity('time until the run ended', 's')
     contact_time: float = quantity('time in contact', 's')
-    path_length: float = quantity('way of the robot', 'm')
-    path_ratio: float = quantity('way of the robot over that of the plan')
-    max_deviation: float = quantity('largest distance of the object from its planned path', 'm')
-    slip: float = quantity('way that the contact slid', 'm')
-    within_bounds: bool = quantity("whether the object rests within the scenario's bounds")
+    robot_path_length: float = quantity('length of the path of the robot', 'm')
+    object_path_length: float = quantity('length of the path of the object', 'm')
+    slip: float = quantity('distance that the contact slid', 'm')
+    gap: float = quantity('final gap between robot and object', 'm')
+    pushes: int = quantity('number of pushes')
+    recoveries: int = quantity('number of recoveries')
+    within_map: bool = quantity('whether neither robot nor object entered an obstacle')
+    within_bounds: bool = quantity("whether the object rests within the scenario's bounds and, "
+                                   'after a task, the robot is clear of it')
+    single_push_time: float = quantity('time that the best single push would have taken; infinite '
+                                       'where there is none, nan where it is not known', 's',
+                                       default=math.nan)
+    path_length_ratio: float | None = quantity(
+        'length of the path of the robot over that of the plan; None without one plan for the '
+        'whole run', default=None)
+    max_deviation: float | None = quantity(
+        'largest distance of the object from its planned path; None likewise', 'm', default=None)
 
 
-def measure(result):
+def measure(result: RunResult) -> Metrics | None:
     """
-    Judge a run by its tape.
+    Compute the metrics of a run from its tape.
 
-    :param result: the ``Result``.
+    :param result: the ``RunResult``.
     :return: the ``Metrics``; None where the goal was refused and nothing moved.
     """
-    if result.tape is None:
+    tape, plan, scenario = result.tape, result.plan, result.scenario
+    if tape is None:
         return None
-    tape, goal, bounds = result.tape, result.scenario.goal.pose, result.scenario.bounds
-    final = tape.poses('object')[-1]
-    position_error = distance(final, goal)
-    heading_error = wrap_angle(final[2] - goal.theta)
-    way = distance_travelled(tape)[-1]
+    objects = tape.poses('object')
     touching = in_contact(tape)[1:]
     steps = np.diff(tape['time'])
+    length = float(distance_travelled(tape)[-1])
+    slip = np.abs(slip_speed(tape, scenario.true_robot.radius)[1:]) * steps
     return Metrics(
-        position_error=position_error,
-        heading_error=heading_error,
-        time=result.end_time,
+        position_error=result.position_error,
+        heading_error=result.heading_error,
+        time=result.duration,
         contact_time=float(steps[touching].sum()),
-        path_length=float(way),
-        path_ratio=float(way) / result.plan.path_length,
-        max_deviation=float(deviation(tape.poses('object'), result.plan)[0].max()),
-        slip=float((np.abs(slip_speed(tape, result.scenario.robot_truth.radius)[1:])
-                    * steps)[touching].sum()),
-        within_bounds=bool(position_error <= bounds.position_error
-                           and abs(heading_error) <= bounds.heading_error))
+        robot_path_length=length,
+        object_path_length=float(np.hypot(*np.diff(objects[:, :2], axis=0).T).sum()),
+        slip=float(slip[touching].sum()),
+        gap=float(tape['gap'][-1]),
+        pushes=result.pushes,
+        recoveries=result.recoveries,
+        within_map=_is_within_map(result, tape),
+        within_bounds=_is_within_bounds(result, tape),
+        single_push_time=result.single_push_time,
+        path_length_ratio=None if plan is None else length / plan.path_length,
+        max_deviation=None if plan is None else float(deviation(objects, plan)[0].max()))
 
 
-def is_as_expected(result):
+def is_as_expected(result: RunResult) -> bool:
     """
     Tell whether a run ended as its scenario expects.
 
-    :param result: the ``Result``.
+    :param result: the ``RunResult``.
     """
     if result.scenario.expected == 'refused':
-        return result.outcome == 'refused'
-    return result.outcome == 'done' and measure(result).within_bounds
+        return result.outcome in (Outcome.REFUSED, Outcome.FAILED) and not result.pushes
+    metrics = measure(result)
+    return (metrics is not None and result.outcome is Outcome.DONE and metrics.within_bounds
+            and metrics.within_map)
 
 
-def distance_travelled(tape):
+def _is_within_bounds(result: RunResult, tape: Tape) -> bool:
+    bounds, task = result.scenario.bounds, result.scenario.task
+    is_clear = task is None or tape['gap'][-1] >= task.drive.clearance
+    return bool(result.position_error <= bounds.position_error
+                and abs(result.heading_error) <= bounds.heading_error and is_clear)
+
+
+def _is_within_map(result: RunResult, tape: Tape) -> bool:
+    scenario = result.scenario
+    occupancy_map = None if scenario.task is None else scenario.task.occupancy_map
+    if occupancy_map is None:
+        return True
+    return bool(occupancy_map.robot_is_free(scenario.true_robot, tape.poses('robot'), 0.0)
+                and occupancy_map.object_is_free(scenario.true_object, tape.poses('object'), 0.0))
+
+
+def distance_travelled(tape: Tape) -> FloatArray:
     """
-    Way of the robot's centre since the start [m], shape (n,).
+    Distance that the robot's centre has travelled since the start [m], shape (n,).
 
     :param tape: the ``Tape``.
     """
@@ -76,7 +115,7 @@ def distance_travelled(tape):
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def in_contact(tape):
+def in_contact(tape: Tape) -> NDArray[np.bool_]:
     """
     Tell for each row whether robot and object touch, shape (n,).
 
@@ -85,24 +124,29 @@ def in_contact(tape):
     return tape['mode'] != SEPARATE
 
 
-def slip_speed(tape, radius):
+def slip_speed(tape: Tape, radius: float) -> FloatArray:
     """
-    Velocity of the robot's surface along the object's, at the contact [m/s], shape (n,).
+    Velocity of the robot's surface along that of the object, at the contact [m/s], shape (n,).
+
+    With vectors as complex numbers in axes whose real one is the contact normal, the surface of
+    the robot moves at ``Im(v_robot) + radius omega_robot`` along the tangent, and the point of
+    the object at ``Im(v_object) + Re(arm) omega_object``.
 
     :param tape: the ``Tape``.
     :param radius: of the robot [m].
     """
     heading, normal = tape['robot_theta'], tape['normal']
-    along = np.exp(-1j * normal)
-    robot = (tape['robot_v_x'] + 1j * tape['robot_v_y']) * np.exp(1j * heading) * along
+    to_contact_axes = np.exp(-1j * normal)
+    robot = ((tape['robot_v_x'] + 1j * tape['robot_v_y']) * np.exp(1j * heading)
+             * to_contact_axes)
     arm = ((tape['contact_x'] - tape['object_x'])
-           + 1j * (tape['contact_y'] - tape['object_y'])) * along
-    body = (tape['object_v_x'] + 1j * tape['object_v_y']) * along
+           + 1j * (tape['contact_y'] - tape['object_y'])) * to_contact_axes
+    body = (tape['object_v_x'] + 1j * tape['object_v_y']) * to_contact_axes
     surface = robot.imag + radius * tape['robot_omega']
     return surface - (body.imag + tape['object_omega'] * arm.real)
 
 
-def deviation(poses, plan):
+def deviation(poses: FloatArray, plan: PushTrajectory) -> tuple[FloatArray, FloatArray]:
     """
     Compare poses of the object with the nearest point of its planned path.
 
@@ -111,85 +155,25 @@ def deviation(poses, plan):
     :return: (distance [m], orientation minus the planned one [rad]), each of shape (n,).
     """
     start, step = plan.object_poses[:-1], np.diff(plan.object_poses, axis=0)
-    squared = np.maximum((step[:, :2] ** 2).sum(axis=1), 1e-18)
-    distances, angles = [], []
+    squared = np.maximum((step[:, :2] ** 2).sum(axis=1), MIN_SQUARED_STEP)
+    distances: list[float] = []
+    angles: list[float] = []
     for pose in poses:
         along = np.clip(((pose[:2] - start[:, :2]) * step[:, :2]).sum(axis=1) / squared, 0.0, 1.0)
         nearest = start + along[:, None] * step
-        away = np.hypot(*(pose[:2] - nearest[:, :2]).T)
-        best = int(np.argmin(away))
-        distances.append(away[best])
+        distance = np.hypot(*(pose[:2] - nearest[:, :2]).T)
+        best = int(np.argmin(distance))
+        distances.append(distance[best])
         angles.append(math.remainder(pose[2] - nearest[best, 2], 2 * math.pi))
     return np.array(distances), np.array(angles)
 
 
-def force_angle(tape):
+def force_angle(tape: Tape) -> FloatArray:
     """
-    Angle of the contact force from the contact normal [rad], shape (n,); NaN out of contact.
+    Angle of the contact force from the contact normal [rad], shape (n,); nan out of contact.
 
     :param tape: the ``Tape``.
     """
     normal, tangential = tape['force_n'], tape['force_t']
     return np.where(normal > 0.0, np.arctan2(tangential, np.where(normal > 0.0, normal, 1.0)),
                     np.nan)
-
-
-@dataclasses.dataclass(frozen=True)
-class TaskMetrics:
-    """Figures of one task; positions are those of the object frame."""
-
-    position_error: float = quantity('final distance from the goal', 'm')
-    heading_error: float = quantity('final orientation minus that of the goal', 'rad')
-    time: float = quantity('time until the task ended', 's')
-    contact_time: float = quantity('time in contact', 's')
-    single_time: float = quantity('time that the best single push would have taken; infinite '
-                                  'where there is none, nan where it is not known', 's')
-    distance_travelled: float = quantity('way of the robot', 'm')
-    object_way: float = quantity('way of the object', 'm')
-    pushes: int = quantity('number of pushes')
-    recoveries: int = quantity('number of times that something went wrong')
-    gap: float = quantity('final gap between robot and object', 'm')
-    within_map: bool = quantity('whether neither robot nor object came into an obstacle')
-    within_bounds: bool = quantity("whether the object rests within the scenario's bounds and the "
-                                   'robot is clear of it')
-
-
-def measure_task(result):
-    """
-    Judge a task by its tape.
-
-    :param result: the ``TaskResult``.
-    :return: the ``TaskMetrics``.
-    """
-    tape, scenario = result.tape, result.scenario
-    task = scenario.task or Task()
-    objects, gap = tape.poses('object'), float(tape['gap'][-1])
-    inside = (result.position_error <= scenario.bounds.position_error
-              and abs(result.heading_error) <= scenario.bounds.heading_error)
-    return TaskMetrics(
-        position_error=result.position_error,
-        heading_error=result.heading_error,
-        time=result.duration,
-        contact_time=float(np.diff(tape['time'])[in_contact(tape)[1:]].sum()),
-        single_time=result.single,
-        distance_travelled=float(distance_travelled(tape)[-1]),
-        object_way=float(np.hypot(*np.diff(objects[:, :2], axis=0).T).sum()),
-        pushes=result.pushes,
-        recoveries=result.recoveries,
-        gap=gap,
-        within_map=task.occupancy_map is None or (
-            task.occupancy_map.robot_is_free(scenario.robot_truth, tape.poses('robot'), 0.0)
-            and task.occupancy_map.object_is_free(scenario.truth, objects, 0.0)),
-        within_bounds=bool(inside and gap >= task.drive.clearance))
-
-
-def is_task_as_expected(result):
-    """
-    Tell whether a task ended as its scenario expects.
-
-    :param result: the ``TaskResult``.
-    """
-    metrics = measure_task(result)
-    if result.scenario.expected == 'refused':
-        return result.outcome == 'failed' and not metrics.pushes
-    return result.outcome == 'done' and metrics.within_bounds and metrics.within_map

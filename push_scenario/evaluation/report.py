@@ -1,67 +1,135 @@
-"""The table that a replay prints: one column per run."""
+"""Report of a replay: a table with a row for each metric and a column for each run."""
 
+from collections.abc import Callable, Iterator, Sequence
 import math
+from typing import Any, NamedTuple
 
-from push_scenario.evaluation.metrics import measure
+from push_scenario.definition.scenario import Scenario
+from push_scenario.evaluation.metrics import measure, Metrics
+from push_scenario.simulation.result import Outcome, RunResult, WallClockTiming
 
 TITLES = {'open_loop': 'open loop', 'feedback': 'feedback', 'mpc': 'mpc'}
-ROWS = (
-    ('final position error', 'mm', lambda m: f'{1e3 * m.position_error:.1f}'),
-    ('final heading error', 'deg', lambda m: f'{math.degrees(m.heading_error):+.2f}'),
-    ('time', 's', lambda m: f'{m.time:.2f}'),
-    ('time in contact', 's', lambda m: f'{m.contact_time:.2f}'),
-    ('path length', 'm', lambda m: f'{m.path_length:.3f}'),
-    ('path length against the plan', '%', lambda m: f'{1e2 * m.path_ratio:.1f}'),
-    ('largest distance from the plan', 'mm', lambda m: f'{1e3 * m.max_deviation:.1f}'),
-    ('sliding at the contact', 'mm', lambda m: f'{1e3 * m.slip:.1f}'),
-    ('within bounds', '', lambda m: 'yes' if m.within_bounds else 'no'),
+NOT_APPLICABLE = '-'
+
+
+def _always(_: Scenario) -> bool:
+    return True
+
+
+def _is_single_push(scenario: Scenario) -> bool:
+    return scenario.task is None
+
+
+def _is_task(scenario: Scenario) -> bool:
+    return scenario.task is not None
+
+
+def _has_map(scenario: Scenario) -> bool:
+    return scenario.task is not None and scenario.task.map is not None
+
+
+def _no_bound(_: Scenario) -> str:
+    return ''
+
+
+def _yes_or_no(value: bool) -> str:
+    return 'yes' if value else 'no'
+
+
+def _seconds(value: float) -> str:
+    if math.isnan(value):
+        return NOT_APPLICABLE
+    return f'{value:.2f}' if math.isfinite(value) else 'none'
+
+
+class Row(NamedTuple):
+    """
+    A row of the table.
+
+    :param title: what it shows.
+    :param unit: of the numbers, empty for none.
+    :param text: writes the value of a run; of ``Metrics``, or of ``WallClockTiming``.
+    :param applies: tells whether the row makes sense for a scenario.
+    :param bound: writes what the scenario allows, if anything.
+    """
+
+    title: str
+    unit: str
+    text: Callable[[Any], str]
+    applies: Callable[[Scenario], bool] = _always
+    bound: Callable[[Scenario], str] = _no_bound
+
+
+ROWS: tuple[Row, ...] = (
+    Row('final position error', 'mm', lambda m: f'{1e3 * m.position_error:.1f}',
+        bound=lambda scenario: f'{1e3 * scenario.bounds.position_error:.1f}'),
+    Row('final heading error', 'deg', lambda m: f'{math.degrees(m.heading_error):+.2f}',
+        bound=lambda scenario: f'{math.degrees(scenario.bounds.heading_error):.2f}'),
+    Row('pushes', '', lambda m: f'{m.pushes}', _is_task),
+    Row('recoveries', '', lambda m: f'{m.recoveries}', _is_task),
+    Row('time', 's', lambda m: _seconds(m.time)),
+    Row('time in contact', 's', lambda m: _seconds(m.contact_time)),
+    Row('time of the best single push', 's', lambda m: _seconds(m.single_push_time), _is_task),
+    Row('path length of the robot', 'm', lambda m: f'{m.robot_path_length:.3f}'),
+    Row('path length of the object', 'm', lambda m: f'{m.object_path_length:.3f}'),
+    Row('path length against the plan', '%', lambda m: f'{1e2 * m.path_length_ratio:.1f}',
+        _is_single_push),
+    Row('largest distance from the plan', 'mm', lambda m: f'{1e3 * m.max_deviation:.1f}',
+        _is_single_push),
+    Row('sliding at the contact', 'mm', lambda m: f'{1e3 * m.slip:.1f}'),
+    Row('robot clear of the object', 'mm', lambda m: f'{1e3 * m.gap:.0f}', _is_task,
+        lambda scenario: f'{1e3 * scenario.task.drive.clearance:.0f}' if scenario.task else ''),
+    Row('clear of the map', '', lambda m: _yes_or_no(m.within_map), _has_map),
+    Row('within bounds', '', lambda m: _yes_or_no(m.within_bounds)),
 )
-WALL_ROWS = (
-    ('pose to command, median', 'ms', lambda r: f'{1e3 * r.latency_median:.2f}'),
-    ('pose to command, 99 of 100', 'ms', lambda r: f'{1e3 * r.latency_p99:.2f}'),
-    ('simulated over wall time', '', lambda r: f'{r.speed_up:.1f}'),
+TIMING_ROWS: tuple[Row, ...] = (
+    Row('pose to command, median', 'ms', lambda timing: f'{1e3 * timing.latency_median:.2f}'),
+    Row('pose to command, 99 of 100', 'ms', lambda timing: f'{1e3 * timing.latency_p99:.2f}'),
+    Row('simulated over wall time', '', lambda timing: f'{timing.speed_up:.1f}'),
 )
 
 
-def table(results):
+def format_report(results: Sequence[RunResult]) -> str:
     """
     Compare runs of one scenario, as aligned plain text.
 
-    Runs over DDS also tell how fast they went.
+    Runs over DDS have rows on their timing besides. Below the table stands what went wrong.
 
-    :param results: the ``Result`` of each run, one or more.
+    :param results: the ``RunResult`` of each run, one or more.
     :return: lines without a newline at the end.
     """
     scenario = results[0].scenario
     metrics = [measure(result) for result in results]
-    lines = [['', ''] + [TITLES.get(r.control_law, r.control_law) for r in results] + ['bound']]
-    limits = {'final position error': f'{1e3 * scenario.bounds.position_error:.1f}',
-              'final heading error': f'{math.degrees(scenario.bounds.heading_error):.2f}'}
-    for title, unit, text in ROWS:
-        lines.append([title, f'[{unit}]' if unit else '']
-                     + [text(m) if m else '-' for m in metrics] + [limits.get(title, '')])
-    lines += [[title, f'[{unit}]' if unit else '']
-              + [text(r) if r.tape else '-' for r in results] + ['']
-              for title, unit, text in WALL_ROWS if all(hasattr(r, 'speed_up') for r in results)]
-    lines.append(['outcome', ''] + [result.outcome for result in results] + [''])
-    notes = [f'{TITLES.get(r.control_law, r.control_law)}: {r.reason}'
-             for r in results if r.reason and r.outcome != 'done']
-    return '\n'.join([scenario.name, *aligned(lines), *notes])
+    lines = [['', ''] + [TITLES[result.control_law] for result in results] + ['bound']]
+    lines += _table_rows(ROWS, scenario, metrics)
+    timings = [result.timing for result in results]
+    if any(timings):
+        lines += _table_rows(TIMING_ROWS, scenario, timings)
+    lines.append(['outcome', ''] + [result.outcome.value for result in results] + [''])
+    notes = [note for result in results for note in _notes(result)]
+    return '\n'.join([scenario.name, *_aligned(lines), *notes])
 
 
-def aligned(lines):
-    """
-    Pad cells: the first two columns to the left, the others to the right.
+def _table_rows(rows: Sequence[Row], scenario: Scenario,
+                values: Sequence[Metrics | WallClockTiming | None]) -> list[list[str]]:
+    return [[row.title, f'[{row.unit}]' if row.unit else '']
+            + [NOT_APPLICABLE if value is None else row.text(value) for value in values]
+            + [row.bound(scenario)]
+            for row in rows if row.applies(scenario)]
 
-    :param lines: lists of texts, one per line, the first of them titles.
-    :return: lines of text, and a rule below the first.
-    """
-    """
-    Pad cells: the first two columns to the left, the others to the right.
 
-    :param lines: lists of texts, one per line, the first of them titles.
-    :return: lines of text, and a rule below the first.
-    """
+def _notes(result: RunResult) -> Iterator[str]:
+    """Yield changes of state for a reason, and why the run ended as it did."""
+    title = TITLES[result.control_law]
+    for change in result.history[1:]:
+        if change.reason and change.reason != result.reason:
+            yield f'{title}, {change.time:.1f} s, {change.state.value}: {change.reason}'
+    if result.reason and result.outcome is not Outcome.DONE:
+        yield f'{title}: {result.reason}'
+
+
+def _aligned(lines: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Pad cells, the first two columns to the left, the others to the right; rule off the head."""
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
     for number, line in enumerate(lines):
         cells = [cell.ljust(width) if column < 2 else cell.rjust(width)

@@ -1,25 +1,44 @@
-"""The animation of a replay: runs side by side, some seconds long, as a GIF."""
+"""Animation of runs of a scenario, side by side, some seconds long, as a GIF."""
 
+from collections.abc import Sequence
 import math
+from os import PathLike
 
 from matplotlib.animation import PillowWriter
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
+from push_control.task.status import TaskState
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
-    draw_object, draw_robot, front, GOAL, INK, LAW_STYLES, outline, PLAN_STYLE, set_view,
+    draw_goals, draw_map, draw_object, draw_robot, front, INK, NO_PUSH, outline, PLAN_STYLE,
+    ROBOT_PATH_STYLE, Segment, segments_of, set_view, tape_of, WARNING,
 )
+from push_scenario.simulation.result import RunResult
 
-FRAMES, HELD_FRAMES, RATE = 72, 14, 12
-PANEL_WIDTH, DPI = 4.9, 90
+# Frames that move, frames that hold the end, and frames per second: 11.5 s in all.
+FRAMES, FINAL_FRAMES, FRAME_RATE = 120, 18, 12
+# Longer side of a panel, least width for its title, height of title and clock [inch].
+PANEL_SIZE, MIN_PANEL_WIDTH, RIM_HEIGHT = 5.6, 4.2, 0.8
+DPI = 80
+VIEW_MARGIN = 0.06  # free rim around everything that moves [m]
+# How long the reason of a failure stays in the title [s], and how many characters fit there.
+REASON_TIME = 2.0
+TITLE_LENGTH = 48
+ACTIVITIES = {
+    TaskState.PLAN: 'localizes and plans', TaskState.APPROACH: 'drives to the object',
+    TaskState.ALIGN: 'probes for contact', TaskState.PUSH: 'pushes',
+    TaskState.RETREAT: 'backs off', TaskState.DONE: 'done', TaskState.FAILED: 'aborted',
+    TaskState.IDLE: 'idle', TaskState.PAUSED: 'paused'}
 
 
-def draw_animation(results, path):
+def draw_animation(results: Sequence[RunResult], path: str | PathLike[str]) -> None:
     """
     Draw runs of one scenario in motion and save them.
 
-    :param results: the ``Result`` of each run that moved, one or more.
+    :param results: the ``RunResult`` of each run that moved, one or more.
     :param path: of the GIF.
     """
     figure = Figure(facecolor='white', dpi=DPI)
@@ -27,52 +46,101 @@ def draw_animation(results, path):
     axes = figure.subplots(1, len(results), squeeze=False)[0]
     panels = [_Panel(ax, result, results) for ax, result in zip(axes, results)]
     width, height = np.ptp(axes[0].get_xlim()), np.ptp(axes[0].get_ylim())
-    figure.set_size_inches(PANEL_WIDTH * len(results), PANEL_WIDTH * height / width + 0.75)
-    figure.subplots_adjust(left=0.01, right=0.99, top=0.9, bottom=0.09, wspace=0.02)
-    clock = figure.text(0.5, 0.025, '', ha='center', fontsize=10, color=INK)
-    end = max(result.tape['time'][-1] for result in results)
-    factor = end * RATE / FRAMES
-    writer = PillowWriter(fps=RATE)
+    scale = PANEL_SIZE / max(width, height)
+    figure.set_size_inches(max(MIN_PANEL_WIDTH, scale * width) * len(results),
+                           scale * height + RIM_HEIGHT)
+    figure.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.07, wspace=0.02)
+    clock = figure.text(0.5, 0.02, '', ha='center', fontsize=10, color=INK)
+    end = max(tape_of(result)['time'][-1] for result in results)
+    speed_up = end * FRAME_RATE / FRAMES
+    writer = PillowWriter(fps=FRAME_RATE)
     with writer.saving(figure, str(path), DPI):
-        for number in range(FRAMES + HELD_FRAMES):
+        for number in range(FRAMES + FINAL_FRAMES):
             time = min(end, end * number / FRAMES)
             for panel in panels:
                 panel.show(time)
-            clock.set_text(f't = {time:4.1f} s   ({factor:.1f} x real time)')
+            clock.set_text(f't = {time:4.1f} s   ({speed_up:.1f} x real time)')
             writer.grab_frame()
 
 
 class _Panel:
     """One run: what stays is drawn once, what moves is moved."""
 
-    def __init__(self, axes, result, results):
-        scenario, tape = result.scenario, result.tape
-        style = LAW_STYLES[result.control_law]
-        self._time = tape['time']
-        self._objects, self._robots = tape.poses('object'), tape.poses('robot')
-        self._object, self._radius = scenario.truth, scenario.robot_truth.radius
-        plan = result.plan.object_poses
-        axes.plot(plan[:, 0], plan[:, 1], **PLAN_STYLE)
-        draw_object(axes, scenario.object, scenario.goal.pose, facecolor='none', edgecolor=GOAL,
-                    linewidth=2.4, linestyle=(0, (2, 1)), zorder=2)
-        self._trail, = axes.plot([], [], **style)
-        self._box, self._front = draw_object(axes, self._object, self._objects[0], zorder=3,
-                                             facecolor=style['color'] + '40',
-                                             edgecolor=style['color'], linewidth=1.8)
-        self._disc, self._heading = draw_robot(axes, self._radius, self._robots[0],
-                                               facecolor='#8A8A8A', edgecolor=INK, linewidth=1.2,
-                                               zorder=3)
-        set_view(axes, results, 0.04)
+    def __init__(self, axes: Axes, result: RunResult, results: Sequence[RunResult]) -> None:
+        self._axes = axes
+        self._result = result
+        self._tape = tape_of(result)
+        self._segments = segments_of(result)
+        start = self._tape.poses('object')[0]
+        draw_map(axes, result.scenario)
+        draw_object(axes, result.scenario.object, start, facecolor='#F1F1F1',
+                    edgecolor='#B0B0B0', linewidth=1.0, zorder=2)
+        if result.plan is not None:
+            axes.plot(*result.plan.object_poses[:, :2].T, **PLAN_STYLE, zorder=3)
+        self._goals: list[Artist] = []
+        self._robot_path, = axes.plot([], [], **ROBOT_PATH_STYLE, zorder=3)
+        self._push_paths = [axes.plot([], [], color=segment.color, linewidth=2.6, zorder=7)[0]
+                            for segment in self._segments]
+        self._object = draw_object(axes, result.scenario.true_object, start, linewidth=1.8,
+                                   zorder=6)
+        self._robot = draw_robot(axes, result.scenario.true_robot.radius,
+                                 self._tape.poses('robot')[0], facecolor='#8A8A8A', edgecolor=INK,
+                                 linewidth=1.2, zorder=8)
+        set_view(axes, results, VIEW_MARGIN)
         axes.set_axis_off()
-        axes.set_title(TITLES[result.control_law], fontsize=12, color=style['color'])
 
-    def show(self, time):
+    def show(self, time: float) -> None:
         """Move everything to a time [s]."""
-        row = min(int(np.searchsorted(self._time, time)), len(self._time) - 1)
-        pose, (x, y, phi) = self._objects[row], self._robots[row]
-        self._trail.set_data(self._objects[:row + 1, 0], self._objects[:row + 1, 1])
-        self._box.set_xy(outline(self._object, pose))
-        self._front.set_data(*front(self._object, pose))
-        self._disc.center = x, y
-        self._heading.set_data([x, x + self._radius * math.cos(phi)],
-                               [y, y + self._radius * math.sin(phi)])
+        times = self._tape['time']
+        row = min(int(np.searchsorted(times, time)), len(times) - 1)
+        robots = self._tape.poses('robot')
+        self._robot_path.set_data(robots[:row + 1, 0], robots[:row + 1, 1])
+        segment = self._extend_push_paths(row)
+        self._show_title(segment, row)
+        for artist in self._goals:
+            artist.remove()
+        self._goals = draw_goals(self._axes, self._result.scenario, time)
+        self._place_bodies(row, segment.color)
+
+    def _extend_push_paths(self, row: int) -> Segment:
+        """Draw the path of the object in each push up to a row; return the present segment."""
+        present, objects = self._segments[0], self._tape.poses('object')
+        for segment, path in zip(self._segments, self._push_paths):
+            if segment.rows.start <= row:
+                present = segment
+            if segment.push is not None:
+                rows = slice(segment.rows.start, min(segment.rows.stop, row + 1))
+                path.set_data(objects[rows, 0], objects[rows, 1])
+        return present
+
+    def _show_title(self, segment: Segment, row: int) -> None:
+        time = self._tape['time']
+        is_recent = time[row] < time[segment.rows.start] + REASON_TIME
+        if segment.reason and is_recent:
+            self._axes.set_title(_shortened(segment.reason), fontsize=11, color=WARNING)
+            return
+        activity = ACTIVITIES[segment.state]
+        if segment.push is not None and self._result.scenario.task is not None:
+            activity = f'push {segment.push + 1}'
+        self._axes.set_title(f'{TITLES[self._result.control_law]}: {activity}', fontsize=11,
+                             color=INK if segment.color == NO_PUSH else segment.color)
+
+    def _place_bodies(self, row: int, color: str) -> None:
+        obj, radius = self._result.scenario.true_object, self._result.scenario.true_robot.radius
+        pose = self._tape.poses('object')[row]
+        body, front_line = self._object
+        body.set_xy(outline(obj, pose))
+        body.set(facecolor=color + '40', edgecolor=color)
+        front_line.set_data(*front(obj, pose))
+        front_line.set_color(color)
+        x, y, theta = self._tape.poses('robot')[row]
+        disc, heading_line = self._robot
+        disc.center = x, y
+        heading_line.set_data([x, x + radius * math.cos(theta)],
+                              [y, y + radius * math.sin(theta)])
+
+
+def _shortened(text: str) -> str:
+    if len(text) <= TITLE_LENGTH:
+        return text
+    return text[:TITLE_LENGTH - 1].rsplit(' ', 1)[0] + ' …'

@@ -1,181 +1,274 @@
-"""The picture of a replay: what was planned, what happened, and why they differ."""
+"""
+Figure of runs of a scenario, one column per run.
 
+From top to bottom: the scene with the paths of object and robot, each push in its own colour; the
+errors of the object's pose over time; how the robot pushes and where the contact force points in
+the friction cone; and, once for all, the friction on which nominal and true object differ.
+"""
+
+from collections.abc import Callable, Sequence
 import math
+from os import PathLike
+from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 import numpy as np
+from numpy.typing import NDArray
 from push_model.friction import friction_center
-from push_scenario.evaluation.metrics import deviation, distance_travelled, force_angle, measure
+from push_scenario.definition.scenario import Scenario
+from push_scenario.evaluation.metrics import force_angle
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
-    draw_object, draw_robot, GOAL, INK, LAW_STYLES, outline, PLAN_STYLE, set_view, style_axes,
+    DASHED_GOAL, draw_displacements, draw_goals, draw_map, draw_object, draw_push_number,
+    draw_robot, GOAL, goal_poses, INK, outline, PLAN_STYLE, PUSH_COLORS, ROBOT_PATH_STYLE,
+    Segment, segments_of, set_view, style_axes, tape_of, WARNING,
 )
+from push_scenario.simulation.result import RunResult
 
-SIZE, DPI = (14.0, 8.4), 110
-MOMENTS = 5
-BAND, TRUTH = '#DCE6DC', '#B3261E'
+FloatArray = NDArray[np.float64]
+
+# Layout in inches: the column of one run, narrower where several stand side by side.
+COLUMN_WIDTH, NARROW_COLUMN_WIDTH = 8.0, 5.6
+STRIP_HEIGHT, STRIP_GAP = 1.1, 0.3
+LEFT, RIGHT, TOP, BOTTOM = 0.9, 0.2, 0.75, 0.15
+FOOTER_HEIGHT, FOOTER_GAP, FRICTION_WIDTH = 2.2, 0.75, 3.0
+DPI = 110
+VIEW_MARGIN = 0.12  # free rim around everything that moves [m]
+# Smallest error that the logarithmic axes show [mm], [deg].
+MIN_POSITION_ERROR, MIN_HEADING_ERROR = 0.5, 1e-3
+CONE_COLOR = '#DCE6DC'
+# Poses of object and robot that are drawn in a push: the start, some on the way, the end.
+MOMENTS = 4
 
 
-def draw_figure(results, path):
+def draw_figure(results: Sequence[RunResult], path: str | PathLike[str]) -> None:
     """
-    Draw runs of one scenario side by side and save the picture.
+    Draw runs of one scenario side by side and save the figure.
 
-    :param results: the ``Result`` of each run that moved, one or more.
+    :param results: the ``RunResult`` of each run that moved, one or more.
     :param path: of the PNG.
     """
-    figure = Figure(figsize=SIZE, dpi=DPI, facecolor='white')
+    figure = Figure(dpi=DPI, facecolor='white')
     FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(4, 3, width_ratios=(0.8, 1.75, 1.55), left=0.05, right=0.985,
-                               top=0.92, bottom=0.075, wspace=0.23, hspace=0.34)
-    figure.suptitle(_title(results), x=0.05, y=0.975, ha='left', fontsize=14, color=INK)
-    _trajectories(figure.add_subplot(grid[:3, :2]), results)
-    _hidden_truth(figure.add_subplot(grid[3, 0]), results[0].scenario)
-    _legend(figure.add_subplot(grid[3, 1]), results)
-    first = None
-    for row, draw in enumerate((_pushing_angle, _force_angle, _position, _heading)):
-        first = axes = figure.add_subplot(grid[row, 2], sharex=first)
-        style_axes(axes)
-        draw(axes, results)
-        axes.tick_params(labelbottom=row == 3)
-    axes.set_xlabel('way of the robot [m]')
-    axes.set_xlim(left=0.0)
+    strips: list[Callable[[Axes, RunResult], None]] = [
+        _position_error, _heading_error, _pushing_angle, _force_angle]
+    columns = [[figure.add_axes((0.0, 0.0, 1.0, 1.0), label=f'{row} of {number}')
+                for row in range(1 + len(strips))] for number in range(len(results))]
+    footer = [figure.add_axes((0.0, 0.0, 1.0, 1.0), label=name) for name in ('friction', 'legend')]
+    for number, (result, (scene, *axes)) in enumerate(zip(results, columns)):
+        _scene(scene, result)
+        size = set_view(scene, results, VIEW_MARGIN)
+        for ax, draw in zip(axes, strips):
+            _strip(ax, result, draw)
+            ax.tick_params(labelbottom=ax is axes[-1])
+        axes[-1].set_xlabel('time [s]')
+        if number:
+            for ax in (scene, *axes):
+                ax.set_ylabel('')
+    for row in zip(*columns):
+        _share_y(row[1:], row[0])
+    _friction(footer[0], results[0].scenario)
+    _legend(footer[1], results)
+    _lay_out(figure, columns, footer, size[1] / size[0])
     figure.savefig(path, metadata={'Software': None})
 
 
-def _title(results):
-    scenario = results[0].scenario
-    parts = []
-    for result in results:
-        metrics = measure(result)
-        parts.append(f'{TITLES[result.control_law]} {_millimetres(metrics.position_error)} '
-                     f'and {abs(math.degrees(metrics.heading_error)):.1f}°')
-    return f'{scenario.name.replace("_", " ")}, ends off the goal: ' + ', '.join(parts)
+def _share_y(others: Sequence[Axes], first: Axes) -> None:
+    limits = [ax.get_ylim() for ax in (first, *others)]
+    for ax in (first, *others):
+        ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
 
 
-def _millimetres(metres):
+def _lay_out(figure: Figure, columns: Sequence[Sequence[Axes]], footer: Sequence[Axes],
+             aspect: float) -> None:
+    """Place all axes, in inches from the upper left corner."""
+    column_width = COLUMN_WIDTH if len(columns) == 1 else NARROW_COLUMN_WIDTH
+    heights = [column_width * aspect] + [STRIP_HEIGHT] * (len(columns[0]) - 1)
+    width = len(columns) * (LEFT + column_width + RIGHT)
+    height = (TOP + sum(heights) + (len(heights) - 1) * STRIP_GAP + FOOTER_GAP + FOOTER_HEIGHT
+              + BOTTOM)
+    figure.set_size_inches(width, height)
+
+    def place(ax: Axes, left: float, top: float, size: tuple[float, float]) -> None:
+        ax.set_position((left / width, 1.0 - (top + size[1]) / height, size[0] / width,
+                         size[1] / height))
+
+    top = TOP
+    for number, column in enumerate(columns):
+        left, top = LEFT + number * (LEFT + column_width + RIGHT), TOP
+        for ax, tall in zip(column, heights):
+            place(ax, left, top, (column_width, tall))
+            top += tall + STRIP_GAP
+    top += FOOTER_GAP - STRIP_GAP
+    friction, legend = footer
+    place(friction, LEFT, top, (FRICTION_WIDTH, FOOTER_HEIGHT))
+    place(legend, LEFT + FRICTION_WIDTH, top,
+          (width - LEFT - FRICTION_WIDTH - RIGHT, FOOTER_HEIGHT))
+
+
+def _scene(axes: Axes, result: RunResult) -> None:
+    scenario, tape = result.scenario, tape_of(result)
+    objects, robots = tape.poses('object'), tape.poses('robot')
+    radius = scenario.true_robot.radius
+    draw_map(axes, scenario)
+    draw_object(axes, scenario.object, objects[0], facecolor='#ECECEC', edgecolor=INK,
+                linewidth=1.2, zorder=2)
+    draw_robot(axes, radius, robots[0], facecolor='#F4F4F4', edgecolor=INK, linewidth=1.0,
+               zorder=2)
+    for segment in segments_of(result):
+        _segment(axes, scenario, objects[segment.rows], robots[segment.rows], segment)
+    if result.plan is not None:
+        axes.plot(*result.plan.object_poses[:, :2].T, **PLAN_STYLE, zorder=7.5)
+    draw_displacements(axes, result)
+    draw_object(axes, scenario.true_object, objects[-1], facecolor=GOAL + '30', edgecolor=INK,
+                linewidth=1.6, zorder=4)
+    draw_robot(axes, radius, robots[-1], facecolor='#8A8A8A', edgecolor=INK, linewidth=1.2,
+               zorder=8)
+    draw_goals(axes, scenario)
+    style_axes(axes)
+    axes.set_xlabel('x [m]')
+    axes.set_ylabel('y [m]')
+    axes.set_title(
+        f'{scenario.name.replace("_", " ")}, {TITLES[result.control_law]}\n'
+        f'{result.outcome.value} after {result.duration:.1f} s, '
+        f'{_millimetres(result.position_error)} and '
+        f'{abs(math.degrees(result.heading_error)):.1f}° from the goal',
+        loc='left', fontsize=11, color=INK)
+
+
+def _millimetres(metres: float) -> str:
     return f'{1e3 * metres:.1f} mm' if metres < 0.0995 else f'{1e3 * metres:.0f} mm'
 
 
-def _trajectories(axes, results):
-    scenario = results[0].scenario
-    plan = results[0].plan.object_poses
-    draw_object(axes, scenario.object, plan[0], facecolor='#ECECEC', edgecolor=INK, linewidth=1.2,
-                zorder=1)
-    for result in results:
-        _moments(axes, result, with_robot=result is results[-1])
-    axes.plot(plan[:, 0], plan[:, 1], **PLAN_STYLE, zorder=6)
-    for result in results:
-        poses = result.tape.poses('object')
-        axes.plot(poses[:, 0], poses[:, 1], **LAW_STYLES[result.control_law], zorder=7)
-        axes.plot(*poses[-1, :2], 'o', color=LAW_STYLES[result.control_law]['color'], zorder=8)
-    draw_object(axes, scenario.object, scenario.goal.pose, facecolor='none', edgecolor=GOAL,
-                linewidth=3.0, linestyle=(0, (2, 1)), zorder=5)
-    axes.plot(scenario.goal.x, scenario.goal.y, '+', color=GOAL, markersize=14,
-              markeredgewidth=2.5, zorder=9)
+def _segment(axes: Axes, scenario: Scenario, objects: FloatArray, robots: FloatArray,
+             segment: Segment) -> None:
+    if segment.push is None:
+        axes.plot(robots[:, 0], robots[:, 1], **ROBOT_PATH_STYLE, zorder=6)
+        return
+    style: dict[str, Any] = {'facecolor': segment.color + '0C', 'edgecolor': segment.color,
+                             'linewidth': 0.9}
+    axes.plot(robots[:, 0], robots[:, 1], color=segment.color, linewidth=1.0, zorder=6)
+    axes.plot(objects[:, 0], objects[:, 1], color=segment.color, linewidth=3.0, zorder=7)
+    for row in np.linspace(0, len(objects) - 1, MOMENTS).astype(int)[1:]:
+        draw_object(axes, scenario.true_object, objects[row], **style, zorder=3)
+        draw_robot(axes, scenario.true_robot.radius, robots[row], **style, zorder=3)
+    draw_robot(axes, scenario.true_robot.radius, robots[0], **style, zorder=3)
+    draw_push_number(axes, segment.push, robots[0, :2])
+
+
+def _strip(axes: Axes, result: RunResult, draw: Callable[[Axes, RunResult], None]) -> None:
+    """Draw one quantity over time, pushes shaded, failures and new goals marked."""
+    time = tape_of(result)['time']
     style_axes(axes)
-    set_view(axes, results)
+    draw(axes, result)
+    for segment in segments_of(result):
+        start, end = time[segment.rows][[0, -1]]
+        if segment.push is not None:
+            axes.axvspan(start, end, color=segment.color, alpha=0.2, linewidth=0.0, zorder=0.5)
+        elif segment.reason:
+            axes.axvline(start, color=WARNING, linewidth=1.4)
+    axes.set_xlim(0.0, time[-1])
 
 
-def _moments(axes, result, with_robot):
-    scenario, tape = result.scenario, result.tape
-    color = LAW_STYLES[result.control_law]['color']
-    objects, robots = tape.poses('object'), tape.poses('robot')
-    way = distance_travelled(tape)
-    rows = np.searchsorted(way, np.linspace(0.0, way[-1], MOMENTS))
-    rows[-1] = len(tape) - 1
-    for row in rows:
-        last = row == rows[-1]
-        style = {'edgecolor': color, 'linewidth': 1.8 if last else 0.9, 'zorder': 4 if last else 3,
-                 'linestyle': LAW_STYLES[result.control_law]['linestyle']}
-        draw_object(axes, scenario.truth, objects[row], facecolor=color + ('30' if last else '0C'),
-                    **style)
-        if last or with_robot:
-            draw_robot(axes, scenario.robot_truth.radius, robots[row],
-                       facecolor=color + ('38' if last else '14'), **style)
+def _pose_errors(result: RunResult) -> FloatArray:
+    """Pose of the object minus the goal that is valid at the time, shape (n, 3)."""
+    tape, task = tape_of(result), result.scenario.task
+    given = [later.time for later in task.goals] if task is not None else []
+    goals = np.array(goal_poses(result.scenario))
+    return tape.poses('object') - goals[np.searchsorted(given, tape['time'], side='right')]
 
 
-def _hidden_truth(axes, scenario):
-    believed, true = scenario.object, scenario.truth
-    edge = outline(believed, (0.0, 0.0, 0.0))
-    axes.fill(edge[:, 0], edge[:, 1], facecolor='#F6F6F6', edgecolor=INK, linewidth=1.0)
-    scale = 420.0 / max(foot.friction_coefficient for foot in true.supports + believed.supports)
-    for feet, style in ((true.supports, {'color': '#A6A6A6'}),
-                        (believed.supports, {'facecolor': 'none', 'edgecolor': INK,
-                                             'linestyle': '--'})):
-        axes.scatter([foot.x for foot in feet], [foot.y for foot in feet],
-                     s=[scale * foot.friction_coefficient for foot in feet], **style)
-    for foot in true.supports:
-        axes.annotate(f'{foot.friction_coefficient:.2f}', (foot.x, foot.y), fontsize=9,
-                      xytext=(math.copysign(16.0, foot.x), 0.0), textcoords='offset points',
-                      ha='left' if foot.x > 0.0 else 'right', va='center', color=INK,
-                      bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 0.8})
-    axes.plot(*friction_center(believed), '+', color=INK, markersize=12, markeredgewidth=1.8,
-              zorder=4)
-    axes.plot(*friction_center(true), 'X', color=TRUTH, markersize=9)
-    axes.set_aspect('equal', adjustable='datalim')
-    axes.margins(0.05)
-    axes.set_axis_off()
-    changes = ', before it changes' if scenario.simulation.friction_changes else ''
-    axes.set_title(f'friction under the feet{changes}', fontsize=10, color=INK)
+def _position_error(axes: Axes, result: RunResult) -> None:
+    error = 1e3 * np.hypot(*_pose_errors(result)[:, :2].T)
+    _log_error(axes, result, np.maximum(error, MIN_POSITION_ERROR),
+               1e3 * result.scenario.bounds.position_error)
+    axes.set_ylabel('position\nerror [mm]')
 
 
-def _legend(axes, results):
-    axes.set_axis_off()
-    handles = [Line2D([], [], **PLAN_STYLE, label='plan')]
-    handles += [Line2D([], [], **LAW_STYLES[result.control_law],
-                       label=f'{TITLES[result.control_law]}: path of the object, '
-                       f'and the object at {MOMENTS} moments') for result in results]
-    handles += [
-        Line2D([], [], color=GOAL, linestyle=(0, (2, 1)), linewidth=3.0, label='goal'),
-        Line2D([], [], color=TRUTH, marker='X', linestyle='none', markersize=9,
-               label='true friction centre (grey, numbers: true friction)'),
-        Line2D([], [], color=INK, marker='+', linestyle='none', markersize=11,
-               markeredgewidth=1.8, label='believed friction centre (dashed: believed friction)'),
-        Patch(facecolor=BAND, label='friction cone: inside it the contact sticks')]
-    axes.legend(handles=handles, loc='center left', bbox_to_anchor=(-0.02, 0.45), frameon=False,
-                fontsize=10, labelspacing=0.55, borderaxespad=0.0)
+def _heading_error(axes: Axes, result: RunResult) -> None:
+    error = np.abs(np.remainder(_pose_errors(result)[:, 2] + np.pi, 2.0 * np.pi) - np.pi)
+    _log_error(axes, result, np.maximum(np.degrees(error), MIN_HEADING_ERROR),
+               math.degrees(result.scenario.bounds.heading_error))
+    axes.set_ylabel('heading\nerror [°]')
 
 
-def _pushing_angle(axes, results):
-    plan = results[0].plan
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(plan.robot_poses[:, :2],
-                                                             axis=0).T))])
-    speed = plan.contact_twists
-    angle = np.arctan2(speed[:, 1], speed[:, 0]) - plan.contact_poses[:, 2]
-    axes.plot(way, np.degrees(np.arctan2(np.sin(angle), np.cos(angle))), **PLAN_STYLE, zorder=4)
-    for result in results:
-        axes.plot(distance_travelled(result.tape), np.degrees(result.tape['pushing_angle']),
-                  **_thin(result))
+def _log_error(axes: Axes, result: RunResult, error: FloatArray, bound: float) -> None:
+    axes.set_yscale('log')
+    axes.axhline(bound, color=GOAL, linewidth=1.2, linestyle=DASHED_GOAL)
+    axes.plot(tape_of(result)['time'], error, color=INK, linewidth=1.4)
+
+
+def _pushing_angle(axes: Axes, result: RunResult) -> None:
+    tape, plan = tape_of(result), result.plan
+    axes.plot(tape['time'], np.degrees(tape['pushing_angle']), color=INK, linewidth=1.0)
+    if plan is not None:
+        velocity = plan.contact_twists
+        angle = np.arctan2(velocity[:, 1], velocity[:, 0]) - plan.contact_poses[:, 2]
+        axes.plot(plan.times, np.degrees(np.arctan2(np.sin(angle), np.cos(angle))), **PLAN_STYLE)
     axes.set_ylabel('pushing\nangle [°]')
     axes.set_ylim(-60.0, 60.0)
 
 
-def _force_angle(axes, results):
-    limit = math.degrees(math.atan(results[0].scenario.truth.contact_friction_coefficient))
-    axes.axhspan(-limit, limit, color=BAND, linewidth=0.0)
-    for result in results:
-        axes.plot(distance_travelled(result.tape), np.degrees(force_angle(result.tape)), **_thin(result))
-    axes.set_ylabel('contact force\nfrom normal [°]')
+def _force_angle(axes: Axes, result: RunResult) -> None:
+    tape = tape_of(result)
+    coefficient = result.scenario.true_object.contact_friction_coefficient
+    limit = math.degrees(math.atan(coefficient))
+    axes.axhspan(-limit, limit, color=CONE_COLOR, linewidth=0.0, zorder=0.4)
+    axes.plot(tape['time'], np.degrees(force_angle(tape)), color=INK, linewidth=1.0)
+    axes.set_ylabel('contact\nforce [°]')
     axes.set_ylim(-1.6 * limit, 1.6 * limit)
 
 
-def _position(axes, results):
-    for result in results:
-        away = deviation(result.tape.poses('object'), result.plan)[0]
-        axes.plot(distance_travelled(result.tape), 1e3 * away, **_thin(result))
-    axes.set_ylabel('distance from\nthe plan [mm]')
-    axes.set_ylim(bottom=0.0)
+def _friction(axes: Axes, scenario: Scenario) -> None:
+    """Draw the friction coefficients and centres of friction of nominal and true object."""
+    nominal, true = scenario.object, scenario.true_object
+    edge = outline(nominal, (0.0, 0.0, 0.0))
+    axes.fill(edge[:, 0], edge[:, 1], facecolor='#F6F6F6', edgecolor=INK, linewidth=1.0)
+    # Points squared per friction coefficient: the largest disc is as wide as its number.
+    scale = 420.0 / max(support.friction_coefficient
+                        for support in true.supports + nominal.supports)
+    styles: list[dict[str, Any]] = [{'color': '#A6A6A6'}, {
+        'facecolor': 'none', 'edgecolor': INK, 'linestyle': '--'}]
+    for supports, style in zip((true.supports, nominal.supports), styles):
+        axes.scatter([support.x for support in supports], [support.y for support in supports],
+                     s=[scale * support.friction_coefficient for support in supports], **style)
+    for support in true.supports:
+        axes.annotate(f'{support.friction_coefficient:.2f}', (support.x, support.y), fontsize=9,
+                      xytext=(math.copysign(16.0, support.x), 0.0), textcoords='offset points',
+                      ha='left' if support.x > 0.0 else 'right', va='center', color=INK,
+                      bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 0.8})
+    axes.plot(*friction_center(nominal), '+', color=INK, markersize=12, markeredgewidth=1.8,
+              zorder=4)
+    axes.plot(*friction_center(true), 'X', color=WARNING, markersize=9)
+    axes.set_aspect('equal', adjustable='datalim')
+    axes.margins(0.05)
+    axes.set_axis_off()
+    changes = ', before it changes' if scenario.simulation.friction_changes else ''
+    axes.set_title(f'friction under the supports{changes}', fontsize=10, color=INK)
 
 
-def _heading(axes, results):
-    for result in results:
-        turn = deviation(result.tape.poses('object'), result.plan)[1]
-        axes.plot(distance_travelled(result.tape), np.degrees(turn), **_thin(result))
-    axes.set_ylabel('heading off\nthe plan [°]')
-
-
-def _thin(result):
-    return {**LAW_STYLES[result.control_law], 'linewidth': 1.4}
+def _legend(axes: Axes, results: Sequence[RunResult]) -> None:
+    axes.set_axis_off()
+    handles: list[Any] = [
+        Line2D([], [], color=GOAL, linestyle=DASHED_GOAL, linewidth=2.6, label='goal; bounds'),
+        Line2D([], [], color=PUSH_COLORS[0], linewidth=3.0,
+               label='path of the object, in the colour of the push'),
+        Line2D([], [], color=PUSH_COLORS[0], linewidth=1.0, label='path of the robot in a push')]
+    if any(result.plan is not None for result in results):
+        handles.append(Line2D([], [], **PLAN_STYLE, label='plan'))
+    if results[0].scenario.task is not None:
+        handles += [
+            Line2D([], [], **ROBOT_PATH_STYLE, label='path of the robot between pushes'),
+            Line2D([], [], color=WARNING, linewidth=1.4, label='failure, or a new goal')]
+    handles += [
+        Patch(facecolor=CONE_COLOR, label='friction cone: inside it the contact sticks'),
+        Line2D([], [], color=WARNING, marker='X', linestyle='none', markersize=9,
+               label='true centre of friction (grey, numbers: true friction)'),
+        Line2D([], [], color=INK, marker='+', linestyle='none', markersize=11,
+               markeredgewidth=1.8, label='nominal centre of friction (dashed: nominal friction)')]
+    axes.legend(handles=handles, loc='center left', frameon=False, fontsize=10, labelspacing=0.5,
+                borderaxespad=0.0)

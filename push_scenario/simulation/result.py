@@ -1,128 +1,114 @@
-"""What came of a task, in process or over DDS."""
+"""Result of a run, in one process or over DDS: how it ended, its tape, and what the robot did."""
 
 import dataclasses
+import enum
 import math
+from pathlib import Path
 
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
+from push_planner.sequence.planner import TaskPlan
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.tape import Tape
 
-OUTCOMES = ('done', 'failed', 'time_limit', 'refused')
+
+class Outcome(enum.Enum):
+    """How a run ended."""
+
+    DONE = 'done'  # the controller or the supervisor reports success
+    FAILED = 'failed'  # it gave up
+    TIME_LIMIT = 'time_limit'  # simulated time ran out before
+    REFUSED = 'refused'  # there was no plan to start with
+
+
+@dataclasses.dataclass(frozen=True)
+class WallClockTiming:
+    """
+    How fast a run over DDS went.
+
+    :param latency_median: time from publishing an object pose to receiving the command that
+        answers it, in the simulator's process [s]; nan without any.
+    :param latency_p99: 99th percentile of the same [s].
+    :param speed_up: simulated time over wall time.
+    """
+
+    latency_median: float
+    latency_p99: float
+    speed_up: float
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Result:
+class RunResult:
     """
-    One run of a scenario under one control law.
+    One run of a scenario under one control law: a single push, or a task of several.
 
     :param scenario: the ``Scenario``.
     :param control_law: ``feedback``, ``mpc`` or ``open_loop``.
-    :param outcome: ``done`` (the controller says so), ``failed`` (it gave up), ``time_limit``, or
-        ``refused`` (the planner found no push).
-    :param reason: one sentence on why it ended so.
-    :param plan: the ``PushTrajectory`` that was followed; None where the goal was refused.
-    :param tape: the ``Tape``; None where nothing moved.
-    :param end_time: when the controller ended the push, before everything came to rest [s].
-    :raises ValueError: where the outcome is none of these, or lacks its plan or tape.
+    :param outcome: the ``Outcome``.
+    :param reason: why it ended so, one sentence.
+    :param tape: the ``Tape``; None where the goal was refused and nothing moved.
+    :param duration: simulated time until the controller or supervisor ended the run, before
+        everything came to rest [s].
+    :param history: every ``StateChange``, over all goals; a single push is in the state ``PUSH``
+        from the start to the end.
+    :param recoveries: number of times that the supervisor had to recover.
+    :param status: last ``SupervisorStatus`` of a task; None for a single push.
+    :param plan: ``PushTrajectory`` that a single push followed; None for a task.
+    :param sequence_plans: ``TaskPlan`` of each push of a task, in order; empty over DDS.
+    :param single_push_time: time that the best single push to the goal would have taken from the
+        start of a task [s]; infinite where there is none, nan where it is not known.
+    :param timing: ``WallClockTiming`` of a run over DDS, else None.
+    :param bag: folder of the recording, or None.
+    :raises ValueError: where the outcome is no ``Outcome``, or a run that moved lacks its tape.
     """
 
     scenario: Scenario
     control_law: str
-    outcome: str
+    outcome: Outcome
     reason: str = ''
-    plan: PushTrajectory | None = None
     tape: Tape | None = None
-    end_time: float = 0.0
-
-    def __post_init__(self):
-        """Check that the parts fit the outcome."""
-        if self.outcome not in OUTCOMES:
-            raise ValueError(f'Result.outcome: got {self.outcome!r}, expected one of '
-                             + ', '.join(OUTCOMES))
-        if self.outcome != 'refused' and (self.plan is None or self.tape is None):
-            raise ValueError(f'Result.tape: got plan {self.plan} and tape {self.tape}, expected '
-                             f'both for the outcome {self.outcome!r}')
-
-
-class TaskHistory:
-    """Keeps every change of state, and counts recoveries, over all goals."""
-
-    def __init__(self):
-        """Begin with nothing seen."""
-        self._changes, self._before, self._recoveries = [], 0, 0
-
-    @property
-    def changes(self):
-        """Tuple of ``StateChange``."""
-        return tuple(self._changes)
-
-    @property
-    def recoveries(self):
-        """Number of times that something went wrong."""
-        return self._before + self._recoveries
-
-    def note(self, changes, recoveries):
-        """
-        Take in what the supervisor tells, again and again.
-
-        :param changes: ``StateChange`` sequence, oldest first; those that are known are passed over.
-        :param recoveries: number of recoveries since the present goal was set.
-        """
-        new = []
-        for change in reversed(changes):
-            if self._changes and StateChange(*change) == self._changes[-1]:
-                break
-            new.append(StateChange(*change))
-        self._changes += reversed(new)
-        if recoveries < self._recoveries:
-            self._before += self._recoveries
-        self._recoveries = recoveries
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class TaskResult:
-    """
-    One task.
-
-    :param scenario: the ``Scenario``.
-    :param control_law: ``feedback``, ``mpc`` or ``open_loop``.
-    :param outcome: ``done``, ``failed`` or ``time_limit``.
-    :param reason: one sentence on why it ended so.
-    :param status: the last ``SupervisorStatus``.
-    :param tape: the ``Tape``.
-    :param duration: simulated time that it took, before everything came to rest [s].
-    :param history: ``StateChange`` of every state, over all goals.
-    :param recoveries: number of times that something went wrong, likewise.
-    :param plans: ``TaskPlan`` that each push was the first of, in order; empty over DDS.
-    :param single: time of the best single push from the start [s], infinite where there is none;
-        nan where nobody has asked.
-    """
-
-    scenario: Scenario
-    control_law: str
-    outcome: str
-    reason: str
-    status: SupervisorStatus
-    tape: Tape
-    duration: float
-    history: tuple = ()
+    duration: float = 0.0
+    history: tuple[StateChange, ...] = ()
     recoveries: int = 0
-    plans: tuple = ()
-    single: float = math.nan
+    status: SupervisorStatus | None = None
+    plan: PushTrajectory | None = None
+    sequence_plans: tuple[TaskPlan, ...] = ()
+    single_push_time: float = math.nan
+    timing: WallClockTiming | None = None
+    bag: Path | None = None
+
+    def __post_init__(self) -> None:
+        """Check that the fields fit the outcome."""
+        if not isinstance(self.outcome, Outcome):
+            raise ValueError(f'RunResult.outcome: got {self.outcome!r}, expected an Outcome')
+        if self.outcome is Outcome.REFUSED:
+            return
+        if self.tape is None:
+            raise ValueError(f'RunResult.tape: got None, expected a tape for the outcome '
+                             f'{self.outcome.value!r}')
+        if self.plan is None and self.scenario.task is None:
+            raise ValueError(f'RunResult.plan: got None, expected the plan of a single push for '
+                             f'the outcome {self.outcome.value!r}')
 
     @property
-    def pushes(self):
-        """Number of pushes that were begun."""
+    def pushes(self) -> int:
+        """Number of pushes that were started."""
         return sum(change.state is TaskState.PUSH for change in self.history)
 
     @property
-    def position_error(self):
+    def position_error(self) -> float:
         """True distance of the object from its goal at the end [m]."""
-        return distance(self.tape.poses('object')[-1], self.scenario.final_goal)
+        return distance(self._final_object_pose, self.scenario.final_goal)
 
     @property
-    def heading_error(self):
-        """True heading of the object at the end less that of its goal [rad]."""
-        return wrap_angle(self.tape.poses('object')[-1][2] - self.scenario.final_goal.theta)
+    def heading_error(self) -> float:
+        """True heading of the object at the end minus that of its goal [rad]."""
+        return wrap_angle(self._final_object_pose[2] - self.scenario.final_goal.theta)
+
+    @property
+    def _final_object_pose(self):
+        if self.tape is None:
+            raise ValueError(f'RunResult.tape: got None for {self.scenario.name}, expected a run '
+                             'in which something moved')
+        return self.tape.poses('object')[-1]

@@ -10,7 +10,7 @@ from push_model.parameters import Contact, RoundRobot
 from push_planner.problem import PlannerSettings
 from push_scenario.definition.scenario import Placement, Scenario, Start
 from push_scenario.evaluation.metrics import measure
-from push_scenario.simulation.loop import run
+from push_scenario.simulation.loop import simulate
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 from push_study.chapter3.scene import FACE, PATH
@@ -64,8 +64,8 @@ def push(values, goal, law, changes=()):
     """
     obj, robot = box(values), RoundRobot(values.robot_radius, 'holonomic')
     return _push(Scenario(
-        name='push', description='push of a study', object=obj, truth=obj, robot=robot,
-        robot_truth=robot, start=Start(contact=Contact('face', FACE)), goal=Placement(*goal),
+        name='push', description='push of a study', object=obj, true_object=obj, robot=robot,
+        true_robot=robot, start=Start(contact=Contact('face', FACE)), goal=Placement(*goal),
         planner=PlannerSettings(pushing_speed=values.speed),
         control=ControlSettings(control_law=law, center_walk=values.center_walk,
                                 position_tolerance=NEVER_OFF, heading_tolerance=NEVER_OFF),
@@ -75,18 +75,18 @@ def push(values, goal, law, changes=()):
 
 @functools.lru_cache(maxsize=128)
 def _push(scenario):
-    result = run(scenario)
+    result = simulate(scenario)
     if result.tape is None:
         raise ValueError(f'goal: got {scenario.goal}, expected one that can be reached: '
                          f'{result.reason}')
     judged = measure(result)
     return Push(_path(result), result.plan, judged.position_error, judged.heading_error,
-                result.end_time)
+                result.duration)
 
 
 def _path(result):
     tape = result.tape
-    rows = tape['time'] <= result.end_time
+    rows = tape['time'] <= result.duration
     contact = np.column_stack([tape['contact_x'], tape['contact_y'], tape['normal']])
     path = dict(zip(PATH, (tape['time'], *tape.poses('object').T, *contact.T)))
     steps = np.hypot(*np.diff(contact[:, :2], axis=0).T)

@@ -124,8 +124,8 @@ def test_in_maps_there_is_room_at_start_and_goal(seed):
     case = draw(IN_MAPS, KINDS[IN_MAPS][0], seed)
     scenario, floor = case.scenario, case.floor
     ends = [scenario.start.object.pose, scenario.goal.pose]
-    assert object_clearance(scenario.truth, ends, floor.rectangles) > 0.4
-    assert robot_clearance(scenario.robot_truth, [scenario.robot_start], floor.rectangles) > 0.1
+    assert object_clearance(scenario.true_object, ends, floor.rectangles) > 0.4
+    assert robot_clearance(scenario.true_robot, [scenario.robot_start], floor.rectangles) > 0.1
     occupancy_map = scenario.task.occupancy_map
     assert occupancy_map.object_is_free(scenario.object, ends, 0.05)
 

@@ -16,7 +16,9 @@ from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
 from push_scenario.definition.scenario import Placement, Scenario, Start
-from push_scenario.simulation.loop import run_task
+from push_scenario.definition.task import Task
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 import pytest
@@ -40,15 +42,15 @@ def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False):
     believed = box(mass=3.0)
     true = box(mass=2.4, friction=(0.2, 0.35, 0.3, 0.25), contact_friction_coefficient=0.4)
     return Scenario(
-        name='task', description='a task', object=believed, truth=true if wrong else believed,
-        robot=robot, robot_truth=robot, start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
+        name='task', description='a task', object=believed, true_object=true if wrong else believed,
+        robot=robot, true_robot=robot, start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
         sensors=sensors or SensorSettings(), simulation=SimulationSettings(seed=seed),
-        time_limit=300.0)
+        task=Task(), time_limit=300.0)
 
 
 def check_reached(result):
     """Check that it says it is done, is done, and that the robot is clear of the object."""
-    assert result.outcome == 'done', result.reason
+    assert result.outcome is Outcome.DONE, result.reason
     assert result.position_error < SUPERVISION.position_tolerance
     assert abs(result.heading_error) < SUPERVISION.heading_tolerance
     assert result.tape['gap'][-1] > 0.05
@@ -59,7 +61,7 @@ def check_reached(result):
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])
 def test_a_task_is_done_from_the_wrong_side(drive):
     """The robot goes round the box, brings it to its goal and keeps its limits all the time."""
-    result = run_task(task(drive))
+    result = simulate(task(drive))
     check_reached(result)
     tape, robot = result.tape, result.scenario.robot
     assert np.hypot(tape['command_v_x'], tape['command_v_y']).max() <= robot.max_speed + 1e-9
@@ -76,7 +78,7 @@ def test_a_task_is_done_from_the_wrong_side(drive):
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])
 def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
     """Friction is uneven, poses are late and noisy, odometry drifts by centimetres."""
-    result = run_task(task(drive, sensors=SENSORS, seed=seed, wrong=True))
+    result = simulate(task(drive, sensors=SENSORS, seed=seed, wrong=True))
     check_reached(result)
     robot = result.status.robot_pose
     assert distance(robot, result.tape.poses('robot')[-1]) < 0.03
@@ -84,15 +86,15 @@ def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
 
 def test_the_same_task_again_goes_the_same_way():
     """Nothing in it reads a clock or draws unseeded numbers."""
-    tapes = [run_task(task('holonomic', sensors=SENSORS)).tape.rows for _ in range(2)]
+    tapes = [simulate(task('holonomic', sensors=SENSORS)).tape.rows for _ in range(2)]
     assert np.array_equal(*tapes, equal_nan=True)
 
 
 def test_an_object_at_its_goal_is_left_alone():
     """No plan is asked for and the robot does not move."""
-    result = run_task(task('differential', goal=Placement()))
+    result = simulate(task('differential', goal=Placement()))
     check_reached(result)
-    assert result.plans == () and result.status.pushes == 0
+    assert result.sequence_plans == () and result.status.pushes == 0
     assert not result.tape['robot_v_x'].any()
 
 
@@ -123,7 +125,7 @@ def shove(simulation, _):
 def test_a_shoved_object_is_planned_for_anew(state):
     """The robot notices, wherever it is, and reaches the goal from there."""
     once = Once(state, shove, delay=1.5)
-    result = run_task(task('holonomic', sensors=SENSORS), change=once)
+    result = simulate(task('holonomic', sensors=SENSORS), intervene=once)
     check_reached(result)
     assert result.status.recoveries >= 1
     assert any(once.time < change.time < once.time + 3.0 and change.reason
@@ -136,8 +138,8 @@ def test_a_new_goal_is_taken_up_in_any_state(state):
     """The robot leaves what it does; the object arrives at the new goal."""
     other = Placement(-0.3, 0.7, -0.2)
     once = Once(state, lambda _, supervisor: supervisor.set_goal(other.pose))
-    result = run_task(task('holonomic'), change=once)
-    assert once.time is not None and result.outcome == 'done'
+    result = simulate(task('holonomic'), intervene=once)
+    assert once.time is not None and result.outcome is Outcome.DONE
     there = result.tape.poses('object')[-1]
     assert distance(there, other.pose) < SUPERVISION.position_tolerance
     assert abs(wrap_angle(there[2] - other.theta)) < SUPERVISION.heading_tolerance
@@ -155,8 +157,8 @@ def test_a_pause_holds_the_robot_in_any_state(state):
         if once.time is not None and simulation.time > once.time + 2.0:
             supervisor.resume()
 
-    result = run_task(task('holonomic'), change=change)
-    assert result.outcome == 'done'
+    result = simulate(task('holonomic'), intervene=change)
+    assert result.outcome is Outcome.DONE
     time = result.tape['time']
     paused = (time > once.time + 0.05) & (time < once.time + 1.95)
     commands = np.stack([result.tape[f'command_{name}'] for name in ('v_x', 'v_y', 'omega')])
@@ -173,7 +175,7 @@ def test_lost_poses_are_waited_for():
         if 'stale' in supervisor.status.reason:
             waited.append(simulation.time)
 
-    result = run_task(task('holonomic', sensors=sensors), change=change)
+    result = simulate(task('holonomic', sensors=sensors), intervene=change)
     check_reached(result)
     time = result.tape['time']
     assert any(4.0 < at < 6.2 for at in waited)
@@ -278,7 +280,7 @@ def test_a_robot_that_does_not_move_is_noticed():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    trajectory = run_task(task('differential')).plans[0].plan.trajectory
+    trajectory = simulate(task('differential')).plans[0].plan.trajectory
     bench.supervisor.take(trajectory)
     assert bench.supervisor.status.state == TaskState.APPROACH
     commands = bench.run(SUPERVISION.stall_timeout + 0.2)
@@ -293,7 +295,7 @@ def test_an_overlap_is_an_error_of_odometry():
     bench = Bench(robot=Pose(0.3, 0.0, 0.0))
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    bench.supervisor.take(run_task(task('differential')).plans[0].plan.trajectory)
+    bench.supervisor.take(simulate(task('differential')).plans[0].plan.trajectory)
     bench.run(1.0)
     gap = find_contact(box(), Pose(0.0, 0.0, 0.0), bench.supervisor.status.robot_pose[:2], 0.17)[2]
     assert gap > -0.02

@@ -7,7 +7,7 @@ import numpy as np
 from push_model.trajectory import PushTrajectory
 from push_scenario.definition.loader import find_scenario, read_scenario
 from push_scenario.definition.scenario import Placement
-from push_scenario.simulation.result import Result
+from push_scenario.simulation.result import Outcome, RunResult
 from push_sim_node.simulation import COLUMNS
 from push_sim_node.tape import Tape
 
@@ -30,8 +30,8 @@ def straight_plan(length=2.0, heading=0.0, origin=(0.0, 0.0)):
     return PushTrajectory(np.linspace(0.0, 10.0, 21), *([poses, np.zeros((21, 3))] * 3))
 
 
-def make_result(tape, plan, goal, outcome='done'):
+def make_result(tape, plan, goal, outcome=Outcome.DONE):
     """Run of the straight scenario with another goal."""
     scenario = dataclasses.replace(read_scenario(find_scenario('straight_push')),
                                    goal=Placement(*goal))
-    return Result(scenario, 'feedback', outcome, '', plan, tape, 9.0)
+    return RunResult(scenario, 'feedback', outcome, '', tape, 9.0, plan=plan)

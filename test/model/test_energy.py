@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 from push_scenario.definition.loader import find_scenario, read_scenario
-from push_scenario.simulation.loop import run
+from push_scenario.simulation.loop import simulate
 from push_sim_node.disturbance import FrictionChange
 from push_sim_node.kernel.floor import FloorPatch
 import pytest
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.physics
                               'floor_patches': (FloorPatch(1.0, 0.2, 0.5, 0.5, 0.7),)})])
 def test_work_is_kinetic_energy_and_losses_over_a_whole_scenario(name, disturbances):
     scenario = read_scenario(find_scenario(name))
-    tape = run(dataclasses.replace(scenario, simulation=dataclasses.replace(
+    tape = simulate(dataclasses.replace(scenario, simulation=dataclasses.replace(
         scenario.simulation, **disturbances))).tape
     work, kinetic, *losses = (tape[f'energy_{part}'] for part in (
         'work', 'kinetic', 'support_loss', 'contact_loss', 'impact_loss'))
@@ -28,7 +28,7 @@ def test_work_is_kinetic_energy_and_losses_over_a_whole_scenario(name, disturban
     for loss in losses:
         assert np.diff(loss).min() >= -1e-5 * work[-1]
     # Once more from the forces and velocities of the tape.
-    supports, taken = scenario.truth.supports, np.zeros(len(tape))
+    supports, taken = scenario.true_object.supports, np.zeros(len(tape))
     turned = np.exp(1j * tape['object_theta'])
     for i, foot in enumerate(supports):
         velocity = (tape['object_v_x'] + 1j * tape['object_v_y']

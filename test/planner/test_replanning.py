@@ -4,7 +4,8 @@ import dataclasses
 import math
 
 from push_scenario.definition.loader import find_scenario, read_scenario
-from push_scenario.simulation.loop import run
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome
 from push_sim_node.disturbance import FrictionChange
 import pytest
 
@@ -17,7 +18,7 @@ def astray(law, limit):
     demo = read_scenario(find_scenario('corner_push_mismatch'))
     caught = (FrictionChange(13.0, 20.0, 3.0, 1),)
     control = dataclasses.replace(demo.control, max_reapproaches=0, max_replan_requests=limit)
-    return run(dataclasses.replace(
+    return simulate(dataclasses.replace(
         demo, time_limit=200.0, control=control,
         simulation=dataclasses.replace(demo.simulation, friction_changes=caught)), law)
 
@@ -26,8 +27,8 @@ def astray(law, limit):
 def test_a_new_plan_brings_a_push_that_went_astray_to_its_goal(law):
     """Without one it ends beside the goal; with one at the goal, on the tape of one run."""
     alone, helped = astray(law, 0), astray(law, 1)
-    assert alone.outcome == 'failed' and 'beside the goal' in alone.reason
-    assert helped.outcome == 'done'
+    assert alone.outcome is Outcome.FAILED and 'beside the goal' in alone.reason
+    assert helped.outcome is Outcome.DONE
     assert helped.tape['time'][-1] > alone.tape['time'][-1] + 10.0
     goal = helped.scenario.goal
     last = {name: helped.tape[f'object_{name}'][-1] for name in ('x', 'y', 'theta')}

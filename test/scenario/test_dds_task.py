@@ -9,8 +9,9 @@ from push_scenario.dds.replay import run_over_dds
 from push_scenario.definition.loader import find_scenario, read_scenario
 from push_scenario.definition.scenario import Placement
 from push_scenario.definition.task import LaterGoal
-from push_scenario.evaluation.metrics import is_task_as_expected, measure_task
-from push_scenario.simulation.loop import run_task
+from push_scenario.evaluation.metrics import is_as_expected, measure
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome
 import pytest
 from rosbags.highlevel import AnyReader
 
@@ -34,9 +35,9 @@ def twice(tmp_path_factory):
 def test_the_object_arrives_although_the_robot_stands_on_the_wrong_side(twice):
     """Within 10 mm and 1 degree, with poor sensors and odometry; the robot is clear of it."""
     for result in twice:
-        assert result.outcome == 'done' and is_task_as_expected(result)
+        assert result.outcome is Outcome.DONE and is_as_expected(result)
         assert result.position_error < NEAR and abs(result.heading_error) < TURNED
-        assert measure_task(result).gap > result.scenario.task.drive.clearance
+        assert measure(result).gap > result.scenario.task.drive.clearance
 
 
 def test_lockstep_twice_gives_the_same_tape(twice):
@@ -47,11 +48,11 @@ def test_lockstep_twice_gives_the_same_tape(twice):
 
 def test_over_dds_comes_what_comes_in_process(twice):
     """The same states, but for when late poses count as new."""
-    expected = run_task(scenario('task_approach'), planning_time=0.0)
+    expected = simulate(scenario('task_approach'), planning_time=0.0)
     assert [change.state for change in twice[0].history] == [
         change.state for change in expected.history]
     assert twice[0].duration == pytest.approx(expected.duration, abs=0.5)
-    assert twice[0].single == pytest.approx(expected.single, rel=1e-3)
+    assert twice[0].single_push_time == pytest.approx(expected.single_push_time, rel=1e-3)
 
 
 def test_the_recording_has_request_and_answer(twice):
@@ -83,7 +84,7 @@ def redirected(tmp_path_factory):
 def test_a_goal_that_changes_on_the_way_is_gone_to(redirected):
     """From the time on that the scenario says; the same tape twice all the same."""
     for result in redirected:
-        assert result.outcome == 'done' and is_task_as_expected(result)
+        assert result.outcome is Outcome.DONE and is_as_expected(result)
         assert distance(result.tape.poses('object')[-1], LATER.pose) < NEAR
         changed, = [change for change in result.history[1:] if change.reason == 'has a new goal']
         assert changed.time == pytest.approx(12.0, abs=0.1)
@@ -93,7 +94,7 @@ def test_a_goal_that_changes_on_the_way_is_gone_to(redirected):
 def test_in_a_map_nothing_is_touched(tmp_path):
     """The map reaches both nodes before the task begins."""
     result = run_over_dds(scenario('task_map'), None, tmp_path, record=False)
-    assert is_task_as_expected(result) and measure_task(result).within_map
+    assert is_as_expected(result) and measure(result).within_map
 
 
 def test_a_task_without_a_way_fails_and_says_so(tmp_path):
@@ -104,5 +105,5 @@ def test_a_task_without_a_way_fails_and_says_so(tmp_path):
     goal = Placement(5.0, 0.0, 0.0)
     result = run_over_dds(dataclasses.replace(walled, goal=goal, task=task), None, tmp_path,
                           record=False)
-    assert result.outcome == 'failed' and 'the planner has found none' in result.reason
+    assert result.outcome is Outcome.FAILED and 'the planner has found none' in result.reason
     assert not result.tape['robot_v_x'].any() and result.recoveries == 2

@@ -8,6 +8,7 @@ from push_model.geometry import Pose
 from push_scenario.evaluation.metrics import (
     deviation, distance_travelled, force_angle, is_as_expected, measure, slip_speed,
 )
+from push_scenario.simulation.result import Outcome
 from push_sim_node.kernel.layout import SEPARATE, STICK
 import pytest
 
@@ -20,8 +21,8 @@ def test_a_run_along_its_plan_has_no_error():
     metrics = measure(result)
     assert metrics.position_error == pytest.approx(0.0, abs=1e-12)
     assert metrics.heading_error == 0.0
-    assert metrics.path_length == pytest.approx(2.0)
-    assert metrics.path_ratio == pytest.approx(1.0)
+    assert metrics.robot_path_length == pytest.approx(2.0)
+    assert metrics.path_length_ratio == pytest.approx(1.0)
     assert metrics.max_deviation == pytest.approx(0.0, abs=1e-12)
     assert metrics.contact_time == pytest.approx(10.0)
     assert metrics.time == 9.0
@@ -40,7 +41,7 @@ def test_errors_do_not_depend_on_the_world_frame():
         goal = frame @ Pose(2.0, 0.0, 0.3)
         plan = straight_plan(heading=frame.theta, origin=frame[:2])
         results.append(measure(make_result(tape, plan, goal)))
-    for name in ('position_error', 'heading_error', 'path_length', 'max_deviation'):
+    for name in ('position_error', 'heading_error', 'robot_path_length', 'max_deviation'):
         assert getattr(results[0], name) == pytest.approx(getattr(results[1], name), abs=1e-9)
     assert results[0].position_error == pytest.approx(0.1)
     assert results[0].heading_error == pytest.approx(0.2)
@@ -56,7 +57,7 @@ def test_heading_error_takes_the_short_way_round():
 
 def test_a_run_that_arrives_but_is_not_done_is_not_as_expected():
     tape = make_tape(object_x=0.2 * TIMES, robot_x=0.2 * TIMES, mode=STICK)
-    result = make_result(tape, straight_plan(), (2.0, 0.0, 0.0), 'time_limit')
+    result = make_result(tape, straight_plan(), (2.0, 0.0, 0.0), Outcome.TIME_LIMIT)
     assert measure(result).within_bounds
     assert not is_as_expected(result)
 

@@ -19,7 +19,7 @@ ORIGIN = Pose(0.0, 0.0, 0.0)
 SCENARIO = """
 description: Push it.
 object: {{file: {name}}}
-truth: {{mass: 2.5}}
+true_object: {{mass: 2.5}}
 robot: {{file: holonomic_017.yaml}}
 start: {{robot: {{x: -2}}}}
 goal: {{x: 1}}
@@ -44,9 +44,9 @@ def test_object_file_makes_an_object_that_stands(path):
 def test_scenario_names_an_object_file(path):
     scenario = scenario_from_text(SCENARIO.format(name=path.name), 'case')
     assert scenario.object == read_object(path)
-    assert scenario.truth.mass == 2.5 and scenario.truth.outline == scenario.object.outline
+    assert scenario.true_object.mass == 2.5 and scenario.true_object.outline == scenario.object.outline
     given = '\ninertia:' in path.read_text()
-    ratio = scenario.truth.inertia / scenario.object.inertia
+    ratio = scenario.true_object.inertia / scenario.object.inertia
     assert ratio == pytest.approx(1.0 if given else 2.5 / scenario.object.mass)
 
 

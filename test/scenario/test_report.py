@@ -1,11 +1,12 @@
 """The table that a replay prints."""
 
+import dataclasses
 import re
 
 from helpers.tapes import make_result, make_tape, straight_plan, TIMES
 from push_scenario.definition.loader import find_scenario, read_scenario
-from push_scenario.evaluation.report import table
-from push_scenario.simulation.result import Result
+from push_scenario.evaluation.report import format_report
+from push_scenario.simulation.result import Outcome, RunResult
 import pytest
 
 
@@ -15,7 +16,7 @@ def runs():
     far = make_tape(object_x=0.203 * TIMES, robot_x=0.2 * TIMES, object_theta=0.1, mode=1)
     for law, tape in (('open_loop', far), ('feedback', near)):
         result = make_result(tape, straight_plan(), (2.0, 0.0, 0.0))
-        yield Result(result.scenario, law, 'done', '', result.plan, tape, 9.0)
+        yield dataclasses.replace(result, control_law=law)
 
 
 def cells(text, title):
@@ -25,7 +26,7 @@ def cells(text, title):
 
 
 def test_rows_tell_both_runs_and_the_bound():
-    text = table(list(runs()))
+    text = format_report(list(runs()))
     assert cells(text, 'final position error') == ['[mm]', '30.0', '0.0', '10.0']
     assert cells(text, 'final heading error') == ['[deg]', '+5.73', '+0.00', '1.50']
     assert cells(text, 'path length against the plan') == ['[%]', '100.0', '100.0']
@@ -34,7 +35,7 @@ def test_rows_tell_both_runs_and_the_bound():
 
 
 def test_columns_are_aligned():
-    lines = table(list(runs())).splitlines()[1:]
+    lines = format_report(list(runs())).splitlines()[1:]
     header = lines[0]
     ends = [header.index('open loop') + len('open loop'),
             header.index('feedback') + len('feedback')]
@@ -45,14 +46,14 @@ def test_columns_are_aligned():
 
 def test_refusal_is_told_with_its_reason():
     scenario = read_scenario(find_scenario('unreachable_goal'))
-    text = table([Result(scenario, 'feedback', 'refused', 'it is too far')])
+    text = format_report([RunResult(scenario, 'feedback', Outcome.REFUSED, 'it is too far')])
     assert cells(text, 'final position error') == ['[mm]', '-', '20.0']
     assert text.endswith('feedback: it is too far')
 
 
 def test_a_result_without_its_parts_is_refused():
     scenario = read_scenario(find_scenario('unreachable_goal'))
-    with pytest.raises(ValueError, match='Result.tape: got plan None'):
-        Result(scenario, 'feedback', 'done')
-    with pytest.raises(ValueError, match='Result.outcome: got .great.'):
-        Result(scenario, 'feedback', 'great')
+    with pytest.raises(ValueError, match='RunResult.tape: got None'):
+        RunResult(scenario, 'feedback', Outcome.DONE)
+    with pytest.raises(ValueError, match='RunResult.outcome: got .great.'):
+        RunResult(scenario, 'feedback', 'great')

@@ -48,7 +48,7 @@ def test_every_scenario_survives_being_written_and_read(name):
 @pytest.mark.parametrize('name', scenario_names())
 def test_every_push_starts_with_the_robot_at_the_object_and_every_task_away(name):
     scenario = read_scenario(find_scenario(name))
-    _, _, gap = find_contact(scenario.truth, scenario.start.object.pose, scenario.robot_start,
+    _, _, gap = find_contact(scenario.true_object, scenario.start.object.pose, scenario.robot_start,
                              scenario.robot.radius)
     if scenario.task is None:
         assert 0.0 - 1e-9 <= gap <= scenario.planner.contact_tolerance
@@ -63,23 +63,23 @@ def test_the_named_scenarios_are_there():
 
 def test_truth_changes_only_what_it_names(tmp_path):
     text = MINIMAL + """
-truth:
+true_object:
   supports: [{friction_coefficient: 0.6}, {}]
-robot_truth: {time_constant: 0.3}
+true_robot: {time_constant: 0.3}
 """
     scenario = read_scenario(write(tmp_path, text))
-    believed, true = scenario.object, scenario.truth
+    believed, true = scenario.object, scenario.true_object
     assert [s.friction_coefficient for s in believed.supports] == [0.3, 0.3]
     assert [s.friction_coefficient for s in true.supports] == [0.6, 0.3]
     assert dataclasses.replace(true, supports=believed.supports) == believed
     assert friction_center(true)[0] > friction_center(believed)[0] + 0.01
-    assert scenario.robot_truth == dataclasses.replace(scenario.robot, time_constant=0.3)
+    assert scenario.true_robot == dataclasses.replace(scenario.robot, time_constant=0.3)
 
 
 def test_without_truth_the_belief_is_true(tmp_path):
     scenario = read_scenario(write(tmp_path, MINIMAL))
-    assert scenario.truth == scenario.object
-    assert scenario.robot_truth == scenario.robot
+    assert scenario.true_object == scenario.object
+    assert scenario.true_robot == scenario.robot
 
 
 def test_object_file_is_read_and_changed(tmp_path):
@@ -144,9 +144,9 @@ def test_the_robot_is_placed_at_the_contact(tmp_path, contact, normal, gap):
      ("planner.cone_magrin: got an unknown key, expected 'cone_margin'",)),
     (('goal:', 'control: {control_law: hope}\ngoal:'),
      ("control.control_law: got 'hope', expected one of feedback, mpc, open_loop",)),
-    (('goal:', 'truth: {supports: [{}]}\ngoal:'),
-     ('truth.supports: got 1 items, expected 2',)),
-    (('goal:', 'truth: {colour: red}\ngoal:'), ('truth.colour: got an unknown key',)),
+    (('goal:', 'true_object: {supports: [{}]}\ngoal:'),
+     ('true_object.supports: got 1 items, expected 2',)),
+    (('goal:', 'true_object: {colour: red}\ngoal:'), ('true_object.colour: got an unknown key',)),
     (('goal:', 'expected: fun\ngoal:'), ("got 'fun', expected one of reached, refused",)),
     (('goal:', 'name: me\ngoal:'), ("name: got 'me', expected no such key",)),
     (('goal:', ': : goal'), (':13: ',)),

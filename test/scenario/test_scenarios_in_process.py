@@ -7,7 +7,8 @@ import numpy as np
 from push_scenario.definition.loader import find_scenario, read_scenario, scenario_names
 from push_scenario.definition.scenario import Placement, Start
 from push_scenario.evaluation.metrics import is_as_expected, measure
-from push_scenario.simulation.loop import run
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome
 from push_study.chapter4.floor import gaussian
 import pytest
 
@@ -26,21 +27,21 @@ SINGLE_PUSHES = [name for name in scenario_names() if scenario(name).task is Non
 @pytest.mark.parametrize('law', CLOSED_LOOPS)
 @pytest.mark.parametrize('name', SINGLE_PUSHES)
 def test_every_scenario_ends_as_expected(name, law):
-    result = run(scenario(name), law)
+    result = simulate(scenario(name), law)
     assert is_as_expected(result), result.reason or measure(result)
-    if result.outcome == 'refused':
+    if result.outcome is Outcome.REFUSED:
         assert result.tape is None and result.reason
         return
     final = result.tape.rows[-1]
     rest = [final[result.tape.columns.index(f'{body}_{part}')]
             for body in ('object', 'robot') for part in ('v_x', 'v_y', 'omega')]
     assert np.abs(rest).max() < 2e-3
-    assert result.end_time <= result.tape['time'][-1] <= result.end_time + 2.1
+    assert result.duration <= result.tape['time'][-1] <= result.duration + 2.1
 
 
 def test_open_loop_misses_the_demo_by_ten_times_the_bounds():
     demo = scenario('corner_push_mismatch')
-    metrics = measure(run(demo, 'open_loop'))
+    metrics = measure(simulate(demo, 'open_loop'))
     assert metrics.position_error > 10.0 * demo.bounds.position_error
     assert abs(metrics.heading_error) > 10.0 * demo.bounds.heading_error
 
@@ -51,7 +52,7 @@ def test_open_loop_misses_where_friction_changes_during_the_push(name):
     changing = scenario(name)
     still = dataclasses.replace(changing, simulation=dataclasses.replace(
         changing.simulation, friction_changes=()))
-    missed, arrived = (measure(run(case, 'open_loop')) for case in (changing, still))
+    missed, arrived = (measure(simulate(case, 'open_loop')) for case in (changing, still))
     assert not missed.within_bounds and missed.position_error > 3.0 * arrived.position_error
     begins = [change.start for change in changing.simulation.friction_changes]
     assert max(begins) < missed.time
@@ -65,7 +66,7 @@ def test_random_friction_is_that_of_the_study():
 
 
 def test_open_loop_arrives_where_belief_is_true():
-    result = run(scenario('straight_push'), 'open_loop')
+    result = simulate(scenario('straight_push'), 'open_loop')
     assert result.control_law == 'open_loop'
     assert is_as_expected(result)
 
@@ -74,22 +75,22 @@ def test_equal_runs_give_equal_tapes_and_another_seed_another():
     one = scenario('curved_push')
     short = dataclasses.replace(one, time_limit=3.0)
     other = dataclasses.replace(short, simulation=dataclasses.replace(one.simulation, seed=99))
-    tapes = [run(case).tape.to_bytes() for case in (short, short, other)]
+    tapes = [simulate(case).tape.to_bytes() for case in (short, short, other)]
     assert tapes[0] == tapes[1]
     assert tapes[0] != tapes[2]
 
 
 def test_time_limit_ends_a_run_and_says_so():
-    result = run(dataclasses.replace(scenario('straight_push'), time_limit=1.0))
-    assert result.outcome == 'time_limit'
+    result = simulate(dataclasses.replace(scenario('straight_push'), time_limit=1.0))
+    assert result.outcome is Outcome.TIME_LIMIT
     assert '1 s' in result.reason
-    assert result.end_time == pytest.approx(1.0, abs=0.05)
+    assert result.duration == pytest.approx(1.0, abs=0.05)
     assert not is_as_expected(result)
 
 
 def test_robot_stands_while_poses_are_missing_and_goes_on_afterwards():
     case = scenario('sensor_dropout')
-    tape = run(case).tape
+    tape = simulate(case).tape
     stale = case.sensors.pose_latency + case.control.pose_timeout + 0.3
     for start, end in case.sensors.pose_dropouts:
         before = (tape['time'] > start - 0.5) & (tape['time'] < start)
@@ -105,8 +106,8 @@ def test_robot_stands_while_poses_are_missing_and_goes_on_afterwards():
 def test_a_robot_away_from_the_object_is_refused():
     case = scenario('straight_push')
     far = dataclasses.replace(case, start=dataclasses.replace(case.start, gap=0.2))
-    result = run(far)
-    assert result.outcome == 'refused'
+    result = simulate(far)
+    assert result.outcome is Outcome.REFUSED
     assert '0.200 m' in result.reason
 
 
@@ -118,7 +119,7 @@ def test_progress_is_told_in_order():
         times.append(progress.time)
         distances.append(progress.distance)
 
-    result = run(scenario('straight_push'), progress=note)
+    result = simulate(scenario('straight_push'), progress=note)
     assert list(dict.fromkeys(stages)) == ['planning', 'pushing', 'settling']
     assert times == sorted(times)
     assert distances[0] == pytest.approx(1.0)
@@ -133,7 +134,7 @@ def test_result_does_not_depend_on_the_world_frame(angle):
                                theta=case.goal.theta + angle)
     turned = dataclasses.replace(case, start=dataclasses.replace(case.start, object=start),
                                  goal=goal)
-    assert is_as_expected(run(turned))
+    assert is_as_expected(simulate(turned))
 
 
 def test_a_robot_without_a_place_is_put_at_the_quickest_site():
@@ -143,9 +144,9 @@ def test_a_robot_without_a_place_is_put_at_the_quickest_site():
     auto = dataclasses.replace(placed, goal=goal, start=Start(),
                                planner=dataclasses.replace(placed.planner, site='best'))
     assert auto.robot_start == pytest.approx((0.0, 0.37, -math.pi / 2), abs=1e-9)
-    result = run(auto)
+    result = simulate(auto)
     assert is_as_expected(result), result.reason
-    other = run(dataclasses.replace(placed, goal=goal))
+    other = simulate(dataclasses.replace(placed, goal=goal))
     assert other.plan is None or other.plan.duration > result.plan.duration
     with pytest.raises(ValueError, match='neither robot nor contact'):
         dataclasses.replace(placed, start=Start())

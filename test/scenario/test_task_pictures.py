@@ -9,8 +9,8 @@ from PIL import Image
 from push_control.task.status import TaskState
 from push_scenario.cli import main
 from push_scenario.definition.loader import find_scenario, read_scenario, scenario_text
-from push_scenario.plots.drawing import draw_map, phases_of, PUSH_COLORS
-from push_scenario.simulation.loop import run_task
+from push_scenario.plots.drawing import draw_map, PUSH_COLORS, segments_of
+from push_scenario.simulation.loop import simulate
 import pytest
 
 # What it may be moved by before it is noticed [m].
@@ -20,7 +20,7 @@ OVERLAP, RUN_INTO = 0.01, 'the robot has run into the object'
 @functools.lru_cache(maxsize=None)
 def result_of(name):
     """Carry a task out, once."""
-    return run_task(read_scenario(find_scenario(name)), planning_time=0.0)
+    return simulate(read_scenario(find_scenario(name)), planning_time=0.0)
 
 
 def near(picture, color, tolerance=12):
@@ -34,11 +34,11 @@ def near(picture, color, tolerance=12):
 def test_phases_cover_the_tape(name):
     """One after the other; the object moves in pushes, not while the robot drives."""
     result = result_of(name)
-    phases, objects = phases_of(result), result.tape.poses('object')
+    phases, objects = segments_of(result), result.tape.poses('object')
     assert phases[0].rows.start == 0 and phases[-1].rows.stop >= len(result.tape)
     for phase, after in zip(phases, phases[1:]):
         assert phase.rows.stop == after.rows.start + 1
-    numbers = [phase.number for phase in phases if phase.number is not None]
+    numbers = [phase.push for phase in phases if phase.push is not None]
     assert numbers == list(range(result.pushes))
     object_displacements = [shove.time for shove in result.scenario.simulation.object_displacements]
     # A robot that has lost its place runs into the object, and says so where it has seen it.
@@ -46,10 +46,10 @@ def test_phases_cover_the_tape(name):
     for phase, after in zip(phases, [*phases[1:], None]):
         way = np.ptp(objects[phase.rows, :2], axis=0).max()
         begin, end = result.tape['time'][phase.rows][[0, -1]]
-        if phase.number is not None:
+        if phase.push is not None:
             assert way > 0.05
         elif phase.state in (TaskState.PLAN, TaskState.APPROACH) and not any(begin < t <= end for t in object_displacements):
-            assert way < still or RUN_INTO in (phase.trouble, after.trouble)
+            assert way < still or RUN_INTO in (phase.reason, after.reason)
 
 
 def test_walls_are_drawn_where_they_are():

@@ -13,10 +13,11 @@ from push_scenario.definition.loader import (
     build, find_scenario, plain, read_scenario, scenario_names, ScenarioError,
 )
 from push_scenario.definition.task import Task
-from push_scenario.evaluation.metrics import is_task_as_expected, measure_task
-from push_scenario.evaluation.task_report import task_table
-from push_scenario.simulation.loop import run_task
-from push_scenario.simulation.result import TaskHistory
+from push_scenario.evaluation.metrics import is_as_expected, measure
+from push_scenario.evaluation.report import format_report
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.history import StateHistory
+from push_scenario.simulation.result import Outcome
 from push_sim_node.tape import Tape
 import pytest
 
@@ -31,7 +32,7 @@ def scenario(name):
 @functools.lru_cache(maxsize=None)
 def result_of(name, law='feedback'):
     """Carry a task out as ``replay`` does, once."""
-    return run_task(scenario(name), law, planning_time=0.0)
+    return simulate(scenario(name), law, planning_time=0.0)
 
 
 TASKS = [name for name in scenario_names() if scenario(name).task is not None]
@@ -41,7 +42,7 @@ TASKS = [name for name in scenario_names() if scenario(name).task is not None]
 def test_every_task_ends_as_expected(name):
     """The object rests on its mark, the robot is clear of it, both stand."""
     result = result_of(name)
-    assert is_task_as_expected(result), task_table([result])
+    assert is_as_expected(result), format_report([result])
     final = dict(zip(result.tape.columns, result.tape.rows[-1]))
     rest = [final[f'{body}_v_{axis}'] for body in ('object', 'robot') for axis in 'xy']
     assert np.abs(rest).max() < 2e-3
@@ -63,9 +64,9 @@ def test_the_robot_goes_round_the_object_before_it_pushes():
 
 def test_two_pushes_are_much_quicker_than_one():
     """One alone would lead the object in a loop."""
-    metrics = measure_task(result_of('task_two_pushes'))
+    metrics = measure(result_of('task_two_pushes'))
     assert metrics.pushes == 2
-    assert metrics.time < 0.75 * metrics.single_time
+    assert metrics.time < 0.75 * metrics.single_push_time
 
 
 def test_a_robot_that_slips_off_goes_on():
@@ -87,12 +88,12 @@ def test_through_the_door_no_wall_is_touched():
     line = np.linspace((start.x, -1.0, 0.0), (goal.x, -1.0, 0.0), 200)
     assert not occupancy_map.object_is_free(case.object, line, 0.0)
     assert start.x < 0.0 < case.robot_start.x and goal.x > 0.0
-    assert measure_task(result).within_map and math.isinf(result.single)
+    assert measure(result).within_map and math.isinf(result.single_push_time)
     beside = dataclasses.replace(case.task.map, origin=dataclasses.replace(
         case.task.map.origin, y=case.task.map.origin.y + 1.0))
     moved = dataclasses.replace(result, scenario=dataclasses.replace(
         case, task=dataclasses.replace(case.task, map=beside)))
-    assert not measure_task(moved).within_map and not is_task_as_expected(moved)
+    assert not measure(moved).within_map and not is_as_expected(moved)
 
 
 def test_every_shove_is_noticed():
@@ -121,7 +122,7 @@ def test_the_later_goal_counts():
 
 def test_a_task_is_the_same_every_time():
     """Also where poses are noisy and lost."""
-    again = run_task(scenario('task_two_pushes'), planning_time=0.0)
+    again = simulate(scenario('task_two_pushes'), planning_time=0.0)
     assert again.tape.to_bytes() == result_of('task_two_pushes').tape.to_bytes()
 
 
@@ -132,7 +133,7 @@ def test_a_robot_that_still_stands_at_the_object_is_not_done():
     rows = result.tape.rows[result.tape['time'] <= retreat]
     early = dataclasses.replace(result, tape=Tape(result.tape.columns, rows))
     assert early.position_error < 0.01
-    assert not measure_task(early).within_bounds and not is_task_as_expected(early)
+    assert not measure(early).within_bounds and not is_as_expected(early)
 
 
 def test_what_cannot_be_reached_is_not_done():
@@ -140,25 +141,25 @@ def test_what_cannot_be_reached_is_not_done():
     case = scenario('task_map')
     shut = dataclasses.replace(case.task.map, rows=case.task.map.rows.replace(
         '.' * 96, 46 * '.' + 4 * '#' + 46 * '.').replace('.' * 98, 47 * '.' + '####' + 47 * '.'))
-    result = run_task(dataclasses.replace(case, task=dataclasses.replace(
+    result = simulate(dataclasses.replace(case, task=dataclasses.replace(
         case.task, map=shut, supervision=dataclasses.replace(case.task.supervision, max_attempts=1))))
-    assert result.outcome == 'failed' and 'map' in result.reason
-    assert result.pushes == 0 and math.isnan(result.single)
-    assert not is_task_as_expected(result)
-    assert is_task_as_expected(dataclasses.replace(result, scenario=dataclasses.replace(
+    assert result.outcome is Outcome.FAILED and 'map' in result.reason
+    assert result.pushes == 0 and math.isnan(result.single_push_time)
+    assert not is_as_expected(result)
+    assert is_as_expected(dataclasses.replace(result, scenario=dataclasses.replace(
         result.scenario, expected='refused')))
-    assert 'time of the best single push' in task_table([result])
+    assert 'time of the best single push' in format_report([result])
 
 
 def test_the_table_tells_pushes_times_and_what_went_wrong():
     """And the law, the bounds, and the outcome."""
-    text = task_table([result_of('task_lost_contact')])
+    text = format_report([result_of('task_lost_contact')])
     rows = {line.split('  ')[0]: line.split() for line in text.splitlines()}
     result = result_of('task_lost_contact')
     assert int(rows['pushes'][-1]) == result.pushes
     assert int(rows['recoveries'][-1]) == result.recoveries
     assert float(rows['time'][-1]) == pytest.approx(result.duration, abs=0.06)
-    assert float(rows['time of the best single push'][-1]) == pytest.approx(result.single,
+    assert float(rows['time of the best single push'][-1]) == pytest.approx(result.single_push_time,
                                                                             abs=0.06)
     assert rows['final position error'][-1] == '10.0'
     assert any(change.reason and change.reason in text for change in result.history[1:])
@@ -194,11 +195,11 @@ def test_later_goals_must_be_later(times):
 
 def test_history_goes_on_over_goals():
     """What is told again is passed over; recoveries of the goal before are kept."""
-    history = TaskHistory()
-    history.note([(0.0, TaskState.PLAN, '')], 0)
-    history.note([(0.0, TaskState.PLAN, ''), (1.0, TaskState.APPROACH, ''), (2.0, TaskState.PLAN, 'moved')], 1)
-    history.note([(0.0, TaskState.PLAN, ''), (1.0, TaskState.APPROACH, ''), (2.0, TaskState.PLAN, 'moved')], 1)
-    history.note([(3.0, TaskState.PLAN, 'new')], 0)
-    history.note([(3.0, TaskState.PLAN, 'new'), (4.0, TaskState.PLAN, 'lost')], 1)
+    history = StateHistory()
+    history.update([(0.0, TaskState.PLAN, '')], 0)
+    history.update([(0.0, TaskState.PLAN, ''), (1.0, TaskState.APPROACH, ''), (2.0, TaskState.PLAN, 'moved')], 1)
+    history.update([(0.0, TaskState.PLAN, ''), (1.0, TaskState.APPROACH, ''), (2.0, TaskState.PLAN, 'moved')], 1)
+    history.update([(3.0, TaskState.PLAN, 'new')], 0)
+    history.update([(3.0, TaskState.PLAN, 'new'), (4.0, TaskState.PLAN, 'lost')], 1)
     assert [change.time for change in history.changes] == [0.0, 1.0, 2.0, 3.0, 4.0]
     assert history.recoveries == 2
