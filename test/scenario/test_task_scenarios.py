@@ -15,8 +15,8 @@ from push_scenario.definition.loader import (
 from push_scenario.definition.task import Task
 from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.evaluation.report import format_report
-from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.history import StateHistory
+from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from push_sim_node.tape import Tape
 import pytest
