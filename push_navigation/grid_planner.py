@@ -1,157 +1,202 @@
-"""Shortest tracks among the obstacles of a map, the object included."""
+"""
+Grid planner: shortest routes among the obstacles of a map, the object included.
+
+A grid graph links neighbouring points where the robot fits; Dijkstra's algorithm finds the
+shortest route on it, and shortcuts between points that see each other pull that straight.
+"""
 
 import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
-from push_navigation.path_ends import NoPathFound
+from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Pose
+from push_navigation.obstacle import InflatedObstacle
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import NoPathFound, Waypoint
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
+# Steps to the right and up to half of the neighbours of a grid point; the others link to it.
 NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
+# Distance between neighbours, at least [m]. Chosen: half a robot radius, so that doors are found,
+# and few enough points for a room in some milliseconds.
 SPACING = 0.08
-LINKED = 2.0
-BEYOND = 4.0
+# Start and goal are linked to the grid points within this distance, in spacings. Chosen: twelve
+# points or so, of which some are free.
+LINK_RANGE = 2.0
+# Start and goal are surrounded by at least this much of the map [m]. Chosen: the width of a room.
+WINDOW_MARGIN = 4.0
 
 
-class Lattice(NamedTuple):
+class GridGraph(NamedTuple):
     """
-    Places where the robot fits between the obstacles of a map, and straight pieces between them.
+    Points where the robot fits between the obstacles of a map, and free edges between them.
 
     :param points: (x, y) in the world, shape (n, 2) [m].
-    :param edges: numbers of the points at both ends of each piece, shape (m, 2).
+    :param edges: numbers of the points at both ends of each edge, shape (m, 2).
     :param spacing: distance between neighbours along a row [m].
     """
 
-    points: np.ndarray
-    edges: np.ndarray
+    points: FloatArray
+    edges: IntArray
     spacing: float
 
 
-def grid_waypoints(occupancy_map, room, body, object_pose, start, goal):
+def grid_waypoints(occupancy_map: OccupancyMap, clearance: float, body: InflatedObstacle,
+                   object_pose: Pose, start: Coordinates, goal: Coordinates) -> list[Waypoint]:
     """
-    Find the shortest track on a lattice, and pull it straight.
+    Find the shortest route on a grid, and pull it straight.
 
-    It is looked for up to 4 m beyond start and goal.
+    It is searched up to ``WINDOW_MARGIN`` beyond start and goal.
 
     :param occupancy_map: ``OccupancyMap``.
-    :param room: distance from obstacles that the robot's centre keeps [m].
-    :param body: ``InflatedObstacle`` object that it keeps out of.
+    :param clearance: distance from obstacles that the robot's centre keeps [m].
+    :param body: ``InflatedObstacle`` that the robot's centre keeps out of.
     :param object_pose: ``Pose`` of the object.
     :param start: (x, y) in the world [m].
-    :param goal: the same.
-    :return: list of (x, y, 0.0) behind the start.
-    :raises NoWay: where there is none.
+    :param goal: (x, y) in the world [m].
+    :return: list of ``Waypoint`` behind the start, with straight segments.
+    :raises NoPathFound: where there is none.
     """
-    space = _Space(occupancy_map, room, body, object_pose)
+    space = _FreeSpace(occupancy_map, clearance, body, object_pose)
     ends = np.array([start, goal], dtype=float)
     if space.sees(ends[0], ends[1:])[0]:
-        return [(*goal, 0.0)]
-    lattice = _lattice(occupancy_map, room, _window(occupancy_map, ends))
-    links = [_links(space, lattice, number, place) for number, place in enumerate(ends)]
-    points = np.concatenate([lattice.points, ends])
-    edges = np.concatenate([lattice.edges[space.object_allows(lattice)], *links])
+        return [Waypoint(*goal)]
+    grid = _grid_graph(occupancy_map, clearance, _window(occupancy_map, ends))
+    links = [_links(space, grid, len(grid.points) + i, place) for i, place in enumerate(ends)]
+    points = np.concatenate([grid.points, ends])
+    edges = np.concatenate([grid.edges[space.keeps_off_object(grid)], *links])
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    count = len(points)
-    graph = csr_matrix((lengths, edges.T), shape=(count, count))
-    away, before = dijkstra(graph, directed=False, indices=count - 2, return_predecessors=True)
-    if not math.isfinite(away[count - 1]):
+    route = _shortest_route(edges, lengths, len(points))
+    if not route:
         raise NoPathFound('obstacles of the map, or the object between them, are in the way')
-    path = [count - 1]
-    while path[-1] != count - 2:
-        path.append(before[path[-1]])
-    corners = _straightened(space, points[path[::-1]], lattice.spacing)
-    return [(float(x), float(y), 0.0) for x, y in corners[1:]]
+    corners = _straightened(space, points[route], grid.spacing)
+    return [Waypoint(float(x), float(y)) for x, y in corners[1:]]
 
 
-class _Space:
-    """Where the robot's centre may be."""
+class _FreeSpace:
+    """Places where the robot's centre may be."""
 
-    def __init__(self, occupancy_map, room, body, object_pose):
-        self._workspace, self._room, self._body = occupancy_map, room, body
+    def __init__(self, occupancy_map: OccupancyMap, clearance: float, body: InflatedObstacle,
+                 object_pose: Pose) -> None:
+        self._map = occupancy_map
+        self._clearance = clearance
+        self._body = body
         c, s = math.cos(object_pose.theta), math.sin(object_pose.theta)
-        self._turn, self._shift = np.array([[c, -s], [s, c]]), np.array(object_pose[:2])
+        self._object_rotation = np.array([[c, -s], [s, c]])
+        self._object_position = np.array(object_pose[:2])
 
-    def distances(self, points):
-        """Distance of points from the grown object."""
-        return self._body.distances((points - self._shift) @ self._turn)
+    def distances(self, points: FloatArray) -> FloatArray:
+        """Distance of points from the inflated object."""
+        return self._body.distances((points - self._object_position) @ self._object_rotation)
 
-    def sees(self, place, points):
-        """Tell to which points the straight piece from a place is free."""
-        samples = _between(place[None, :], points, self._workspace.resolution / 2)
-        free = self._workspace.clearance(samples) >= self._room - 1e-9
+    def sees(self, place: FloatArray, points: FloatArray) -> BoolArray:
+        """Tell to which points the straight line from a place is free."""
+        samples = _between(place[None, :], points, self._map.resolution / 2)
+        free = self._map.clearance(samples) >= self._clearance - 1e-9
         free[free] = self.distances(samples[free]) >= -1e-6
-        return free.reshape(len(points), -1).all(axis=1)
+        return np.all(free.reshape(len(points), -1), axis=1)
 
-    def object_allows(self, lattice):
-        """Tell which pieces of a lattice keep out of the object."""
-        away = self.distances(lattice.points)[lattice.edges]
-        first, last = (lattice.points[lattice.edges[:, i]] for i in (0, 1))
-        allowed = away.min(axis=1) >= 0.0
+    def keeps_off_object(self, grid: GridGraph) -> BoolArray:
+        """Tell which edges of a grid keep out of the inflated object."""
+        away = self.distances(grid.points)[grid.edges]
+        first, last = (grid.points[grid.edges[:, i]] for i in (0, 1))
+        free = away.min(axis=1) >= 0.0
         lengths = np.linalg.norm(last - first, axis=1)
-        unsure = np.flatnonzero(allowed & (away.sum(axis=1) < lengths))
+        # An edge shorter than its ends are away, together, cannot reach the object.
+        unsure = np.flatnonzero(free & (away.sum(axis=1) < lengths))
         if unsure.size:
-            samples = _between(first[unsure], last[unsure], lattice.spacing / 8)
-            allowed[unsure] = self.distances(samples).reshape(unsure.size, -1).min(axis=1) >= 0.0
-        return allowed
+            samples = _between(first[unsure], last[unsure], grid.spacing / 8)
+            free[unsure] = self.distances(samples).reshape(unsure.size, -1).min(axis=1) >= 0.0
+        return free
 
 
-def _window(occupancy_map, ends):
-    # In whole steps, so that ways near each other share their lattice.
+def _window(occupancy_map: OccupancyMap, ends: FloatArray) -> tuple[int, int, int, int]:
+    """Cells (left, bottom, right, top) of the map to search."""
+    # In whole steps, so that paths near each other share their grid graph.
     cells = occupancy_map.to_map(ends) / occupancy_map.resolution
-    step = math.ceil(BEYOND / occupancy_map.resolution)
+    step = math.ceil(WINDOW_MARGIN / occupancy_map.resolution)
     low = (np.floor(cells.min(axis=0) / step).astype(int) - 1) * step
     high = (np.floor(cells.max(axis=0) / step).astype(int) + 2) * step
-    return tuple(np.clip([low, high], 0, occupancy_map.occupied.shape[::-1]).ravel().tolist())
+    left, bottom, right, top = np.clip(
+        [low, high], 0, occupancy_map.occupied.shape[::-1]).ravel().tolist()
+    return left, bottom, right, top
 
 
+# One task asks for the same few windows over and over; a graph of a room takes a few MB.
 @functools.lru_cache(maxsize=4)
-def _lattice(occupancy_map, room, window):
+def _grid_graph(occupancy_map: OccupancyMap, clearance: float,
+                window: tuple[int, int, int, int]) -> GridGraph:
     cells = math.ceil(SPACING / occupancy_map.resolution - 1e-9)
     left, bottom, right, top = window
     ys, xs = np.mgrid[bottom:top:cells, left:right:cells]
-    local = np.stack((xs, ys), axis=-1).reshape(-1, 2) + 0.5
-    points = occupancy_map.from_map(occupancy_map.resolution * local)
-    free = occupancy_map.clearance(points) >= room
+    cell_centers = np.stack((xs, ys), axis=-1).reshape(-1, 2) + 0.5
+    points = occupancy_map.from_map(occupancy_map.resolution * cell_centers)
+    free = occupancy_map.clearance(points) >= clearance
     numbers = np.arange(len(points)).reshape(xs.shape)
-    pairs = []
-    for right, up in NEIGHBOURS:
-        low = numbers[max(0, -up):numbers.shape[0] - max(0, up), :numbers.shape[1] - right]
-        high = numbers[max(0, up):numbers.shape[0] + min(0, up), right:]
+    pairs: list[IntArray] = []
+    for columns, rows in NEIGHBOURS:
+        low = numbers[max(0, -rows):numbers.shape[0] - max(0, rows), :numbers.shape[1] - columns]
+        high = numbers[max(0, rows):numbers.shape[0] + min(0, rows), columns:]
         pairs.append(np.stack((low.ravel(), high.ravel()), axis=1))
     edges = np.concatenate(pairs)
     edges = edges[free[edges].all(axis=1)]
     samples = _between(points[edges[:, 0]], points[edges[:, 1]], occupancy_map.resolution / 2)
-    clear = occupancy_map.clearance(samples).reshape(len(edges), -1) >= room
-    return Lattice(points, edges[clear.all(axis=1)], cells * occupancy_map.resolution)
+    clear = occupancy_map.clearance(samples).reshape(len(edges), -1) >= clearance
+    return GridGraph(points, edges[clear.all(axis=1)], cells * occupancy_map.resolution)
 
 
-def _between(first, last, spacing):
+def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
+    """
+    Sample straight lines, all with as many samples as the longest needs.
+
+    :param first: begin of each line, shape (n, 2), or (1, 2) for one that all have in common [m].
+    :param last: end of each line, shape (n, 2) [m].
+    :param spacing: largest distance between samples [m].
+    :return: samples line by line, shape (n * k, 2) [m].
+    """
     longest = np.linalg.norm(last - first, axis=1).max(initial=0.0)
-    shares = np.linspace(0.0, 1.0, 2 + math.floor(longest / spacing))
-    return (first[:, None, :] + shares[:, None] * (last - first)[:, None, :]).reshape(-1, 2)
+    fractions = np.linspace(0.0, 1.0, 2 + math.floor(longest / spacing))
+    lines = first[:, None, :] + fractions[:, None] * (last - first)[:, None, :]
+    return lines.reshape(-1, 2)
 
 
-def _links(space, lattice, number, place):
-    away = np.linalg.norm(lattice.points - place, axis=1)
-    near = np.flatnonzero(away <= LINKED * lattice.spacing)
-    seen = near[space.sees(place, lattice.points[near])]
-    return np.stack((np.full_like(seen, len(lattice.points) + number), seen), axis=1)
+def _links(space: _FreeSpace, grid: GridGraph, number: int, place: FloatArray) -> IntArray:
+    """Edges, shape (k, 2), from a place with a number of its own to the grid points it sees."""
+    away = np.linalg.norm(grid.points - place, axis=1)
+    near = np.flatnonzero(away <= LINK_RANGE * grid.spacing)
+    seen = near[space.sees(place, grid.points[near])]
+    return np.stack((np.full_like(seen, number), seen), axis=1)
 
 
-def _straightened(space, path, spacing):
-    # The second pass may cut the corners that the lattice made, at places between its points.
+def _shortest_route(edges: IntArray, lengths: FloatArray, count: int) -> list[int]:
+    """Numbers of the points from the last but one to the last; empty where none leads there."""
+    start, goal = count - 2, count - 1
+    graph = csr_matrix((lengths, edges.T), shape=(count, count))
+    away, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
+    if not math.isfinite(away[goal]):
+        return []
+    route = [goal]
+    while route[-1] != start:
+        route.append(before[route[-1]])
+    return route[::-1]
+
+
+def _straightened(space: _FreeSpace, corners: FloatArray, spacing: float) -> FloatArray:
+    # The second pass may cut the corners that the grid made, at places between its points.
     for _ in range(2):
-        fine = [_between(*np.array([[a], [b]]), spacing)[:-1] for a, b in zip(path, path[1:])]
-        path = _shortcut(space, np.concatenate([*fine, path[-1:]]))
-    return path
+        fine = [_between(first[None, :], last[None, :], spacing)[:-1]
+                for first, last in zip(corners, corners[1:])]
+        corners = _shortcut(space, np.concatenate([*fine, corners[-1:]]))
+    return corners
 
 
-def _shortcut(space, path):
-    kept, last = [path[0]], 0
-    while last < len(path) - 1:
-        seen = np.flatnonzero(space.sees(path[last], path[last + 1:]))
+def _shortcut(space: _FreeSpace, points: FloatArray) -> FloatArray:
+    """Go on from each point to the last that it sees."""
+    kept, last = [points[0]], 0
+    while last < len(points) - 1:
+        seen = np.flatnonzero(space.sees(points[last], points[last + 1:]))
         last += 1 + (int(seen[-1]) if seen.size else 0)
-        kept.append(path[last])
+        kept.append(points[last])
     return np.array(kept)

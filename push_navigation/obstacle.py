@@ -1,18 +1,29 @@
-"""The object's outline grown by a distance, as an obstacle to the centre of the robot."""
+"""
+Outline of the object, inflated: an obstacle to the centre of the robot.
+
+All points nearer than a radius to the outline are a Minkowski sum of outline and disc, so that
+distances and tangents to it are those to the outline, or to one of its vertices, less the radius.
+"""
 
 import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import closest_on_polygon, wrap_angle
+from numpy.typing import ArrayLike
+from push_model.geometry import boundary_point, FloatArray, wrap_angle
+from push_model.parameters import Outline
 
-ON_IT = 1e-6
+# A point is taken to be on the surface within this distance: far above rounding, far below a
+# clearance [m].
+SURFACE_TOLERANCE = 1e-6
+# A ray that touches the surface does not meet it, rounding included [rad].
+GRAZING_ANGLE = 1e-6
 
 
 class VisibilityCone(NamedTuple):
     """
-    What an obstacle hides from a point: angles, and where the outermost rays touch.
+    Directions in which an obstacle occludes the view from a point, and where the cone touches it.
 
     :param right: angle of the ray that passes it on its right [rad].
     :param right_index: number of the vertex that it passes.
@@ -25,14 +36,14 @@ class VisibilityCone(NamedTuple):
     left: float
     left_index: int
 
-    def occludes(self, angle):
+    def occludes(self, angle: float) -> bool:
         """
         Tell whether a ray meets the obstacle.
 
         :param angle: of the ray [rad].
         """
         width = self.left - self.right
-        return abs(wrap_angle(angle - self.right - 0.5 * width)) < 0.5 * width - 1e-6
+        return abs(wrap_angle(angle - self.right - 0.5 * width)) < 0.5 * width - GRAZING_ANGLE
 
 
 class InflatedObstacle(NamedTuple):
@@ -40,29 +51,30 @@ class InflatedObstacle(NamedTuple):
     All points nearer than a radius to a convex core, in the object frame.
 
     :param core: vertices, counter-clockwise, (x, y) [m]; a single point for a disc.
-    :param radius: of the growth, that of a disc-shaped object included [m].
+    :param radius: of the inflation, that of a disc-shaped object included [m].
     :param center: a point inside (x, y) [m].
     """
 
-    core: tuple
+    core: Outline
     radius: float
-    center: tuple
+    center: tuple[float, float]
 
-    def nearest(self, x, y):
+    def nearest(self, x: float, y: float) -> tuple[float, float]:
         """
-        Find the way out to the surface.
+        Find the shortest line to the surface.
 
-        :param x: a point, x [m].
-        :param y: the same, y [m].
+        :param x: of a point [m].
+        :param y: of a point [m].
         :return: distance from the surface [m], negative inside, and the outward direction [rad].
         """
         if len(self.core) == 1:
             away = math.hypot(x, y)
             return away - self.radius, math.atan2(y, x)
-        _, _, n_x, n_y, away, _, _ = closest_on_polygon(self.core, x, y)
-        return away - self.radius, math.atan2(-n_y, -n_x)
+        closest = boundary_point(self.core, x, y)
+        outward = math.atan2(-closest.normal_y, -closest.normal_x)
+        return closest.signed_distance - self.radius, outward
 
-    def distances(self, points):
+    def distances(self, points: ArrayLike) -> FloatArray:
         """
         Distance of points from the surface.
 
@@ -72,20 +84,21 @@ class InflatedObstacle(NamedTuple):
         x, y = np.asarray(points, dtype=float).T
         away, inside = np.full(len(x), np.inf), np.ones(len(x), dtype=bool)
         for (x0, y0), (x1, y1) in zip(self.core, self.core[1:] + self.core[:1]):
-            along, across = x1 - x0, y1 - y0
-            square = along * along + across * across
-            ahead = (x - x0) * along + (y - y0) * across
-            share = np.clip(ahead / square, 0.0, 1.0) if square else 0.0
-            away = np.minimum(away, np.hypot(x - x0 - share * along, y - y0 - share * across))
-            inside &= along * (y - y0) - across * (x - x0) > 0.0
+            edge_x, edge_y = x1 - x0, y1 - y0
+            length_squared = edge_x * edge_x + edge_y * edge_y
+            projection = (x - x0) * edge_x + (y - y0) * edge_y
+            fraction = np.clip(projection / length_squared, 0.0, 1.0) if length_squared else 0.0
+            away = np.minimum(away, np.hypot(x - x0 - fraction * edge_x,
+                                             y - y0 - fraction * edge_y))
+            inside &= edge_x * (y - y0) - edge_y * (x - x0) > 0.0
         return np.where(inside, -away, away) - self.radius
 
-    def cone(self, x, y):
+    def cone(self, x: float, y: float) -> VisibilityCone:
         """
-        Find the rays from a point that just pass.
+        Find the tangents to the obstacle from a point.
 
-        :param x: the point, not inside, x [m].
-        :param y: the same, y [m].
+        :param x: of the point, which is not inside [m].
+        :param y: of the point [m].
         :return: ``VisibilityCone``.
         """
         ahead = math.atan2(self.center[1] - y, self.center[0] - x)
@@ -93,44 +106,47 @@ class InflatedObstacle(NamedTuple):
         for i, (v_x, v_y) in enumerate(self.core):
             angle = wrap_angle(math.atan2(v_y - y, v_x - x) - ahead)
             away = math.hypot(v_x - x, v_y - y)
-            # On the surface the root in the arcsine would make much of rounding.
-            half = math.asin(self.radius / away) if away > self.radius + ON_IT else 0.5 * math.pi
+            # On the surface the root in the arcsine would magnify rounding.
+            on_surface = away <= self.radius + SURFACE_TOLERANCE
+            half = 0.5 * math.pi if on_surface else math.asin(self.radius / away)
             if angle - half < right:
                 right, right_index = angle - half, i
             if angle + half > left:
                 left, left_index = angle + half, i
         return VisibilityCone(ahead + right, right_index, ahead + left, left_index)
 
-    def ray_exit(self, x, y, direction):
+    def ray_exit(self, x: float, y: float, direction: float) -> float:
         """
         Find where a ray from inside leaves.
 
-        :param x: the point, x [m].
-        :param y: the same, y [m].
+        :param x: of the point [m].
+        :param y: of the point [m].
         :param direction: of the ray, away from the core [rad].
-        :return: way to the surface [m].
+        :return: length of the ray to the surface [m].
         """
         c, s = math.cos(direction), math.sin(direction)
-        way = 0.0
+        length = 0.0
         # Newton's method: the distance is convex along the ray, and rises.
         for _ in range(20):
-            depth, outward = self.nearest(x + way * c, y + way * s)
+            depth, outward = self.nearest(x + length * c, y + length * s)
             if abs(depth) < 1e-13:
                 break
-            way -= depth / max(0.1, math.cos(direction - outward))
-        return way
+            length -= depth / max(0.1, math.cos(direction - outward))
+        return length
 
 
+# The few objects of a task, each with the few margins that planner and controller use.
 @functools.lru_cache(maxsize=64)
-def inflate(outline, object_radius, growth):
+def inflate(outline: Outline, object_radius: float, margin: float) -> InflatedObstacle:
     """
-    Grow an outline.
+    Inflate an outline.
 
     :param outline: vertices of a polygon, counter-clockwise; empty for a disc.
     :param object_radius: of a disc [m].
-    :param growth: by how much [m].
+    :param margin: distance by which it grows [m].
     :return: ``InflatedObstacle``.
     """
     core = outline or ((0.0, 0.0),)
-    center = tuple(sum(values) / len(core) for values in zip(*core))
-    return InflatedObstacle(core, object_radius + growth, center)
+    count = len(core)
+    center = sum(x for x, _ in core) / count, sum(y for _, y in core) / count
+    return InflatedObstacle(core, object_radius + margin, center)

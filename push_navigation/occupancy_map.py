@@ -1,17 +1,20 @@
-"""A map of the floor: what is occupied, and how far away it is."""
+"""Occupancy map of the floor: what is occupied, and how far away it is."""
 
 import functools
 import math
 
 import numpy as np
-from push_model.geometry import Pose
+from numpy.typing import ArrayLike
+from push_model.geometry import BoolArray, Coordinates, FloatArray, Pose
+from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.obstacle import inflate
 from scipy.ndimage import distance_transform_edt, map_coordinates
 
-# Between cell centres the distance to the nearest occupied centre is at most this much shorter
-# than interpolated [cells]; an obstacle may fill its cell to the corner.
-INTERPOLATION = (2.0 + math.sqrt(2.0)) / 4.0 - math.sqrt(0.5)
-CONSERVATIVE = math.sqrt(0.5) + INTERPOLATION
+# Derived: between cell centres the distance to the nearest occupied centre is at most this much
+# shorter than interpolated [cells].
+INTERPOLATION_ERROR = (2.0 + math.sqrt(2.0)) / 4.0 - math.sqrt(0.5)
+# An obstacle may besides fill its cell to the corner, half a diagonal from the centre [cells].
+CONSERVATIVE_OFFSET = math.sqrt(0.5) + INTERPOLATION_ERROR
 
 
 class OccupancyMap:
@@ -25,42 +28,45 @@ class OccupancyMap:
     :raises ValueError: naming what is wrong.
     """
 
-    def __init__(self, resolution, origin, occupied):
+    def __init__(self, resolution: float, origin: Coordinates, occupied: ArrayLike) -> None:
         if not (math.isfinite(resolution) and resolution > 0.0):
             raise ValueError(f'resolution: got {resolution!r}, expected a finite length above 0 '
                              '[m]')
         if not Pose(*origin).is_finite():
             raise ValueError(f'origin: got {tuple(origin)}, expected finite numbers')
-        occupied = np.array(occupied)
-        if occupied.ndim != 2 or occupied.size == 0 or occupied.dtype != bool:
-            raise ValueError(f'occupied: got an array of {occupied.dtype} of shape '
-                             f'{occupied.shape}, expected rows and columns of bool')
-        self.resolution, self.origin, self.occupied = float(resolution), Pose(*origin), occupied
-        occupied.setflags(write=False)
+        cells = np.array(occupied)
+        if cells.ndim != 2 or cells.size == 0 or cells.dtype != bool:
+            raise ValueError(f'occupied: got an array of {cells.dtype} of shape '
+                             f'{cells.shape}, expected rows and columns of bool')
+        cells.setflags(write=False)
+        self.resolution = float(resolution)
+        self.origin = Pose(*origin)
+        self.occupied: BoolArray = cells
         c, s = math.cos(self.origin.theta), math.sin(self.origin.theta)
-        self._axes = np.array([[c, -s], [s, c]])
-        self._cells = distance_transform_edt(~np.pad(occupied, 1, constant_values=True))
+        self._rotation = np.array([[c, -s], [s, c]])
+        # Distance of each cell from the nearest occupied one, in cells, with a border round them.
+        self._distances = distance_transform_edt(~np.pad(cells, 1, constant_values=True))
 
-    def to_map(self, points):
+    def to_map(self, points: ArrayLike) -> FloatArray:
         """
-        Bring points of the world into the frame of the map.
+        Transform points of the world to the frame of the map.
 
         :param points: (x, y) in the world, shape (n, 2) [m].
         :return: along columns and along rows, from the outer corner of the first cell, shape
             (n, 2) [m].
         """
-        return (np.asarray(points, dtype=float) - self.origin[:2]) @ self._axes
+        return (np.asarray(points, dtype=float) - self.origin[:2]) @ self._rotation
 
-    def from_map(self, points):
+    def from_map(self, points: ArrayLike) -> FloatArray:
         """
-        Bring points from the frame of the map into the world.
+        Transform points from the frame of the map to the world.
 
         :param points: along columns and along rows, shape (n, 2) [m].
         :return: (x, y), shape (n, 2) [m].
         """
-        return np.asarray(points, dtype=float) @ self._axes.T + self.origin[:2]
+        return np.asarray(points, dtype=float) @ self._rotation.T + self.origin[:2]
 
-    def clearance(self, points):
+    def clearance(self, points: ArrayLike) -> FloatArray:
         """
         Distance to the nearest obstacle, rather too short than too long.
 
@@ -69,19 +75,20 @@ class OccupancyMap:
         """
         return self.clearance_in_map_frame(*self.to_map(points).T)
 
-    def clearance_in_map_frame(self, x, y):
+    def clearance_in_map_frame(self, x: ArrayLike, y: ArrayLike) -> FloatArray:
         """
         Find the same for points in the frame of the map.
 
         :param x: along columns, from the outer corner of the first cell, of any shape [m].
-        :param y: along rows, likewise [m].
+        :param y: along rows, of the same shape [m].
         :return: distances [m], of the same shape.
         """
-        places = np.stack((y, x)) / self.resolution + 0.5
-        cells = map_coordinates(self._cells, places, order=1, mode='nearest')
-        return self.resolution * (cells - CONSERVATIVE)
+        cells = np.stack((y, x)) / self.resolution + 0.5
+        distances = map_coordinates(self._distances, cells, order=1, mode='nearest')
+        return self.resolution * (distances - CONSERVATIVE_OFFSET)
 
-    def first_robot_collision(self, robot, poses, margin):
+    def first_robot_collision(self, robot: RoundRobot, poses: ArrayLike,
+                              margin: float) -> int | None:
         """
         Find the first pose at which the robot is nearer to an obstacle than a margin.
 
@@ -93,7 +100,8 @@ class OccupancyMap:
         poses = np.asarray(poses, dtype=float)
         return _first(self.clearance(poses[:, :2]) < robot.radius + margin)
 
-    def first_object_collision(self, obj, poses, margin):
+    def first_object_collision(self, obj: PushedObject, poses: ArrayLike,
+                               margin: float) -> int | None:
         """
         Find the first pose at which the object is nearer to an obstacle than a margin.
 
@@ -105,15 +113,16 @@ class OccupancyMap:
         poses = np.asarray(poses, dtype=float)
         if not obj.outline:
             return _first(self.clearance(poses[:, :2]) < obj.radius + margin)
-        points, radius, center = _filled(obj.outline, self.resolution)
-        hit = self.clearance(_placed(center[None, :], poses)) < radius + margin
-        close = np.flatnonzero(hit)
+        points, radius, center = _covering_points(obj.outline, self.resolution)
+        # Where even the circle round the object is clear, its points need no look.
+        collides = self.clearance(_placed(center[None, :], poses)) < radius + margin
+        close = np.flatnonzero(collides)
         if close.size:
-            room = self.clearance(_placed(points, poses[close])).reshape(close.size, -1)
-            hit[close] = room.min(axis=1) < margin + 0.5 * self.resolution
-        return _first(hit)
+            clearance = self.clearance(_placed(points, poses[close])).reshape(close.size, -1)
+            collides[close] = clearance.min(axis=1) < margin + 0.5 * self.resolution
+        return _first(collides)
 
-    def robot_is_free(self, robot, poses, margin):
+    def robot_is_free(self, robot: RoundRobot, poses: ArrayLike, margin: float) -> bool:
         """
         Tell whether the robot keeps a margin from all obstacles.
 
@@ -123,7 +132,7 @@ class OccupancyMap:
         """
         return self.first_robot_collision(robot, poses, margin) is None
 
-    def object_is_free(self, obj, poses, margin):
+    def object_is_free(self, obj: PushedObject, poses: ArrayLike, margin: float) -> bool:
         """
         Tell whether the object keeps a margin from all obstacles.
 
@@ -134,19 +143,28 @@ class OccupancyMap:
         return self.first_object_collision(obj, poses, margin) is None
 
 
-def _first(hits):
-    return int(np.argmax(hits)) if np.any(hits) else None
+def _first(collides: BoolArray) -> int | None:
+    return int(np.argmax(collides)) if np.any(collides) else None
 
 
-def _placed(points, poses):
+def _placed(points: FloatArray, poses: FloatArray) -> FloatArray:
+    """Points (k, 2) of the object frame at each of n poses, shape (n * k, 2)."""
     c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
     x, y = points.T
     return np.stack((poses[:, 0, None] + c * x - s * y,
                      poses[:, 1, None] + s * x + c * y), axis=-1).reshape(-1, 2)
 
 
+# As many outlines as a process pushes, at the resolution of its map.
 @functools.lru_cache(maxsize=16)
-def _filled(outline, spacing):
+def _covering_points(outline: Outline, spacing: float) -> tuple[FloatArray, float, FloatArray]:
+    """
+    Cover an outline with points at most a spacing apart: on its rim, and on a grid inside.
+
+    :param outline: vertices, counter-clockwise [m].
+    :param spacing: of the points [m].
+    :return: (points, shape (k, 2); radius and centre, shape (2,), of a circle round the outline).
+    """
     corners = np.array(outline)
     rim = [first + (last - first) * np.linspace(0.0, 1.0, 1 + math.ceil(
         np.linalg.norm(last - first) / spacing))[:-1, None]

@@ -1,23 +1,41 @@
-"""Ways of the robot on its own: poses one after the other."""
+"""Paths of the robot on its own: straight lines, arcs and rotations in place, pose by pose."""
 
+from collections.abc import Iterable, Sequence
 import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import distance, Pose, wrap_angle
-from push_navigation.speed_profile import total_time
+from push_model.geometry import Coordinates, distance, FloatArray, Pose, wrap_angle
+from push_model.parameters import RoundRobot
 
-NO_LENGTH = 1e-6
+# Two poses nearer than this are at the same place: a rotation in place. Chosen: far below the
+# tolerances of any drive, far above rounding [m].
+MIN_LENGTH = 1e-6
+# A rotation in place by less than this is left out. Chosen: below the heading tolerance of the
+# path follower, which corrects it on the way [rad].
+MIN_ROTATION = 1e-3
+
+
+class NoPathFound(ValueError):
+    """
+    There is no path.
+
+    :param reason: why, one phrase.
+    """
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.reason = reason
 
 
 class PathSegment(NamedTuple):
     """
-    The motion from one pose to the next, along a circle and with an even turn.
+    Motion from one pose to the next, along a circle and with an even yaw rate.
 
     :param start: ``Pose`` at its beginning.
     :param end: ``Pose`` at its end.
     :param arc_angle: change of the direction of motion, positive to the left, 0 on a straight line
-        [rad], below a full turn.
+        [rad], below a full circle.
     """
 
     start: Pose
@@ -25,61 +43,61 @@ class PathSegment(NamedTuple):
     arc_angle: float = 0.0
 
     @property
-    def length(self):
-        """Length of the way of the robot's centre [m]; 0 for a turn on the spot."""
+    def length(self) -> float:
+        """Length of the path of the robot's centre [m]; 0 for a rotation in place."""
         chord, half = distance(self.start, self.end), 0.5 * self.arc_angle
-        if chord < NO_LENGTH:
+        if chord < MIN_LENGTH:
             return 0.0
         return chord * half / math.sin(half) if abs(half) > 1e-9 else chord
 
     @property
-    def heading_change(self):
+    def heading_change(self) -> float:
         """Change of the robot's heading, the short way round [rad]."""
         return wrap_angle(self.end.theta - self.start.theta)
 
     @property
-    def directions(self):
+    def directions(self) -> tuple[float, float]:
         """Directions of motion at the beginning and at the end [rad]."""
         chord = math.atan2(self.end.y - self.start.y, self.end.x - self.start.x)
         return chord - 0.5 * self.arc_angle, chord + 0.5 * self.arc_angle
 
-    def direction(self, way):
+    def direction(self, s: float) -> float:
         """
-        Direction of motion after a way [rad].
+        Direction of motion at an arc length [rad].
 
-        :param way: from the beginning of a leg that has a length [m].
+        :param s: arc length from the beginning of a segment that has a length [m].
         """
-        return self.directions[0] + self.arc_angle * way / self.length
+        return self.directions[0] + self.arc_angle * s / self.length
 
-    def heading(self, way):
+    def heading(self, s: float) -> float:
         """
-        Heading of the robot after a way [rad].
+        Heading of the robot at an arc length [rad].
 
-        :param way: from the beginning of a leg that has a length [m].
+        :param s: arc length from the beginning of a segment that has a length [m].
         """
-        return self.start.theta + self.heading_change * way / self.length
+        return self.start.theta + self.heading_change * s / self.length
 
-    def poses(self, shares):
+    def poses(self, fractions: FloatArray) -> FloatArray:
         """
-        Find poses along the leg.
+        Find poses along the segment.
 
-        :param shares: of the leg, 0 at its beginning and 1 at its end, shape (n,).
+        :param fractions: of the segment, 0 at its beginning and 1 at its end, shape (n,).
         :return: (x, y, theta), shape (n, 3).
         """
-        half = 0.5 * self.arc_angle * shares
-        chord = self.length * shares * np.sinc(half / np.pi)
-        toward = self.directions[0] + half
-        return np.stack((self.start.x + chord * np.cos(toward),
-                         self.start.y + chord * np.sin(toward),
-                         self.start.theta + shares * self.heading_change), axis=1)
+        half = 0.5 * self.arc_angle * fractions
+        chord = self.length * fractions * np.sinc(half / np.pi)
+        direction = self.directions[0] + half
+        return np.stack((self.start.x + chord * np.cos(direction),
+                         self.start.y + chord * np.sin(direction),
+                         self.start.theta + fractions * self.heading_change), axis=1)
 
-    def project(self, point):
+    def project(self, point: Coordinates) -> tuple[float, float]:
         """
-        Find how far along the leg a point is, and how far beside it.
+        Project a point onto the segment.
 
-        :param point: (x, y) [m], near the leg.
-        :return: (way from the beginning [m], below 0 or above the length outside; distance to
-            the left [m]).
+        :param point: (x, y) [m], near the segment.
+        :return: (arc length from the beginning [m], below 0 or above the length outside; lateral
+            offset to the left [m]).
         """
         first = self.directions[0]
         ahead, aside = Pose(0.0, 0.0, -first).rotate((point[0] - self.start.x,
@@ -89,126 +107,130 @@ class PathSegment(NamedTuple):
         radius = self.length / self.arc_angle
         side = math.copysign(1.0, radius)
         middle = 0.5 * self.arc_angle
+        # Measured from the middle of the arc, so that the cut of the angle is opposite to it.
         angle = middle + wrap_angle(side * math.atan2(ahead, side * (radius - aside)) - middle)
         return radius * angle, radius - side * math.hypot(ahead, radius - aside)
 
 
-NO_TURN = 1e-3
-
-
 class Path(NamedTuple):
     """
-    From pose to pose along lines, arcs and turns on the spot.
+    From pose to pose along straight lines, arcs and rotations in place.
 
-    Between two poses at different places the heading turns evenly; two poses at the same place
-    are a turn on the spot. A differential drive goes along its heading, or backwards.
+    Between two poses at different places the heading changes evenly; two poses at the same place
+    are a rotation in place. A differential drive moves along its heading, or backwards.
 
     :param poses: ``Pose`` sequence, start and goal included.
-    :param arc_angles: of each leg, one less than poses: change of the direction of motion on it [rad];
-        empty where all legs are straight.
+    :param arc_angles: of each segment, one less than poses: change of the direction of motion on
+        it [rad]; empty where all segments are straight.
     """
 
-    poses: tuple
-    arc_angles: tuple = ()
+    poses: tuple[Pose, ...]
+    arc_angles: tuple[float, ...] = ()
 
     @property
-    def segments(self):
+    def segments(self) -> tuple[PathSegment, ...]:
         """``PathSegment`` between each two poses."""
         arc_angles = self.arc_angles or (0.0,) * (len(self.poses) - 1)
         return tuple(PathSegment(*ends) for ends in zip(self.poses, self.poses[1:], arc_angles))
 
     @property
-    def length(self):
-        """Length of the way of the robot's centre [m]."""
+    def length(self) -> float:
+        """Length of the path of the robot's centre [m]."""
         return sum(segment.length for segment in self.segments)
 
 
-def travel_time(way, robot, settings):
+class Waypoint(NamedTuple):
     """
-    Time that a robot takes for a way, from rest to rest [s].
+    Where a segment of a path ends, before its headings are known.
 
-    :param way: the ``Path``.
-    :param robot: the ``RoundRobot``.
-    :param settings: ``DriveSettings``.
+    :param x: [m].
+    :param y: [m].
+    :param arc_angle: of the segment that leads there [rad].
     """
-    return total_time(way.segments, settings.limited_to(robot), robot.time_constant)
+
+    x: float
+    y: float
+    arc_angle: float = 0.0
 
 
-def sample_path(way, robot, spacing):
+def sample_path(path: Path, robot: RoundRobot, spacing: float) -> FloatArray:
     """
-    Sample a way densely.
+    Sample a path densely.
 
-    :param way: the ``Path``.
-    :param robot: the ``RoundRobot``, whose rim counts in turns.
+    :param path: the ``Path``.
+    :param robot: the ``RoundRobot``, whose rim counts in rotations.
     :param spacing: largest distance between samples [m], above 0.
     :return: poses (x, y, theta), shape (n, 3), start and goal included.
     """
     if not (math.isfinite(spacing) and spacing > 0.0):
         raise ValueError(f'spacing: got {spacing!r}, expected a finite distance above 0 [m]')
-    rows = [np.array([way.poses[0]])]
-    for segment in way.segments:
+    rows = [np.array([path.poses[0]])]
+    for segment in path.segments:
         swept = max(segment.length, robot.radius * abs(segment.heading_change))
         count = max(1, math.ceil(swept / spacing))
         rows += [segment.poses(np.arange(1, count) / count), np.array([segment.end])]
     return np.concatenate(rows)
 
 
-def differential_path(start, goal, waypoints, backwards):
+def differential_path(start: Pose, goal: Pose, waypoints: Iterable[tuple[float, float, float]],
+                      backwards: Iterable[bool]) -> Path:
     """
-    Lead a differential drive along a track: it turns on the spot where the track has corners.
+    Lead a differential drive along waypoints; where they make corners, it rotates in place.
 
     :param start: ``Pose``.
     :param goal: ``Pose``.
-    :param waypoints: (x, y, bend of the leg that leads there [rad]) sequence, from behind the start
-        to the goal.
-    :param backwards: for each leg, whether the robot goes backwards.
+    :param waypoints: ``Waypoint`` sequence, from behind the start to the goal.
+    :param backwards: for each segment, whether the robot moves backwards.
     :return: ``Path``.
     """
-    poses, arc_angles = [start], []
-    for (x, y, arc_angle), back in zip(waypoints, backwards):
-        here = poses[-1]
-        segment = PathSegment(here, Pose(x, y, 0.0), arc_angle)
+    poses: list[Pose] = [start]
+    arc_angles: list[float] = []
+    for (x, y, arc_angle), is_backwards in zip(waypoints, backwards):
+        segment = PathSegment(poses[-1], Pose(x, y, 0.0), arc_angle)
         if not segment.length:
             continue
-        first, last = (angle + math.pi * back for angle in segment.directions)
-        _turn_to(poses, arc_angles, first)
+        reversal = math.pi if is_backwards else 0.0
+        first, last = (direction + reversal for direction in segment.directions)
+        _rotate_to(poses, arc_angles, first)
         before = poses[-1].theta
         poses.append(Pose(x, y, before + wrap_angle(last - before)))
         arc_angles.append(arc_angle)
-    return _ended(poses, arc_angles, goal)
+    return _completed(poses, arc_angles, goal)
 
 
-def holonomic_path(start, goal, waypoints, kept=(False, False)):
+def holonomic_path(start: Pose, goal: Pose, waypoints: Sequence[tuple[float, float, float]],
+                   keeps_heading: tuple[bool, bool] = (False, False)) -> Path:
     """
-    Lead a holonomic base along a track: it turns evenly all the way.
+    Lead a holonomic base along waypoints; its heading changes evenly along the path.
 
     :param start: ``Pose``.
     :param goal: ``Pose``.
-    :param waypoints: (x, y, bend of the leg that leads there [rad]) sequence, from behind the start
-        to the goal.
-    :param kept: whether the heading stays on the first leg, and on the last.
+    :param waypoints: ``Waypoint`` sequence, from behind the start to the goal.
+    :param keeps_heading: whether the heading stays on the first segment, and on the last.
     :return: ``Path``.
     """
     places = [start, *(Pose(x, y, 0.0) for x, y, _ in waypoints)]
     arc_angles = [arc_angle for _, _, arc_angle in waypoints]
     lengths = [PathSegment(*ends).length for ends in zip(places, places[1:], arc_angles)]
-    counted = list(lengths)
-    for number, is_kept in zip((0, -1), kept):
-        if is_kept:
-            counted[number] = 0.0
-    total, heading_change = sum(counted), wrap_angle(goal.theta - start.theta)
+    # The rotation is spread over these lengths.
+    rotating = list(lengths)
+    for number, keeps in zip((0, -1), keeps_heading):
+        if keeps:
+            rotating[number] = 0.0
+    total, heading_change = sum(rotating), wrap_angle(goal.theta - start.theta)
     poses, passed = [start], 0.0
-    for place, length, counts in zip(places[1:], lengths, counted):
-        passed += counts
+    for place, length, part in zip(places[1:], lengths, rotating):
+        passed += part
         if length:
-            share = passed / total if total else 0.0
-            poses.append(place._replace(theta=start.theta + share * heading_change))
+            fraction = passed / total if total else 0.0
+            poses.append(place._replace(theta=start.theta + fraction * heading_change))
     arc_angles = [arc_angle for arc_angle, length in zip(arc_angles, lengths) if length]
-    return _ended(poses, arc_angles, goal)
+    return _completed(poses, arc_angles, goal)
 
 
-def _ended(poses, arc_angles, goal):
-    _turn_to(poses, arc_angles, goal.theta)
+def _completed(poses: list[Pose], arc_angles: list[float], goal: Pose) -> Path:
+    """Rotate to the heading of the goal, and end exactly there."""
+    _rotate_to(poses, arc_angles, goal.theta)
     if len(poses) == 1:
         poses.append(goal)
         arc_angles.append(0.0)
@@ -216,8 +238,9 @@ def _ended(poses, arc_angles, goal):
     return Path(tuple(poses), tuple(arc_angles))
 
 
-def _turn_to(poses, arc_angles, heading):
+def _rotate_to(poses: list[Pose], arc_angles: list[float], heading: float) -> None:
+    """Append a rotation in place, where one is needed."""
     heading_change = wrap_angle(heading - poses[-1].theta)
-    if abs(heading_change) > NO_TURN:
+    if abs(heading_change) > MIN_ROTATION:
         poses.append(poses[-1]._replace(theta=poses[-1].theta + heading_change))
         arc_angles.append(0.0)

@@ -1,41 +1,73 @@
-"""Feedback that keeps the robot on its way, by where it sees itself."""
+"""
+Path follower: tracking laws for both drives, and the commands along a whole path.
+
+The laws keep the robot on a section of its path by feedback of its pose. With e the lateral
+offset to the left, d the heading error and kappa the curvature of the path, a differential drive
+steers by
+
+    omega = v (kappa - e / R^2 - 2 sin(d) / R)
+
+which returns it to the path within a distance R, critically damped for small errors.
+"""
 
 import math
 
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
-from push_navigation.motion_section import FADE_TIME, MotionSection, split_at_stops, stopping_speed
-from push_navigation.path import differential_path, holonomic_path, Path
+from push_navigation.path import (
+    differential_path, holonomic_path, Path, PathSegment, Waypoint,
+)
+from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import (
+    FADE_TIME, MotionSection, split_at_stops, stopping_speed,
+)
 
-# Way on which a differential drive comes back to its line.
-RETURN = 0.15
-ASTRAY = 0.6
-SIDEWAYS = 0.1
+# R, distance on which a differential drive returns to its path [m]. Chosen: about the radius of a
+# small robot; shorter ones respond to noise of its pose.
+RETURN_DISTANCE = 0.15
+# Heading error beyond which a differential drive first rotates in place [rad]. Chosen: where the
+# linear law is no longer a good one.
+MAX_HEADING_ERROR = 0.6
+# Speed at which a holonomic base returns to its path, at most [m/s]. Chosen: slow against its
+# speed along the path, so that it does not cut corners.
+MAX_LATERAL_SPEED = 0.1
+# At the goal within these. Chosen: a third of what a push asks of the robot's start.
+POSITION_TOLERANCE = 0.003
+HEADING_TOLERANCE = math.radians(0.6)
+# A section is done within these of its end: a third of the tolerances at the goal.
+SECTION_POSITION_TOLERANCE = 0.001
+SECTION_HEADING_TOLERANCE = math.radians(0.2)
+# At rest for this long beside the goal, the robot drives there directly [s]. Chosen: several
+# lags of a drive and periods of localization.
+REST_TIMEOUT = 0.4
+# Time constant of the filter that tells a stop from passing by [s]. Chosen: the usual lag.
+DWELL = 0.1
 
 
-def limit_command(before, wanted, limits, dt):
+def limit_command(previous: Twist, requested: Twist, limits: DriveSettings, dt: float) -> Twist:
     """
-    Bring a command within the limits, the change from the one before included.
+    Bring a command within the limits, the change from the previous one included.
 
-    :param before: ``Twist`` that was commanded.
-    :param wanted: ``Twist`` that is wanted.
+    :param previous: ``Twist`` that was commanded.
+    :param requested: ``Twist``.
     :param limits: ``DriveSettings`` within the limits of the robot.
     :param dt: time between the two [s].
     :return: ``Twist``.
     """
-    x, y = wanted.v_x - before.v_x, wanted.v_y - before.v_y
+    x, y = requested.v_x - previous.v_x, requested.v_y - previous.v_y
     change = math.hypot(x, y)
-    share = min(1.0, limits.acceleration * dt / change) if change else 0.0
-    x, y = before.v_x + share * x, before.v_y + share * y
+    ratio = min(1.0, limits.acceleration * dt / change) if change else 0.0
+    x, y = previous.v_x + ratio * x, previous.v_y + ratio * y
     excess = max(1.0, math.hypot(x, y) / limits.speed)
     step = limits.yaw_acceleration * dt
-    omega = before.omega + min(step, max(-step, wanted.omega - before.omega))
+    omega = previous.omega + min(step, max(-step, requested.omega - previous.omega))
     return Twist(x / excess, y / excess, min(limits.yaw_rate, max(-limits.yaw_rate, omega)))
 
 
-def turn_in_place(left, limits):
+def turn_in_place(left: float, limits: DriveSettings) -> float:
     """
-    Yaw rate of a turn on the spot [rad/s].
+    Yaw rate of a rotation in place [rad/s].
 
     :param left: angle left [rad].
     :param limits: ``DriveSettings`` within the limits of the robot.
@@ -44,81 +76,86 @@ def turn_in_place(left, limits):
     return math.copysign(rate, left)
 
 
-def track_differential(run, pose, way, aside, limits):
+def track_differential(section: MotionSection, pose: Pose, s: float, lateral: float,
+                       limits: DriveSettings) -> Twist:
     """
-    Command of a differential drive: curvature by how far it is off, sideways and in heading.
+    Command of a differential drive: curvature by lateral offset and heading error.
 
-    :param run: the ``MotionSection``.
+    :param section: the ``MotionSection``.
     :param pose: ``Pose`` of the robot.
-    :param way: how far it has come [m].
-    :param aside: how far it is to the left of the run [m].
+    :param s: arc length that it has come to [m].
+    :param lateral: its offset to the left of the path [m].
     :param limits: ``DriveSettings`` within the limits of the robot.
     :return: ``Twist``.
     """
-    speed = run.speed(way)
-    direction, curvature = run.smooth_direction(way, speed)
-    off = wrap_angle(pose.theta + math.pi * run.is_backwards - direction)
-    if abs(off) > ASTRAY:
-        return Twist(0.0, 0.0, turn_in_place(-off, limits))
-    aside = min(RETURN, max(-RETURN, aside))
-    omega = max(0.0, speed) * (curvature - aside / RETURN ** 2 - 2.0 * math.sin(off) / RETURN)
-    share = min(1.0, limits.yaw_rate / abs(omega)) if omega else 1.0
-    return Twist(share * (-speed if run.is_backwards else speed), 0.0, share * omega)
+    speed = section.speed(s)
+    direction, curvature = section.smooth_direction(s, speed)
+    reversal = math.pi if section.is_backwards else 0.0
+    error = wrap_angle(pose.theta + reversal - direction)
+    if abs(error) > MAX_HEADING_ERROR:
+        return Twist(0.0, 0.0, turn_in_place(-error, limits))
+    lateral = min(RETURN_DISTANCE, max(-RETURN_DISTANCE, lateral))
+    omega = max(0.0, speed) * (curvature - lateral / RETURN_DISTANCE ** 2
+                               - 2.0 * math.sin(error) / RETURN_DISTANCE)
+    # Slower where the yaw rate is limited, so that the curvature is kept.
+    ratio = min(1.0, limits.yaw_rate / abs(omega)) if omega else 1.0
+    return Twist(ratio * (-speed if section.is_backwards else speed), 0.0, ratio * omega)
 
 
-def track_holonomic(run, pose, way, aside, limits):
+def track_holonomic(section: MotionSection, pose: Pose, s: float, lateral: float,
+                    limits: DriveSettings) -> Twist:
     """
-    Command of a holonomic base: along the run, back to it sideways, and turned as it should be.
+    Command of a holonomic base: along the path, sideways back to it, and to its heading there.
 
-    :param run: the ``MotionSection``.
+    :param section: the ``MotionSection``.
     :param pose: ``Pose`` of the robot.
-    :param way: how far it has come [m].
-    :param aside: how far it is to the left of the run [m].
+    :param s: arc length that it has come to [m].
+    :param lateral: its offset to the left of the path [m].
     :param limits: ``DriveSettings`` within the limits of the robot.
     :return: ``Twist``.
     """
-    speed = run.speed(way)
-    direction, _ = run.smooth_direction(way, speed)
-    heading, turned = run.heading(way)
-    across = min(SIDEWAYS, max(-SIDEWAYS, aside / FADE_TIME))
+    speed = section.speed(s)
+    direction, _ = section.smooth_direction(s, speed)
+    heading, heading_rate = section.heading(s)
+    across = min(MAX_LATERAL_SPEED, max(-MAX_LATERAL_SPEED, lateral / FADE_TIME))
     x, y = Pose(0.0, 0.0, direction - pose.theta).rotate((speed, -across))
-    return Twist(x, y, speed * turned + turn_in_place(wrap_angle(heading - pose.theta), limits))
-
-
-POSITION_TOLERANCE = 0.003
-HEADING_TOLERANCE = math.radians(0.6)
-PATIENCE, DWELL = 0.4, 0.1
-CLOSE, ALIGNED = 0.001, math.radians(0.2)
+    return Twist(x, y, speed * heading_rate
+                 + turn_in_place(wrap_angle(heading - pose.theta), limits))
 
 
 class PathFollower:
     """
-    Commands along a way, one after the other.
+    Commands along a path, one after the other.
 
-    The robot starts at rest. Where it has come to the end and is not at the last pose, it goes
+    The robot starts at rest. Where it has come to the end and is not at the last pose, it drives
     there directly.
 
     :param robot: the ``RoundRobot``.
     :param settings: ``DriveSettings``.
-    :param way: the ``Path``.
+    :param path: the ``Path``.
     """
 
-    def __init__(self, robot, settings, way):
-        self._robot, self._limits = robot, settings.limited_to(robot)
-        self._goal = way.poses[-1]
-        self._stretches = split_at_stops(way, self._limits)
-        self._along, self._late, self._stood = 0.0, None, 0.0
-        self._command, self._motion = STOP, STOP
+    def __init__(self, robot: RoundRobot, settings: DriveSettings, path: Path) -> None:
+        self._robot = robot
+        self._limits = settings.limited_to(robot)
+        self._goal = path.poses[-1]
+        self._sections = split_at_stops(path, self._limits)
+        self._progress = _SectionProgress()
+        self._rest_time = 0.0
+        self._command = STOP
+        # Motion of the robot as its lag lets it follow the commands.
+        self._motion = STOP
         self.finished = False
 
     @property
-    def remaining_distance(self):
-        """Way left [m]."""
-        runs = [stretch.length for stretch in self._stretches if isinstance(stretch, MotionSection)]
-        first = isinstance(self._stretches[0], MotionSection) if self._stretches else False
-        return max(0.0, sum(runs) - (self._along if first else 0.0))
+    def remaining_distance(self) -> float:
+        """Distance left along the path [m]."""
+        lengths = [section.length for section in self._sections
+                   if isinstance(section, MotionSection)]
+        is_moving = bool(self._sections) and isinstance(self._sections[0], MotionSection)
+        return max(0.0, sum(lengths) - (self._progress.distance if is_moving else 0.0))
 
-    def step(self, pose, dt):
+    def step(self, pose: Pose, dt: float) -> Twist:
         """
         Compute the next command.
 
@@ -132,71 +169,96 @@ class PathFollower:
         if not (math.isfinite(dt) and dt >= 0.0):
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
         pose = Pose(*pose)
-        ahead = self._ahead(pose, dt)
-        wanted = STOP if self._arrived(pose, ahead, dt) else self._wanted(ahead, dt)
-        self._command = limit_command(self._command, wanted, self._limits, dt)
+        predicted = self._predict(pose, dt)
+        arrived = self._check_arrival(pose, predicted, dt)
+        requested = STOP if arrived else self._track(predicted, dt)
+        self._command = limit_command(self._command, requested, self._limits, dt)
         return self._command
 
-    def _ahead(self, pose, dt):
-        # Where a drive with a lag of one time constant is, for commands that begin now, as good
-        # as one without.
+    def _predict(self, pose: Pose, dt: float) -> Pose:
+        """Predict the pose one lag ahead: from there the drive follows as one without lag."""
         lag = self._robot.time_constant
-        share = -math.expm1(-dt / lag) if lag else 1.0
-        self._motion = Twist(*(moving + share * (commanded - moving)
+        ratio = -math.expm1(-dt / lag) if lag else 1.0
+        self._motion = Twist(*(moving + ratio * (commanded - moving)
                                for moving, commanded in zip(self._motion, self._command)))
-        heading_change = self._motion.omega * lag
-        x, y = pose._replace(theta=pose.theta + 0.5 * heading_change).rotate(self._motion)
-        return Pose(pose.x + lag * x, pose.y + lag * y, pose.theta + heading_change)
+        rotation = self._motion.omega * lag
+        x, y = pose._replace(theta=pose.theta + 0.5 * rotation).rotate(self._motion)
+        return Pose(pose.x + lag * x, pose.y + lag * y, pose.theta + rotation)
 
-    def _arrived(self, pose, ahead, dt):
-        resting = self._command == STOP and not self._stretches
-        self._stood = self._stood + dt if resting else 0.0
-        self.finished = resting and self._is_there(pose) and self._is_there(ahead)
-        if self._stood > PATIENCE and not self.finished:
-            self._stretches = split_at_stops(self._directly(pose), self._limits)
-        return not self._stretches
+    def _check_arrival(self, pose: Pose, predicted: Pose, dt: float) -> bool:
+        """Tell whether no section is left; a robot at rest beside the goal gets a new one."""
+        resting = self._command == STOP and not self._sections
+        self._rest_time = self._rest_time + dt if resting else 0.0
+        self.finished = resting and self._is_at_goal(pose) and self._is_at_goal(predicted)
+        if self._rest_time > REST_TIMEOUT and not self.finished:
+            self._sections = split_at_stops(self._direct_path(pose), self._limits)
+        return not self._sections
 
-    def _is_there(self, pose):
+    def _is_at_goal(self, pose: Pose) -> bool:
         return (distance(pose, self._goal) <= POSITION_TOLERANCE
                 and abs(wrap_angle(pose.theta - self._goal.theta)) <= HEADING_TOLERANCE)
 
-    def _directly(self, pose):
+    def _direct_path(self, pose: Pose) -> Path:
         if distance(pose, self._goal) <= 0.5 * POSITION_TOLERANCE:
             return Path((pose, pose._replace(theta=self._goal.theta)))
-        waypoints = [(self._goal.x, self._goal.y, 0.0)]
+        waypoints = [Waypoint(self._goal.x, self._goal.y)]
         if self._robot.drive == 'holonomic':
             return holonomic_path(pose, self._goal, waypoints)
-        toward = math.atan2(self._goal.y - pose.y, self._goal.x - pose.x)
-        return differential_path(pose, self._goal, waypoints, [math.cos(toward - pose.theta) < 0.0])
+        bearing = math.atan2(self._goal.y - pose.y, self._goal.x - pose.x)
+        return differential_path(pose, self._goal, waypoints,
+                                 [math.cos(bearing - pose.theta) < 0.0])
 
-    def _wanted(self, ahead, dt):
-        while self._stretches:
-            stretch = self._stretches[0]
-            law = self._along_run if isinstance(stretch, MotionSection) else self._turned
-            wanted = law(stretch, ahead, dt)
-            if wanted is not None:
-                return wanted
-            self._stretches.pop(0)
-            self._along, self._late = 0.0, None
+    def _track(self, predicted: Pose, dt: float) -> Twist:
+        """Command on the first section that is not done."""
+        while self._sections:
+            section = self._sections[0]
+            if isinstance(section, MotionSection):
+                command = self._track_section(section, predicted, dt)
+            else:
+                command = self._track_rotation(section, predicted, dt)
+            if command is not None:
+                return command
+            self._sections.pop(0)
+            self._progress = _SectionProgress()
         return STOP
 
-    def _turned(self, segment, ahead, dt):
-        left = wrap_angle(segment.end.theta - ahead.theta)
-        # A run that follows puts the heading right by itself.
-        if self._settled(left, ALIGNED, dt) or len(self._stretches) > 1 and abs(left) < ALIGNED:
+    def _track_rotation(self, segment: PathSegment, predicted: Pose, dt: float) -> Twist | None:
+        left = wrap_angle(segment.end.theta - predicted.theta)
+        settled = self._progress.settle(left, SECTION_HEADING_TOLERANCE, dt)
+        # A section that follows corrects the heading by itself.
+        is_followed = len(self._sections) > 1 and abs(left) < SECTION_HEADING_TOLERANCE
+        if settled or is_followed:
             return None
         return Twist(0.0, 0.0, turn_in_place(left, self._limits))
 
-    def _along_run(self, run, ahead, dt):
-        self._along, aside = run.locate(ahead)
-        left = run.length - self._along
-        holonomic = self._robot.drive == 'holonomic'
-        if self._settled(complex(left, aside) if holonomic else left, CLOSE, dt):
+    def _track_section(self, section: MotionSection, predicted: Pose, dt: float) -> Twist | None:
+        s, lateral = section.locate(predicted)
+        self._progress.distance = s
+        left = section.length - s
+        if self._robot.drive == 'holonomic':
+            error, track = complex(left, lateral), track_holonomic
+        else:
+            error, track = left, track_differential
+        if self._progress.settle(error, SECTION_POSITION_TOLERANCE, dt):
             return None
-        return (track_holonomic if holonomic else track_differential)(run, ahead, self._along, aside, self._limits)
+        return track(section, predicted, s, lateral, self._limits)
 
-    def _settled(self, left, tolerance, dt):
-        # Not while it only passes by: what is left must have been little for a while.
-        late = left if self._late is None else self._late
-        self._late = late - math.expm1(-dt / DWELL) * (left - late)
-        return abs(self._late) < tolerance and abs(left) < 2.0 * tolerance
+
+class _SectionProgress:
+    """How far the robot has come on a section, and whether it has settled at its end."""
+
+    def __init__(self) -> None:
+        self.distance = 0.0
+        self._filtered: complex | None = None
+
+    def settle(self, left: complex, tolerance: float, dt: float) -> bool:
+        """
+        Tell whether what is left has been small for a while, so that the robot does not pass by.
+
+        :param left: distance or angle left; complex with the lateral offset.
+        :param tolerance: same unit.
+        :param dt: time since the last call [s].
+        """
+        late = left if self._filtered is None else self._filtered
+        self._filtered = late - math.expm1(-dt / DWELL) * (left - late)
+        return abs(self._filtered) < tolerance and abs(left) < 2.0 * tolerance

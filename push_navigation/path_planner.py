@@ -1,77 +1,79 @@
-"""The quickest way of the robot round the object."""
+"""
+Path planner: the quickest path of the robot round the object, and through a map.
 
+At the object a path is straight: it departs to the clearance, or arrives from there. Between the
+two it follows the inflated outline of the object, on either side, or a grid among the obstacles of
+a map.
+"""
+
+from collections.abc import Sequence
 import math
+from typing import NamedTuple
 
-from push_model.geometry import Pose
+from push_model.geometry import Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.grid_planner import grid_waypoints
-from push_navigation.obstacle import inflate
-from push_navigation.path import sample_path, travel_time
-from push_navigation.path_ends import (
-    assemble_paths, departure_from_goal, departure_from_start, NoPathFound,
+from push_navigation.obstacle import inflate, InflatedObstacle
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import (
+    differential_path, holonomic_path, NoPathFound, Path, sample_path, Waypoint,
 )
+from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import travel_time
 
-LONGEST_ARC = 2.0
+# Arcs round a corner are cut into segments of at most this angle [rad]. Chosen: well below the
+# full circle at which the chord of a segment vanishes.
+MAX_ARC_ANGLE = 2.0
+# A differential drive leaves the object along its heading where that is within this angle of the
+# normal. Chosen: at 75 degrees it already moves four times the clearance to get clear.
+MAX_DEPARTURE_ANGLE = math.radians(75.0)
+# The goal of a path may overlap the object by this much: contact, give or take a few millimetres
+# of localization [m]. Chosen.
+CONTACT_TOLERANCE = 0.005
+# Rounding of positions on the surface of the inflated object [m].
+SURFACE_TOLERANCE = 1e-7
 
 
-def waypoints_around_object(body, start, goal):
+class Departure(NamedTuple):
     """
-    Find the shortest tracks past the object: the straight one, or those to either side of it.
+    Straight segment that leads off the object, or on to it the other way round.
 
-    :param body: ``InflatedObstacle``.
-    :param start: (x, y), not inside [m].
-    :param goal: the same.
-    :return: list of tracks, each a list of (x, y, bend of the leg that leads there [rad]) without
-        the start.
+    :param place: its end (x, y) at the clearance, or the robot's place if that is as far away.
+    :param is_needed: whether there is such a segment.
+    :param is_backwards: whether the robot leaves backwards.
     """
-    ahead = math.atan2(goal[1] - start[1], goal[0] - start[0])
-    here, there = body.cone(*start), body.cone(*goal)
-    if not (here.occludes(ahead) and there.occludes(ahead + math.pi)):
-        return [[(*goal, 0.0)]]
-    count = len(body.core)
-    found = []
-    for side, first, last, begin, end in (
-            (1.0, here.right_index, there.left_index, here.right, there.left),
-            (-1.0, here.left_index, there.right_index, here.left, there.right)):
-        step = int(side)
-        numbers = [(first + step * i) % count for i in range((step * (last - first)) % count + 1)]
-        angles = [begin, *(_face(body.core, *pair) for pair in zip(numbers, numbers[1:])),
-                  end + math.pi]
-        found.append(_wound(body, side, numbers, angles, goal))
-    return found
+
+    place: tuple[float, float]
+    is_needed: bool
+    is_backwards: bool
 
 
-def _face(core, number, following):
-    (x0, y0), (x1, y1) = core[number], core[following]
-    return math.atan2(y1 - y0, x1 - x0)
-
-
-def _wound(body, side, numbers, angles, goal):
-    waypoints = []
-
-    def touch(number, angle):
-        x, y = body.core[number]
-        return (x + side * body.radius * math.sin(angle),
-                y - side * body.radius * math.cos(angle))
-
-    for number, before, after in zip(numbers, angles, angles[1:]):
-        arc_angle = (side * (after - before) + 1e-6) % (2.0 * math.pi) - 1e-6
-        waypoints.append((*touch(number, before), 0.0))
-        pieces = max(1, math.ceil(arc_angle / LONGEST_ARC))
-        for i in range(pieces):
-            share = (i + 1) / pieces
-            waypoints.append((*touch(number, before + side * share * arc_angle), side * arc_angle / pieces))
-    return [*waypoints, (*goal, 0.0)]
-
-
-def plan_path(robot, obj, object_pose, start, goal, settings, occupancy_map=None):
+class PathEnds(NamedTuple):
     """
-    Find the quickest way to a pose that keeps clear of the object, and of obstacles.
+    Both ends of a path, in one frame.
 
-    Where start or goal is nearer to the object than the clearance, the way leads straight off:
+    :param start: ``Pose`` of the robot.
+    :param goal: ``Pose`` of the robot.
+    :param departure: ``Departure`` from the start.
+    :param arrival: ``Departure`` from the goal, along which the robot arrives.
+    """
+
+    start: Pose
+    goal: Pose
+    departure: Departure
+    arrival: Departure
+
+
+def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose, goal: Pose,
+              settings: DriveSettings, *, occupancy_map: OccupancyMap | None = None) -> Path:
+    """
+    Plan the quickest path to a pose that keeps clear of the object, and of obstacles.
+
+    Where start or goal is nearer to the object than the clearance, the path is straight there:
     along the heading of a differential drive if that leads off well, or else along the normal.
-    A robot that starts nearer to an obstacle than the clearance keeps what it has.
+    A robot that starts nearer to an obstacle than the clearance keeps the distance that it has.
 
-    :param robot: the ``RoundRobot``, neither a point nor a fence.
+    :param robot: the ``RoundRobot``, neither a point nor a flat pusher.
     :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object.
     :param start: ``Pose`` of the robot.
@@ -79,49 +81,201 @@ def plan_path(robot, obj, object_pose, start, goal, settings, occupancy_map=None
     :param settings: ``DriveSettings``.
     :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
     :return: ``Path``.
-    :raises NoWay: where a pose lies inside the object, or obstacles are in the way.
+    :raises NoPathFound: where a pose lies inside the object, or obstacles are in the way.
     :raises ValueError: naming what is not finite, or a robot that is not round.
     """
     if not 0.0 < robot.radius < math.inf:
         raise ValueError(f'robot.radius: got {robot.radius:g} m, expected a round robot, neither '
-                         'a point nor a fence')
+                         'a point nor a flat pusher')
     object_pose, start, goal = (_finite(name, pose) for name, pose in (
         ('object_pose', object_pose), ('start', start), ('goal', goal)))
     body = inflate(obj.outline, obj.radius, robot.radius + settings.clearance)
-    inside = object_pose.inverse()
-    off = departure_from_start(robot, body, inside @ start, settings.clearance)
-    on = departure_from_goal(robot, body, inside @ goal, settings.clearance)
+    to_object = object_pose.inverse()
+    departure = departure_from_start(robot, body, to_object @ start, settings.clearance)
+    arrival = departure_from_goal(robot, body, to_object @ goal, settings.clearance)
 
-    found = waypoints_around_object(body, off.place, on.place)
-    off, on = (end._replace(place=object_pose.transform(end.place)) for end in (off, on))
-    ways = []
-    for waypoints in found:
-        waypoints = [(*object_pose.transform((x, y)), arc_angle) for x, y, arc_angle in waypoints]
-        ways += assemble_paths(robot, start, goal, off, on, waypoints, settings.max_reverse_distance)
+    routes = waypoints_around_object(body, departure.place, arrival.place)
+    ends = PathEnds(start, goal,
+                    departure._replace(place=object_pose.transform(departure.place)),
+                    arrival._replace(place=object_pose.transform(arrival.place)))
+    paths: list[Path] = []
+    for route in routes:
+        waypoints = [Waypoint(*object_pose.transform((x, y)), arc_angle)
+                     for x, y, arc_angle in route]
+        paths += assemble_paths(robot, ends, waypoints, settings.max_reverse_distance)
     if occupancy_map is not None:
-        margin = _margin(robot, start, goal, settings, occupancy_map)
-        ways = [way for way in ways if occupancy_map.robot_is_free(
-            robot, sample_path(way, robot, occupancy_map.resolution), margin)]
-        if not ways:
-            waypoints = grid_waypoints(occupancy_map, robot.radius + margin, body, object_pose, off.place,
-                                       on.place)
-            ways = assemble_paths(robot, start, goal, off, on, waypoints, settings.max_reverse_distance)
-    return min(ways, key=lambda way: travel_time(way, robot, settings))
+        margin = _map_margin(robot, start, goal, settings, occupancy_map)
+        paths = [path for path in paths if occupancy_map.robot_is_free(
+            robot, sample_path(path, robot, occupancy_map.resolution), margin)]
+        if not paths:
+            waypoints = grid_waypoints(occupancy_map, robot.radius + margin, body, object_pose,
+                                       ends.departure.place, ends.arrival.place)
+            paths = assemble_paths(robot, ends, waypoints, settings.max_reverse_distance)
+    return min(paths, key=lambda path: travel_time(path, robot, settings))
 
 
-def _margin(robot, start, goal, settings, occupancy_map):
+def waypoints_around_object(body: InflatedObstacle, start: tuple[float, float],
+                            goal: tuple[float, float]) -> list[list[Waypoint]]:
+    """
+    Find the shortest routes past the object: the straight one, or those to either side of it.
+
+    :param body: ``InflatedObstacle``.
+    :param start: (x, y), not inside [m].
+    :param goal: (x, y), not inside [m].
+    :return: list of routes, each a list of ``Waypoint`` without the start.
+    """
+    ahead = math.atan2(goal[1] - start[1], goal[0] - start[0])
+    here, there = body.cone(*start), body.cone(*goal)
+    if not (here.occludes(ahead) and there.occludes(ahead + math.pi)):
+        return [[Waypoint(*goal)]]
+    count = len(body.core)
+    routes: list[list[Waypoint]] = []
+    for side, first, last, begin, end in (
+            (1, here.right_index, there.left_index, here.right, there.left),
+            (-1, here.left_index, there.right_index, here.left, there.right)):
+        vertices = [(first + side * i) % count for i in range((side * (last - first)) % count + 1)]
+        # Directions of motion: into the first corner, along the edges, out of the last corner.
+        directions = [begin, *(_edge_direction(body.core, *pair)
+                               for pair in zip(vertices, vertices[1:])), end + math.pi]
+        routes.append([*_wound_round(body, float(side), vertices, directions), Waypoint(*goal)])
+    return routes
+
+
+def _edge_direction(core: Sequence[tuple[float, float]], number: int, following: int) -> float:
+    (x0, y0), (x1, y1) = core[number], core[following]
+    return math.atan2(y1 - y0, x1 - x0)
+
+
+def _wound_round(body: InflatedObstacle, side: float, vertices: Sequence[int],
+                 directions: Sequence[float]) -> list[Waypoint]:
+    """
+    Find the tangent points of a route round corners, with the arcs between them.
+
+    :param body: ``InflatedObstacle``.
+    :param side: 1 counter-clockwise round the object, -1 clockwise.
+    :param vertices: numbers of the corners.
+    :param directions: of motion before each corner and after the last [rad].
+    """
+    waypoints: list[Waypoint] = []
+
+    def tangent_point(vertex: int, direction: float) -> tuple[float, float]:
+        x, y = body.core[vertex]
+        return (x + side * body.radius * math.sin(direction),
+                y - side * body.radius * math.cos(direction))
+
+    for vertex, before, after in zip(vertices, directions, directions[1:]):
+        # An angle that is negative by rounding is 0, not a full circle.
+        arc_angle = (side * (after - before) + 1e-6) % (2.0 * math.pi) - 1e-6
+        waypoints.append(Waypoint(*tangent_point(vertex, before)))
+        count = max(1, math.ceil(arc_angle / MAX_ARC_ANGLE))
+        for i in range(count):
+            direction = before + side * ((i + 1) / count) * arc_angle
+            waypoints.append(Waypoint(*tangent_point(vertex, direction),
+                                      side * arc_angle / count))
+    return waypoints
+
+
+def departure_from_start(robot: RoundRobot, body: InflatedObstacle, pose: Pose,
+                         clearance: float) -> Departure:
+    """
+    Find the straight segment off the object from the robot's pose.
+
+    :param robot: the ``RoundRobot``.
+    :param body: ``InflatedObstacle``, inflated by the robot's radius and the clearance.
+    :param pose: ``Pose`` of the robot in the object frame.
+    :param clearance: distance from the object at which the segment ends [m].
+    :return: ``Departure``, in the object frame.
+    :raises NoPathFound: where the robot's centre is inside the object.
+    """
+    overlap = _overlap(body, pose, clearance)
+    if overlap > robot.radius:
+        raise NoPathFound(f'the start of the path lies {overlap:.3f} m inside the object')
+    return _departure(robot, body, pose)
+
+
+def departure_from_goal(robot: RoundRobot, body: InflatedObstacle, pose: Pose,
+                        clearance: float) -> Departure:
+    """
+    Find the straight segment off the object from the goal; the robot arrives along it.
+
+    :param robot: the ``RoundRobot``.
+    :param body: ``InflatedObstacle``, inflated by the robot's radius and the clearance.
+    :param pose: goal ``Pose`` in the object frame.
+    :param clearance: distance from the object at which the segment ends [m].
+    :return: ``Departure``, in the object frame.
+    :raises NoPathFound: where the robot would overlap the object.
+    """
+    overlap = _overlap(body, pose, clearance)
+    if overlap > CONTACT_TOLERANCE:
+        raise NoPathFound(f'the goal of the path lies {overlap:.3f} m inside the object')
+    return _departure(robot, body, pose)
+
+
+def _overlap(body: InflatedObstacle, pose: Pose, clearance: float) -> float:
+    gap, _ = body.nearest(pose.x, pose.y)
+    return -gap - clearance
+
+
+def _departure(robot: RoundRobot, body: InflatedObstacle, pose: Pose) -> Departure:
+    gap, outward = body.nearest(pose.x, pose.y)
+    if gap > -SURFACE_TOLERANCE:
+        return Departure((pose.x, pose.y), False, False)
+    is_backwards = abs(wrap_angle(outward - pose.theta)) > 0.5 * math.pi
+    along = pose.theta + (math.pi if is_backwards else 0.0)
+    if robot.drive == 'differential' and abs(wrap_angle(outward - along)) <= MAX_DEPARTURE_ANGLE:
+        outward = along
+    length = body.ray_exit(pose.x, pose.y, outward)
+    place = pose.x + length * math.cos(outward), pose.y + length * math.sin(outward)
+    return Departure(place, True, is_backwards)
+
+
+def assemble_paths(robot: RoundRobot, ends: PathEnds, waypoints: Sequence[Waypoint],
+                   max_reverse_distance: float) -> list[Path]:
+    """
+    Join departure, waypoints and arrival: forwards, and backwards too where that is short.
+
+    :param robot: the ``RoundRobot``.
+    :param ends: ``PathEnds``.
+    :param waypoints: from behind the end of the departure to the begin of the arrival.
+    :param max_reverse_distance: longest path on which a differential drive moves backwards [m].
+    :return: list of ``Path``.
+    """
+    start, goal, departure, arrival = ends
+    joined = list(waypoints)
+    if departure.is_needed:
+        joined.insert(0, Waypoint(*departure.place))
+    if arrival.is_needed:
+        joined.append(Waypoint(goal.x, goal.y))
+    if robot.drive == 'holonomic':
+        keeps_heading = departure.is_needed, arrival.is_needed
+        return [holonomic_path(start, goal, joined, keeps_heading)]
+    paths: list[Path] = []
+    for is_backwards in (False, True):
+        backwards = [is_backwards] * len(waypoints)
+        if departure.is_needed:
+            backwards.insert(0, departure.is_backwards)
+        if arrival.is_needed:
+            backwards.append(not arrival.is_backwards)
+        paths.append(differential_path(start, goal, joined, backwards))
+    forwards, reversing = paths
+    return paths if reversing.length <= max_reverse_distance else [forwards]
+
+
+def _map_margin(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
+                occupancy_map: OccupancyMap) -> float:
+    """Distance that the path keeps from obstacles of the map [m]."""
     here, there = occupancy_map.clearance([start[:2], goal[:2]]) - robot.radius
     if here < 0.0:
-        raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m stands in an obstacle of the '
-                          'map, or too near to one')
+        raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m is in an obstacle of '
+                          'the map, or too near to one')
     margin = min(settings.map_clearance, here)
     if there < margin:
-        raise NoPathFound(f'the goal of the way, {goal.x:.2f} m, {goal.y:.2f} m, is too near to an '
-                          'obstacle of the map')
+        raise NoPathFound(f'the goal of the path, {goal.x:.2f} m, {goal.y:.2f} m, is too near to '
+                          'an obstacle of the map')
     return margin
 
 
-def _finite(name, pose):
+def _finite(name: str, pose: Pose) -> Pose:
     pose = Pose(*pose)
     if not pose.is_finite():
         raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')

@@ -9,7 +9,7 @@ from benchmarks.tasks.maps import object_clearance, robot_clearance
 import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
-from push_navigation.path_planner import NoPathFound
+from push_navigation.path import NoPathFound
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.sequence.costs import plan_approach

@@ -6,9 +6,9 @@ from push_control.push.start import robot_start_pose
 from push_control.task.perception import has_moved
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import STOP
-from push_navigation.path import travel_time
 from push_navigation.path_follower import PathFollower
 from push_navigation.path_planner import plan_path
+from push_navigation.speed_profile import travel_time
 
 SET_OUT_LIMIT = 3
 OVERLAP = 0.01
@@ -109,7 +109,8 @@ class Approach:
         if self._travel is None:
             stand = self._stand(object_pose)
             try:
-                way = plan_path(robot, obj, object_pose, robot_pose, stand, drive, self._workspace)
+                way = plan_path(robot, obj, object_pose, robot_pose, stand, drive,
+                                occupancy_map=self._workspace)
             except ValueError as error:
                 self.failure_reason = str(error)
                 return STOP

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
-from push_navigation.path import travel_time
-from push_navigation.path_planner import NoPathFound
+from push_navigation.path import NoPathFound
+from push_navigation.speed_profile import travel_time
 from push_planner.problem import PlanningFailed
 from push_planner.sequence.costs import plan_approach
 from push_planner.sequence.miss_probability import miss_probability

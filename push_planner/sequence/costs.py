@@ -5,8 +5,9 @@ import math
 
 import numpy as np
 from push_model.geometry import Pose
-from push_navigation.path import travel_time
-from push_navigation.path_planner import NoPathFound, plan_path
+from push_navigation.path import NoPathFound
+from push_navigation.path_planner import plan_path
+from push_navigation.speed_profile import travel_time
 from push_planner.collocation.speed_profile import push_time
 from push_planner.sequence.search import SequenceCosts
 
@@ -36,8 +37,8 @@ def plan_approach(robot, obj, object_pose, start, contact_pose, drive, occupancy
     :return: ``Way``.
     :raises NoWay: where there is none.
     """
-    more = () if occupancy_map is None else (occupancy_map,)
-    return plan_path(robot, obj, object_pose, start, standoff(contact_pose, drive), drive, *more)
+    return plan_path(robot, obj, object_pose, start, standoff(contact_pose, drive), drive,
+                     occupancy_map=occupancy_map)
 
 
 def approach_times(robot, obj, start, contact_poses, drive):

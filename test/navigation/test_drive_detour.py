@@ -8,10 +8,10 @@ import numpy as np
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_navigation.motion_section import MotionSection, split_at_stops
-from push_navigation.path import sample_path, travel_time
-from push_navigation.path_planner import NoPathFound, plan_path
+from push_navigation.path import NoPathFound, sample_path
+from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import MotionSection, split_at_stops, travel_time
 import pytest
 from scipy.sparse.csgraph import dijkstra
 
@@ -215,5 +215,5 @@ def test_what_cannot_be_is_refused_by_name():
         with pytest.raises(ValueError, match='robot.radius: got'):
             plan_path(RoundRobot(radius), obj, settings=SETTINGS, **poses)
     for name in ('start', 'goal'):
-        with pytest.raises(NoPathFound, match=f'the {name} of the way lies 0.3.* m inside'):
+        with pytest.raises(NoPathFound, match=f'the {name} of the path lies 0.3.* m inside'):
             plan_path(robot, obj, settings=SETTINGS, **{**poses, name: Pose(0.0, 0.0, 0.0)})

@@ -10,10 +10,11 @@ from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP
-from push_navigation.path import differential_path, Path, travel_time
+from push_navigation.path import differential_path, Path
 from push_navigation.path_follower import PathFollower
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import travel_time
 from push_sim_node.simulation import Simulation
 import pytest
 

@@ -7,10 +7,10 @@ import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_navigation.path import (
-    differential_path, holonomic_path, Path, PathSegment, sample_path, travel_time,
+    differential_path, holonomic_path, Path, PathSegment, sample_path,
 )
 from push_navigation.settings import DriveSettings
-from push_navigation.speed_profile import STOP_DURATION
+from push_navigation.speed_profile import FADE_TIME, travel_time
 import pytest
 from scipy.integrate import quad
 
@@ -92,7 +92,7 @@ def test_straight_legs_and_turns_take_the_time_of_their_speeds():
     start, goal = Pose(0.0, 0.0, 0.3), Pose(1.0, 0.05, 2.0)
     way = differential_path(start, goal, [(1.0, 0.0, 0.0), (1.0, 0.05, 0.0)], [False, False])
     assert travel_time(way, ROBOT, SETTINGS) == pytest.approx(
-        sum(integrated_time(segment, SETTINGS) + STOP_DURATION for segment in way.segments), abs=1e-4)
+        sum(integrated_time(segment, SETTINGS) + FADE_TIME for segment in way.segments), abs=1e-4)
 
 
 def test_time_is_kept_when_lengths_and_speeds_grow_alike():

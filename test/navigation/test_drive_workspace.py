@@ -8,8 +8,8 @@ from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.path import sample_path
-from push_navigation.path_planner import NoPathFound, plan_path
+from push_navigation.path import NoPathFound, sample_path
+from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 import pytest
 from scipy.ndimage import label
@@ -124,7 +124,7 @@ def test_ways_keep_clear_of_obstacles_and_object(drive):
         object_pose = Pose(*rng.uniform(-2.0, 2.0, 2), rng.uniform(-3.0, 3.0))
         ends = [Pose(*rng.uniform(-2.6, 2.6, 2), rng.uniform(-3.0, 3.0)) for _ in range(2)]
         try:
-            way = plan_path(robot, obj, object_pose, *ends, SETTINGS, occupancy_map)
+            way = plan_path(robot, obj, object_pose, *ends, SETTINGS, occupancy_map=occupancy_map)
         except NoPathFound:
             continue
         found += 1
@@ -142,11 +142,11 @@ def test_it_goes_through_a_door_and_not_through_a_slit(drive):
     """The way through the door is little longer than the taut one; the slit is refused."""
     robot, obj = ROBOTS[drive], box()
     start, goal = Pose(-1.5, 0.0, 0.0), Pose(1.5, 0.0, 0.0)
-    way = plan_path(robot, obj, ASIDE, start, goal, SETTINGS, door(0.8))
+    way = plan_path(robot, obj, ASIDE, start, goal, SETTINGS, occupancy_map=door(0.8))
     post = math.dist(start[:2], (0.0, 0.6 + 0.17 + SETTINGS.map_clearance))
     assert 2.0 * post < way.length < 1.06 * 2.0 * post
     with pytest.raises(NoPathFound, match='obstacles of the map'):
-        plan_path(robot, obj, ASIDE, start, goal, SETTINGS, door(0.4))
+        plan_path(robot, obj, ASIDE, start, goal, SETTINGS, occupancy_map=door(0.4))
 
 
 def test_the_object_in_the_door_is_an_obstacle_too():
@@ -154,7 +154,7 @@ def test_the_object_in_the_door_is_an_obstacle_too():
     start, goal = Pose(-1.5, 0.0, 0.0), Pose(1.5, 0.0, 0.0)
     with pytest.raises(NoPathFound, match='obstacles of the map, or the object between them'):
         plan_path(ROBOTS['holonomic'], box(), Pose(0.0, 1.0, 0.0), start, goal, SETTINGS,
-                  door(0.8))
+                  occupancy_map=door(0.8))
 
 
 def test_one_side_of_the_object_is_walled_up():
@@ -163,7 +163,7 @@ def test_one_side_of_the_object_is_walled_up():
     start, goal = Pose(-1.0, 0.1, 0.0), Pose(1.0, 0.1, 0.0)
     free = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
     walled = plan_path(robot, obj, object_pose, start, goal, SETTINGS,
-                       room((-0.1, 0.1, 0.3, 3.0)))
+                       occupancy_map=room((-0.1, 0.1, 0.3, 3.0)))
     assert max(pose.y for pose in free.poses) > 0.4 > max(pose.y for pose in walled.poses)
     assert min(pose.y for pose in walled.poses) < -0.4
     assert free.length < walled.length < free.length + 0.5
@@ -186,7 +186,7 @@ def test_a_way_exists_where_free_cells_are_connected():
                     for pose in (start, goal)]
             reached.append(ends[0] == ends[1] > 0)
         try:
-            plan_path(robot, box(0.1), Pose(-2.8, 2.8, 0.0), start, goal, SETTINGS, occupancy_map)
+            plan_path(robot, box(0.1), Pose(-2.8, 2.8, 0.0), start, goal, SETTINGS, occupancy_map=occupancy_map)
             answers.append(True)
         except NoPathFound:
             answers.append(False)
@@ -199,14 +199,14 @@ def test_a_robot_close_to_a_wall_can_leave():
     occupancy_map, obj, robot = door(0.8), box(), ROBOTS['differential']
     goal = Pose(-1.5, 0.0, 0.0)
     near = Pose(-0.05 - 0.17 - 1.2 * RESOLUTION, -1.0, 0.0)
-    way = plan_path(robot, obj, ASIDE, near, goal, SETTINGS, occupancy_map)
+    way = plan_path(robot, obj, ASIDE, near, goal, SETTINGS, occupancy_map=occupancy_map)
     room_there = occupancy_map.clearance([near[:2]])[0]
     assert room_there < robot.radius + SETTINGS.map_clearance
     assert occupancy_map.clearance(sample_path(way, robot, 0.02)[:, :2]).min() >= room_there - 1e-9
-    with pytest.raises(NoPathFound, match='the robot at -0.10 m, -1.00 m stands in an obstacle'):
-        plan_path(robot, obj, ASIDE, Pose(-0.1, -1.0, 0.0), goal, SETTINGS, occupancy_map)
-    with pytest.raises(NoPathFound, match='the goal of the way, -0.10 m, -1.00 m, is too near'):
-        plan_path(robot, obj, ASIDE, goal, Pose(-0.1, -1.0, 0.0), SETTINGS, occupancy_map)
+    with pytest.raises(NoPathFound, match='the robot at -0.10 m, -1.00 m is in an obstacle'):
+        plan_path(robot, obj, ASIDE, Pose(-0.1, -1.0, 0.0), goal, SETTINGS, occupancy_map=occupancy_map)
+    with pytest.raises(NoPathFound, match='the goal of the path, -0.10 m, -1.00 m, is too near'):
+        plan_path(robot, obj, ASIDE, goal, Pose(-0.1, -1.0, 0.0), SETTINGS, occupancy_map=occupancy_map)
 
 
 def test_a_free_map_changes_nothing():
@@ -217,7 +217,7 @@ def test_a_free_map_changes_nothing():
             start, goal = (Pose(*(rng.choice([-1, 1], 2) * rng.uniform(0.5, 1.2, 2)),
                                 rng.uniform(-3.0, 3.0)) for _ in range(2))
             task = (robot, obj, Pose(0.0, 0.0, 0.2), start, goal, SETTINGS)
-            assert plan_path(*task, room()) == plan_path(*task)
+            assert plan_path(*task, occupancy_map=room()) == plan_path(*task)
 
 
 @either
@@ -227,8 +227,9 @@ def test_it_does_not_matter_how_the_map_lies_in_the_world(drive):
     moved = OccupancyMap(RESOLUTION, move @ plain.origin, plain.occupied)
     goal = Pose(1.5, 0.0, 0.3)
     for start in (Pose(-1.5, 0.0, 0.0), Pose(-1.475, 0.025, 0.0)):
-        way = plan_path(robot, box(), ASIDE, start, goal, SETTINGS, plain)
-        other = plan_path(robot, box(), move @ ASIDE, move @ start, move @ goal, SETTINGS, moved)
+        way = plan_path(robot, box(), ASIDE, start, goal, SETTINGS, occupancy_map=plain)
+        other = plan_path(robot, box(), move @ ASIDE, move @ start, move @ goal, SETTINGS,
+                          occupancy_map=moved)
         assert len(other.poses) == len(way.poses) > 2
         for one, two in zip(way.poses, other.poses):
             assert two[:2] == pytest.approx((move @ one)[:2], abs=1e-6)

@@ -8,8 +8,8 @@ from helpers.push_problems import DIFFERENTIAL, HOLONOMIC
 import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_navigation.path import travel_time
 from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import travel_time
 from push_planner.problem import PlanningFailed, problem_from_placement
 from push_planner.sequence.costs import plan_approach, standoff
 from push_planner.sequence.planner import plan_task
