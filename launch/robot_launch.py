@@ -1,8 +1,8 @@
 """
 Start planner and controller for a real robot.
 
-The robot and a tracker bring ``odom``, ``object_pose`` and take ``cmd_vel``; under what names,
-the arguments say. The robot moves only after the service ``controller/start`` was called.
+The robot and a tracker provide ``odom`` and ``object_pose``, and the robot subscribes ``cmd_vel``;
+the arguments remap these topics. The robot moves only after a call of ``controller/start``.
 """
 
 from launch import LaunchDescription
@@ -16,20 +16,20 @@ from launch_ros.substitutions import FindPackageShare
 TOPICS = {
     'odom': 'nav_msgs/Odometry of the robot',
     'object_pose': 'geometry_msgs/PoseStamped of the object, in the frame of odom',
-    'goal_pose': 'geometry_msgs/PoseStamped, where the object shall go',
-    'map': 'nav_msgs/OccupancyGrid that a task keeps to, in the frame of odom; may be absent',
+    'goal_pose': 'geometry_msgs/PoseStamped, goal pose of the object',
+    'map': 'nav_msgs/OccupancyGrid of the obstacles in a task, in the frame of odom; optional',
     'cmd_vel': 'velocity command for the robot',
 }
 
 
 def generate_launch_description():
-    """Describe what is started, and its arguments."""
+    """Describe the nodes to start, and the launch arguments."""
     config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
     params_file = LaunchConfiguration('params_file')
     remappings = [(topic, LaunchConfiguration(topic)) for topic in TOPICS]
     switches = {name: ParameterValue(LaunchConfiguration(name), value_type=bool)
                 for name in ('autostart', 'stamped_cmd_vel')}
-    # With name and namespace given, what is set here outranks the node's section of the file.
+    # With name and namespace given, values set here take precedence over the node's section.
     root = {'namespace': '/', 'remappings': remappings, 'output': 'screen', 'on_exit': Shutdown()}
     return LaunchDescription([
         DeclareLaunchArgument(

@@ -1,7 +1,7 @@
 """
-Start simulator, planner and controller, and RViz to give goals in.
+Start simulator, planner and controller, and RViz to set goals.
 
-``ros2 launch push_control simulation_launch.py`` and then a click with RViz's 2D Goal Pose.
+``ros2 launch push_control simulation_launch.py``, then click 2D Goal Pose in RViz.
 """
 
 from launch import LaunchDescription
@@ -14,11 +14,11 @@ from launch_ros.substitutions import FindPackageShare
 
 
 def generate_launch_description():
-    """Describe what is started, and its arguments."""
+    """Describe the nodes to start, and the launch arguments."""
     config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
     params_file, task = LaunchConfiguration('params_file'), LaunchConfiguration('task')
     autostart = ParameterValue(LaunchConfiguration('autostart'), value_type=bool)
-    # With name and namespace given, what is set here outranks the node's section of the file.
+    # With name and namespace given, values set here take precedence over the node's section.
     root = {'namespace': '/', 'output': 'screen', 'on_exit': Shutdown()}
     return LaunchDescription([
         DeclareLaunchArgument(
@@ -26,8 +26,8 @@ def generate_launch_description():
             description='parameters of the three nodes'),
         DeclareLaunchArgument(
             'task', default_value='true', choices=['true', 'false'],
-            description='go round the object and push as often as it takes; else push once from '
-                        'where the robot stands'),
+            description='drive around the object and push as often as necessary; else push once '
+                        'from where the robot stands'),
         DeclareLaunchArgument(
             'autostart', default_value='true', choices=['true', 'false'],
             description='push as soon as there is a plan, without the service controller/start'),

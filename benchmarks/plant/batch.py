@@ -36,7 +36,7 @@ def job(seed):
 
 
 def timed(jobs, out, **how):
-    """Run a batch; return its table, seconds in all and jobs per second once under way."""
+    """Run a batch; return its table, total seconds and jobs per second after startup."""
     marks = []
     began = time.perf_counter()
     run_batch(PUSH, jobs, out, progress=lambda done, total: marks.append(
@@ -70,7 +70,7 @@ def main():
     PUSH(jobs[0])
     tables, base = set(), None
     print(f'{len(jobs)} variations of {STEPS} steps of {1e3 * STEP:g} ms\n')
-    print('| | in all [s] | variations/s | million steps/s | scaling | once under way |')
+    print('| | total [s] | variations/s | million steps/s | scaling | after startup |')
     print('|---|---|---|---|---|---|')
     for name, how in execution_modes(available_cores(), not arguments.no_cluster):
         with tempfile.TemporaryDirectory() as directory:

@@ -11,6 +11,13 @@ import pytest
 
 PAGES = sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT) if path.suffix == '.md')
 TEXTS = {page: (ROOT / page).read_text(encoding='utf-8') for page in PAGES}
+REPORTS = {
+    'benchmarks/controller/controller.md.in': 'docs/control/controller.md',
+    'benchmarks/planner/planner.md.in': 'docs/planner/planner.md',
+    'benchmarks/plant/mujoco.md.in': 'docs/validation/mujoco.md',
+    'benchmarks/plant/plant.md.in': 'docs/validation/plant.md',
+    'benchmarks/tasks/tasks.md.in': 'docs/tasks/tasks.md',
+}
 LINK = re.compile(r'\]\(([^)\s]+)\)')
 CODE = re.compile(r'(?<!`)`([^`\n]+)`(?!`)')
 FILE = re.compile(r'(push_\w+|test|benchmarks|config|docs|examples|launch)/[\w./-]*\w/?$')
@@ -125,6 +132,19 @@ def test_a_name_that_does_not_exist_would_be_noticed():
     with pytest.raises(AttributeError):
         resolve('push_model.geometry.no_such_name')
     assert heading_anchors('# On a `real` robot, at last') == {'on-a-real-robot-at-last'}
+
+
+@pytest.mark.parametrize('template, report', REPORTS.items())
+def test_reports_have_the_text_of_their_templates(template, report):
+    """A measured report differs from its template in the measured values alone."""
+    pattern = re.sub(r'@[A-Z]+@', '.*?', re.escape((ROOT / template).read_text().rstrip()))
+    assert re.fullmatch(pattern, TEXTS[report].rstrip(), re.DOTALL)
+
+
+def test_every_template_has_a_report():
+    """No template of a benchmark is left out of the check."""
+    assert sorted(REPORTS) == sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT)
+                                     if path.name.endswith('.md.in'))
 
 
 @pytest.mark.slow
