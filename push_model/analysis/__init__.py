@@ -1,1 +1,1 @@
-"""Analyses on the equations of motion: stability, steady turns, limits of rolling and steering."""
+"""Analyses of the equations of motion: stability, steady turns, limits of rolling, steering."""

@@ -1,12 +1,14 @@
-"""Every force on a pushed object, one by one, as a free-body diagram shows them."""
+"""Free-body diagram: every force on a pushed object, one by one."""
 
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 from push_model.dynamics import (
-    contact_force, Input, kinematics, ObjectTerms, SMOOTHING, State, yaw_acceleration,
+    contact_force, Input, kinematics, ObjectTerms, Rolling, SMOOTHING, State, yaw_acceleration,
 )
 from push_model.friction import friction_weight
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject
 
 
 class FreeBody(NamedTuple):
@@ -20,14 +22,15 @@ class FreeBody(NamedTuple):
     :param acceleration: a_G of the mass centre, ``m a_G = F_C + sum f_i`` (x, y) [m/s^2].
     """
 
-    contact_force: tuple
-    velocities: tuple
-    friction: tuple
+    contact_force: tuple[float, float]
+    velocities: tuple[tuple[float, float], ...]
+    friction: tuple[tuple[float, float], ...]
     yaw_acceleration: float
-    acceleration: tuple
+    acceleration: tuple[float, float]
 
 
-def free_body(obj, state, inputs, rolling, smoothing=SMOOTHING):
+def free_body(obj: PushedObject, state: Iterable[Any], inputs: Iterable[Any], rolling: Rolling,
+              smoothing: float = SMOOTHING) -> FreeBody:
     """
     Find all forces on an object that is pushed through a rolling or fixed contact.
 
@@ -35,22 +38,23 @@ def free_body(obj, state, inputs, rolling, smoothing=SMOOTHING):
     :param state: ``State``.
     :param inputs: ``Input``.
     :param rolling: (lam, R_e [m]) of ``contact.rolling_constants``.
-    :param smoothing: speed below which support friction turns viscous [m/s].
+    :param smoothing: speed below which support friction becomes viscous [m/s].
     :return: ``FreeBody``.
     """
     state, inputs, terms = State(*state), Input(*inputs), ObjectTerms.of(obj)
-    turning = float(yaw_acceleration(terms, state, inputs, rolling, smoothing))
-    force = Pose(0.0, 0.0, state.gamma).rotate(
-        contact_force(terms, state, inputs, turning, rolling, smoothing))
-    rate = kinematics(state, inputs, turning, rolling)
-    velocities, friction = [], []
+    omega_dot = float(yaw_acceleration(terms, state, inputs, rolling, smoothing))
+    force_x, force_y = map(float, Pose(0.0, 0.0, state.gamma).rotate(
+        contact_force(terms, state, inputs, omega_dot, rolling, smoothing)))
+    rate = kinematics(state, inputs, omega_dot, rolling)
+    velocities: list[tuple[float, float]] = []
+    friction: list[tuple[float, float]] = []
     for x, y, capacity in terms.supports:
         arm_x, arm_y = Pose(0.0, 0.0, state.theta).rotate((x, y))
         v_x, v_y = rate.x - state.omega * arm_y, rate.y + state.omega * arm_x
         weight = friction_weight(capacity, v_x, v_y, smoothing)
         velocities.append((v_x, v_y))
         friction.append((-weight * v_x, -weight * v_y))
-    force = tuple(float(part) for part in force)
-    total = [force[axis] + sum(one[axis] for one in friction) for axis in (0, 1)]
-    return FreeBody(force, tuple(velocities), tuple(friction), turning,
-                    tuple(part / obj.mass for part in total))
+    total_x = force_x + sum(f_x for f_x, _ in friction)
+    total_y = force_y + sum(f_y for _, f_y in friction)
+    return FreeBody((force_x, force_y), tuple(velocities), tuple(friction), omega_dot,
+                    (total_x / obj.mass, total_y / obj.mass))

@@ -1,19 +1,24 @@
 """
-A place where an object is pushed straight ahead, and how it turns there while it rolls.
+Pushing location: where an object is pushed straight ahead, and how it rotates there.
 
-The robot moves with constant velocity and does not spin. Then the turn of the object, theta, is
-all that changes: the normal turns by ``lam theta``, the contact travels by ``R_e theta`` along t.
-Turn 0 is the reference, where the push makes the pushing angle ``rho`` with the normal.
+The robot moves with constant velocity and does not rotate; the contact rolls. Then the rotation of
+the object, theta, is all that changes: the normal rotates by ``lam theta``, the contact travels by
+``R_e theta`` along t. Rotation 0 is the reference, where the push makes the pushing angle ``rho``
+with the normal.
+
+    rho(theta) = rho_0 - lam theta,    alpha = angle from the line C to F to the push
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from push_model.contact import (
     contact_point, curvature_radius, face_length, normal_range, rolling_constants,
+    RollingConstants,
 )
 from push_model.friction import friction_center
+from push_model.parameters import Contact, PushedObject
 
 
 class PushingLocation(NamedTuple):
@@ -22,74 +27,77 @@ class PushingLocation(NamedTuple):
 
     :param robot_radius: R_p [m], 0 to infinite.
     :param object_radius: R_s [m], 0 to infinite.
-    :param ahead: distance from C to the friction centre F along the normal n [m].
-    :param aside: the same along t, the normal turned by +90 degrees [m].
+    :param normal_distance: from C to the centre of friction F along the normal n [m].
+    :param tangential_distance: the same along t, the normal rotated by +90 degrees [m].
     :param pushing_angle: rho at the reference, from n to the push [rad].
-    :param turns: least and greatest turn of the object before the contact leaves the face or
-        vertex [rad].
-    :param forward: direction of the push at the reference, object frame [rad].
+    :param rotation_range: least and greatest rotation of the object before the contact leaves the
+        face or vertex [rad].
+    :param push_direction: direction of the push at the reference, object frame [rad].
     """
 
     robot_radius: float
     object_radius: float
-    ahead: float
-    aside: float = 0.0
+    normal_distance: float
+    tangential_distance: float = 0.0
     pushing_angle: float = 0.0
-    turns: tuple = (-math.inf, math.inf)
-    forward: float = 0.0
+    rotation_range: tuple[float, float] = (-math.inf, math.inf)
+    push_direction: float = 0.0
 
     @property
-    def rolling(self):
-        """The pair (lam, R_e [m])."""
+    def rolling(self) -> RollingConstants:
+        """The ``RollingConstants`` (lam, R_e [m])."""
         return rolling_constants(self.robot_radius, self.object_radius)
 
-    def rho(self, turn):
+    def rho(self, rotation: Any) -> Any:
         """
         Pushing angle, from the normal to the push [rad].
 
-        :param turn: of the object from the reference [rad], number or array.
+        :param rotation: of the object from the reference [rad], number or array.
         """
-        return self.pushing_angle - self.rolling[0] * turn
+        return self.pushing_angle - self.rolling.normal_ratio * rotation
 
-    def rotation_at(self, rho):
+    def rotation_at(self, rho: Any) -> Any:
         """
-        Turn of the object at which the pushing angle is rho [rad].
+        Rotation of the object at which the pushing angle is rho [rad].
 
         :param rho: pushing angle [rad], number or array.
-        :raises ValueError: where the pushing angle does not change (vertex or fence).
+        :raises ValueError: where the pushing angle does not change (vertex or flat pusher).
         """
-        share = self.rolling[0]
-        if share == 0.0:
-            raise ValueError('rho: the normal of a vertex or a fence does not turn with the '
-                             'object, expected a face or two round surfaces')
-        return (self.pushing_angle - rho) / share
+        normal_ratio = self.rolling.normal_ratio
+        if normal_ratio == 0.0:
+            raise ValueError('rho: the normal of a vertex or a flat pusher does not rotate with '
+                             'the object, expected a face or two round surfaces')
+        return (self.pushing_angle - rho) / normal_ratio
 
-    def friction_center(self, turn):
+    def friction_center(self, rotation: Any) -> tuple[Any, Any]:
         """
-        Place of F from C, in axes along the push and to its left (x, y) [m].
+        Position of F from C, in axes along the push and to its left (x, y) [m].
 
-        :param turn: of the object from the reference [rad], number or array.
+        :param rotation: of the object from the reference [rad], number or array.
         """
-        share, effective = self.rolling
-        normal = share * turn - self.pushing_angle
+        normal_ratio, effective_radius = self.rolling
+        normal = normal_ratio * rotation - self.pushing_angle
         if math.isinf(self.object_radius):
-            return _rotated(normal, self.ahead, self.aside - effective * turn)
-        # The centre of curvature is fixed in the object: R_s ahead of C along the normal.
+            return _rotated(normal, self.normal_distance,
+                            self.tangential_distance - effective_radius * rotation)
+        # The centre of curvature is fixed in the object: R_s from C along the normal.
         radius = self.object_radius
-        x, y = _rotated(turn - self.pushing_angle, self.ahead - radius, self.aside)
+        x, y = _rotated(rotation - self.pushing_angle, self.normal_distance - radius,
+                        self.tangential_distance)
         return x + radius * np.cos(normal), y + radius * np.sin(normal)
 
-    def alpha(self, turn):
+    def alpha(self, rotation: Any) -> Any:
         """
-        Angle from the line C to F to the push [rad]; above 0 it turns the object clockwise.
+        Angle from the line C to F to the push [rad]; above 0 it rotates the object clockwise.
 
-        :param turn: of the object from the reference [rad], number or array.
+        :param rotation: of the object from the reference [rad], number or array.
         """
-        x, y = self.friction_center(turn)
+        x, y = self.friction_center(rotation)
         return -np.arctan2(y, x)
 
 
-def pushing_location(obj, contact, robot_radius, normal=None, pushing_angle=0.0):
+def pushing_location(obj: PushedObject, contact: Contact, robot_radius: float,
+                     normal: float | None = None, pushing_angle: float = 0.0) -> PushingLocation:
     """
     Find the pushing location of a contact.
 
@@ -105,16 +113,38 @@ def pushing_location(obj, contact, robot_radius, normal=None, pushing_angle=0.0)
     normal = 0.5 * (low + high) if normal is None else normal
     x_f, y_f = friction_center(obj)
     x_c, y_c = contact_point(obj, contact)
-    ahead, aside = _rotated(-normal, x_f - x_c, y_f - y_c)
-    turns = -math.inf, math.inf
+    normal_distance, tangential_distance = _rotated(-normal, x_f - x_c, y_f - y_c)
+    rotation_range = -math.inf, math.inf
     if contact.kind == 'vertex':
-        turns = normal - high, normal - low
+        rotation_range = normal - high, normal - low
     elif contact.kind == 'face' and robot_radius > 0.0:
         half = 0.5 * face_length(obj, contact.index)
-        turns = (-half - contact.offset) / robot_radius, (half - contact.offset) / robot_radius
-    return PushingLocation(robot_radius, curvature_radius(obj, contact), float(ahead),
-                           float(aside), pushing_angle, turns, normal + pushing_angle)
+        rotation_range = ((-half - contact.offset) / robot_radius,
+                          (half - contact.offset) / robot_radius)
+    return PushingLocation(robot_radius, curvature_radius(obj, contact), float(normal_distance),
+                           float(tangential_distance), pushing_angle, rotation_range,
+                           normal + pushing_angle)
 
 
-def _rotated(angle, x, y):
+def force_alpha(location: PushingLocation, rotation: Any, contact_friction: float) -> Any:
+    """
+    Angle from the line C to F to what decides the sense of rotation, where the contact may slide.
+
+    The push and the edges of the friction cone vote, each by the side on which it passes F
+    (M. T. Mason, Mechanics and planning of manipulator pushing operations, 1986): the middle one
+    of the three decides. That is the push itself while it lies inside the cone, where it is at
+    angle alpha; else the nearer edge. With rho the pushing angle,
+
+        alpha - (rho - clip(rho, -atan(mu_c), atan(mu_c)))
+
+    :param location: ``PushingLocation``.
+    :param rotation: of the object from the reference [rad], number or array.
+    :param contact_friction: mu_c, 0 to infinite.
+    :return: angle [rad]; above 0 the object rotates clockwise, without regard to inertia.
+    """
+    rho, cone = location.rho(rotation), math.atan(contact_friction)
+    return location.alpha(rotation) - (rho - np.clip(rho, -cone, cone))
+
+
+def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
     return np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from push_model.analysis.constant_angles import push_at_angles
+from push_model.analysis.time_integration import push_at_angles
 from push_model.geometry import Pose
 from push_planner.single_push.planner import plan_push
 from push_study.chapter3.scene import draw_outlines, input_table, push_problem, SCENE, SEGMENTS

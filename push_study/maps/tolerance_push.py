@@ -62,8 +62,8 @@ class TurnedPush:
                           obj.contact_friction_coefficient)
         closed = force_tolerances(obj, contact, location)
         record.update(zip(('closed_clockwise', 'closed_counter'),
-                          (abs(one.turn) for one in closed)))
-        record['rule'] = min(abs(one.turn) for one in rule)
+                          (abs(one.rotation) for one in closed)))
+        record['rule'] = min(abs(one.rotation) for one in rule)
         for name, side in (('clockwise', -1.0), ('counter', 1.0)):
             record[name] = self._tolerance(obj, contact, location, job['speed'], side)
         return record
@@ -75,7 +75,7 @@ class TurnedPush:
             return returns(obj, contact, location, speed, side * turn, distance)
 
         low = self.accuracy
-        high = min(math.pi, side * location.turns[side > 0.0])
+        high = min(math.pi, side * location.rotation_range[side > 0.0])
         if high <= low or not comes_back(low):
             return 0.0
         while high - low > self.accuracy:
@@ -99,7 +99,7 @@ def returns(obj, contact, location, speed, turn, distance):
     for look in range(LOOKS):
         plant.advance(distance / LOOKS / speed, Twist(speed, 0.0, 0.0))
         pose = plant.object_pose
-        now = pose.theta + location.forward
+        now = pose.theta + location.push_direction
         touched, _, gap = find_contact(obj, pose, plant.robot_pose, location.robot_radius)
         if (touched.kind, touched.index) != (contact.kind, contact.index) or gap > SLIP:
             return False
@@ -112,7 +112,7 @@ def returns(obj, contact, location, speed, turn, distance):
 
 def _start(obj, contact, location, speed, turn):
     now = rolled_contact(obj, contact, location, turn)
-    pose = Pose(0.0, 0.0, turn - location.forward)
+    pose = Pose(0.0, 0.0, turn - location.push_direction)
     x, y = pose.transform(contact_point(obj, now))
     normal = pose.theta + normal_range(obj, now)[0]
     radius = location.robot_radius

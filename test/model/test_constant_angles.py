@@ -4,8 +4,8 @@ import math
 
 from helpers.objects import box
 import numpy as np
-from push_model.analysis.constant_angles import push_at_angles
 from push_model.analysis.steady_turn import steady_yaw_rate
+from push_model.analysis.time_integration import push_at_angles
 from push_model.contact import contact_point
 from push_model.dynamics import STATE
 from push_model.geometry import Pose
@@ -32,7 +32,7 @@ def test_a_slow_push_turns_as_friction_alone_has_it():
 
 def test_mirrored_angles_give_the_mirrored_push():
     left, right = (push_at_angles(box(), FACE, np.multiply(side, (-0.3, 0.1)), [0.4, 0.3], 0.4,
-                                  0.2) for side in (1.0, -1.0))
+                                  robot_radius=0.2) for side in (1.0, -1.0))
     np.testing.assert_allclose(left.end, np.multiply(right.end, (1.0, -1.0, -1.0)), atol=1e-7)
     np.testing.assert_allclose(left.impulses, right.impulses * (1.0, 1.0, -1.0), atol=1e-7)
 
@@ -67,7 +67,7 @@ def _velocity(run, at, step):
 
 
 def test_the_contact_rolls_by_the_radius_for_each_radian():
-    run = push_at_angles(box(), FACE, [-0.3, 0.1], [0.5, 0.5], 0.3, 0.25)
+    run = push_at_angles(box(), FACE, [-0.3, 0.1], [0.5, 0.5], 0.3, robot_radius=0.25)
     along = run.states[:, STATE.index('c_y')]
     np.testing.assert_allclose(along, 0.25 * run.states[:, STATE.index('theta')], atol=1e-7)
     assert np.abs(along).max() > 0.01
@@ -76,7 +76,7 @@ def test_the_contact_rolls_by_the_radius_for_each_radian():
 def test_a_robot_that_does_not_spin_moves_at_the_pushing_speed():
     """Its centre, found behind the contact: all of its points move alike."""
     radius, speed = 0.25, 0.3
-    run = push_at_angles(box(), FACE, [-0.3], [0.6], speed, radius)
+    run = push_at_angles(box(), FACE, [-0.3], [0.6], speed, robot_radius=radius)
     points = np.array([Pose(*row[:3]).transform(row[5:]) for row in run.states])
     gamma = run.states[:, STATE.index('gamma')]
     centers = points - radius * np.column_stack([np.cos(gamma), np.sin(gamma)])

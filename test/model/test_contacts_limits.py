@@ -16,7 +16,7 @@ import pytest
 pytestmark = pytest.mark.physics
 ORIGIN = Pose(0.0, 0.0, 0.0)
 UNEVEN = {'friction': (0.2, 0.4, 0.3, 0.25), 'center_of_mass': (0.02, -0.03)}
-POINT, FENCE = 0.0, math.inf
+POINT, FLAT_PUSHER = 0.0, math.inf
 OBJECTS = {'box': (box(**UNEVEN), (-0.2, -0.2), 0.7), 'bin': (bin_(), (-0.2, 0.0), 0.0)}
 
 
@@ -48,7 +48,7 @@ def test_very_large_radius_tends_to_the_fence(name):
     """The difference falls as 1 / R_p, down to nothing at 10 km."""
     obj, point, normal = OBJECTS[name]
     commands = [(0.3, 0.05, 0.0), (0.3, -0.3, 0.0), (0.1, 0.4, 0.0)]
-    fence = courses(obj, point, normal, FENCE, commands)
+    fence = courses(obj, point, normal, FLAT_PUSHER, commands)
     off = [np.abs(poses(courses(obj, point, normal, radius, commands)) - poses(fence)).max()
            for radius in (10.0, 100.0, 1e4)]
     assert np.abs(poses(fence)[-1]).max() > 0.1
@@ -65,7 +65,7 @@ def test_very_small_radius_tends_to_the_point(obj, point):
     assert off[1] < 0.2 * off[0] and off[2] < 5e-5
 
 
-@pytest.mark.parametrize('radius', [POINT, 0.05, 0.3, 5.0, FENCE])
+@pytest.mark.parametrize('radius', [POINT, 0.05, 0.3, 5.0, FLAT_PUSHER])
 @pytest.mark.parametrize('name', OBJECTS)
 def test_every_robot_hits_sticks_slides_both_ways_and_leaves(name, radius):
     obj, point, normal = OBJECTS[name]
@@ -115,23 +115,23 @@ def test_push_travels_from_a_face_round_the_corner_to_the_next_face(radius):
     assert min(gaps) > -2e-4 and max(gaps) < 2e-3
 
 
-def test_fence_meets_the_vertex_that_is_foremost():
+def test_a_flat_pusher_meets_the_vertex_that_is_foremost():
     obj, pose = box(), Pose(1.0, 2.0, 0.3)
-    contact, gamma, gap = find_contact(obj, pose, Pose(0.0, 0.0, 0.5), FENCE)
+    contact, gamma, gap = find_contact(obj, pose, Pose(0.0, 0.0, 0.5), FLAT_PUSHER)
     corners = [pose.transform(corner) for corner in obj.outline]
     heights = [x * math.cos(0.5) + y * math.sin(0.5) for x, y in corners]
     assert contact == Contact('vertex', int(np.argmin(heights))) and gamma == 0.5
     assert gap == pytest.approx(min(heights))
-    contact, _, gap = find_contact(bin_(), pose, Pose(0.0, 0.0, 0.5), FENCE)
+    contact, _, gap = find_contact(bin_(), pose, Pose(0.0, 0.0, 0.5), FLAT_PUSHER)
     x, y = pose.transform(contact_point(bin_(), contact))
     assert x * math.cos(0.5) + y * math.sin(0.5) == pytest.approx(gap)
-    with pytest.raises(ValueError, match='robot_pose: .* fence'):
-        find_contact(obj, pose, (0.0, 0.0), FENCE)
+    with pytest.raises(ValueError, match='robot_pose: .* flat pusher'):
+        find_contact(obj, pose, (0.0, 0.0), FLAT_PUSHER)
 
 
 def test_fence_that_swings_sweeps_the_object_along():
     """Far from its pivot the fence moves at omega times the distance, square to itself."""
-    plant = Plant(bin_(), ramp_robot(FENCE), ORIGIN, Pose(-0.2, 1.0, 0.0), 1e-3)
+    plant = Plant(bin_(), ramp_robot(FLAT_PUSHER), ORIGIN, Pose(-0.2, 1.0, 0.0), 1e-3)
     plant.advance(0.5, Twist(0.0, 0.0, 0.5))
     truth = plant.truth(0.0)
     arm = math.hypot(truth.contact_point[0] + 0.2, truth.contact_point[1] - 1.0)
@@ -144,7 +144,7 @@ def test_fence_that_swings_sweeps_the_object_along():
 @pytest.mark.parametrize('tilt', [0.05, -0.1])
 def test_fence_turns_a_face_flush_and_keeps_it_so(tilt):
     """Two corners take turns in carrying; the sideways creep that this leaves is documented."""
-    plant = Plant(box(**UNEVEN), ramp_robot(FENCE), Pose(0.0, 0.0, tilt), Pose(-0.25, 0.0, 0.0))
+    plant = Plant(box(**UNEVEN), ramp_robot(FLAT_PUSHER), Pose(0.0, 0.0, tilt), Pose(-0.25, 0.0, 0.0))
     plant.advance(1.5, Twist(0.2, 0.0, 0.0))
     for _ in range(200):
         plant.advance(1e-2, Twist(0.2, 0.0, 0.0))

@@ -27,7 +27,7 @@ SKEW = {'friction': (0.2, 0.4, 0.3, 0.25), 'center_of_mass': (0.02, -0.03)}
 
 def straight(location):
     """Return the equilibrium nearest to the reference."""
-    return min(equilibria(location), key=lambda found: abs(found.turn))
+    return min(equilibria(location), key=lambda found: abs(found.rotation))
 
 
 # The sine law of a centred friction centre gives these edges: R_s sin(rho) = d sin(rho / lam).
@@ -87,9 +87,9 @@ def test_alpha_is_0_exactly_at_equilibria_and_stable_ones_turn_back(robot, surfa
     found = equilibria(location)
     assert found
     for one in found:
-        assert location.alpha(one.turn) == pytest.approx(0.0, abs=1e-12)
+        assert location.alpha(one.rotation) == pytest.approx(0.0, abs=1e-12)
         # alpha > 0 turns clockwise: back, where it grows with the turn.
-        slope = location.alpha(one.turn + 1e-6) - location.alpha(one.turn - 1e-6)
+        slope = location.alpha(one.rotation + 1e-6) - location.alpha(one.rotation - 1e-6)
         assert one.is_stable == (slope > 0.0)
         assert slope == pytest.approx(2e-6 * one.margin / one.arm, rel=1e-4)
 
@@ -131,17 +131,17 @@ def test_tolerance_is_the_first_of_cone_end_and_equilibrium():
     location = pushing_location(wide, FACE, 0.5)
     below, above = tolerances(location, straight(location), 0.2)
     assert below.limit == above.limit == 'cone'
-    assert above.rho == pytest.approx(-math.atan(0.2)) and above.turn == pytest.approx(-above.rho)
+    assert above.rho == pytest.approx(-math.atan(0.2)) and above.rotation == pytest.approx(-above.rho)
     below, above = tolerances(location, straight(location), 5.0)
     assert below.limit == above.limit == 'end'
-    assert above.turn * 0.5 == pytest.approx(0.2)
+    assert above.rotation * 0.5 == pytest.approx(0.2)
     aside = pushing_location(box(), Contact('face', 3, 0.05), 0.5)
     one = straight(aside)
     below, above = tolerances(aside, one, 5.0)
-    assert (one.turn + below.turn) * 0.5 == pytest.approx(-0.25)
-    assert (one.turn + above.turn) * 0.5 == pytest.approx(0.15)
+    assert (one.rotation + below.rotation) * 0.5 == pytest.approx(-0.25)
+    assert (one.rotation + above.rotation) * 0.5 == pytest.approx(0.15)
     narrow = pushing_location(box(), FACE, 0.19)
-    assert {item.turn for item in tolerances(narrow, straight(narrow), 1.0)} == {0.0}
+    assert {item.rotation for item in tolerances(narrow, straight(narrow), 1.0)} == {0.0}
 
 
 @pytest.mark.parametrize('speed, damping', [(0.5, 1.12), (1.5, 0.37), (2.5, 0.22)])
@@ -174,12 +174,12 @@ def test_poles_are_those_of_the_full_equations(obj, contact, robot, speed):
     motion = equation_of_motion(obj, (share, effective), 1e-9)
     x = ca.SX.sym('x', 7)
     local = sum(normal_range(obj, contact)) / 2.0
-    forward = location.forward
-    turned = np.exp(1j * one.turn)
+    forward = location.push_direction
+    turned = np.exp(1j * one.rotation)
     # The equilibrium: C is found from where F must be, straight ahead of it.
     f = turned * complex(*friction_center_of(obj))
     c = (f - one.arm * np.exp(1j * forward)) / turned
-    state = [0, 0, one.turn, 0, local + share * one.turn, c.real, c.imag]
+    state = [0, 0, one.rotation, 0, local + share * one.rotation, c.real, c.imag]
     push = ca.DM([speed * math.cos(forward), speed * math.sin(forward), 0, 0, 0])
     rate = motion(x, push)[0]
     assert float(ca.Function('f', [x], [rate])(state)[3]) == pytest.approx(0.0, abs=1e-7)

@@ -6,8 +6,7 @@ import math
 from helpers.objects import box
 from helpers.push_problems import DIFFERENTIAL, FACE, face_problem, vertex_problem
 import numpy as np
-from push_model.analysis.constant_angles import push_at_angles
-from push_model.analysis.time_integration import integrate
+from push_model.analysis.time_integration import integrate, push_at_angles
 from push_model.dynamics import Input, State
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot

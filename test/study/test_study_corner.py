@@ -3,8 +3,7 @@
 import math
 
 import numpy as np
-from push_model.analysis.steady_turn import steady_force
-from push_model.analysis.turning_circle import rotated_about, rotation_center
+from push_model.analysis.steady_turn import rotated_about, rotation_center, steady_force
 from push_model.friction import c_squared
 from push_model.geometry import Pose
 from push_sim_node.truth import ContactMode

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from push_model.analysis.constant_angles import push_at_angles
 from push_model.analysis.rolling_limits import quasi_static_force
+from push_model.analysis.time_integration import push_at_angles
 from push_model.friction import c_squared
 from push_planner.single_push.planner import plan_push
 from push_study.chapter3 import (
@@ -48,7 +48,8 @@ def played(given, inputs, speed, radius=0.0):
     """Integrate a table of inputs anew."""
     problem = push_problem(given, speed, 2, radius)
     return push_at_angles(problem.obj, problem.contact, inputs['rho_rad'],
-                          inputs['end_m'] - inputs['begin_m'], speed, radius)
+                          inputs['end_m'] - inputs['begin_m'], speed,
+                          robot_radius=radius)
 
 
 @pytest.mark.parametrize('figure, speed, radius', [
@@ -198,7 +199,8 @@ def test_the_shift_of_a_slow_push_goes_with_the_turn_and_the_radius(radius):
     """For small turns ``(y + c^2 theta / h)' = (1 - R_p / h) theta``: nothing is left at h."""
     obj = box(values('3.9'))
     problem = push_problem(values('3.9'), 0.01, 2, radius)
-    run = push_at_angles(obj, problem.contact, [-0.03, 0.04, 0.01], [0.3, 0.3, 0.3], 0.01, radius)
+    run = push_at_angles(obj, problem.contact, [-0.03, 0.04, 0.01], [0.3, 0.3, 0.3], 0.01,
+                         robot_radius=radius)
     x, y, theta = run.states[:, :3].T
     arm = 0.25
     gained = y + c_squared(obj, 0.0) / arm * theta

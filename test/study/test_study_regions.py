@@ -113,7 +113,7 @@ def test_places_through_the_centre_are_equilibria(obj, contact):
     location = push_through_center(obj, contact, 0.6)
     assert location.alpha(0.0) == pytest.approx(0.0, abs=1e-12)
     assert is_stable(obj, contact, 0.6)
-    borne = [one.turn for one in force_tolerances(obj, contact, location)]
+    borne = [one.rotation for one in force_tolerances(obj, contact, location)]
     for turn in borne:
         assert returns(obj, contact, location, 0.02, 0.97 * turn, 1.0)
         assert not returns(obj, contact, location, 0.02, 1.03 * turn, 1.0)

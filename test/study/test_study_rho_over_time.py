@@ -5,9 +5,8 @@ import math
 
 from helpers.plant_reference import ramp_robot
 import numpy as np
-from push_model.analysis.free_response import free_response
 from push_model.analysis.pushing_location import pushing_location
-from push_model.analysis.stability import LinearMotion
+from push_model.analysis.stability import free_response, LinearMotion
 from push_model.analysis.time_integration import integrate, straight_push
 from push_model.dynamics import State
 from push_model.geometry import Pose

@@ -6,8 +6,7 @@ import math
 from helpers.objects import bin_
 from helpers.plant_reference import ramp_robot
 import numpy as np
-from push_model.analysis.pushing_location import PushingLocation
-from push_model.analysis.sliding import force_alpha
+from push_model.analysis.pushing_location import force_alpha, PushingLocation
 from push_model.geometry import Pose
 from push_model.parameters import Support
 from push_model.signals import Twist

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from push_model.analysis.turning_circle import rotated_about, rotation_center
+from push_model.analysis.steady_turn import rotated_about, rotation_center
 from push_model.geometry import Pose
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_study.chapter2.corner_push.scene import (

@@ -5,7 +5,7 @@ import math
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 import numpy as np
-from push_model.analysis.sliding import force_alpha
+from push_model.analysis.pushing_location import force_alpha
 from push_model.analysis.stability import equilibria, tolerances
 from push_study.framework import paper
 
@@ -24,7 +24,7 @@ def middle(location):
     :param location: ``PushingLocation``.
     :return: ``Equilibrium``.
     """
-    return min(equilibria(location), key=lambda one: abs(one.turn))
+    return min(equilibria(location), key=lambda one: abs(one.rotation))
 
 
 def tables(location, column, places, turns, place, contact_friction):
@@ -40,16 +40,16 @@ def tables(location, column, places, turns, place, contact_friction):
     :return: dict of tables, as in ``Outcome``.
     """
     # Where the contact slides, the push is no longer imposed at C and alpha = 0 means nothing.
-    found = [one for one in equilibria(location) if places[0] <= place(one.turn) <= places[-1]
+    found = [one for one in equilibria(location) if places[0] <= place(one.rotation) <= places[-1]
              and abs(one.rho) <= math.atan(contact_friction)]
     start = middle(location)
-    edges = sorted((float(place(start.turn + one.turn)), one.limit)
-                   for one in tolerances(location, start, contact_friction) if one.turn)
+    edges = sorted((float(place(start.rotation + one.rotation)), one.limit)
+                   for one in tolerances(location, start, contact_friction) if one.rotation)
     force = force_alpha(location, turns, contact_friction)
     alpha = location.alpha(turns)
     return {'alpha': {column: places, 'alpha_rad': alpha, 'force_alpha_rad': force,
                       'rolls': (force == alpha).astype(int)},
-            'equilibria': {column: [float(place(one.turn)) for one in found],
+            'equilibria': {column: [float(place(one.rotation)) for one in found],
                            'margin_m': [one.margin for one in found]},
             'basin': {column: [edge for edge, _ in edges],
                       'limit': [limit for _, limit in edges]}}

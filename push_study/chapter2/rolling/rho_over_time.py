@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from push_model.analysis.free_response import free_response
 from push_model.analysis.pushing_location import pushing_location
-from push_model.analysis.stability import linear_motion
+from push_model.analysis.stability import free_response, linear_motion
 from push_model.analysis.time_integration import integrate, straight_push
 from push_model.contact import contact_point
 from push_model.dynamics import equation_of_motion, State
@@ -34,7 +33,7 @@ def compute(values, batch):
     location = pushing_location(obj, FACE, values.robot_radius)
     linear = linear_motion(obj, location, alpha_plot.middle(location), values.speed)
     push = straight_push(values.speed, 0.0)
-    low, high = location.turns
+    low, high = location.rotation_range
     times, states = integrate(obj, location.rolling, push,
                               release(obj, location, values.start_rho),
                               np.linspace(0.0, values.duration, SAMPLES),
@@ -73,9 +72,9 @@ def release(obj, location, start_rho):
     :raises ValueError: where the contact would be off the face.
     """
     turn = float(location.rotation_at(start_rho))
-    if not location.turns[0] < turn < location.turns[1]:
+    if not location.rotation_range[0] < turn < location.rotation_range[1]:
         raise ValueError(f'start_rho: got {start_rho:g}, where the contact is off the face, '
-                         f'expected less than {location.turns[1]:.3g} [rad]')
+                         f'expected less than {location.rotation_range[1]:.3g} [rad]')
     x, y = contact_point(obj, FACE)
     return State(0.0, 0.0, turn, 0.0, turn, x, y + location.rolling[1] * turn)
 

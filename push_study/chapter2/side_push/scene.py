@@ -105,7 +105,7 @@ def predicted_rate(values, distance):
     """
     obj = box(values, distance)
     location = pushing_location(obj, Contact('face', BEHIND), values.robot_radius)
-    straight = min(equilibria(location), key=lambda one: abs(one.turn))
+    straight = min(equilibria(location), key=lambda one: abs(one.rotation))
     return linear_motion(obj, location, straight, values.speed).growth_rate
 
 

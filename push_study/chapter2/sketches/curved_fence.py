@@ -44,8 +44,8 @@ def compute(values, batch):
              'contact_x_m': [now.contact[0] for now in shots],
              'contact_y_m': [now.contact[1] for now in shots]}
     travel = rolling_constants(values.robot_radius, math.inf)[1] * values.turn
-    findings = {'ahead': Finding(location.ahead, 'm', 'friction centre ahead of the face, n_f'),
-                'aside': Finding(location.aside, 'm', 'friction centre beside the contact, t_f'),
+    findings = {'ahead': Finding(location.normal_distance, 'm', 'friction centre ahead of the face, n_f'),
+                'aside': Finding(location.tangential_distance, 'm', 'friction centre beside the contact, t_f'),
                 'rho': Finding(math.degrees(table['rho_rad'][1]), 'deg', 'rho after rolling'),
                 'alpha': Finding(math.degrees(table['alpha_rad'][1]), 'deg',
                                  'alpha after rolling'),

@@ -101,11 +101,11 @@ def at_turn(obj, location, turn, speed, robot=(0.0, 0.0), heading=0.0):
     :return: ``PushInstant``, the object not turning.
     :raises ValueError: for a turn at which the contact has left its face.
     """
-    low, high = location.turns
+    low, high = location.rotation_range
     if not low <= turn <= high:
         raise ValueError(f'turn: got {turn:.3g} rad, expected {low:.3g} to {high:.3g} rad: the '
                          'contact would leave its face')
-    theta = heading + turn - location.forward
+    theta = heading + turn - location.push_direction
     gamma = heading - float(location.rho(turn))
     contact = (robot[0] + location.robot_radius * math.cos(gamma),
                robot[1] + location.robot_radius * math.sin(gamma))

@@ -34,7 +34,7 @@ def steady(values, turned=0.0):
         raise ValueError(f'robot_radius: got {values.robot_radius:g} m, expected one at which '
                          'the face has a steady state')
     rest = min(found, key=lambda one: abs(one.rho))
-    return at_turn(obj, location, rest.turn + turned, values.speed)
+    return at_turn(obj, location, rest.rotation + turned, values.speed)
 
 
 def _compute(now):

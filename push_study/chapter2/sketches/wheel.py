@@ -69,7 +69,7 @@ def compute(values, batch):
     times, states = integrate(obj, rolling, straight_push(0.0, values.speed), start.state, times)
     first = placed(values, 0.0)
     swung = states[:, 2] - first.state.theta
-    edges = [abs(one.turn) for one in equilibria(location) if not one.is_stable]
+    edges = [abs(one.rotation) for one in equilibria(location) if not one.is_stable]
     findings = {
         'lowest': Finding(float(turns[np.argmin(heights)]), 'rad', 'turn where F is lowest'),
         'settled': Finding(float(swung[-1]), 'rad', 'turn at the end of the push'),
