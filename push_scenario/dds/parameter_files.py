@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from push_control.settings import ControlSettings
+from push_model.geometry import Pose
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
 from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
@@ -45,7 +46,8 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
         lockstep=not real_time, publish_clock=real_time, stamped_cmd_vel=stamped,
         answer_timeout=ANSWER_TIMEOUT if scenario.task is None else PLANNING_TIMEOUT,
         time_limit=scenario.time_limit + SETTLE_TIME + RESERVE, tape_path=str(tape_path),
-        object_start=tuple(scenario.start.object.pose), robot_start=tuple(scenario.robot_start))
+        object_start=_numbers(scenario.start.object.pose),
+        robot_start=_numbers(scenario.robot_start))
     sections = {SIM: [*_sim_sections(scenario), ('', sim_options)],
                 PLANNER: _planner_sections(scenario),
                 CONTROLLER: [*_controller_sections(scenario, settings), ('', options)]}
@@ -75,6 +77,10 @@ def _controller_sections(scenario: Scenario, settings: ControlSettings) -> list[
 
 def _nominal_sections(scenario: Scenario) -> list[Section]:
     return [('object.', scenario.object), ('robot.', scenario.robot), ('', Frames())]
+
+
+def _numbers(pose: Pose) -> tuple[float, float, float]:
+    return pose.x, pose.y, pose.theta
 
 
 def _write(folder: Path, node: str, sections: list[Section]) -> Path:

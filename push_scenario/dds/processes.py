@@ -1,5 +1,6 @@
-"""Nodes as processes of their own: started, watched, and ended together."""
+"""Nodes as processes of their own, on a ROS domain of their own."""
 
+from collections.abc import Generator
 import contextlib
 import fcntl
 import os
@@ -9,21 +10,30 @@ import subprocess
 import sys
 import tempfile
 import threading
+from types import FrameType
+from typing import NoReturn
 
+# Domains whose ports do not overlap the ephemeral ports of Linux; 0 is left to other programs.
 DOMAINS = range(1, 102)
+# How long a node may take to end after a signal, on a busy machine [s].
+STOP_TIMEOUT = 30.0
+# How long a node that is no longer needed may take to end by itself before it is killed [s].
+TERMINATION_TIMEOUT = 1.0
+# Lines of a node's output that an error quotes: a traceback with its cause.
+TAIL_LENGTH = 12
 
 
 @contextlib.contextmanager
-def private_domain():
+def private_domain() -> Generator[int, None, None]:
     """
-    Take a ROS domain that no other replay on this machine uses, until the block ends.
+    Reserve a ROS domain that no other replay on this machine uses, until the block ends.
 
     :return: context manager that yields the number of the domain.
     :raises RuntimeError: where all are taken.
     """
     folder = Path(tempfile.gettempdir()) / f'push_control_domains_{os.getuid()}'
     folder.mkdir(mode=0o700, exist_ok=True)
-    # Begin at another one in each process, so that domains just left can fall silent.
+    # Start at another one in each process, so that domains just left can fall silent.
     for i in range(len(DOMAINS)):
         domain = DOMAINS[(os.getpid() + i) % len(DOMAINS)]
         with open(folder / str(domain), 'w', encoding='ascii') as lock:
@@ -35,10 +45,6 @@ def private_domain():
             return
     raise RuntimeError(f'no ROS domain is free: all of {DOMAINS[0]} to {DOMAINS[-1]} are locked '
                        f'in {folder}')
-
-
-STOP_TIMEOUT = 5.0
-LAST_LINES = 12
 
 
 class NodeDied(RuntimeError):
@@ -53,53 +59,56 @@ class NodeProcesses:
     :param log_folder: where output and parameter files go.
     """
 
-    def __init__(self, domain, log_folder):
-        self.domain, self._logs = domain, Path(log_folder)
-        self._processes, self._has_handler = {}, False
-        self._environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
-                             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-                             'PYTHONUNBUFFERED': '1'}
+    def __init__(self, domain: int, log_folder: str | Path) -> None:
+        self.domain = domain
+        self._logs = Path(log_folder)
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._has_handler = False
         # Children find the package where this process found it, installed or not.
         root = str(Path(__file__).resolve().parents[2])
         path = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
-        self._environment['PYTHONPATH'] = os.pathsep.join(path)
+        self._environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
+                             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+                             'PYTHONUNBUFFERED': '1', 'PYTHONPATH': os.pathsep.join(path)}
 
-    def __enter__(self):
-        in_main = threading.current_thread() is threading.main_thread()
-        if in_main and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
-            # By default it would end this process at once, and leave the nodes behind.
-            signal.signal(signal.SIGTERM, _leave)
+    def __enter__(self) -> 'NodeProcesses':
+        """Make SIGTERM end this process in order, so that the nodes are ended too."""
+        is_main = threading.current_thread() is threading.main_thread()
+        if is_main and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, _exit)
             self._has_handler = True
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
+        """Kill what is left of the nodes."""
         for name in self.names:
             self._kill(name)
         if self._has_handler:
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
-    def start(self, name, module, parameter_file):
+    def start(self, name: str, module: str, parameter_file: Path) -> None:
         """
         Start a node.
 
-        :param name: what errors call it.
+        :param name: of the node, for errors.
         :param module: Python module with its main function.
         :param parameter_file: path of its ROS parameters.
         """
         command = [sys.executable, '-m', module, '--ros-args', '--params-file',
                    str(parameter_file)]
         with open(self._log(name), 'wb') as log:
-            # A session of its own: one signal reaches whatever it may have started.
+            # A session of its own: Ctrl-C in the terminal does not reach the node, and one signal
+            # reaches whatever it may have started.
             self._processes[name] = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                 env=self._environment, start_new_session=True)
 
     @property
-    def names(self):
+    def names(self) -> list[str]:
         """Names of the nodes that were started and not stopped."""
         return list(self._processes)
 
-    def pid(self, name):
+    def pid(self, name: str) -> int:
         """
         Look up the process id of a node.
 
@@ -107,11 +116,11 @@ class NodeProcesses:
         """
         return self._processes[name].pid
 
-    def check(self):
+    def check(self) -> None:
         """
-        See that all nodes are alive.
+        Check that all nodes are alive.
 
-        :raises NodeDied: naming the one that is not, its exit status and last words.
+        :raises NodeDied: naming the one that is not, its exit status and the end of its output.
         """
         for name, process in self._processes.items():
             status = process.poll()
@@ -119,7 +128,7 @@ class NodeProcesses:
                 raise NodeDied(f'{name} ended unexpectedly with {_status_text(status)}'
                                + self.log_tail(name))
 
-    def send(self, name, number):
+    def send(self, name: str, number: int) -> None:
         """
         Send a signal to a node.
 
@@ -128,7 +137,7 @@ class NodeProcesses:
         """
         self._processes[name].send_signal(number)
 
-    def stop(self, name):
+    def stop(self, name: str) -> None:
         """
         Ask a node to end, and wait until it has.
 
@@ -146,45 +155,46 @@ class NodeProcesses:
             raise NodeDied(f'{name} ended with {_status_text(status)}' + self.log_tail(name))
         del self._processes[name]
 
-    def stop_all(self):
+    def stop_all(self) -> None:
         """
-        Ask all nodes to end, the first started first.
+        Ask all nodes to end, in the order in which they were started.
 
         :raises NodeDied: where one does not end well.
         """
         for name in self.names:
             self.stop(name)
 
-    def log_tail(self, name):
+    def log_tail(self, name: str) -> str:
         """
         Quote the end of a node's output.
 
         :param name: of the node.
         """
         text = self._log(name).read_text(encoding='utf-8', errors='replace')
-        lines = text.rstrip().splitlines()[-LAST_LINES:]
-        return '; its last words:\n  ' + '\n  '.join(lines) if lines else '; it said nothing'
+        lines = text.rstrip().splitlines()[-TAIL_LENGTH:]
+        return '; its last lines:\n  ' + '\n  '.join(lines) if lines else '; it printed nothing'
 
-    def _log(self, name):
+    def _log(self, name: str) -> Path:
         return self._logs / f'{name}.log'
 
-    def _kill(self, name):
+    def _kill(self, name: str) -> None:
         process = self._processes.pop(name)
-        for number, patience in ((signal.SIGTERM, 1.0), (signal.SIGKILL, STOP_TIMEOUT)):
+        for number, timeout in ((signal.SIGTERM, TERMINATION_TIMEOUT),
+                                (signal.SIGKILL, STOP_TIMEOUT)):
             if process.poll() is not None:
                 break
             os.killpg(process.pid, number)
             try:
-                process.wait(patience)
+                process.wait(timeout)
             except subprocess.TimeoutExpired:
                 continue
 
 
-def _leave(number, _):
+def _exit(number: int, _: FrameType | None) -> NoReturn:
     sys.exit(128 + number)
 
 
-def _status_text(status):
+def _status_text(status: int) -> str:
     if status < 0:
         return f'signal {signal.Signals(-status).name}'
     return f'exit status {status}'

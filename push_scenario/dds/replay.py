@@ -18,6 +18,7 @@ from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
 from push_scenario.simulation.loop import control_settings, ProgressCallback, SETTLE_TIME
 from push_scenario.simulation.result import Outcome, RunResult
+from push_scenario.simulation.start import place_robot
 
 MODULES = {SIM: 'push_sim_node.sim_node', PLANNER: 'push_planner.planner_node',
            CONTROLLER: 'push_control.controller_node'}
@@ -47,6 +48,7 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     :return: the ``RunResult``.
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
+    scenario = place_robot(scenario)
     settings = control_settings(scenario, control_law)
     law = settings.control_law
     folder = Path(out_dir) / f'{scenario.name}_{law}_nodes'

@@ -1,6 +1,6 @@
 """The replay's own end of DDS: it listens to all topics, sets the goal and calls services."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 import contextlib
 import os
 import time
@@ -14,6 +14,7 @@ from push_ros.conversions.primitives import to_pose_message, to_stamp
 from push_ros.topics import SERVICES, TOPICS
 from push_scenario.dds.recorder import TopicListener
 import rclpy
+from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
 # Wait where no message has come: short against the period of the odometry, 20 ms [s].
@@ -41,7 +42,7 @@ class ReplayClient:
                  check: Callable[[], None]) -> None:
         self._on_message = on_message
         self._check = check
-        self._context = rclpy.Context()
+        self._context = Context()
         with local_discovery():
             rclpy.init(args=[], context=self._context, domain_id=domain)
         self._node = rclpy.create_node('replay', context=self._context)
@@ -135,8 +136,8 @@ class ReplayClient:
             while not future.done() and time.monotonic() < called_at + RETRY_PERIOD:
                 self._executor.spin_once(timeout_sec=IDLE_PAUSE)
                 self.pump()
-            if future.done():
-                response = future.result()
+            response = future.result() if future.done() else None
+            if response is not None:
                 if response.success:
                     return
                 answer = response.message
@@ -145,7 +146,7 @@ class ReplayClient:
 
 
 @contextlib.contextmanager
-def local_discovery() -> Iterator[None]:
+def local_discovery() -> Generator[None, None, None]:
     """Let contexts that are made in the block find only nodes of this machine."""
     before = os.environ.get(DISCOVERY_RANGE)
     os.environ[DISCOVERY_RANGE] = 'LOCALHOST'

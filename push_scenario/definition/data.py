@@ -1,5 +1,6 @@
-"""Where scenarios, objects, robots and parameters lie, however the package was installed."""
+"""Where scenarios, objects, robots and parameters are, however the package was installed."""
 
+from collections.abc import Iterator, Mapping
 import os
 from pathlib import Path
 import sys
@@ -7,36 +8,37 @@ import sys
 PACKAGE = 'push_control'
 
 
-def share_directory(module_file=__file__, environment=None):
+def share_directory(module_file: str | Path = __file__,
+                    environment: Mapping[str, str] | None = None) -> Path:
     """
     Find the directory that holds ``package.xml``, ``config`` and ``launch``.
 
     The data belong to the code that reads them, so the tree around this module comes first: the
     source tree, or the prefix of a pip or colcon installation. The ament index and the
-    interpreter's prefix are asked only after it.
+    interpreter's prefix are searched only after it.
 
     :param module_file: the file whose surroundings are searched.
     :param environment: environment variables, those of the process by default.
-    :return: the directory as a ``Path``.
-    :raises FileNotFoundError: naming the places where it was looked for.
+    :return: the directory.
+    :raises FileNotFoundError: naming the places that were searched.
     """
     environment = os.environ if environment is None else environment
-    tried = []
+    searched: list[str] = []
     for candidate in _candidates(Path(module_file).resolve(), environment):
         if (candidate / 'package.xml').is_file() and (candidate / 'config').is_dir():
             return candidate
-        tried.append(str(candidate))
+        searched.append(str(candidate))
     raise FileNotFoundError(
-        f'the data of {PACKAGE} (package.xml beside config/): got none of ' + ', '.join(tried)
+        f'the data of {PACKAGE} (package.xml beside config/): got none of ' + ', '.join(searched)
         + '; expected an installation by pip or colcon, or the source tree')
 
 
-def config_file(name):
+def config_file(name: str) -> Path:
     """
     Find one file of the package's ``config`` directory.
 
     :param name: path below ``config``, for example ``'scenarios/demo.yaml'``.
-    :return: the file as a ``Path``.
+    :return: the file.
     :raises FileNotFoundError: naming the file and where it should have been.
     """
     path = share_directory() / 'config' / name
@@ -45,7 +47,8 @@ def config_file(name):
     return path
 
 
-def _candidates(module, environment):
+def _candidates(module: Path, environment: Mapping[str, str]) -> Iterator[Path]:
+    # push_scenario/definition/data.py: two folders up is the source tree.
     yield module.parents[2]
     for prefix in module.parents:
         yield prefix / 'share' / PACKAGE

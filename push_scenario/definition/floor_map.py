@@ -20,7 +20,7 @@ class FloorMap:
                          '. free')
     origin: Placement = Placement()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
         lines = self.rows.split()
@@ -29,7 +29,7 @@ class FloorMap:
                              f'{OCCUPIED} and {FREE}')
 
     @functools.cached_property
-    def occupancy_map(self):
-        """The same as a ``OccupancyMap``; ``origin`` is the corner with the least x and y."""
+    def occupancy_map(self) -> OccupancyMap:
+        """The same as an ``OccupancyMap``; ``origin`` is the corner with the least x and y."""
         cells = np.array([list(line) for line in reversed(self.rows.split())])
         return OccupancyMap(self.resolution, self.origin.pose, cells == OCCUPIED)

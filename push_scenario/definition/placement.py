@@ -14,11 +14,11 @@ class Placement:
     y: float = quantity('position, y', 'm', default=0.0)
     theta: float = quantity('orientation', 'rad', default=0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
     @property
-    def pose(self):
+    def pose(self) -> Pose:
         """The same as a ``Pose``."""
         return Pose(self.x, self.y, self.theta)

@@ -1,10 +1,11 @@
-"""A task of a scenario: the robot starts anywhere and pushes as often as it takes."""
+"""Tasks of scenarios: the robot may start anywhere, and pushes as often as it takes."""
 
 import dataclasses
 import functools
 
 from push_control.task.settings import SupervisionSettings
 from push_model.quantity import check, quantity
+from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 from push_planner.settings import TaskSettings
 from push_scenario.definition.floor_map import FloorMap
@@ -13,19 +14,19 @@ from push_scenario.definition.placement import Placement
 
 @dataclasses.dataclass(frozen=True)
 class LaterGoal:
-    """A goal that takes the place of the one before."""
+    """A goal that replaces the one before during the task."""
 
     goal: Placement
     time: float = quantity('when it is given', 's', above=0.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
 
 @dataclasses.dataclass(frozen=True)
 class Task:
-    """What belongs to a task beside what belongs to a push."""
+    """What a task needs in addition to a single push."""
 
     drive: DriveSettings = DriveSettings()
     supervision: SupervisionSettings = SupervisionSettings()
@@ -33,7 +34,7 @@ class Task:
     map: FloorMap | None = None
     goals: tuple[LaterGoal, ...] = quantity('goals that are given later', default=())
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
         times = [later.time for later in self.goals]
@@ -41,6 +42,6 @@ class Task:
             raise ValueError(f'Task.goals: got the times {times}, expected increasing ones [s]')
 
     @functools.cached_property
-    def occupancy_map(self):
+    def occupancy_map(self) -> OccupancyMap | None:
         """``OccupancyMap`` of the map, or None."""
-        return self.map and self.map.occupancy_map
+        return None if self.map is None else self.map.occupancy_map

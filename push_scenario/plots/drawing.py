@@ -19,6 +19,8 @@ from push_scenario.simulation.result import RunResult
 from push_sim_node.tape import Tape
 
 FloatArray = NDArray[np.float64]
+# (x, y, theta), or a row of an array of them.
+PoseLike = Sequence[float] | FloatArray
 
 # Colours that differ for colour-blind readers too; pushes beyond the sixth start over.
 PUSH_COLORS = ('#0B3C8C', '#E58A00', '#C2185B', '#00838F', '#6A3D9A', '#8C6D1F')
@@ -102,7 +104,7 @@ def goal_poses(scenario: Scenario, time: float = math.inf) -> list[Pose]:
     return [scenario.goal.pose] + [goal.goal.pose for goal in later if goal.time <= time]
 
 
-def outline(obj: PushedObject, pose: Sequence[float]) -> FloatArray:
+def outline(obj: PushedObject, pose: PoseLike) -> FloatArray:
     """
     Outline of an object in the world.
 
@@ -115,7 +117,7 @@ def outline(obj: PushedObject, pose: Sequence[float]) -> FloatArray:
     return np.array([Pose(*pose).transform(vertex) for vertex in vertices])
 
 
-def front(obj: PushedObject, pose: Sequence[float]) -> tuple[tuple[float, ...], ...]:
+def front(obj: PushedObject, pose: PoseLike) -> tuple[tuple[float, ...], ...]:
     """
     Short line that marks an object's front.
 
@@ -128,7 +130,7 @@ def front(obj: PushedObject, pose: Sequence[float]) -> tuple[tuple[float, ...], 
     return tuple(zip(*ends))
 
 
-def draw_object(axes: Axes, obj: PushedObject, pose: Sequence[float],
+def draw_object(axes: Axes, obj: PushedObject, pose: PoseLike,
                 **style: Any) -> tuple[Polygon, Line2D]:
     """
     Draw an object with a line that marks its front.
@@ -147,7 +149,7 @@ def draw_object(axes: Axes, obj: PushedObject, pose: Sequence[float],
     return patch, line
 
 
-def draw_robot(axes: Axes, radius: float, pose: Sequence[float],
+def draw_robot(axes: Axes, radius: float, pose: PoseLike,
                **style: Any) -> tuple[Circle, Line2D]:
     """
     Draw a robot as a disc with a line that marks its heading.
@@ -216,12 +218,13 @@ def draw_displacements(axes: Axes, result: RunResult) -> None:
     for displacement in result.scenario.simulation.object_displacements:
         row = int(np.searchsorted(time, displacement.time))
         if 0 < row < len(time):
-            axes.annotate('', poses[row, :2], poses[row - 1, :2], zorder=9, arrowprops={
+            (x_before, y_before), (x, y) = poses[row - 1:row + 1, :2]
+            axes.annotate('', (x, y), (x_before, y_before), zorder=9, arrowprops={
                 'arrowstyle': '-|>', 'color': WARNING, 'linewidth': 2.0, 'shrinkA': 0.0,
                 'shrinkB': 0.0, 'mutation_scale': 16.0})
 
 
-def draw_push_number(axes: Axes, push: int, position: Sequence[float]) -> None:
+def draw_push_number(axes: Axes, push: int, position: PoseLike) -> None:
     """
     Write the number of a push.
 

@@ -15,7 +15,6 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 import numpy as np
 from numpy.typing import NDArray
 from push_model.friction import friction_center
@@ -33,14 +32,15 @@ FloatArray = NDArray[np.float64]
 
 # Layout in inches: the column of one run, narrower where several stand side by side.
 COLUMN_WIDTH, NARROW_COLUMN_WIDTH = 8.0, 5.6
-STRIP_HEIGHT, STRIP_GAP = 1.1, 0.3
+STRIP_HEIGHT, STRIP_GAP, SCENE_GAP = 1.1, 0.3, 0.65
 LEFT, RIGHT, TOP, BOTTOM = 0.9, 0.2, 0.75, 0.15
-FOOTER_HEIGHT, FOOTER_GAP, FRICTION_WIDTH = 2.2, 0.75, 3.0
+FOOTER_HEIGHT, FOOTER_GAP, FRICTION_WIDTH = 2.2, 0.9, 3.0
 DPI = 110
 VIEW_MARGIN = 0.12  # free rim around everything that moves [m]
 # Smallest error that the logarithmic axes show [mm], [deg].
 MIN_POSITION_ERROR, MIN_HEADING_ERROR = 0.5, 1e-3
-CONE_COLOR = '#DCE6DC'
+CONE_STYLE: dict[str, Any] = {'color': '#5F8A5F', 'linestyle': (0, (5, 2, 1, 2)),
+                              'linewidth': 1.2}
 # Poses of object and robot that are drawn in a push: the start, some on the way, the end.
 MOMENTS = 4
 
@@ -59,28 +59,30 @@ def draw_figure(results: Sequence[RunResult], path: str | PathLike[str]) -> None
     columns = [[figure.add_axes((0.0, 0.0, 1.0, 1.0), label=f'{row} of {number}')
                 for row in range(1 + len(strips))] for number in range(len(results))]
     footer = [figure.add_axes((0.0, 0.0, 1.0, 1.0), label=name) for name in ('friction', 'legend')]
-    for number, (result, (scene, *axes)) in enumerate(zip(results, columns)):
+    aspects: list[float] = []
+    for result, (scene, *axes) in zip(results, columns):
         _scene(scene, result)
-        size = set_view(scene, results, VIEW_MARGIN)
+        width, height = set_view(scene, results, VIEW_MARGIN)
+        aspects.append(height / width)
         for ax, draw in zip(axes, strips):
             _strip(ax, result, draw)
             ax.tick_params(labelbottom=ax is axes[-1])
         axes[-1].set_xlabel('time [s]')
-        if number:
-            for ax in (scene, *axes):
-                ax.set_ylabel('')
     for row in zip(*columns):
-        _share_y(row[1:], row[0])
+        _share_y(row)
     _friction(footer[0], results[0].scenario)
     _legend(footer[1], results)
-    _lay_out(figure, columns, footer, size[1] / size[0])
+    _lay_out(figure, columns, footer, aspects[0])
     figure.savefig(path, metadata={'Software': None})
 
 
-def _share_y(others: Sequence[Axes], first: Axes) -> None:
-    limits = [ax.get_ylim() for ax in (first, *others)]
-    for ax in (first, *others):
+def _share_y(row: Sequence[Axes]) -> None:
+    """Give the axes of one row the same range, and a label at the left only."""
+    limits = [ax.get_ylim() for ax in row]
+    for ax in row:
         ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+    for ax in row[1:]:
+        ax.set_ylabel('')
 
 
 def _lay_out(figure: Figure, columns: Sequence[Sequence[Axes]], footer: Sequence[Axes],
@@ -89,8 +91,8 @@ def _lay_out(figure: Figure, columns: Sequence[Sequence[Axes]], footer: Sequence
     column_width = COLUMN_WIDTH if len(columns) == 1 else NARROW_COLUMN_WIDTH
     heights = [column_width * aspect] + [STRIP_HEIGHT] * (len(columns[0]) - 1)
     width = len(columns) * (LEFT + column_width + RIGHT)
-    height = (TOP + sum(heights) + (len(heights) - 1) * STRIP_GAP + FOOTER_GAP + FOOTER_HEIGHT
-              + BOTTOM)
+    gaps = [SCENE_GAP] + [STRIP_GAP] * (len(heights) - 2) + [FOOTER_GAP]
+    height = TOP + sum(heights) + sum(gaps) + FOOTER_HEIGHT + BOTTOM
     figure.set_size_inches(width, height)
 
     def place(ax: Axes, left: float, top: float, size: tuple[float, float]) -> None:
@@ -100,10 +102,9 @@ def _lay_out(figure: Figure, columns: Sequence[Sequence[Axes]], footer: Sequence
     top = TOP
     for number, column in enumerate(columns):
         left, top = LEFT + number * (LEFT + column_width + RIGHT), TOP
-        for ax, tall in zip(column, heights):
-            place(ax, left, top, (column_width, tall))
-            top += tall + STRIP_GAP
-    top += FOOTER_GAP - STRIP_GAP
+        for ax, ax_height, gap in zip(column, heights, gaps):
+            place(ax, left, top, (column_width, ax_height))
+            top += ax_height + gap
     friction, legend = footer
     place(friction, LEFT, top, (FRICTION_WIDTH, FOOTER_HEIGHT))
     place(legend, LEFT + FRICTION_WIDTH, top,
@@ -168,7 +169,7 @@ def _strip(axes: Axes, result: RunResult, draw: Callable[[Axes, RunResult], None
     for segment in segments_of(result):
         start, end = time[segment.rows][[0, -1]]
         if segment.push is not None:
-            axes.axvspan(start, end, color=segment.color, alpha=0.2, linewidth=0.0, zorder=0.5)
+            axes.axvspan(start, end, color=segment.color, alpha=0.15, linewidth=0.0, zorder=0.5)
         elif segment.reason:
             axes.axvline(start, color=WARNING, linewidth=1.4)
     axes.set_xlim(0.0, time[-1])
@@ -217,7 +218,8 @@ def _force_angle(axes: Axes, result: RunResult) -> None:
     tape = tape_of(result)
     coefficient = result.scenario.true_object.contact_friction_coefficient
     limit = math.degrees(math.atan(coefficient))
-    axes.axhspan(-limit, limit, color=CONE_COLOR, linewidth=0.0, zorder=0.4)
+    for edge in (-limit, limit):
+        axes.axhline(edge, **CONE_STYLE)
     axes.plot(tape['time'], np.degrees(force_angle(tape)), color=INK, linewidth=1.0)
     axes.set_ylabel('contact\nforce [°]')
     axes.set_ylim(-1.6 * limit, 1.6 * limit)
@@ -265,7 +267,7 @@ def _legend(axes: Axes, results: Sequence[RunResult]) -> None:
             Line2D([], [], **ROBOT_PATH_STYLE, label='path of the robot between pushes'),
             Line2D([], [], color=WARNING, linewidth=1.4, label='failure, or a new goal')]
     handles += [
-        Patch(facecolor=CONE_COLOR, label='friction cone: inside it the contact sticks'),
+        Line2D([], [], **CONE_STYLE, label='friction cone: within it the contact sticks'),
         Line2D([], [], color=WARNING, marker='X', linestyle='none', markersize=9,
                label='true centre of friction (grey, numbers: true friction)'),
         Line2D([], [], color=INK, marker='+', linestyle='none', markersize=11,

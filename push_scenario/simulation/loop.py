@@ -21,6 +21,7 @@ from push_planner.problem import PlanningFailed
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
+from push_scenario.simulation.start import place_robot
 from push_sim_node.simulation import Simulation
 from push_sim_node.truth import Truth
 
@@ -67,15 +68,14 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     :param planning_time: in a task, simulated time from a plan request to its answer [s]. A
         single push is planned before time starts to run.
     :return: the ``RunResult``.
-    :raises ValueError: where there is no such law.
+    :raises ValueError: where there is no such law, or no site for the robot to start from.
     """
-    scenario = dataclasses.replace(scenario, control=control_settings(scenario, control_law))
+    scenario = place_robot(dataclasses.replace(
+        scenario, control=control_settings(scenario, control_law)))
     report = progress or _ignore
     simulation = make_simulation(scenario)
-    # At time 0 the first pose comes before the first odometry.
-    object_pose, odometry = simulation.next_measurement(), simulation.next_measurement()
-    observation = Observation(simulation.time, odometry, object_pose)
-    report(Progress('planning', 0.0, distance(object_pose.pose, scenario.goal.pose)))
+    report(Progress('planning', 0.0, distance(scenario.start.object.pose, scenario.goal.pose)))
+    observation = _first_observation(simulation)
     try:
         robot = make_robot_control(scenario, observation, planning_time)
     except PlanningFailed as failure:
@@ -121,6 +121,18 @@ def is_at_rest(truth: Truth) -> bool:
     """
     return all(math.hypot(twist.v_x, twist.v_y) < REST_SPEED and abs(twist.omega) < REST_YAW_RATE
                for twist in (truth.object_twist, truth.robot_twist))
+
+
+def _first_observation(simulation: Simulation) -> Observation:
+    """Wait for an object pose and an odometry; both come at time 0."""
+    object_pose = odometry = None
+    while object_pose is None or odometry is None:
+        measurement = simulation.next_measurement()
+        if isinstance(measurement, Odometry):
+            odometry = measurement
+        else:
+            object_pose = measurement
+    return Observation(simulation.time, odometry, object_pose)
 
 
 class _Loop:

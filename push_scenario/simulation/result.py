@@ -5,6 +5,8 @@ import enum
 import math
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
@@ -60,7 +62,7 @@ class RunResult:
         start of a task [s]; infinite where there is none, nan where it is not known.
     :param timing: ``WallClockTiming`` of a run over DDS, else None.
     :param bag: folder of the recording, or None.
-    :raises ValueError: where the outcome is no ``Outcome``, or a run that moved lacks its tape.
+    :raises ValueError: where a run that moved lacks its tape, or a single push its plan.
     """
 
     scenario: Scenario
@@ -80,8 +82,6 @@ class RunResult:
 
     def __post_init__(self) -> None:
         """Check that the fields fit the outcome."""
-        if not isinstance(self.outcome, Outcome):
-            raise ValueError(f'RunResult.outcome: got {self.outcome!r}, expected an Outcome')
         if self.outcome is Outcome.REFUSED:
             return
         if self.tape is None:
@@ -107,7 +107,7 @@ class RunResult:
         return wrap_angle(self._final_object_pose[2] - self.scenario.final_goal.theta)
 
     @property
-    def _final_object_pose(self):
+    def _final_object_pose(self) -> NDArray[np.float64]:
         if self.tape is None:
             raise ValueError(f'RunResult.tape: got None for {self.scenario.name}, expected a run '
                              'in which something moved')

@@ -4,7 +4,7 @@ import math
 from typing import Any, NamedTuple
 
 from push_scenario.definition import data
-from push_scenario.definition.loader import load, parse
+from push_scenario.definition.strict_yaml import load_yaml, parse_yaml
 
 COMMON = 'all'
 
@@ -59,7 +59,7 @@ def read_table(path=None):
     :raises ScenarioError: where the file is not such a table.
     """
     path = path or data.config_file('studies.yaml')
-    return {str(key): section for key, section in load(path).items()}
+    return {str(key): section for key, section in load_yaml(path).items()}
 
 
 def values_of(study, table, overrides=()):
@@ -98,7 +98,7 @@ def read_overrides(words):
         name, equals, text = word.partition('=')
         if not (equals and name.isidentifier() and text.strip()):
             raise ValueError(f'--set: got {word!r}, expected NAME=VALUE, such as mass=2.0')
-        overrides[name] = parse(f'value: {text}', f'--set {name}')['value']
+        overrides[name] = parse_yaml(f'value: {text}', f'--set {name}')['value']
     return overrides
 
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 from push_model.analysis.rolling_limits import min_robot_radius
-from push_scenario.definition.loader import plain
+from push_scenario.definition.mapping import to_mapping
 from push_study.framework.study import Finding, Outcome, Parameter, Study
 from push_study.maps import perimeter_map, perimeter_table
 from push_study.maps.perimeter import places, push_through_center
@@ -113,5 +113,5 @@ def draw(obj, robot, figure, outcome, values):
 
 
 def _digest(instance):
-    text = json.dumps(plain(instance), sort_keys=True)
+    text = json.dumps(to_mapping(instance), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:8]

@@ -90,7 +90,7 @@ def test_a_sensor_dropout_is_ridden_out(tmp_path):
     assert inside.any() and not result.tape['command_v_x'][inside].any()
 
 
-DISTURBED = {'friction_noise': 'feedback', 'friction_spell': 'mpc', 'friction_shift': 'mpc',
+DISTURBED = {'friction_noise': 'feedback', 'friction_interval': 'mpc', 'friction_shift': 'mpc',
              'bin_round': 'feedback'}
 
 

@@ -9,8 +9,9 @@ from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_scenario.definition.loader import (
     find_scenario, read_object, read_scenario, scenario_directory, scenario_from_text,
-    scenario_names, scenario_text, ScenarioError,
+    scenario_names, scenario_text,
 )
+from push_scenario.definition.strict_yaml import ScenarioError
 import pytest
 
 MINIMAL = """

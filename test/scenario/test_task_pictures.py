@@ -30,7 +30,7 @@ def near(picture, color, tolerance=12):
     return int((np.abs(pixels - wanted).max(axis=-1) <= tolerance).sum())
 
 
-@pytest.mark.parametrize('name', ['task_two_pushes', 'task_shove'])
+@pytest.mark.parametrize('name', ['task_two_pushes', 'task_displacement'])
 def test_phases_cover_the_tape(name):
     """One after the other; the object moves in pushes, not while the robot drives."""
     result = result_of(name)

@@ -9,9 +9,9 @@ from push_control.task.status import TaskState
 from push_model.geometry import distance, Pose
 from push_navigation.settings import DriveSettings
 from push_scenario.definition.floor_map import FloorMap
-from push_scenario.definition.loader import (
-    build, find_scenario, plain, read_scenario, scenario_names, ScenarioError,
-)
+from push_scenario.definition.loader import load_scenario, scenario_names
+from push_scenario.definition.mapping import from_mapping, Location, to_mapping
+from push_scenario.definition.strict_yaml import ScenarioError
 from push_scenario.definition.task import Task
 from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.evaluation.report import format_report
@@ -26,7 +26,7 @@ CLEARANCE = DriveSettings().clearance
 
 def scenario(name):
     """Read a scenario that comes with the package."""
-    return read_scenario(find_scenario(name))
+    return load_scenario(name)
 
 
 @functools.lru_cache(maxsize=None)
@@ -98,7 +98,7 @@ def test_through_the_door_no_wall_is_touched():
 
 def test_every_shove_is_noticed():
     """Within three seconds, each in another state; so is the way that the object took."""
-    result = result_of('task_shove')
+    result = result_of('task_displacement')
     for shove in result.scenario.simulation.object_displacements:
         assert any(shove.time < change.time < shove.time + 3.0 and change.reason
                    for change in result.history), shove
@@ -187,10 +187,10 @@ def test_a_map_that_is_no_rectangle_of_cells_is_refused(rows):
 @pytest.mark.parametrize('times', [(5.0, 5.0), (5.0, 4.0), (0.0,)])
 def test_later_goals_must_be_later(times):
     """One after the other, each after the beginning."""
-    case = plain(scenario('task_new_goal').task)
+    case = to_mapping(scenario('task_new_goal').task)
     goals = [{'time': time, 'goal': {'x': 1.0}} for time in times]
     with pytest.raises(ScenarioError, match='goals'):
-        build(Task, {**case, 'goals': goals}, 'case')
+        from_mapping(Task, {**case, 'goals': goals}, Location('case'))
 
 
 def test_history_goes_on_over_goals():

@@ -1,0 +1,82 @@
+"""YAML files read strictly: a repeated key is an error, ``1e-3`` is a number."""
+
+from collections.abc import Hashable
+from pathlib import Path
+import re
+from typing import Any
+
+import yaml
+
+# YAML 1.1, which PyYAML follows, wants a point and a sign: 1.0e-3.
+EXPONENT_NUMBER = re.compile(r'^[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)[eE][-+]?[0-9]+$')
+
+
+class ScenarioError(ValueError):
+    """What is wrong with a file: names the file, the key, what came and what was expected."""
+
+
+def load_yaml(path: Path) -> dict[str, Any]:
+    """
+    Read a YAML file whose top level is a mapping.
+
+    :param path: the file.
+    :return: the mapping, of plain Python values.
+    :raises ScenarioError: where the file is missing, is not YAML, or repeats a key.
+    """
+    try:
+        text = path.read_text(encoding='utf-8')
+    except OSError as error:
+        raise ScenarioError(f'{path}: {error.strerror}, expected a readable file') from error
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f'{path}: got bytes that are not UTF-8, expected text') from error
+    return parse_yaml(text, path)
+
+
+def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
+    """
+    Read YAML text whose top level is a mapping.
+
+    :param text: the YAML.
+    :param source: name of the text in errors, such as its path.
+    :return: the mapping, of plain Python values.
+    :raises ScenarioError: where it is not YAML, repeats a key, or is no mapping.
+    """
+    try:
+        data = yaml.load(text, Loader=_Loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, 'problem_mark', None)
+        line = f':{mark.line + 1}' if mark else ''
+        problem = getattr(error, 'problem', None) or str(error)
+        raise ScenarioError(f'{source}{line}: {problem}') from error
+    if not isinstance(data, dict):
+        found = 'nothing' if data is None else f'{type(data).__name__} {data!r}'
+        raise ScenarioError(f'{source}: got {found}, expected a mapping of keys to values')
+    return data
+
+
+class _Loader(yaml.SafeLoader):
+    """The safe loader, made to refuse repeated keys and to read 1e-3 as a number."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        """
+        Build a mapping, refusing a key that is there twice.
+
+        :param node: the YAML node.
+        :param deep: as in PyYAML.
+        """
+        known: set[str] = set()
+        for key, _ in node.value:
+            if key.tag == 'tag:yaml.org,2002:merge':
+                continue
+            if not isinstance(key, yaml.ScalarNode):
+                raise yaml.MarkedYAMLError(problem='got a key that is no word, expected a name',
+                                           problem_mark=key.start_mark)
+            if key.value in known:
+                raise yaml.MarkedYAMLError(problem=f'got the key {key.value!r} twice, expected '
+                                           'it once', problem_mark=key.start_mark)
+            known.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+_Loader.add_implicit_resolver('tag:yaml.org,2002:float', EXPONENT_NUMBER,
+                              list('-+.0123456789'))
