@@ -67,7 +67,8 @@ def one(chosen):
     for number, plan in enumerate(result.sequence_plans, 1):
         pushes = ', '.join(f'{push.contact.kind} {push.contact.index}: {push.path_length:.2f} m'
                            for push in plan.pushes)
-        print(f'plan {number}: {plan.duration:.1f} s (single push {plan.single:.1f} s): {pushes}')
+        print(f'plan {number}: {plan.duration:.1f} s '
+              f'(single push {plan.single_push_time:.1f} s): {pushes}')
     if case.intervention is not None and case.intervention.displacement is not None:
         print(f'moved in {case.intervention.state}: {case.intervention.displacement}')
     print(f'{result.outcome.value} after {result.duration:.1f} s {result.reason}: '

@@ -63,7 +63,8 @@ def run(job):
               'least': least_time(case.scenario), **_end(result), **_state_times(result)}
     if result.sequence_plans:
         first = result.sequence_plans[0]
-        record.update(sequence=len(first.pushes), planned=first.duration, single=first.single)
+        record.update(sequence=len(first.pushes), planned=first.duration,
+                      single=first.single_push_time)
     if job['part'] == OPEN:
         record.update(_robot_distances(case.scenario))
     if case.floor is not None:

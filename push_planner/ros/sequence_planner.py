@@ -81,5 +81,6 @@ def describe_task_plan(chain):
     count, first = len(chain.pushes), chain.pushes[0]
     text = (f'has planned {count} push{"es" * (count > 1)} of {chain.duration:.1f} s in all, the '
             f'first of {first.path_length:.2f} m')
-    return text, {**chain.plan.report, **chain.report, 'single_push': chain.single,
+    return text, {**chain.plan.report, **chain.report.as_values(),
+                  'single_push': chain.single_push_time,
                   'robot_start': tuple(first.robot_start)}

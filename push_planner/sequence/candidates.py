@@ -1,186 +1,381 @@
-"""What may be the answer to a task: single pushes and chains, solved when their turn comes."""
+"""
+Candidate solutions of a task: single pushes and push sequences.
 
+The first push of a candidate is solved lazily, in the order of the expected time: see
+``solve_in_order``. A candidate never changes; solving it makes a ``SolvedCandidate`` or a
+``RejectedCandidate``.
+"""
+
+import abc
 import dataclasses
 import math
+from typing import Callable, Iterable, NamedTuple, Sequence, TypeVar, Union
 
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
-from push_navigation.path import NoPathFound
+from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import NoPathFound, Path
+from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
-from push_planner.problem import PlanningFailed
+from push_planner.plan import Plan
+from push_planner.problem import PlanningFailed, PushProblem
+from push_planner.sequence.clearance import ClearanceCheck
 from push_planner.sequence.costs import plan_approach
 from push_planner.sequence.miss_probability import miss_probability
-from push_planner.sequence.steps import PlannedPush
+from push_planner.sequence.steps import PlannedPush, SequenceStep
 from push_planner.single_push.contact_sites import robot_start
 from push_planner.single_push.planner import plan_push, PlanRequirements
 from push_planner.single_push.site_selection import ROUTE_SLACK
 
-SHORTEST = 0.01
-# Plans are shorter than the way that is ranked first, by 20 % at most in 40 random tasks.
-LONGER = 1.25
-MOST, IN_MAP = 8, 3
-ASIDE = 0.1
-# Turn of an object that counts as none [rad].
-STILL = 0.035
+# Least limit of the path length of a push [m]: one that is accepted as a setting.
+MIN_PATH_LIMIT = 0.01
+# Plans are shorter than the path that is ranked first, by 20 % at most in 40 random tasks.
+PATH_LIMIT_RATIO = 1.25
+# Programs that are solved for a push at most, on open floor and in a map, chosen: a candidate that
+# needs more is left for the next one.
+MAX_SOLVES = 8
+MAX_SOLVES_IN_MAP = 3
+# How far from the path that was checked against the map a plan may be, along either axis [m].
+MAX_DEVIATION = 0.1
+# Rotation of an object that counts as none [rad], chosen: 2 degrees.
+STRAIGHT_TOLERANCE = 0.035
+# Part of the time of the best solution that a sequence must promise to be solved: the estimate of
+# its time is a few percent off.
+PROMISING_RATIO = 0.97
 
 
-class Candidate:
+class CandidateReport(NamedTuple):
     """
-    A chain whose first push is still to be solved.
+    What became of a candidate, or what is known of it.
 
-    Attributes: ``pushes``; ``duration`` of everything [s], about until it is solved; ``hazard``:
-    time that mending a miss of the last push takes, times its chance [s]; ``plan`` of the first
-    push, None until then; ``way`` to it; ``reason`` why it cannot be, empty while it
-    can; ``optimality_ratio``: share of the time of another solution above which this one is not worth
-    solving; ``worth``: time that others must beat [s]; ``later_steps``: ``push_planner.sequence.steps.SequenceStep`` of
-    each push but the first.
+    :param sites: contact sites of its pushes, in words.
+    :param duration: of everything [s].
+    :param expected_correction: time of correcting a miss of the last push, times its
+        probability [s].
+    :param rejection: why it has no solution; empty if it has one.
     """
 
-    later_steps = ()
-    optimality_ratio = 1.0
-    worth = math.inf
+    sites: str
+    duration: float
+    expected_correction: float
+    rejection: str
 
-    def __init__(self, problem, pushes, duration, hazard):
-        """
-        Take a chain.
+    def __str__(self) -> str:
+        """Write it in one line."""
+        times = f'{self.duration:.1f} + {self.expected_correction:.1f} s'
+        return f'{self.sites}: {self.rejection or times}'
 
-        :param problem: ``PushProblem`` of the first push.
-        :param pushes: ``PlannedPush`` of all pushes, about.
-        :param duration: of everything, about [s].
-        :param hazard: see above [s].
-        """
-        self.problem, self.pushes = problem, tuple(pushes)
-        self.duration, self.hazard = duration, hazard
-        self.plan, self.way, self.reason = None, None, ''
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class SolvedCandidate:
+    """
+    A candidate whose first push is planned.
+
+    :param pushes: ``PlannedPush`` of all pushes.
+    :param plan: ``Plan`` of the first push.
+    :param approach_path: ``Path`` of the robot to where the straight approach to it begins.
+    :param later_steps: ``SequenceStep`` of each push but the first.
+    :param duration: of everything [s].
+    :param expected_correction: time of correcting a miss of the last push, times its
+        probability [s].
+    """
+
+    pushes: tuple[PlannedPush, ...]
+    plan: Plan
+    approach_path: Path
+    later_steps: tuple[SequenceStep, ...]
+    duration: float
+    expected_correction: float
 
     @property
-    def expected(self):
+    def expected_time(self) -> float:
         """Time of everything, and of what may come after it [s]."""
-        return self.duration + self.hazard
+        return self.duration + self.expected_correction
 
-    def solve(self, robot_pose, drive, worth=math.inf, room=None):
+    @property
+    def report(self) -> CandidateReport:
+        """``CandidateReport``."""
+        return CandidateReport(_sites(self.pushes), self.duration, self.expected_correction, '')
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RejectedCandidate:
+    """
+    A candidate without solution.
+
+    :param report: ``CandidateReport`` with the reason.
+    """
+
+    report: CandidateReport
+
+
+Outcome = Union[SolvedCandidate, RejectedCandidate]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Candidate(abc.ABC):
+    """
+    A single push or a sequence whose first push is still to be solved.
+
+    :param problem: ``PushProblem`` of the first push.
+    :param pushes: ``PlannedPush`` of all pushes, about.
+    :param duration: of everything, about or at least [s].
+    :param expected_correction: time of correcting a miss of the last push, times its
+        probability, about or at least [s].
+    :param correction_time: time that correcting a miss takes [s].
+    """
+
+    problem: PushProblem
+    pushes: tuple[PlannedPush, ...]
+    duration: float
+    expected_correction: float
+    correction_time: float
+
+    @property
+    def expected_time(self) -> float:
+        """Time of everything, and of what may come after it, about or at least [s]."""
+        return self.duration + self.expected_correction
+
+    @property
+    def time_to_beat(self) -> float:
+        """Time above which no other candidate is of use [s]."""
+        return math.inf
+
+    @property
+    def optimality_ratio(self) -> float:
+        """Part of the time of a solution from which on this candidate is not worth solving."""
+        return 1.0
+
+    @property
+    def later_steps(self) -> tuple[SequenceStep, ...]:
+        """``SequenceStep`` of each push but the first."""
+        return ()
+
+    def solve(self, robot_pose: Pose, drive: DriveSettings, time_limit: float = math.inf,
+              clearance: ClearanceCheck | None = None) -> Outcome:
         """
-        Find the way to the first push, and plan it.
+        Plan the robot's path to the first push, and the push.
 
         :param robot_pose: ``Pose`` of the robot.
         :param drive: ``DriveSettings``.
-        :param worth: time above which the answer is of no use [s].
-        :param room: ``push_planner.sequence.clearance.ClearanceCheck``, or None for open floor.
+        :param time_limit: time above which a solution is of no use [s].
+        :param clearance: ``ClearanceCheck``, or None for open floor.
+        :return: ``SolvedCandidate`` or ``RejectedCandidate``.
         """
-        problem = self._limited(worth)
+        problem = self._limited_problem(time_limit)
+        occupancy_map = clearance.occupancy_map if clearance is not None else None
         try:
-            self.way = plan_approach(problem.robot, problem.obj, problem.start, robot_pose,
-                                     robot_start(problem), drive, room and room.occupancy_map)
-            found = plan_push(problem, requirements=self._requirements(room))
-            if room is not None:
-                self.duration += self._detours(robot_pose, drive, room)
+            path = plan_approach(problem.robot, problem.obj, problem.start, robot_pose,
+                                 robot_start(problem), drive, occupancy_map=occupancy_map)
+            plan = plan_push(problem, requirements=self._requirements(clearance))
+            duration = self.duration
+            if occupancy_map is not None:
+                duration += self._detours(robot_pose, drive, occupancy_map)
         except NoPathFound as failure:
-            self.reason = f'no way for the robot, {failure.reason}'
+            return self._rejected(f'no path for the robot: {failure.reason}')
         except PlanningFailed as failure:
-            self.reason = failure.reason
-        else:
-            self._take(found)
+            return self._rejected(failure.reason)
+        return self._solved(plan, path, duration)
 
-    def _take(self, found):
-        first, trajectory = self.pushes[0], found.trajectory
-        self.duration += trajectory.duration - first.duration
-        end = Pose(*map(float, trajectory.robot_poses[-1]))
-        first = first._replace(robot_end=end, duration=trajectory.duration,
-                               path_length=found.report['path_length'])
-        self.plan, self.pushes = found, (first, *self.pushes[1:])
+    def _solved(self, plan: Plan, path: Path, duration: float) -> SolvedCandidate:
+        """Replace the estimates of the first push by its plan."""
+        first = self.pushes[0]
+        trajectory = plan.trajectory
+        planned = first._replace(
+            robot_end=Pose(*map(float, trajectory.robot_poses[-1])), duration=trajectory.duration,
+            path_length=plan.report['path_length'])
+        return SolvedCandidate(
+            (planned, *self.pushes[1:]), plan, path, self.later_steps,
+            duration + (trajectory.duration - first.duration), self._correction_after(plan))
 
-    def _detours(self, robot_pose, drive, room):
-        """Time that ways take longer in the map [s]."""
+    def _rejected(self, reason: str) -> RejectedCandidate:
+        return RejectedCandidate(CandidateReport(_sites(self.pushes), self.duration,
+                                                 self.expected_correction, reason))
+
+    def _detours(self, robot_pose: Pose, drive: DriveSettings,
+                 occupancy_map: OccupancyMap) -> float:
+        """Time by which the paths of the robot are longer in the map [s]."""
         robot, obj, first = self.problem.robot, self.problem.obj, self.pushes[0]
         ends = [(first.start, robot_pose, first.robot_start)]
         ends += [(before.end, before.robot_end, after.robot_start)
                  for before, after in zip(self.pushes, self.pushes[1:])]
-        times = [[travel_time(plan_approach(robot, obj, *end, drive, occupancy_map), robot, drive)
-                  for end in ends] for occupancy_map in (room.occupancy_map, None)]
-        return sum(times[0]) - sum(times[1])
+        in_map, on_open_floor = (
+            [travel_time(plan_approach(robot, obj, *poses, drive, occupancy_map=where), robot,
+                         drive) for poses in ends]
+            for where in (occupancy_map, None))
+        return sum(in_map) - sum(on_open_floor)
 
-    def _limited(self, worth):
+    def _limited_problem(self, time_limit: float) -> PushProblem:
+        """Return the problem of the first push, limited to solutions that are of use."""
         return self.problem
 
-    def _requirements(self, room):
-        return PlanRequirements(max_solves=MOST) if room is None else PlanRequirements(None, room.fault, IN_MAP)
+    def _requirements(self, clearance: ClearanceCheck | None) -> PlanRequirements:
+        if clearance is None:
+            return PlanRequirements(max_solves=MAX_SOLVES)
+        return PlanRequirements(None, clearance.violation, MAX_SOLVES_IN_MAP)
 
-    def __str__(self):
-        """Say it in one line."""
-        sites = ', '.join(f'{push.contact.kind} {push.contact.index}' for push in self.pushes)
-        return f'{sites}: {self.reason or f"{self.duration:.1f} + {self.hazard:.1f} s"}'
+    @abc.abstractmethod
+    def _correction_after(self, plan: Plan) -> float:
+        """Return the expected time of corrections once the first push is planned [s]."""
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
 class SinglePushCandidate(Candidate):
-    """One push to the goal; until it is solved its duration is a lower bound."""
+    """
+    One push to the goal; until it is solved its duration is a lower bound.
 
-    def __init__(self, problem, before, bound, correction_time):
+    :param time_before: time until the push begins [s].
+    :param bound: lower bound of the time of the push [s].
+    """
+
+    time_before: float
+    bound: float
+
+    @classmethod
+    def of(cls, problem: PushProblem, time_before: float, bound: float,
+           correction_time: float) -> 'SinglePushCandidate':
         """
-        Take a push to the goal.
+        Make a candidate of a push to the goal.
 
         :param problem: the ``PushProblem``.
-        :param before: time until it begins [s].
-        :param bound: time of the push at least [s].
-        :param correction_time: time that mending a miss takes [s].
+        :param time_before: time until the push begins [s].
+        :param bound: lower bound of the time of the push [s].
+        :param correction_time: time that correcting a miss takes [s].
         """
-        place = robot_start(problem)
-        push = PlannedPush(problem.contact, problem.start, problem.goal, place,
-                           problem.goal @ problem.start.inverse() @ place, bound,
+        robot_pose = robot_start(problem)
+        push = PlannedPush(problem.contact, problem.start, problem.goal, robot_pose,
+                           problem.goal @ problem.start.inverse() @ robot_pose, bound,
                            bound * problem.settings.pushing_speed)
-        least = correction_time * float(miss_probability(
-            abs(wrap_angle(problem.goal.theta - problem.start.theta)), math.inf, math.inf, False))
-        super().__init__(problem, (push,), before + bound, least)
-        self._before, self._about = before, before + bound / ROUTE_SLACK
-        self._mending_time = correction_time
+        # The least rotation, with a long path and a long straight end, misses least.
+        rotation = abs(wrap_angle(problem.goal.theta - problem.start.theta))
+        least_correction = correction_time * float(miss_probability(
+            rotation, math.inf, math.inf, False))
+        return cls(problem, (push,), time_before + bound, least_correction, correction_time,
+                   time_before, bound)
 
     @property
-    def about(self):
-        """Time that is to be expected, or that it takes once it is solved [s]."""
-        return self.duration if self.plan else self._about
+    def likely_duration(self) -> float:
+        """Time of everything that is to be expected [s]."""
+        return self.time_before + self.bound / ROUTE_SLACK
 
-    def _take(self, found):
-        super()._take(found)
-        turned, straight = _end_of(found.trajectory)
-        self.hazard = self._mending_time * float(miss_probability(
-            turned, straight, found.report['path_length'], self.problem.contact.kind == 'face'))
-
-    def _limited(self, worth):
+    def _limited_problem(self, time_limit: float) -> PushProblem:
         settings = self.problem.settings
-        longest = max(LONGER * (worth - self._before) * settings.pushing_speed, SHORTEST)
+        longest = max(PATH_LIMIT_RATIO * (time_limit - self.time_before) * settings.pushing_speed,
+                      MIN_PATH_LIMIT)
         return dataclasses.replace(self.problem, settings=dataclasses.replace(
             settings, max_path_length=min(longest, settings.max_path_length)))
 
+    def _correction_after(self, plan: Plan) -> float:
+        shape = _shape_of(plan.trajectory)
+        return self.correction_time * float(miss_probability(
+            shape.rotation, shape.straight_end, plan.report['path_length'],
+            self.problem.contact.kind == 'face'))
 
+
+@dataclasses.dataclass(frozen=True, eq=False)
 class SequenceCandidate(Candidate):
-    """Several pushes, all but the first of them as the algebra has them."""
+    """
+    Several pushes, all but the first of them as the kinematics have them.
 
-    optimality_ratio = 0.97
+    :param steps: ``SequenceStep`` of all pushes.
+    :param estimate: time of everything, and of what may come after it, about [s].
+    """
 
-    def __init__(self, steps, expected, correction_time):
+    steps: tuple[SequenceStep, ...]
+    estimate: float
+
+    @classmethod
+    def of(cls, steps: Sequence[SequenceStep], estimate: float,
+           correction_time: float) -> 'SequenceCandidate':
         """
-        Take a chain.
+        Make a candidate of a sequence.
 
-        :param steps: ``push_planner.sequence.steps.SequenceStep`` list.
-        :param expected: time of everything, and of what may come after it, about [s].
-        :param correction_time: time that mending a miss takes [s].
+        :param steps: ``SequenceStep`` of all pushes.
+        :param estimate: time of everything, and of what may come after it, about [s].
+        :param correction_time: time that correcting a miss takes [s].
         """
         last = steps[-1]
-        hazard = correction_time * float(miss_probability(
-            sum(abs(length * curvature) for length, curvature in last.segments), last.segments[-1][0],
-            last.push.path_length, last.problem.contact.kind == 'face'))
-        super().__init__(steps[0].problem, [step.push for step in steps], expected - hazard,
-                         hazard)
-        self.steps, self.later_steps, self.worth = steps, tuple(steps[1:]), expected
+        expected_correction = correction_time * float(miss_probability(
+            last.rotation, last.segments[-1].length, last.push.path_length,
+            last.problem.contact.kind == 'face'))
+        return cls(steps[0].problem, tuple(step.push for step in steps),
+                   estimate - expected_correction, expected_correction, correction_time,
+                   tuple(steps), estimate)
 
-    def _requirements(self, room):
-        if room is None:
-            return super()._requirements(room)
-        return PlanRequirements(self.steps[0].route(ASIDE), room.fault, IN_MAP)
+    @property
+    def time_to_beat(self) -> float:
+        """Time above which no other candidate is of use [s]."""
+        return self.estimate
+
+    @property
+    def optimality_ratio(self) -> float:
+        """Part of the time of a solution from which on this candidate is not worth solving."""
+        return PROMISING_RATIO
+
+    @property
+    def later_steps(self) -> tuple[SequenceStep, ...]:
+        """``SequenceStep`` of each push but the first."""
+        return self.steps[1:]
+
+    def _requirements(self, clearance: ClearanceCheck | None) -> PlanRequirements:
+        if clearance is None:
+            return super()._requirements(clearance)
+        return PlanRequirements(self.steps[0].route(MAX_DEVIATION), clearance.violation,
+                                MAX_SOLVES_IN_MAP)
+
+    def _correction_after(self, plan: Plan) -> float:
+        return self.expected_correction
 
 
-def _end_of(trajectory):
-    """Angle by which a push turns the object, to and fro [rad], and its straight end [m]."""
-    headings, places = np.unwrap(trajectory.object_poses[:, 2]), trajectory.robot_poses[:, :2]
-    off = np.flatnonzero(np.abs(headings - headings[-1]) > STILL)
-    end = np.hypot(*np.diff(places[off[-1] if len(off) else 0:], axis=0).T).sum()
-    return float(np.abs(np.diff(headings)).sum()), float(end)
+AnyCandidate = TypeVar('AnyCandidate', bound=Candidate)
+
+
+def solve_in_order(candidates: Iterable[AnyCandidate],
+                   solve: Callable[[AnyCandidate, float], Outcome]) -> SolvedCandidate | None:
+    """
+    Solve candidates, the most promising first, until none that is left can be faster.
+
+    :param candidates: ``Candidate`` iterable; the expected time of each is a lower bound, or an
+        estimate that ``optimality_ratio`` allows for.
+    :param solve: function of a candidate and of the time above which a solution is of no use [s]
+        to its ``Outcome``.
+    :return: the fastest ``SolvedCandidate``; None where there is none.
+    """
+    best: SolvedCandidate | None = None
+    in_order = sorted(candidates, key=lambda candidate: candidate.expected_time)
+    time_limit = min((candidate.time_to_beat for candidate in in_order), default=math.inf)
+    for candidate in in_order:
+        if best is not None and (
+                candidate.expected_time >= candidate.optimality_ratio * best.expected_time):
+            continue
+        outcome = solve(candidate, time_limit)
+        if isinstance(outcome, SolvedCandidate) and (
+                best is None or outcome.expected_time < best.expected_time):
+            best = outcome
+            time_limit = min(time_limit, best.expected_time)
+    return best
+
+
+class _PushShape(NamedTuple):
+    """
+    What decides on a miss of a push.
+
+    :param rotation: of the object, to and fro [rad].
+    :param straight_end: distance of the robot at its end without rotation [m].
+    """
+
+    rotation: float
+    straight_end: float
+
+
+def _shape_of(trajectory: PushTrajectory) -> _PushShape:
+    headings = np.unwrap(trajectory.object_poses[:, 2])
+    rotated = np.flatnonzero(np.abs(headings - headings[-1]) > STRAIGHT_TOLERANCE)
+    end = trajectory.robot_poses[rotated[-1] if len(rotated) else 0:, :2]
+    straight = np.hypot(*np.diff(end, axis=0).T).sum()
+    return _PushShape(float(np.abs(np.diff(headings)).sum()), float(straight))
+
+
+def _sites(pushes: Iterable[PlannedPush]) -> str:
+    return ', '.join(f'{push.contact.kind} {push.contact.index}' for push in pushes)

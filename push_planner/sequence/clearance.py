@@ -1,122 +1,176 @@
-"""What a map leaves of the chains of pushes: neither object nor robot meets an obstacle."""
+"""Clearance of push sequences in a map: neither object nor robot meets an obstacle."""
 
 import math
+from typing import NamedTuple, Sequence
 
 import numpy as np
+from push_model.geometry import FloatArray, Pose
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
+from push_model.trajectory import PushTrajectory
 from push_navigation.obstacle import inflate
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
-from push_planner.sequence.kinematics import object_poses_along, SequenceMotions
+from push_planner.sequence.kinematics import IntArray, object_poses_along, SequenceMotions
+from push_planner.sequence.primitives import PrimitiveTable
+from push_planner.sequence.search import ClearancePenalty
+from push_planner.sequence.steps import SequenceStep
 
-MARGINS = (1.0, 0.5, 0.0)
-ROUGH, FINE = 4, 8
-# Of room that is lacking [s/m].
-PRICE = 500.0
+# Fractions of the clearance of the settings that the object keeps, the first that start and goal
+# allow.
+MARGIN_FRACTIONS = (1.0, 0.5, 0.0)
+# Poses on each segment, for a coarse look and a fine one.
+COARSE_SAMPLES = 4
+FINE_SAMPLES = 8
+# Time per clearance that is missing [s/m], chosen: 1 cm counts as 5 s, the time of a whole push of
+# half a metre.
+PENALTY_RATE = 500.0
+
+
+class _MapPoses(NamedTuple):
+    """
+    Poses of the object in the frame of the map, arrays of one shape.
+
+    :param x: along columns [m].
+    :param y: along rows [m].
+    :param c: cosine of the orientation.
+    :param s: sine of it.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    c: FloatArray
+    s: FloatArray
+
+
+class _InnerCircle(NamedTuple):
+    """
+    A circle inside the object.
+
+    :param x: middle in the object frame, x [m].
+    :param y: middle in the object frame, y [m].
+    :param radius: [m].
+    """
+
+    x: float
+    y: float
+    radius: float
 
 
 class ClearanceCheck:
     """
-    A map with an object that is to go from start to goal in it.
+    A map with an object that is to be pushed from start to goal in it.
 
     The object's margin is what start and goal allow, at most that of the settings.
 
-    :param occupancy_map: ``push_navigation.occupancy_map.OccupancyMap``.
+    :param occupancy_map: the ``OccupancyMap``.
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param start: ``Pose`` of the object in the world.
-    :param goal: ``Pose`` wanted for the object in the world.
+    :param goal: goal ``Pose`` of the object in the world.
     :param drive: ``DriveSettings``.
     :raises PlanningFailed: where start or goal is not free.
     """
 
-    def __init__(self, occupancy_map, obj, robot, start, goal, drive):
-        self.occupancy_map, self.obj, self.robot, self.start = occupancy_map, obj, robot, start
-        self.robot_margin = drive.map_clearance
+    def __init__(self, occupancy_map: OccupancyMap, obj: PushedObject, robot: RoundRobot,
+                 start: Pose, goal: Pose, drive: DriveSettings) -> None:
+        self.occupancy_map = occupancy_map
+        self._obj = obj
+        self._robot = robot
+        self._start = start
+        self._robot_margin = drive.map_clearance
         for name, pose in (('object stands', start), ('goal is', goal)):
             if not occupancy_map.object_is_free(obj, [pose], 0.0):
-                raise PlanningFailed(PlanFailure.NOT_FREE,
-                                     f'the {name} at {pose.x:.2f} m, {pose.y:.2f} m, where the '
-                                     'map has an obstacle or ends')
-        self.margin = next(margin for margin in np.multiply(MARGINS, drive.map_clearance)
-                           if occupancy_map.object_is_free(obj, [start, goal], margin))
+                raise PlanningFailed(
+                    PlanFailure.NOT_FREE, f'the {name} at {pose.x:.2f} m, {pose.y:.2f} m, where '
+                    'the map has an obstacle or ends')
+        self._object_margin = next(
+            margin for margin in np.multiply(MARGIN_FRACTIONS, drive.map_clearance)
+            if occupancy_map.object_is_free(obj, [start, goal], margin))
 
-    def excess(self, table):
+    def penalty(self, table: PrimitiveTable) -> ClearancePenalty:
         """
-        Make what tells of many chains how much they lack room.
+        Make the function that tells how much clearance many sequences are short of.
 
-        :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
-        :return: function of (sites, ``SequenceMotions``, whether to look at the corners of the object
-            too) to times that are added to those of the chains [s], shape (m,); 0 where they are
-            free, infinite where the goal is not reached.
+        :param table: ``PrimitiveTable``.
+        :return: ``ClearancePenalty``; its times are 0 for sequences that are free, infinite for
+            those that do not reach the goal. A fine look includes the corners of the object.
         """
-        behind = np.array(table.places)[table.numbers, :2]
-        radius, middle = self._circle()
+        robot_places = np.array(table.robot_poses)[table.locations, :2]
+        circle = self._inner_circle()
 
-        def excess(sites, chains, fine):
-            lacking = np.full(len(sites), math.inf)
-            some = np.isfinite(chains.ways).all(axis=1)
-            chains = SequenceMotions(*(values[some] for values in chains))
-            poses = self._in_map(object_poses_along(table, sites[some], chains, FINE if fine else ROUGH))
-            robots = np.moveaxis(behind[sites[some]], -1, 0)[..., None]
-            lacks = [self._lack(poses, *robots, self.robot.radius + self.robot_margin),
-                     self._lack(poses, *middle, radius + self.margin)]
+        def penalty(moves: IntArray, motions: SequenceMotions, fine: bool) -> FloatArray:
+            penalties = np.full(len(moves), math.inf)
+            reached = motions.reaches_goal
+            moves = moves[reached]
+            poses = self._to_map(object_poses_along(
+                table, moves, motions.select(reached), FINE_SAMPLES if fine else COARSE_SAMPLES))
+            robot_x, robot_y = np.moveaxis(robot_places[moves], -1, 0)[..., None]
+            deficits = [
+                self._deficit(poses, robot_x, robot_y, self._robot.radius + self._robot_margin),
+                self._deficit(poses, circle.x, circle.y, circle.radius + self._object_margin)]
             if fine:
-                lacks += [self._lack(poses, *corner, self.margin) for corner in self.obj.outline]
-            lacking[some] = PRICE * np.sum(lacks, axis=0)
-            return lacking
+                deficits += [self._deficit(poses, x, y, self._object_margin)
+                             for x, y in self._obj.outline]
+            penalties[reached] = PENALTY_RATE * np.sum(deficits, axis=0)
+            return penalties
 
-        return excess
+        return penalty
 
-    def is_free(self, object_poses, robot_poses):
+    def is_free(self, object_poses: Sequence[Sequence[float]] | FloatArray,
+                robot_poses: Sequence[Sequence[float]] | FloatArray) -> bool:
         """
-        Tell whether object and robot are free at all poses.
+        Return whether object and robot are free at all poses.
 
         :param object_poses: (x, y, theta) in the world, shape (n, 3).
         :param robot_poses: the same of the robot.
         """
-        return (self.occupancy_map.object_is_free(self.obj, object_poses, self.margin)
-                and self.occupancy_map.robot_is_free(self.robot, robot_poses, self.robot_margin))
+        return (self.occupancy_map.object_is_free(self._obj, object_poses, self._object_margin)
+                and self.occupancy_map.robot_is_free(self._robot, robot_poses,
+                                                     self._robot_margin))
 
-    def fault(self, trajectory):
+    def violation(self, trajectory: PushTrajectory) -> str:
         """
-        Tell what is wrong with a push; empty where nothing is.
+        Describe what is wrong with a push; empty where nothing is.
 
         :param trajectory: ``PushTrajectory``.
         """
         free = self.is_free(trajectory.object_poses, trajectory.robot_poses)
         return '' if free else 'the push meets an obstacle or leaves the map'
 
-    def steps_are_free(self, steps):
+    def steps_are_free(self, steps: Sequence[SequenceStep]) -> bool:
         """
-        Tell whether a chain is free all along.
+        Return whether a sequence is free all along.
 
-        :param steps: ``push_planner.sequence.steps.SequenceStep`` list.
+        :param steps: ``SequenceStep`` list.
         """
         for step in steps:
-            robot = step.push.start.inverse() @ step.push.robot_start
+            robot_in_object = step.push.start.inverse() @ step.push.robot_start
             poses = step.object_poses(self.occupancy_map.resolution)
-            if not self.is_free(poses, [pose @ robot for pose in poses]):
+            if not self.is_free(poses, [pose @ robot_in_object for pose in poses]):
                 return False
         return True
 
-    def _in_map(self, poses):
-        """Bring poses from the frame of the object as it stands into the cells of the map."""
-        x, y, turn = np.moveaxis(poses, -1, 0)
-        c, s = math.cos(self.start.theta), math.sin(self.start.theta)
-        points = np.stack((self.start.x + c * x - s * y, self.start.y + s * x + c * y), axis=-1)
-        x, y = self.occupancy_map.to_map(points.reshape(-1, 2)).T.reshape(2, *turn.shape)
-        turn = turn + (self.start.theta - self.occupancy_map.origin.theta)
-        return x, y, np.cos(turn), np.sin(turn)
+    def _to_map(self, poses: FloatArray) -> _MapPoses:
+        """Transform poses from the frame of the object at the start, shape (..., 3)."""
+        x, y, rotation = np.moveaxis(poses, -1, 0)
+        c, s = math.cos(self._start.theta), math.sin(self._start.theta)
+        points = np.stack((self._start.x + c * x - s * y, self._start.y + s * x + c * y), axis=-1)
+        x, y = self.occupancy_map.to_map(points.reshape(-1, 2)).T.reshape(2, *rotation.shape)
+        theta = rotation + (self._start.theta - self.occupancy_map.origin.theta)
+        return _MapPoses(x, y, np.cos(theta), np.sin(theta))
 
-    def _lack(self, poses, x, y, wanted):
-        """How much too near to obstacles a point of the object, in its frame, comes [m]."""
-        along, up, c, s = poses
-        room = self.occupancy_map.clearance_in_map_frame(along + c * x - s * y, up + s * x + c * y)
-        return np.maximum(wanted - room.min(axis=(1, 2)), 0.0)
+    def _deficit(self, poses: _MapPoses, x: float | FloatArray, y: float | FloatArray,
+                 required: float) -> FloatArray:
+        """Clearance that a point of the object, in its frame, is short of, shape (m,) [m]."""
+        clearance = self.occupancy_map.clearance_in_map_frame(
+            poses.x + poses.c * x - poses.s * y, poses.y + poses.s * x + poses.c * y)
+        return np.maximum(required - clearance.min(axis=(1, 2)), 0.0)
 
-    def _circle(self):
-        """Radius and middle of a circle in the object."""
-        if not self.obj.outline:
-            return self.obj.radius, (0.0, 0.0)
-        middle = np.array(self.obj.outline).mean(axis=0)
-        return -float(inflate(self.obj.outline, 0.0, 0.0).distances([middle])[0]), tuple(middle)
+    def _inner_circle(self) -> _InnerCircle:
+        if not self._obj.outline:
+            return _InnerCircle(0.0, 0.0, self._obj.radius)
+        x, y = np.array(self._obj.outline).mean(axis=0)
+        depth = inflate(self._obj.outline, 0.0, 0.0).distances([(x, y)])[0]
+        return _InnerCircle(x, y, -float(depth))

@@ -1,31 +1,65 @@
-"""What chains cost besides their pushing: the robot's ways, settling, touching, retreats."""
+"""Costs of push sequences besides the pushing: paths of the robot, settling, touch, retreat."""
 
 import functools
 import math
+from typing import NamedTuple, Sequence
 
 import numpy as np
-from push_model.geometry import Pose
-from push_navigation.path import NoPathFound
+from numpy.typing import NDArray
+from push_model.geometry import FloatArray, Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import NoPathFound, Path
 from push_navigation.path_planner import plan_path
+from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
 from push_planner.collocation.speed_profile import push_time
-from push_planner.sequence.search import SequenceCosts
+from push_planner.sequence.primitives import PrimitiveTable
+from push_planner.settings import PlannerSettings, TaskSettings
+
+ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
-def standoff(robot_pose, drive):
+class SequenceCosts(NamedTuple):
+    """
+    What sequences of k primitives cost.
+
+    :param first: time until a push with each primitive begins [s], shape (k,).
+    :param change: time from one primitive to another [s], shape (k, k); 0 at one location.
+    :param speed: of the contact [m/s].
+    :param max_path_length: of the contact in one push [m].
+    """
+
+    first: FloatArray
+    change: FloatArray
+    speed: float
+    max_path_length: float
+
+    def besides_pushing(self, moves: NDArray[np.int_]) -> FloatArray:
+        """
+        Time of sequences except for the pushing [s], shape (m,).
+
+        :param moves: numbers of the primitives, shape (m, n).
+        """
+        return self.first[moves[:, 0]] + self.change[moves[:, :-1], moves[:, 1:]].sum(axis=1)
+
+
+def standoff_pose(contact_pose: Pose, drive: DriveSettings) -> Pose:
     """
     Step back from the contact, along the heading.
 
-    :param robot_pose: ``Pose`` of the robot where it touches.
+    :param contact_pose: ``Pose`` of the robot at the contact.
     :param drive: ``DriveSettings``.
     :return: ``Pose``.
     """
-    return robot_pose @ Pose(-drive.standoff, 0.0, 0.0)
+    return contact_pose @ Pose(-drive.standoff, 0.0, 0.0)
 
 
-def plan_approach(robot, obj, object_pose, start, contact_pose, drive, occupancy_map=None):
+def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
+                  contact_pose: Pose, drive: DriveSettings, *,
+                  occupancy_map: OccupancyMap | None = None) -> Path:
     """
-    Find the way to where the last straight piece to the contact begins.
+    Plan the robot's path to where the straight approach to the contact begins.
 
     :param robot: the ``RoundRobot``.
     :param obj: the ``PushedObject``.
@@ -33,40 +67,42 @@ def plan_approach(robot, obj, object_pose, start, contact_pose, drive, occupancy
     :param start: ``Pose`` of the robot.
     :param contact_pose: ``Pose`` of the robot at the contact.
     :param drive: ``DriveSettings``.
-    :param occupancy_map: ``OccupancyMap`` that the way keeps to; None for open floor.
-    :return: ``Way``.
-    :raises NoWay: where there is none.
+    :param occupancy_map: ``OccupancyMap`` that the path keeps to; None for open floor.
+    :return: ``Path``.
+    :raises NoPathFound: where there is none.
     """
-    return plan_path(robot, obj, object_pose, start, standoff(contact_pose, drive), drive,
+    return plan_path(robot, obj, object_pose, start, standoff_pose(contact_pose, drive), drive,
                      occupancy_map=occupancy_map)
 
 
-def approach_times(robot, obj, start, contact_poses, drive):
+def approach_times(robot: RoundRobot, obj: PushedObject, start: Pose,
+                   contact_poses: Sequence[Pose], drive: DriveSettings) -> FloatArray:
     """
-    Find the times of the ways to several contacts on open floor; infinite where there is none.
+    Compute the times of the paths to several contacts on open floor; infinite where is none.
 
     :param robot: the ``RoundRobot``.
     :param obj: the ``PushedObject``, at the origin.
     :param start: ``Pose`` of the robot in the object frame.
-    :param contact_poses: ``Pose`` sequence of the robot at the contacts, in the object frame.
+    :param contact_poses: ``Pose`` of the robot at the contacts, in the object frame.
     :param drive: ``DriveSettings``.
     :return: times [s], shape (n,).
     """
-    times = []
-    for pose in contact_poses:
+    times: list[float] = []
+    for contact_pose in contact_poses:
         try:
-            way = plan_approach(robot, obj, Pose(0.0, 0.0, 0.0), start, pose, drive)
+            path = plan_approach(robot, obj, ORIGIN, start, contact_pose, drive)
         except NoPathFound:
             times.append(math.inf)
         else:
-            times.append(travel_time(way, robot, drive))
+            times.append(travel_time(path, robot, drive))
     return np.array(times)
 
 
 @functools.lru_cache(maxsize=16)
-def transfer_times(robot, obj, contact_poses, drive):
+def transfer_times(robot: RoundRobot, obj: PushedObject, contact_poses: tuple[Pose, ...],
+                   drive: DriveSettings) -> FloatArray:
     """
-    Find the times of the ways from contact to contact; arguments as of ``approach_times``.
+    Compute the times of the paths from contact to contact; arguments as of ``approach_times``.
 
     :param robot: the ``RoundRobot``.
     :param obj: the ``PushedObject``.
@@ -80,25 +116,28 @@ def transfer_times(robot, obj, contact_poses, drive):
     return times
 
 
-def sequence_costs(table, obj, robot, robot_pose, settings, drive, task):
+def sequence_costs(table: PrimitiveTable, robot_pose: Pose, settings: PlannerSettings,
+                   drive: DriveSettings, task: TaskSettings) -> SequenceCosts:
     """
-    Find what chains of the elements of a table cost on open floor.
+    Compute what sequences of the primitives of a table cost on open floor.
 
-    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
-    :param obj: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
+    :param table: ``PrimitiveTable``.
     :param robot_pose: ``Pose`` of the robot in the frame of the object.
     :param settings: ``PlannerSettings``.
     :param drive: ``DriveSettings``.
     :param task: ``TaskSettings``.
-    :return: ``push_planner.sequence.search.SequenceCosts``.
+    :return: ``SequenceCosts``.
     """
-    first = approach_times(robot, obj, robot_pose, table.places, drive)
-    between = transfer_times(robot, obj, table.places, drive)
-    ramp = push_time(settings, 1.0) - 1.0 / settings.pushing_speed
-    each, numbers = task.switch_time + ramp, table.numbers
-    change = between[np.ix_(numbers, numbers)] + each
-    # A contact that has rolled is not where it was.
-    rolls = table.primitives[0].problem.kind == 'rolling'
-    change[numbers[:, None] == numbers] = math.inf if rolls else 0.0
-    return SequenceCosts(first[numbers] + each, change, settings.pushing_speed, settings.max_path_length)
+    problem = table.primitives[0].problem
+    first = approach_times(problem.robot, problem.obj, robot_pose, table.robot_poses, drive)
+    transfers = transfer_times(problem.robot, problem.obj, table.robot_poses, drive)
+    # What a push of 1 m takes longer than at full speed throughout.
+    ramps = push_time(settings, 1.0) - 1.0 / settings.pushing_speed
+    per_push = task.switch_time + ramps
+    locations = table.locations
+    change = transfers[np.ix_(locations, locations)] + per_push
+    # A contact that has rolled is not where it was: the push cannot go on from there.
+    rolls = problem.kind == 'rolling'
+    change[locations[:, None] == locations] = math.inf if rolls else 0.0
+    return SequenceCosts(first[locations] + per_push, change, settings.pushing_speed,
+                         settings.max_path_length)

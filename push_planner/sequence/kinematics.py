@@ -1,157 +1,282 @@
-"""Moves of a chain that follow each other at one place are one push."""
+"""
+Kinematics of push sequences: where they lead, and their shortest straights.
 
-from typing import NamedTuple
+A sequence is made of moves. A move pushes with one primitive: straight by a_j, along a circle that
+rotates the object by the angle D_j, and straight by b_j. Moves that follow each other at one
+contact location are one push. Arrays have the axes (m sequences, n moves).
+
+The flat output point z of a push (fixed in the object, at f in its frame) moves like a vehicle: in
+the direction ``psi``, which is at a fixed angle ``beta`` in the object frame. With theta_j the
+orientation of the object before move j, relative to the start, r_j the radius of the circle and
+s_j = 1 for a rotation to the left and -1 to the right, u(psi) the unit vector and R the rotation
+matrix::
+
+    psi_j = theta_j + beta_j              direction before the rotation
+    psi_j' = psi_j + D_j                  direction after it
+    d_j = r_j s_j (sin psi_j' - sin psi_j, cos psi_j - cos psi_j')
+          + (R(theta_j) - R(theta_j + D_j)) f_j
+    goal = sum_j a_j u(psi_j) + d_j + b_j u(psi_j')
+
+d_j is the displacement of the object's origin in the rotation. The headings follow from the
+rotations alone; then the goal is linear in the lengths a_j >= 0 and b_j >= least b_j. Their least
+sum is that of a linear program with two equations: two of the 2 n directions are enough, and the
+best are the two next to the missing displacement, one on either side of it.
+
+Two pushes as an example, both with beta = 0 and f = 0, r = 0.5, s = 1, D = (90, 0) degrees, to the
+goal (1, 2, 90 degrees), without least lengths: the directions are 0 and 90 degrees before and
+after the first rotation, and 90 degrees in the second move. d_1 = (0.5, 0.5), so that (0.5, 1.5)
+is missing, at 71.6 degrees, between 0 and 90 degrees: a_1 = 0.5 and a_2 = 1.5 are the shortest.
+"""
+
+import dataclasses
+from typing import Union
 
 import numpy as np
+from numpy.typing import NDArray
+from push_model.geometry import FloatArray, Pose
+from push_planner.sequence.primitives import PrimitiveTable
 
+IntArray = NDArray[np.int_]
+BoolArray = NDArray[np.bool_]
+Rows = Union[IntArray, BoolArray]
+
+# Angles [rad] and lengths [m] that count as 0: above the rounding errors of a few sums.
 ROUNDING = 1e-9
-NARROW = 1e-3
+# Margin of the angle between the two directions to a straight line [rad], chosen: nearly opposite
+# directions would need straights a thousand times as long as what they bring.
+MIN_OPENING = 1e-3
 
 
-class SequenceMotions(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class SequenceMotions:
     """
-    What chains come to; rows are chains, columns their moves.
+    Motions of m sequences of n moves.
 
-    :param turns: signed turns of the object [rad], shape (m, n).
-    :param before: straight lengths before the turns [m], shape (m, n).
-    :param after: the same after the turns, shape (m, n).
-    :param ways: way of the contact [m], shape (m, n); infinite where the goal is not reached.
+    :param rotations: signed rotations of the object [rad], shape (m, n).
+    :param straight_before: straight lengths before the rotations [m], shape (m, n).
+    :param straight_after: straight lengths after the rotations [m], shape (m, n).
+    :param path_lengths: of the contact [m], shape (m, n); infinite where the goal is not reached.
     """
 
-    turns: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
-    ways: np.ndarray
+    rotations: FloatArray
+    straight_before: FloatArray
+    straight_after: FloatArray
+    path_lengths: FloatArray
+
+    def select(self, rows: Rows) -> 'SequenceMotions':
+        """
+        Select sequences.
+
+        :param rows: numbers or mask of the sequences.
+        """
+        return SequenceMotions(self.rotations[rows], self.straight_before[rows],
+                               self.straight_after[rows], self.path_lengths[rows])
+
+    @property
+    def reaches_goal(self) -> BoolArray:
+        """Whether each sequence reaches the goal, shape (m,)."""
+        return np.logical_and.reduce(np.isfinite(self.path_lengths), axis=1)
 
 
-def complete_rotations(table, sites, turns, heading):
+@dataclasses.dataclass(frozen=True)
+class Displacements:
     """
-    Complete turns by those of the last move, which fix the object's heading.
+    What rotations do, whatever the straight lengths; all of shape (m, n).
 
-    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
-    :param sites: numbers of the elements, shape (m, n).
-    :param turns: signed turns of all but the last [rad], shape (m, n - 1).
-    :param heading: turn of the goal [rad].
-    :return: signed turns, shape (m, n); NaN in the last column where it turns too far.
+    :param heading: theta, of the object before each move, relative to the start [rad].
+    :param before: psi, direction of the straight before each rotation [rad].
+    :param after: psi', direction of the straight after it [rad].
+    :param x: displacement d of the object's origin in each rotation, x [m].
+    :param y: the same, y [m].
     """
-    last = sites[:, -1]
-    left = table.sides[last] * (heading - turns.sum(axis=1))
-    left = np.maximum((left + ROUNDING) % (2.0 * np.pi) - ROUNDING, 0.0)
-    left[left > table.widest[last] + ROUNDING] = np.nan
-    return np.column_stack([turns, table.sides[last] * left])
+
+    heading: FloatArray
+    before: FloatArray
+    after: FloatArray
+    x: FloatArray
+    y: FloatArray
+
+    @classmethod
+    def of(cls, table: PrimitiveTable, moves: IntArray, rotations: FloatArray) -> 'Displacements':
+        """
+        Compute them.
+
+        :param table: ``PrimitiveTable``.
+        :param moves: numbers of the primitives, shape (m, n).
+        :param rotations: signed rotations [rad], shape (m, n).
+        """
+        heading = np.cumsum(rotations, axis=1) - rotations
+        before = heading + table.flat_angles[moves]
+        return cls(heading, before, before + rotations,
+                   *_rotation_displacement(table, moves, heading, rotations, before,
+                                           before + rotations))
 
 
-def solve_straights(table, sites, turns, goal, least):
+@dataclasses.dataclass(frozen=True)
+class _TwoStraights:
     """
-    Find the shortest straight pushes with which chains reach the goal.
+    The shortest two straights that make a displacement, for each of m sequences.
 
-    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
-    :param sites: numbers of the elements, shape (m, n).
-    :param turns: signed turns [rad], shape (m, n), as ``complete_rotations`` completes them.
+    :param left: length along the direction on the left of it [m], shape (m,).
+    :param left_column: number of that direction, shape (m,).
+    :param right: length along the direction on its right [m], shape (m,).
+    :param right_column: number of that direction, shape (m,).
+    :param reached: whether there are such, shape (m,); the lengths are 0 where there are none.
+    """
+
+    left: FloatArray
+    left_column: IntArray
+    right: FloatArray
+    right_column: IntArray
+    reached: BoolArray
+
+
+def complete_rotations(table: PrimitiveTable, moves: IntArray, rotations: FloatArray,
+                       heading: float) -> FloatArray:
+    """
+    Append the rotations of the last moves, which follow from the heading of the goal.
+
+    :param table: ``PrimitiveTable``.
+    :param moves: numbers of the primitives, shape (m, n).
+    :param rotations: signed rotations of all moves but the last [rad], shape (m, n - 1).
+    :param heading: of the goal, relative to the start [rad].
+    :return: signed rotations, shape (m, n); NaN in the last column where it would be too large.
+    """
+    last = moves[:, -1]
+    missing = table.sides[last] * (heading - rotations.sum(axis=1))
+    missing = np.maximum((missing + ROUNDING) % (2.0 * np.pi) - ROUNDING, 0.0)
+    missing[missing > table.max_rotations[last] + ROUNDING] = np.nan
+    return np.column_stack([rotations, table.sides[last] * missing])
+
+
+def solve_straights(table: PrimitiveTable, moves: IntArray, rotations: FloatArray, goal: Pose,
+                    min_after: FloatArray) -> SequenceMotions:
+    """
+    Find the shortest straights with which sequences reach the goal.
+
+    :param table: ``PrimitiveTable``.
+    :param moves: numbers of the primitives, shape (m, n).
+    :param rotations: signed rotations [rad], shape (m, n), as ``complete_rotations`` makes them.
     :param goal: ``Pose`` in the frame of the object before the first push.
-    :param least: straight length after the turn of each move, at least [m], shape (m, n).
+    :param min_after: least straight length after each rotation [m], shape (m, n).
     :return: ``SequenceMotions``.
     """
-    heading = np.cumsum(turns, axis=1) - turns
-    first = heading + table.angles[sites]
-    second = first + turns
-    x, y = _turned(table, sites, heading, turns, first, second)
-    x = goal.x - (x + least * np.cos(second)).sum(axis=1)
-    y = goal.y - (y + least * np.sin(second)).sum(axis=1)
-    lengths, which, reached = _split(np.hstack([first, second]), x, y)
-    rows, count = np.arange(len(sites)), sites.shape[1]
-    straights = np.zeros((len(sites), 2 * count))
-    straights[:, count:] = least
-    for length, column in zip(lengths, which):
-        straights[rows, column] += length
-    before, after = straights[:, :count], straights[:, count:]
-    ways = np.abs(turns) * table.radii[sites] * table.stretches[sites] + before + after
-    return SequenceMotions(turns, before, after, np.where(reached[:, None], ways, np.inf))
+    part = Displacements.of(table, moves, rotations)
+    x = goal.x - (part.x + min_after * np.cos(part.after)).sum(axis=1)
+    y = goal.y - (part.y + min_after * np.sin(part.after)).sum(axis=1)
+    two = _two_straights(np.hstack([part.before, part.after]), x, y)
+    rows = np.arange(len(moves))
+    n = moves.shape[1]
+    straights = np.zeros((len(moves), 2 * n))
+    straights[:, n:] = min_after
+    straights[rows, two.left_column] += two.left
+    straights[rows, two.right_column] += two.right
+    before = straights[:, :n]
+    after = straights[:, n:]
+    arcs = np.abs(rotations) * table.radii[moves] * table.length_ratios[moves]
+    path_lengths = arcs + before + after
+    return SequenceMotions(rotations, before, after,
+                           np.where(two.reached[:, None], path_lengths, np.inf))
 
 
-def object_poses_along(table, sites, chains, count):
+def object_poses_along(table: PrimitiveTable, moves: IntArray, motions: SequenceMotions,
+                       count: int) -> FloatArray:
     """
-    Find where the object is on its way, at equal shares of every piece, up to their ends.
+    Sample the poses of the object, at equal fractions of every segment, up to their ends.
 
-    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
-    :param sites: numbers of the elements, shape (m, n).
-    :param chains: ``SequenceMotions`` of m chains.
-    :param count: places on each piece; the pieces of a move are straight, a turn, and straight.
+    :param table: ``PrimitiveTable``.
+    :param moves: numbers of the primitives, shape (m, n).
+    :param motions: ``SequenceMotions`` of m sequences.
+    :param count: poses on each segment; a move has three: straight, rotation, straight.
     :return: (x, y, theta) in the frame of the object before the first push, shape
         (m, n, 3 count, 3).
     """
-    turns, before, after, _ = chains
-    heading = np.cumsum(turns, axis=1) - turns
-    first = heading + table.angles[sites]
-    second = first + turns
-    arcs = _turned(table, sites, heading, turns, first, second)
-    moves = np.stack([np.stack((before * np.cos(first), arcs[0], after * np.cos(second)), axis=2),
-                      np.stack((before * np.sin(first), arcs[1], after * np.sin(second)), axis=2)])
-    segments = moves.reshape(2, len(sites), 3 * sites.shape[1])
-    begins = (segments.cumsum(axis=2) - segments).reshape(moves.shape)
-    found = np.empty((*sites.shape, 3, count, 3))
+    rotations = motions.rotations
+    part = Displacements.of(table, moves, rotations)
+    before, after = motions.straight_before, motions.straight_after
+    # Axes: x and y, m sequences, n moves, 3 segments.
+    segments = np.stack([
+        np.stack((before * np.cos(part.before), part.x, after * np.cos(part.after)), axis=2),
+        np.stack((before * np.sin(part.before), part.y, after * np.sin(part.after)), axis=2)])
+    in_a_row = segments.reshape(2, len(moves), 3 * moves.shape[1])
+    starts = (in_a_row.cumsum(axis=2) - in_a_row).reshape(segments.shape)
+    poses = np.empty((*moves.shape, 3, count, 3))
     for k in range(count):
-        share = (k + 1) / count
-        parts = share * moves
-        parts[..., 1] = _turned(table, sites, heading, share * turns, first, first + share * turns)
-        found[..., k, :2] = np.moveaxis(begins + parts, 0, -1)
-        found[..., k, 2] = np.stack((heading, heading + share * turns, heading + turns), axis=2)
-    return found.reshape(*sites.shape, 3 * count, 3)
+        fraction = (k + 1) / count
+        partial = fraction * segments
+        rotated = fraction * rotations
+        partial[..., 1] = _rotation_displacement(table, moves, part.heading, rotated, part.before,
+                                                 part.before + rotated)
+        poses[..., k, :2] = np.moveaxis(starts + partial, 0, -1)
+        poses[..., k, 2] = np.stack((part.heading, part.heading + rotated,
+                                     part.heading + rotations), axis=2)
+    return poses.reshape(*moves.shape, 3 * count, 3)
 
 
-def _turned(table, sites, heading, turns, first, second):
-    """Displacement of the object's origin in the turns alone."""
-    radius = table.radii[sites] * table.sides[sites]
-    f_x, f_y = table.flats[sites, 0], table.flats[sites, 1]
-    end = heading + turns
-    c, s = np.cos(heading) - np.cos(end), np.sin(heading) - np.sin(end)
-    return (radius * (np.sin(second) - np.sin(first)) + c * f_x - s * f_y,
-            radius * (np.cos(first) - np.cos(second)) + s * f_x + c * f_y)
-
-
-def _split(directions, x, y):
-    """Lengths along the directions next to a vector on its left and on its right."""
-    away = np.hypot(x, y)
-    aside = directions - np.arctan2(y, x)[:, None]
-    aside = (aside + np.pi) % (2.0 * np.pi) - np.pi
-    left = np.where(aside >= 0.0, aside, np.inf)
-    right = np.where(aside <= 0.0, -aside, np.inf)
-    which = left.argmin(axis=1), right.argmin(axis=1)
-    rows = np.arange(len(x))
-    left, right = left[rows, which[0]], right[rows, which[1]]
-    span = left + right
-    reached = (span < np.pi - NARROW) | (away < ROUNDING)
-    # Straight ahead both are 0, and either direction will do.
-    ahead = span < ROUNDING
-    sine = np.where(reached & ~ahead, np.sin(np.where(np.isfinite(span), span, 1.0)), 1.0)
-    lengths = (np.where(ahead, away, away * np.sin(np.where(reached, right, 0.0)) / sine),
-               np.where(ahead, 0.0, away * np.sin(np.where(reached, left, 0.0)) / sine))
-    return tuple(np.where(reached, length, 0.0) for length in lengths), which, reached
-
-
-def longest_pushes(numbers, ways):
+def longest_pushes(locations: IntArray, path_lengths: FloatArray) -> FloatArray:
     """
-    Find the way of the longest push of each chain [m], shape (m,).
+    Find the path length of the longest push of each sequence [m], shape (m,).
 
-    :param numbers: of the places of the moves, shape (m, n).
-    :param ways: of the contact in the moves [m], shape (m, n).
+    :param locations: numbers of the contact locations of the moves, shape (m, n).
+    :param path_lengths: of the contact in the moves [m], shape (m, n).
     """
-    way = longest = ways[:, 0]
-    for i in range(1, numbers.shape[1]):
-        way = ways[:, i] + np.where(numbers[:, i] == numbers[:, i - 1], way, 0.0)
-        longest = np.maximum(longest, way)
+    length = longest = path_lengths[:, 0]
+    for i in range(1, locations.shape[1]):
+        goes_on = locations[:, i] == locations[:, i - 1]
+        length = path_lengths[:, i] + np.where(goes_on, length, 0.0)
+        longest = np.maximum(longest, length)
     return longest
 
 
-def last_push(numbers, chains):
+def last_push(locations: IntArray, motions: SequenceMotions) -> tuple[FloatArray, FloatArray]:
     """
-    Tell of the last push of each chain how it turns the object, and its way.
+    Find how the last push of each sequence rotates the object, and its path length.
 
-    :param numbers: of the places of the moves, shape (m, n).
-    :param chains: ``push_planner.sequence.kinematics.SequenceMotions`` of m chains.
-    :return: (angle to and fro [rad], way of the contact [m]), each of shape (m,).
+    :param locations: numbers of the contact locations of the moves, shape (m, n).
+    :param motions: ``SequenceMotions`` of m sequences.
+    :return: (rotation to and fro [rad], path length of the contact [m]), each of shape (m,).
     """
-    there = numbers == numbers[:, -1:]
-    last = np.logical_and.accumulate(there[:, ::-1], axis=1)[:, ::-1]
-    turned = np.abs(np.where(last, chains.turns, 0.0)).sum(axis=1)
-    return turned, np.where(last, chains.ways, 0.0).sum(axis=1)
+    same_location = locations == locations[:, -1:]
+    in_last_push = np.logical_and.accumulate(same_location[:, ::-1], axis=1)[:, ::-1]
+    rotation = np.abs(np.where(in_last_push, motions.rotations, 0.0)).sum(axis=1)
+    return rotation, np.where(in_last_push, motions.path_lengths, 0.0).sum(axis=1)
+
+
+def _rotation_displacement(table: PrimitiveTable, moves: IntArray, heading: FloatArray,
+                           rotations: FloatArray, before: FloatArray,
+                           after: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return (x, y) of d in the module's docstring, each of shape (m, n)."""
+    radius = table.radii[moves] * table.sides[moves]
+    f_x, f_y = table.flat_outputs[moves, 0], table.flat_outputs[moves, 1]
+    end = heading + rotations
+    c, s = np.cos(heading) - np.cos(end), np.sin(heading) - np.sin(end)
+    return (radius * (np.sin(after) - np.sin(before)) + c * f_x - s * f_y,
+            radius * (np.cos(before) - np.cos(after)) + s * f_x + c * f_y)
+
+
+def _two_straights(directions: FloatArray, x: FloatArray, y: FloatArray) -> _TwoStraights:
+    """
+    Split displacements into lengths along the directions next to them, by the sine rule.
+
+    :param directions: that there are [rad], shape (m, k).
+    :param x: displacement, x [m], shape (m,).
+    :param y: displacement, y [m], shape (m,).
+    """
+    distance = np.hypot(x, y)
+    angle = directions - np.arctan2(y, x)[:, None]
+    angle = (angle + np.pi) % (2.0 * np.pi) - np.pi
+    to_left = np.where(angle >= 0.0, angle, np.inf)
+    to_right = np.where(angle <= 0.0, -angle, np.inf)
+    left_column, right_column = to_left.argmin(axis=1), to_right.argmin(axis=1)
+    rows = np.arange(len(x))
+    left_angle, right_angle = to_left[rows, left_column], to_right[rows, right_column]
+    opening = left_angle + right_angle
+    reached = (opening < np.pi - MIN_OPENING) | (distance < ROUNDING)
+    # Straight ahead both angles are 0, and either direction will do.
+    ahead = opening < ROUNDING
+    sine = np.where(reached & ~ahead, np.sin(np.where(np.isfinite(opening), opening, 1.0)), 1.0)
+    left = np.where(ahead, distance,
+                    distance * np.sin(np.where(reached, right_angle, 0.0)) / sine)
+    right = np.where(ahead, 0.0, distance * np.sin(np.where(reached, left_angle, 0.0)) / sine)
+    return _TwoStraights(np.where(reached, left, 0.0), left_column,
+                         np.where(reached, right, 0.0), right_column, reached)

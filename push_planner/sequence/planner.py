@@ -1,204 +1,329 @@
-"""What a supervisor wants: the first push of a chain, the more careful the less bold it is."""
+"""
+Plan the fastest sequence of pushes to a goal, and solve its first push.
+
+Candidates are single pushes from all contact sites and sequences of several pushes. They are
+ranked by an estimate of the time that everything takes, corrections of a likely miss included,
+and solved in that order until none that is left can be faster.
+"""
 
 import dataclasses
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, Iterator, NamedTuple, Sequence
 
 import numpy as np
 from push_model.geometry import distance, Pose
-from push_model.plan_request import PlanFailure
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.plan_request import PlanFailure, PlanRequest
+from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
 from push_navigation.settings import DriveSettings
 from push_planner.plan import Plan
 from push_planner.problem import check_robot_is_round, PlanningFailed
-from push_planner.sequence.candidates import SequenceCandidate, SinglePushCandidate
+from push_planner.sequence.candidates import (
+    Candidate, CandidateReport, Outcome, RejectedCandidate, SequenceCandidate,
+    SinglePushCandidate, solve_in_order, SolvedCandidate,
+)
 from push_planner.sequence.clearance import ClearanceCheck
-from push_planner.sequence.costs import approach_times, sequence_costs
-from push_planner.sequence.primitives import goal_bearing, primitive_table
-from push_planner.sequence.search import search
-from push_planner.sequence.steps import build_steps, SETTLING
+from push_planner.sequence.costs import approach_times, sequence_costs, SequenceCosts
+from push_planner.sequence.primitives import goal_bearing, primitive_table, PrimitiveTable
+from push_planner.sequence.search import search_sequences, SearchResult
+from push_planner.sequence.steps import (
+    build_steps, PlannedPush, SequenceStep, SETTLING_RADII,
+)
 from push_planner.settings import PlannerSettings, TaskSettings
 from push_planner.single_push.contact_sites import robot_start, site_problems
 from push_planner.single_push.feasibility import check_not_at_goal
 from push_planner.single_push.site_selection import bound_site
 
-SINGLES = 3
-HOPEFUL = 1.2
-# In a map more sequences are tried, with fewer turns each first, with shorter ends last [m].
-ALTERNATIVES, TRIALS, TURN_STEPS, NARROW_END = 6, 2, 5, 0.35
+# Single pushes that are candidates, the most promising, chosen: solving one takes as long as the
+# search for sequences.
+MAX_SINGLE_PUSHES = 3
+# Sequences are searched for up to the time of the best single push times this: its time is known
+# about only.
+SEARCH_LIMIT_RATIO = 1.2
+# In a map more sequences are kept and evaluated than on open floor, by these factors, as many of
+# them are not free, ...
+ALTERNATIVES_FACTOR = 6
+EVALUATIONS_FACTOR = 2
+# ... at first with fewer rotations each, and in the end with a shorter straight end [m].
+COARSE_ROTATION_STEPS = 5
+SHORT_LAST_STRAIGHT = 0.35
+# After failed attempts long rotations, which miss most, are avoided at first: a push may be this
+# much longer [m] than the distance to the goal times the ratio.
+CAUTIOUS_LENGTH = 1.0
+CAUTIOUS_LENGTH_RATIO = 1.5
+
+
+@dataclasses.dataclass(frozen=True)
+class SearchReport:
+    """
+    How a plan was found.
+
+    :param evaluations: number of sequences that were evaluated.
+    :param candidates: ``CandidateReport`` of those that were solved, or tried in vain, in order.
+    :param no_single_push: why no single push leads to the goal; empty if one does.
+    """
+
+    evaluations: int = 0
+    candidates: tuple[CandidateReport, ...] = ()
+    no_single_push: str = ''
+
+    def as_values(self) -> dict[str, Any]:
+        """Return names and values for diagnostics."""
+        return {'evaluations': self.evaluations,
+                'candidates': [str(candidate) for candidate in self.candidates],
+                'no_single_push': self.no_single_push}
 
 
 class TaskPlan(NamedTuple):
     """
-    How to get the object to the goal, and the first push of it.
+    Plan of a task: a sequence of pushes to the goal, the first of them solved.
 
-    :param pushes: ``PlannedPush`` of the whole chain.
+    :param pushes: ``PlannedPush`` of the whole sequence.
     :param plan: the ``Plan`` of the first push.
-    :param way: ``Path`` of the robot to where the last straight piece to its contact begins.
-    :param duration: of everything, ways, settling and pushes [s].
-    :param single: the same of the best single push [s]; infinite where there is none. It is
-        solved only where it might be quicker, else about.
-    :param report: what the search came to, a dict of names to numbers and texts.
-    :param later_steps: ``push_planner.sequence.steps.SequenceStep`` of each push but the first.
+    :param approach_path: ``Path`` of the robot to where the straight approach to it begins.
+    :param duration: of everything, paths of the robot, settling and pushes [s].
+    :param single_push_time: the same of the best single push [s]; infinite where there is
+        none. It is solved only where it might be faster, else about.
+    :param report: ``SearchReport``.
+    :param later_steps: ``SequenceStep`` of each push but the first.
     """
 
-    pushes: tuple
+    pushes: tuple[PlannedPush, ...]
     plan: Plan
-    way: Path
+    approach_path: Path
     duration: float
-    single: float
-    report: dict
-    later_steps: tuple
+    single_push_time: float
+    report: SearchReport
+    later_steps: tuple[SequenceStep, ...]
 
 
-def _with_room_to_settle(task, robot):
-    """Lengthen straight ends: the normal of a differential drive settles over its radius."""
-    if robot.drive != 'differential':
-        return task
-    least = SETTLING * robot.radius
-    return dataclasses.replace(task, min_straight=max(task.min_straight, least),
-                               min_last_straight=max(task.min_last_straight, least))
-
-
-class SequencePlanner:
-    """One question for a chain, and the work on it."""
-
-    def __init__(self, obj, robot, object_pose, robot_pose, goal, settings, drive, task,
-                 occupancy_map):
-        """
-        Take the question; all as of ``push_planner.sequence.planner.plan_task``, finite.
-
-        :raises PlanningFailed: where object or goal do not fit into the map.
-        """
-        self.obj, self.robot, self.start, self.here = obj, robot, object_pose, robot_pose
-        self.goal, self.settings, self.drive = goal, settings, drive
-        self.task = _with_room_to_settle(task, robot)
-        self.room = occupancy_map and ClearanceCheck(occupancy_map, obj, robot, object_pose, goal, drive)
-        inside = object_pose.inverse()
-        self.local_goal, self.local_robot = inside @ goal, inside @ robot_pose
-        self.report = {'weighed': 0, 'tried': []}
-
-    def answer(self):
-        """
-        Solve the most promising until none that is left can be quicker.
-
-        :return: ``TaskPlan``.
-        :raises PlanningFailed: with the reason, and the report where the search was done.
-        """
-        singles = self._singles()
-        hopeful = singles if self.room is None else []
-        limit = HOPEFUL * min((option.about + option.hazard for option in hopeful),
-                              default=math.inf)
-        found = self._first(limit, singles)
-        most = math.inf if found is None else found.expected
-        if most > limit:
-            again = self._first(most)
-            found = again if again and again.expected < most else found
-        if found is None:
-            raise self._failure()
-        single = min((option.about for option in singles if not option.reason), default=math.inf)
-        if len(found.pushes) == 1:
-            single = min(single, found.duration)
-        reasons = [option.reason for option in singles] + self.refused
-        self.report['single'] = reasons[0] if reasons and math.isinf(single) else ''
-        return TaskPlan(found.pushes, found.plan, found.way, found.duration, single, self.report,
-                        found.later_steps)
-
-    def _first(self, limit, options=()):
-        """Look for chains the harder the longer none can be solved."""
-        for chains in self._chains(limit):
-            found = self._best([*options, *chains])
-            if found is not None:
-                return found
-            options = ()
-        return None
-
-    def _best(self, options):
-        best, worth = None, min((option.worth for option in options), default=math.inf)
-        for option in sorted(options, key=lambda option: option.expected):
-            if best is not None and option.expected >= option.optimality_ratio * best.expected:
-                continue
-            option.solve(self.here, self.drive, worth, self.room)
-            self.report['tried'].append(str(option))
-            if not option.reason and (best is None or option.expected < best.expected):
-                best = option
-                worth = min(worth, best.expected)
-        return best
-
-    def _singles(self):
-        problems = site_problems(self.obj, self.robot, self.start, self.goal, self.settings)
-        weighed = [bound_site(problem) for problem in problems]
-        self.refused = [site.reason for site in weighed if site.reason]
-        places = [self.start.inverse() @ robot_start(site.problem) for site in weighed]
-        ways = approach_times(self.robot, self.obj, self.local_robot, tuple(places), self.drive)
-        if not np.any(np.isfinite(ways)):
-            self.refused.insert(0, 'the robot stands where it cannot get round the object')
-        options = [SinglePushCandidate(site.problem, float(way) + self.task.switch_time, site.bound,
-                                       self.task.correction_time)
-                   for site, way in zip(weighed, ways) if math.isfinite(way + site.bound)]
-        return sorted(options, key=lambda option: option.expected)[:SINGLES]
-
-    def _chains(self, limit):
-        try:
-            table = self._table
-        except PlanningFailed as failure:
-            self.refused.append(failure.reason)
-            yield []
-            return
-        if self.room is None:
-            yield self._laid_out(search(table, self._costs, self.local_goal, self.task, limit))
-            return
-        excess, asked = self.room.excess(table), self.task
-        short = max(asked.min_straight, min(asked.min_last_straight, NARROW_END))
-        few = min(TURN_STEPS, asked.rotation_steps)
-        for steps, end in ((few, asked.min_last_straight), (few, short),
-                           (asked.rotation_steps, asked.min_last_straight), (asked.rotation_steps, short)):
-            task = dataclasses.replace(asked, rotation_steps=steps, max_evaluations=TRIALS * asked.max_evaluations,
-                                       alternatives=ALTERNATIVES * asked.alternatives,
-                                       min_last_straight=end)
-            found = search(table, self._costs, self.local_goal, task, limit, excess)
-            free = [option for option in self._laid_out(found)
-                    if self.room.steps_are_free(option.steps)]
-            yield free[:asked.alternatives]
-
-    def _laid_out(self, found):
-        self.report['weighed'] += found.weighed
-        return [SequenceCandidate(build_steps(chain, self._table, self.start, self.goal, self.settings),
-                                  chain.duration, self.task.correction_time) for chain in found.chains]
-
-    @functools.cached_property
-    def _table(self):
-        return primitive_table(self.obj, self.robot, self.settings, self.task,
-                               goal_bearing(self.obj, self.start, self.goal))
-
-    @functools.cached_property
-    def _costs(self):
-        return sequence_costs(self._table, self.obj, self.robot, self.local_robot, self.settings,
-                              self.drive, self.task)
-
-    def _failure(self):
-        tried = self.report['tried'] or self.refused
-        if self.room is not None:
-            self.room = None
-            if self._singles() or any(self._chains(math.inf)):
-                return PlanningFailed(
-                    PlanFailure.BLOCKED, 'the goal is reached only outside the map or through '
-                    f'its obstacles: {tried[0]}', self.report)
-        return PlanningFailed(PlanFailure.NO_SEQUENCE, 'no chain of pushes to the goal was found: '
-                              f'{tried[0]}', self.report)
-
-
-def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=None, task=None,
-              occupancy_map=None):
+@dataclasses.dataclass(frozen=True)
+class TaskQuery:
     """
-    Find the quickest chain of pushes to the goal, the robot's ways included.
+    What a plan is asked for; all as of ``plan_task``, finite.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object in the world.
     :param robot_pose: ``Pose`` of the robot in the world, anywhere.
-    :param goal: ``Pose`` wanted for the object in the world.
+    :param goal: goal ``Pose`` of the object in the world.
+    :param settings: ``PlannerSettings``.
+    :param drive: ``DriveSettings``.
+    :param task: ``TaskSettings``.
+    :param occupancy_map: ``OccupancyMap`` that robot and object keep to; None for open floor.
+    """
+
+    obj: PushedObject
+    robot: RoundRobot
+    object_pose: Pose
+    robot_pose: Pose
+    goal: Pose
+    settings: PlannerSettings
+    drive: DriveSettings
+    task: TaskSettings
+    occupancy_map: OccupancyMap | None
+
+    @property
+    def local_goal(self) -> Pose:
+        """Goal in the frame of the object."""
+        return self.object_pose.inverse() @ self.goal
+
+    @property
+    def local_robot_pose(self) -> Pose:
+        """``Pose`` of the robot in the frame of the object."""
+        return self.object_pose.inverse() @ self.robot_pose
+
+
+def _with_settling(task: TaskSettings, robot: RoundRobot) -> TaskSettings:
+    """Lengthen straight ends: the normal of a differential drive settles over its radius."""
+    if robot.drive != 'differential':
+        return task
+    settling = SETTLING_RADII * robot.radius
+    return dataclasses.replace(task, min_straight=max(task.min_straight, settling),
+                               min_last_straight=max(task.min_last_straight, settling))
+
+
+class SequencePlanner:
+    """
+    Planner of one query.
+
+    :param query: ``TaskQuery``.
+    :raises PlanningFailed: where object or goal do not fit into the map.
+    """
+
+    def __init__(self, query: TaskQuery) -> None:
+        self._query = query
+        self._task = _with_settling(query.task, query.robot)
+        self._clearance = None if query.occupancy_map is None else ClearanceCheck(
+            query.occupancy_map, query.obj, query.robot, query.object_pose, query.goal,
+            query.drive)
+        self._evaluations = 0
+        self._outcomes: dict[Candidate, Outcome] = {}
+        self._reports: list[CandidateReport] = []
+        self._infeasible: list[str] = []
+
+    def plan(self) -> TaskPlan:
+        """
+        Solve the most promising candidates until none that is left can be faster.
+
+        :return: ``TaskPlan``.
+        :raises PlanningFailed: with the reason, and the report of the search.
+        """
+        single_pushes = self._single_pushes()
+        limit = math.inf
+        if self._clearance is None and single_pushes:
+            limit = SEARCH_LIMIT_RATIO * min(single.likely_duration + single.expected_correction
+                                             for single in single_pushes)
+        found = self._solve_first(limit, single_pushes)
+        time = math.inf if found is None else found.expected_time
+        if time > limit:
+            # Single pushes took longer than expected: so may sequences.
+            again = self._solve_first(time)
+            if again is not None and again.expected_time < time:
+                found = again
+        if found is None:
+            raise self._failure()
+        single_push_time = self._single_push_time(single_pushes)
+        if len(found.pushes) == 1:
+            single_push_time = min(single_push_time, found.duration)
+        no_single_push = ''
+        if math.isinf(single_push_time):
+            no_single_push = self._first_rejection(single_pushes)
+        return TaskPlan(found.pushes, found.plan, found.approach_path, found.duration,
+                        single_push_time, self._report(no_single_push), found.later_steps)
+
+    def _report(self, no_single_push: str = '') -> SearchReport:
+        return SearchReport(self._evaluations, tuple(self._reports), no_single_push)
+
+    def _single_push_time(self, single_pushes: Sequence[SinglePushCandidate]) -> float:
+        """Time of the best single push, as solved or else as expected [s]."""
+        durations: list[float] = []
+        for single in single_pushes:
+            outcome = self._outcomes.get(single)
+            if outcome is None:
+                durations.append(single.likely_duration)
+            elif isinstance(outcome, SolvedCandidate):
+                durations.append(outcome.duration)
+        return min(durations, default=math.inf)
+
+    def _first_rejection(self, single_pushes: Sequence[SinglePushCandidate]) -> str:
+        outcomes = [self._outcomes.get(single) for single in single_pushes]
+        reasons = [outcome.report.rejection for outcome in outcomes
+                   if isinstance(outcome, RejectedCandidate)] + self._infeasible
+        return reasons[0] if reasons else ''
+
+    def _solve_first(self, limit: float,
+                     single_pushes: Sequence[Candidate] = ()) -> SolvedCandidate | None:
+        """Solve batches of sequences, the first with the single pushes, until one is solved."""
+        for batch in self._sequence_batches(limit, self._clearance):
+            found = solve_in_order([*single_pushes, *batch], self._solve)
+            if found is not None:
+                return found
+            single_pushes = ()
+        return None
+
+    def _solve(self, candidate: Candidate, time_limit: float) -> Outcome:
+        outcome = candidate.solve(self._query.robot_pose, self._query.drive, time_limit,
+                                  self._clearance)
+        self._outcomes[candidate] = outcome
+        self._reports.append(outcome.report)
+        return outcome
+
+    def _single_pushes(self) -> list[SinglePushCandidate]:
+        """List the most promising single pushes, and note why the others are not feasible."""
+        query = self._query
+        sites = [bound_site(problem) for problem in site_problems(
+            query.obj, query.robot, query.object_pose, query.goal, query.settings)]
+        self._infeasible = [site.reason for site in sites if site.reason]
+        robot_poses = [query.object_pose.inverse() @ robot_start(site.problem) for site in sites]
+        times = approach_times(query.robot, query.obj, query.local_robot_pose,
+                               tuple(robot_poses), query.drive)
+        if not np.any(np.isfinite(times)):
+            self._infeasible.insert(0, 'the robot stands where it cannot get round the object')
+        candidates = [SinglePushCandidate.of(site.problem, float(time) + self._task.switch_time,
+                                             site.bound, self._task.correction_time)
+                      for site, time in zip(sites, times) if math.isfinite(time + site.bound)]
+        return sorted(candidates, key=lambda single: single.expected_time)[:MAX_SINGLE_PUSHES]
+
+    def _sequence_batches(
+            self, limit: float,
+            clearance: ClearanceCheck | None) -> Iterator[Sequence[SequenceCandidate]]:
+        """Generate batches of sequences; in a map each is the outcome of a harder search."""
+        try:
+            table = self._table
+        except PlanningFailed as failure:
+            self._infeasible.append(failure.reason)
+            yield []
+            return
+        goal = self._query.local_goal
+        if clearance is None:
+            yield self._candidates_of(search_sequences(table, self._costs, goal, self._task,
+                                                       limit))
+            return
+        penalty = clearance.penalty(table)
+        for task in self._searches_in_map():
+            found = search_sequences(table, self._costs, goal, task, limit, penalty)
+            free = [candidate for candidate in self._candidates_of(found)
+                    if clearance.steps_are_free(candidate.steps)]
+            yield free[:self._task.alternatives]
+
+    def _searches_in_map(self) -> Iterator[TaskSettings]:
+        """Generate settings of harder and harder searches."""
+        task = self._task
+        coarse = min(COARSE_ROTATION_STEPS, task.rotation_steps)
+        short = max(task.min_straight, min(task.min_last_straight, SHORT_LAST_STRAIGHT))
+        for rotation_steps in (coarse, task.rotation_steps):
+            for last_straight in (task.min_last_straight, short):
+                yield dataclasses.replace(
+                    task, rotation_steps=rotation_steps, min_last_straight=last_straight,
+                    max_evaluations=EVALUATIONS_FACTOR * task.max_evaluations,
+                    alternatives=ALTERNATIVES_FACTOR * task.alternatives)
+
+    def _candidates_of(self, found: SearchResult) -> list[SequenceCandidate]:
+        query = self._query
+        self._evaluations += found.evaluations
+        return [SequenceCandidate.of(
+            build_steps(sequence, self._table, query.object_pose, query.goal, query.settings),
+            sequence.duration, self._task.correction_time) for sequence in found.sequences]
+
+    @functools.cached_property
+    def _table(self) -> PrimitiveTable:
+        query = self._query
+        return primitive_table(query.obj, query.robot, query.settings, self._task,
+                               goal_bearing(query.obj, query.object_pose, query.goal))
+
+    @functools.cached_property
+    def _costs(self) -> SequenceCosts:
+        query = self._query
+        return sequence_costs(self._table, query.local_robot_pose, query.settings, query.drive,
+                              self._task)
+
+    def _failure(self) -> PlanningFailed:
+        reason = str(self._reports[0]) if self._reports else self._infeasible[0]
+        # In a map: does the goal lack a sequence, or only one that is free?
+        if self._clearance is not None and (
+                self._single_pushes() or any(self._sequence_batches(math.inf, None))):
+            return PlanningFailed(
+                PlanFailure.BLOCKED, 'the goal is reached only outside the map or through its '
+                f'obstacles: {reason}', self._report().as_values())
+        return PlanningFailed(PlanFailure.NO_SEQUENCE, 'no push sequence to the goal was found: '
+                              f'{reason}', self._report().as_values())
+
+
+def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
+              goal: Pose, settings: PlannerSettings | None = None, *,
+              drive: DriveSettings | None = None, task: TaskSettings | None = None,
+              occupancy_map: OccupancyMap | None = None) -> TaskPlan:
+    """
+    Plan the fastest sequence of pushes to a goal, the paths of the robot included.
+
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param object_pose: ``Pose`` of the object in the world.
+    :param robot_pose: ``Pose`` of the robot in the world, anywhere.
+    :param goal: goal ``Pose`` of the object in the world.
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param drive: ``DriveSettings``, or None for the defaults.
     :param task: ``TaskSettings``, or None for the defaults.
@@ -215,36 +340,37 @@ def plan_task(obj, robot, object_pose, robot_pose, goal, settings=None, drive=No
     settings = settings or PlannerSettings()
     object_pose, robot_pose, goal = (Pose(*map(float, pose)) for pose in poses.values())
     check_not_at_goal(object_pose, goal, settings)
-    return SequencePlanner(obj, robot, object_pose, robot_pose, goal, settings, drive or DriveSettings(),
-                           task or TaskSettings(), occupancy_map).answer()
+    return SequencePlanner(TaskQuery(
+        obj, robot, object_pose, robot_pose, goal, settings, drive or DriveSettings(),
+        task or TaskSettings(), occupancy_map)).plan()
 
 
-SHORT, DETOUR = 1.0, 1.5
-
-
-def plan_for_request(wanted, robot, settings, drive, task=None, occupancy_map=None):
+def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
+                     drive: DriveSettings, task: TaskSettings | None = None,
+                     occupancy_map: OccupancyMap | None = None) -> TaskPlan:
     """
-    Answer a supervisor.
+    Plan what a supervisor requests, with a reduced friction cone after failed attempts.
 
-    :param wanted: ``push_model.plan_request.PlanRequest``: poses, goal, object as learnt, boldness.
+    :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
     :param settings: ``PlannerSettings``.
     :param drive: ``DriveSettings``.
     :param task: ``TaskSettings``, or None for the defaults.
     :param occupancy_map: the ``OccupancyMap``, or None for open floor.
-    :return: ``push_planner.sequence.planner.TaskPlan``.
+    :return: ``TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
-    ask = functools.partial(plan_task, wanted.obj, robot, wanted.object_pose, wanted.robot_pose,
-                            wanted.goal, drive=drive, task=task, occupancy_map=occupancy_map)
-    if wanted.cone_fraction < 1.0:
-        # Long turns miss most: short pushes that come to the same are asked for first.
-        far = distance(wanted.object_pose, wanted.goal)
-        careful = dataclasses.replace(
-            settings, cone_margin=wanted.cone_fraction * settings.cone_margin,
-            max_path_length=min(settings.max_path_length, SHORT + DETOUR * far))
+    plan = functools.partial(plan_task, request.obj, robot, request.object_pose,
+                             request.robot_pose, request.goal, drive=drive, task=task,
+                             occupancy_map=occupancy_map)
+    if request.cone_fraction < 1.0:
+        longest = CAUTIOUS_LENGTH + CAUTIOUS_LENGTH_RATIO * distance(request.object_pose,
+                                                                     request.goal)
+        cautious = dataclasses.replace(
+            settings, cone_margin=request.cone_fraction * settings.cone_margin,
+            max_path_length=min(settings.max_path_length, longest))
         try:
-            return ask(careful)
+            return plan(settings=cautious)
         except PlanningFailed:
             pass
-    return ask(settings)
+    return plan(settings=settings)

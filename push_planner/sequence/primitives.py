@@ -1,174 +1,209 @@
-"""What a chain is made of: at each site a turn to one side, with straight pushes around it."""
+"""
+Push primitives: what sequences of pushes are made of.
+
+A primitive pushes at one contact location, with rotations of the object to one side: along a
+straight line or along a circle of one radius.
+"""
 
 import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from push_model.contact import normal_range
-from push_model.geometry import Pose, wrap_angle
+from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import rotation_range
 from push_planner.initial_guess.dubins_routes import tightest_turns
 from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.push_parameters import VERTEX_MARGIN
+from push_planner.settings import PlannerSettings, TaskSettings
 from push_planner.single_push.contact_sites import robot_start, site_problems
 from push_planner.single_push.feasibility import check_feasibility
 
 HOME = Pose(0.0, 0.0, 0.0)
-# Share of a vertex or a face that steady turns may use; the rest is for changes of them.
-AGILITY = 0.9
-STRAIGHT = 0.05
-# Steeper pushes turn an object about one of its feet, which is hard to foretell [rad].
-STEEPEST = 0.8
+# Fraction of a vertex or a face that steady turns may use, chosen; the rest is for transients.
+STEADY_FRACTION = 0.9
+# Curvature below which a primitive cannot rotate the object in a useful distance [1/m], chosen:
+# circles of 20 m.
+MIN_CURVATURE = 0.05
+# Steering angle of the contact [rad], chosen: steeper pushes rotate an object about one of its
+# supports, which is hard to predict.
+MAX_STEERING_ANGLE = 0.8
 
 
 class PushPrimitive(NamedTuple):
     """
-    Pushing at a site, with turns to one side.
+    Pushing at a contact location, with rotations to one side.
 
-    :param problem: ``PushProblem`` of the site, with the object at the origin.
-    :param side: 1 for turns to the left, -1 to the right.
-    :param radius: of the turns of the flat point [m].
-    :param stretch: way of the contact over that of the flat point, in turns.
-    :param widest: most that the push may turn the object [rad].
+    :param problem: ``PushProblem`` of the location, with the object at the origin.
+    :param side: 1 for rotations to the left, -1 to the right.
+    :param radius: of the circles of the flat output point [m].
+    :param length_ratio: path length of the contact over that of the flat output point, on
+        circles.
+    :param max_rotation: of the object in one push [rad].
     """
 
     problem: PushProblem
     side: float
     radius: float
-    stretch: float
-    widest: float
+    length_ratio: float
+    max_rotation: float
 
     @property
-    def robot_pose(self):
+    def robot_pose(self) -> Pose:
         """``Pose`` of the robot in the object frame, at the start and after a straight end."""
         return robot_start(self.problem)
 
-    def moved(self, object_pose, goal, settings):
+    def problem_at(self, object_pose: Pose, goal: Pose, settings: PlannerSettings) -> PushProblem:
         """
-        Ask for a push from this site.
+        Make the problem of a push from this location.
 
         :param object_pose: ``Pose`` of the object in the world.
         :param goal: ``Pose`` of the object in the world, after the push.
         :param settings: ``PlannerSettings``.
         :return: ``PushProblem``.
         """
-        problem, turn = self.problem, object_pose.theta
+        problem = self.problem
+        theta = object_pose.theta
         return PushProblem(problem.obj, problem.robot, problem.contact, object_pose,
-                           problem.normal + turn, problem.heading + turn, goal, settings)
+                           problem.normal + theta, problem.heading + theta, goal, settings)
 
 
 class PrimitiveTable(NamedTuple):
     """
-    Elements as arrays of shape (n,).
+    Primitives as arrays of shape (k,), numbered from 0.
 
-    Pushing may go on from one element to another of the same place.
+    A push may continue from one primitive to another at the same contact location.
 
     :param primitives: the ``PushPrimitive`` themselves.
     :param sides: 1 or -1.
-    :param radii: [m].
-    :param stretches: see ``PushPrimitive``.
-    :param widest: [rad].
-    :param angles: direction from contact to flat point in the object frame [rad].
-    :param flats: the flat points in the object frame, shape (n, 2) [m].
-    :param faces: whether it is a place on a face.
-    :param numbers: number of the place.
-    :param places: ``Pose`` of the robot in the object frame at each place, at the start of a push
-        and after a straight end.
+    :param radii: see ``PushPrimitive`` [m].
+    :param length_ratios: see ``PushPrimitive``.
+    :param max_rotations: see ``PushPrimitive`` [rad].
+    :param flat_angles: direction from contact to flat output point in the object frame [rad].
+    :param flat_outputs: flat output points in the object frame, shape (k, 2) [m].
+    :param on_face: whether the location is on a face.
+    :param locations: number of the contact location.
+    :param robot_poses: ``Pose`` of the robot in the object frame at each contact location, at
+        the start of a push and after a straight end.
     """
 
-    primitives: tuple
-    sides: np.ndarray
-    radii: np.ndarray
-    stretches: np.ndarray
-    widest: np.ndarray
-    angles: np.ndarray
-    flats: np.ndarray
-    faces: np.ndarray
-    numbers: np.ndarray
-    places: tuple
+    primitives: tuple[PushPrimitive, ...]
+    sides: FloatArray
+    radii: FloatArray
+    length_ratios: FloatArray
+    max_rotations: FloatArray
+    flat_angles: FloatArray
+    flat_outputs: FloatArray
+    on_face: NDArray[np.bool_]
+    locations: NDArray[np.int_]
+    robot_poses: tuple[Pose, ...]
+
+    @classmethod
+    def of(cls, primitives: tuple[PushPrimitive, ...]) -> 'PrimitiveTable':
+        """
+        Tabulate primitives.
+
+        :param primitives: ``PushPrimitive`` tuple.
+        """
+        robot_poses = tuple(dict.fromkeys(primitive.robot_pose for primitive in primitives))
+        vehicles = [primitive.problem.vehicle for primitive in primitives]
+        return cls(
+            primitives=primitives,
+            sides=np.array([primitive.side for primitive in primitives]),
+            radii=np.array([primitive.radius for primitive in primitives]),
+            length_ratios=np.array([primitive.length_ratio for primitive in primitives]),
+            max_rotations=np.array([primitive.max_rotation for primitive in primitives]),
+            flat_angles=np.array([vehicle.angle for vehicle in vehicles]),
+            flat_outputs=np.array([vehicle.flat_output for vehicle in vehicles]),
+            on_face=np.array([primitive.problem.contact.kind == 'face'
+                              for primitive in primitives]),
+            locations=np.array([robot_poses.index(primitive.robot_pose)
+                                for primitive in primitives]),
+            robot_poses=robot_poses)
 
 
 @functools.lru_cache(maxsize=16)
-def primitive_table(obj, robot, settings, task, bearing):
+def primitive_table(obj: PushedObject, robot: RoundRobot, settings: PlannerSettings,
+                    task: TaskSettings, bearing: float) -> PrimitiveTable:
     """
-    List what chains can be made of.
+    List the primitives of an object and a robot.
 
-    Of the robot's headings at a contact, that with the tightest turns to the side counts.
+    Of the robot's headings at a contact, that with the tightest circles to the side counts.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param settings: ``PlannerSettings``.
     :param task: ``TaskSettings``.
-    :param bearing: direction of the goal in the object frame, for a place opposite to it [rad];
-        does not matter for a polygon.
+    :param bearing: direction of the goal in the object frame, for a location opposite to it
+        [rad]; without effect for a polygon.
     :return: ``PrimitiveTable``.
-    :raises PlanningFailed: where there is no site; with the reason of the last one refused.
+    :raises PlanningFailed: where there is no feasible site; with the reason of the last one.
     """
     goal = Pose(math.cos(bearing), math.sin(bearing), 0.0)
-    best, reason = {}, 'none'
+    best: dict[tuple[Contact, float], PushPrimitive] = {}
+    reason = 'none'
     for problem in site_problems(obj, robot, HOME, goal, settings):
         try:
             check_feasibility(problem)
         except PlanningFailed as failure:
             reason = failure.reason
             continue
-        for primitive in _elements(problem, task):
+        for primitive in _primitives_of(problem, task):
             key = (problem.contact, primitive.side)
             if key not in best or primitive.radius < best[key].radius:
                 best[key] = primitive
     if not best:
         raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE,
-                             f'no site will do for a chain of pushes: {reason}')
-    found = tuple(best.values())
-    places = tuple(dict.fromkeys(primitive.robot_pose for primitive in found))
-    views = [primitive.problem.vehicle for primitive in found]
-    return PrimitiveTable(found, *(np.array(column) for column in zip(*(item[1:] for item in found))),
-                          np.array([view.angle for view in views]),
-                          np.array([view.flat_output for view in views]),
-                          np.array([primitive.problem.contact.kind == 'face' for primitive in found]),
-                          np.array([places.index(primitive.robot_pose) for primitive in found]), places)
+                             f'no feasible contact site for a push sequence: {reason}')
+    return PrimitiveTable.of(tuple(best.values()))
 
 
-def _elements(problem, task):
+def _primitives_of(problem: PushProblem, task: TaskSettings) -> list[PushPrimitive]:
     turns = tightest_turns(problem)
     if turns is None:
         return []
     low, high = rotation_range(problem)
-    found = []
-    for side, turn, limit, sharpest in zip((1.0, -1.0), turns, (high, -low), _sharpest(problem)):
-        steering_angle = min(abs(turn.steering_angle), STEEPEST)
-        tightest = abs(turn.curvature) * math.tan(steering_angle) / math.tan(abs(turn.steering_angle))
-        curvature = min(tightest / task.radius_factor, sharpest)
-        if curvature > STRAIGHT:
-            found.append(PushPrimitive(problem, side, 1.0 / curvature, 1.0 / math.cos(steering_angle),
-                                       min(task.max_rotation, AGILITY * limit)))
+    limits = (high, -low)
+    found: list[PushPrimitive] = []
+    for side, turn, limit, vertex_curvature in zip((1.0, -1.0), turns, limits,
+                                                   _vertex_curvatures(problem)):
+        steering_angle = min(abs(turn.steering_angle), MAX_STEERING_ANGLE)
+        tightest = (abs(turn.curvature) * math.tan(steering_angle)
+                    / math.tan(abs(turn.steering_angle)))
+        curvature = min(tightest / task.radius_factor, vertex_curvature)
+        if curvature > MIN_CURVATURE:
+            found.append(PushPrimitive(problem, side, 1.0 / curvature,
+                                       1.0 / math.cos(steering_angle),
+                                       min(task.max_rotation, STEADY_FRACTION * limit)))
     return found
 
 
-def _sharpest(problem):
+def _vertex_curvatures(problem: PushProblem) -> tuple[float, float]:
     """Curvatures (left, right) that a vertex allows to a differential drive [1/m]."""
     if problem.kind != 'differential':
         return math.inf, math.inf
     # In steady turns the normal is at D - (L + R_p) kappa off the line from contact to F.
     low, high = normal_range(problem.obj, problem.contact)
     settled = problem.vehicle.angle + problem.heading_offset
-    room = high - low - 2.0 * VERTEX_MARGIN
-    right = wrap_angle(0.5 * (low + high) - settled) + 0.5 * room
-    if not 0.0 <= right <= room:
+    usable = high - low - 2.0 * VERTEX_MARGIN
+    right = wrap_angle(0.5 * (low + high) - settled) + 0.5 * usable
+    if not 0.0 <= right <= usable:
         return 0.0, 0.0
-    reach = problem.vehicle.wheelbase + problem.robot.radius
-    return tuple(AGILITY * share / reach for share in (room - right, right))
+    lever = problem.vehicle.wheelbase + problem.robot.radius
+    return STEADY_FRACTION * (usable - right) / lever, STEADY_FRACTION * right / lever
 
 
-def goal_bearing(obj, start, goal):
+def goal_bearing(obj: PushedObject, start: Pose, goal: Pose) -> float:
     """
-    Direction of the goal in the object frame, where it decides on the sites [rad].
+    Direction of the goal in the object frame, where the contact sites depend on it [rad].
 
     :param obj: the ``PushedObject``.
     :param start: ``Pose`` of the object.
-    :param goal: ``Pose`` of the object.
+    :param goal: goal ``Pose`` of the object.
     """
     local = start.inverse() @ goal
     return 0.0 if obj.outline else wrap_angle(math.atan2(local.y, local.x))

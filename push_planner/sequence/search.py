@@ -1,239 +1,332 @@
-"""Search for the quickest chains of pushes, of any length up to the most."""
+"""
+Search for the fastest push sequences of two moves and more.
+
+For every number of moves: sequences of primitives in the order of a lower bound of their time,
+with rotations on a grid (``SequenceSearch.grid_search``), and then the best of them refined by a
+pattern search over rotations, and in a map over straight lengths too (``SequenceSearch.refine``).
+Arrays have the axes (m sequences, n moves).
+"""
 
 import itertools
-from typing import NamedTuple
+from typing import Any, Callable, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from push_model.geometry import FloatArray, Pose
+from push_planner.sequence.costs import SequenceCosts
 from push_planner.sequence.kinematics import (
-    complete_rotations, last_push, longest_pushes, solve_straights,
+    complete_rotations, IntArray, last_push, longest_pushes, SequenceMotions, solve_straights,
 )
 from push_planner.sequence.miss_probability import miss_probability
+from push_planner.sequence.primitives import PrimitiveTable
+from push_planner.sequence.steps import Move, PushSequence
+from push_planner.settings import TaskSettings
 
-CHUNK = 8000
-POLISHED, IN_MAP = 24, 32
-HALVINGS = 11
-SAME = 1e-9
+# Sequences evaluated at once, chosen: arrays of a few hundred kB, which stay in the cache.
+CHUNK_SIZE = 8000
+# Sequences of each number of moves that are refined, on open floor and in a map, chosen: in a map
+# many of them turn out not to be free.
+REFINED = 24
+REFINED_IN_MAP = 32
+# Steps of the pattern search on open floor: the last changes a rotation by a thousandth of a grid
+# step. In a map, where the step is halved only after a failure, twice as many.
+REFINEMENT_STEPS = 11
+# Gain of time that counts as one [s]: above rounding errors.
+MIN_GAIN = 1e-9
+
+# Takes numbers of the primitives (m, n), ``SequenceMotions``, and whether to look finely; returns
+# penalties, shape (m,) [s].
+ClearancePenalty = Callable[[IntArray, SequenceMotions, bool], FloatArray]
 
 
-class SequenceCosts(NamedTuple):
+class PatternSearch:
     """
-    What chains cost.
+    Pattern search: minimizes k functions of d variables at once, without derivatives.
 
-    :param first: time until a push with each element begins [s], shape (n,).
-    :param change: time from one element to another [s], shape (n, n); 0 at the same place.
-    :param speed: of the contact [m/s].
-    :param longest: way of the contact in one push, at most [m].
+    Each step tries all directions from each point and goes to the best one if it is better.
+
+    :param evaluate: function of points, shape (k, p, d), to values, shape (k, p).
+    :param directions: that are tried, shape (p, d); one of them may be 0.
+    :param upper: greatest values of the variables, shape (k, d); the least are 0.
+    :param halve_always: whether the step is halved every time, else only where no direction was
+        better.
     """
 
-    first: np.ndarray
-    change: np.ndarray
-    speed: float
-    longest: float
+    def __init__(self, evaluate: Callable[[FloatArray], FloatArray], directions: FloatArray,
+                 upper: FloatArray, halve_always: bool) -> None:
+        self._evaluate = evaluate
+        self._directions = directions
+        self._upper = upper
+        self._halve_always = halve_always
 
-    def besides(self, sites):
+    def minimize(self, start: FloatArray, first_step: float, steps: int) -> FloatArray:
         """
-        Time of chains but for the pushing [s], shape (m,).
+        Improve points.
 
-        :param sites: numbers of the elements, shape (m, n).
+        :param start: points, shape (k, d).
+        :param first_step: length of the first step along each variable.
+        :param steps: number of steps.
+        :return: points, shape (k, d), none worse than where it started.
         """
-        return self.first[sites[:, 0]] + self.change[sites[:, :-1], sites[:, 1:]].sum(axis=1)
+        points = start.copy()
+        rows = np.arange(len(points))
+        values = self._evaluate(points[:, None, :])[:, 0]
+        step = np.full((len(points), 1, 1), first_step)
+        for _ in range(steps):
+            trials = np.clip(points[:, None, :] + step * self._directions, 0.0,
+                             self._upper[:, None, :])
+            found = self._evaluate(trials)
+            best = found.argmin(axis=1)
+            better = found[rows, best] < values - MIN_GAIN
+            points[better] = trials[rows, best][better]
+            values = np.where(better, found[rows, best], values)
+            step[np.logical_not(better) | self._halve_always] *= 0.5
+        return points
 
 
-class PushSequence(NamedTuple):
+class _GridPoint(NamedTuple):
     """
-    A chain of moves; those that follow each other at one place are one push.
+    The best point of the grid of one sequence of primitives; ordered by time.
 
-    :param sites: numbers of the elements.
-    :param turns: of the object in each move, signed [rad].
-    :param before: straight lengths before the turns [m].
-    :param after: the same after the turns [m].
-    :param duration: of all together, and of mending a miss of the last push times its chance,
-        about [s].
+    :param time: [s].
+    :param moves: numbers of the primitives.
+    :param rotations: signed rotations of all moves but the last [rad].
     """
 
-    sites: tuple
-    turns: tuple
-    before: tuple
-    after: tuple
-    duration: float
+    time: float
+    moves: tuple[int, ...]
+    rotations: tuple[float, ...]
+
+
+class GridResult(NamedTuple):
+    """
+    Outcome of a grid search.
+
+    :param time: of the fastest sequence, at most the limit [s].
+    :param evaluations: number of sequences that were evaluated.
+    """
+
+    time: float
+    evaluations: int
 
 
 class SequenceSearch:
     """
-    The search for chains of one length.
+    Search for sequences of one number of moves.
 
-    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
+    :param table: ``PrimitiveTable``.
     :param costs: ``SequenceCosts``.
-    :param goal: ``Pose`` in the frame of the object as it stands.
+    :param goal: ``Pose`` in the frame of the object before the first push.
     :param task: ``TaskSettings``.
     :param count: number of moves.
-    :param excess: function of chains (sites, ``SequenceMotions``, whether finely) to times by which they
-        count as longer, shape (m,) [s]; None: by nothing.
+    :param penalty: ``ClearancePenalty`` in a map; None on open floor.
     """
 
-    def __init__(self, table, costs, goal, task, count, excess):
-        self.table, self.costs, self.goal, self.task = table, costs, goal, task
-        self.count, self.excess = count, excess
-        self.best = []
+    def __init__(self, table: PrimitiveTable, costs: SequenceCosts, goal: Pose, task: TaskSettings,
+                 count: int, penalty: ClearancePenalty | None) -> None:
+        self._table = table
+        self._costs = costs
+        self._goal = goal
+        self._task = task
+        self._count = count
+        self._penalty = penalty
+        self._best: list[_GridPoint] = []
 
-    def coarse(self, limit):
+    def grid_search(self, limit: float) -> GridResult:
         """
-        Go through sequences, the most promising first, until none can be quicker.
+        Evaluate sequences, the most promising first, until none can be faster.
 
-        :param limit: time above which a chain is of no use [s].
-        :return: (time of the quickest, at most the limit [s]; number of chains weighed).
+        :param limit: time above which a sequence is of no use [s].
+        :return: ``GridResult``.
         """
-        sites, bounds = self._sequences(limit)
-        steps = self.task.rotation_steps
-        per_sequence = steps ** (self.count - 1)
-        at_once, weighed = max(1, CHUNK // per_sequence), 0
-        for begin in range(0, len(sites), at_once):
-            chunk = sites[begin:begin + at_once]
+        sequences, bounds = self._promising_sequences(limit)
+        grid_size = self._task.rotation_steps ** (self._count - 1)
+        at_once = max(1, CHUNK_SIZE // grid_size)
+        evaluations = 0
+        for begin in range(0, len(sequences), at_once):
+            chunk = sequences[begin:begin + at_once]
             chunk = chunk[bounds[begin:begin + at_once] < limit]
-            if not len(chunk) or weighed >= self.task.max_evaluations:
+            if not len(chunk) or evaluations >= self._task.max_evaluations:
                 break
-            turns = self._grid(chunk, steps)
-            many = np.repeat(chunk, per_sequence, axis=0)
-            times = self._weigh(many, turns.reshape(len(many), -1))[1].reshape(len(chunk), -1)
-            weighed += len(many)
-            index = times.argmin(axis=1)
+            rotations = self._rotation_grid(chunk)
+            moves = np.repeat(chunk, grid_size, axis=0)
+            times = self._evaluate_grid(moves, rotations.reshape(len(moves), -1))
+            times = times.reshape(len(chunk), -1)
+            evaluations += len(moves)
             rows = np.arange(len(chunk))
-            quickest, which = times[rows, index], turns[rows, index]
-            self.best += [(time, tuple(row), tuple(turn))
-                          for time, row, turn in zip(quickest, chunk, which) if time < np.inf]
-            limit = min(limit, quickest.min())
-        return limit, weighed
+            best = times.argmin(axis=1)
+            fastest = times[rows, best]
+            self._best += [_GridPoint(time, tuple(row), tuple(rotation)) for time, row, rotation
+                           in zip(fastest, chunk, rotations[rows, best]) if time < np.inf]
+            limit = min(limit, fastest.min())
+        return GridResult(limit, evaluations)
 
-    def polished(self):
+    def refine(self) -> list[PushSequence]:
         """
-        Refine the turns of the best, all at once.
+        Refine the rotations of the best sequences, and in a map their straights, all at once.
 
         :return: list of ``PushSequence``.
         """
-        if not self.best:
+        if not self._best:
             return []
-        best = sorted(self.best)[:POLISHED if self.excess is None else IN_MAP]
-        sites = np.array([row for _, row, _ in best])
-        turns, more = np.array([turn for _, _, turn in best]), np.zeros(sites.shape)
-        times = self._weigh(sites, turns, more)[1]
-        moves, least = self._moves()
-        many, rows = np.repeat(sites, len(moves), axis=0), np.arange(len(sites))
-        sides, widest = self.table.sides[sites[:, :-1]], self.table.widest[sites[:, :-1]]
-        step = np.full((len(sites), 1, 1), 0.5 * widest.max() / (self.task.rotation_steps - 1))
-        for _ in range(HALVINGS if self.excess is None else 2 * HALVINGS):
-            tried = np.clip(np.abs(turns)[:, None, :] + step * moves, 0.0, widest[:, None, :])
-            tried = sides[:, None, :] * tried
-            longer = np.maximum(more[:, None, :] + step * least, 0.0)
-            found = self._weigh(many, tried.reshape(len(many), -1),
-                                longer.reshape(len(many), -1))[1].reshape(len(rows), -1)
-            index = found.argmin(axis=1)
-            better = found[rows, index] < times - SAME
-            turns[better], more[better] = (each[rows, index][better] for each in (tried, longer))
-            times = np.where(better, found[rows, index], times)
-            step[np.logical_not(better) | (self.excess is None)] *= 0.5
-        chains, times = self._weigh(sites, turns, more)
-        return [PushSequence(*(tuple(map(kind, values)) for kind, values in (
-            (int, row), (float, turn), (float, before), (float, after))), float(time))
-            for row, turn, before, after, time in zip(sites, *chains[:3], times)
-            if time < np.inf]
+        in_map = self._penalty is not None
+        best = sorted(self._best)[:REFINED_IN_MAP if in_map else REFINED]
+        moves = np.array([point.moves for point in best])
+        sides = self._table.sides[moves[:, :-1]]
+        max_rotations = self._table.max_rotations[moves[:, :-1]]
 
-    def _moves(self):
-        """List changes tried at once: of the turns, and in a map of the straight lengths."""
-        moves = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self.count - 1)))
-        if self.excess is None:
-            return moves, np.zeros((len(moves), self.count))
-        each = np.eye(self.count)
-        least = np.vstack([np.zeros((len(moves), self.count)), each, -each])
-        return np.vstack([moves, np.zeros((2 * self.count, self.count - 1))]), least
+        # Variables: n - 1 unsigned rotations, and n straight lengths beyond the least ones.
+        def motions_at(points: FloatArray) -> tuple[SequenceMotions, FloatArray]:
+            per_sequence = points.shape[1]
+            rotations = sides[:, None, :] * points[..., :self._count - 1]
+            extra = points[..., self._count - 1:]
+            return self._evaluate(np.repeat(moves, per_sequence, axis=0),
+                                  rotations.reshape(len(moves) * per_sequence, -1),
+                                  extra.reshape(len(moves) * per_sequence, -1))
 
-    def _sequences(self, limit):
-        """Sequences of elements with a lower bound of their time, lowest first."""
-        number = len(self.costs.first)
-        sites = np.indices((number,) * self.count).reshape(self.count, -1).T
-        way = self._least(sites).sum(axis=1) + self._least_turn(sites)
-        times = self.costs.besides(sites) + way / self.costs.speed
-        hopeful = np.flatnonzero(times < limit)
-        order = hopeful[np.argsort(times[hopeful], kind='stable')]
-        return sites[order], times[order]
+        def evaluate(points: FloatArray) -> FloatArray:
+            return motions_at(points)[1].reshape(points.shape[:2])
 
-    def _least(self, sites):
-        """Straight lengths after the turns, at least; none where the push goes on."""
-        numbers = self.table.numbers[sites]
-        least = np.full(sites.shape, self.task.min_last_straight)
-        least[:, :-1] = np.where(numbers[:, :-1] == numbers[:, 1:], 0.0, self.task.min_straight)
+        start = np.hstack([np.abs([point.rotations for point in best]), np.zeros(moves.shape)])
+        upper = np.hstack([max_rotations, np.full(moves.shape, np.inf)])
+        search = PatternSearch(evaluate, self._directions(), upper, halve_always=not in_map)
+        found = search.minimize(
+            start, 0.5 * max_rotations.max() / (self._task.rotation_steps - 1),
+            2 * REFINEMENT_STEPS if in_map else REFINEMENT_STEPS)
+        motions, times = motions_at(found[:, None, :])
+        return [_push_sequence(moves[row], motions, row, float(times[row]))
+                for row in range(len(moves)) if times[row] < np.inf]
+
+    def _directions(self) -> FloatArray:
+        """List the directions of the pattern search, shape (p, 2 n - 1)."""
+        n = self._count
+        rotations = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=n - 1)))
+        directions = np.hstack([rotations, np.zeros((len(rotations), n))])
+        if self._penalty is None:
+            return directions
+        straights = np.hstack([np.zeros((n, n - 1)), np.eye(n)])
+        return np.vstack([directions, straights, -straights])
+
+    def _promising_sequences(self, limit: float) -> tuple[IntArray, FloatArray]:
+        """List the sequences of primitives with a lower bound of their time, lowest first."""
+        number = len(self._costs.first)
+        moves = np.indices((number,) * self._count).reshape(self._count, -1).T
+        length = self._min_straights(moves).sum(axis=1) + self._min_arc_length(moves)
+        bounds = self._costs.besides_pushing(moves) + length / self._costs.speed
+        promising = np.flatnonzero(bounds < limit)
+        order = promising[np.argsort(bounds[promising], kind='stable')]
+        return moves[order], bounds[order]
+
+    def _min_straights(self, moves: IntArray) -> FloatArray:
+        """Least straight lengths after the rotations, shape (m, n); 0 where the push goes on."""
+        locations = self._table.locations[moves]
+        least = np.full(moves.shape, self._task.min_last_straight)
+        goes_on = locations[:, :-1] == locations[:, 1:]
+        least[:, :-1] = np.where(goes_on, 0.0, self._task.min_straight)
         return least
 
-    def _least_turn(self, sites):
-        """Way that the turn of the goal takes at least."""
-        table, left = self.table, self.goal.theta % (2.0 * np.pi)
-        tightest = table.radii * table.stretches
-        ways = []
-        for side, turn in ((1.0, left), (-1.0, 2.0 * np.pi - left)):
-            radii = np.where(table.sides == side, tightest, np.inf)
-            ways.append(radii[sites].min(axis=1) * turn if turn > 0.0 else np.zeros(len(sites)))
-        return np.minimum(*ways)
+    def _min_arc_length(self, moves: IntArray) -> FloatArray:
+        """Path length that the rotation to the goal takes at least, shape (m,)."""
+        table = self._table
+        left = self._goal.theta % (2.0 * np.pi)
+        length_per_angle = table.radii * table.length_ratios
+        lengths: list[FloatArray] = []
+        for side, rotation in ((1.0, left), (-1.0, 2.0 * np.pi - left)):
+            to_side = np.where(table.sides == side, length_per_angle, np.inf)
+            lengths.append(to_side[moves].min(axis=1) * rotation if rotation > 0.0
+                           else np.zeros(len(moves)))
+        return np.minimum(*lengths)
 
-    def _grid(self, sites, steps):
-        """Lay turns on a grid, shape (sequences, trials, pushes - 1)."""
-        shares = np.array(list(itertools.product(np.linspace(0.0, 1.0, steps),
-                                                 repeat=sites.shape[1] - 1)))
-        most = self.table.sides[sites[:, :-1]] * self.table.widest[sites[:, :-1]]
-        return most[:, None, :] * shares
+    def _rotation_grid(self, moves: IntArray) -> FloatArray:
+        """Lay signed rotations on a grid, shape (m, grid size, n - 1)."""
+        fractions = np.array(list(itertools.product(
+            np.linspace(0.0, 1.0, self._task.rotation_steps), repeat=self._count - 1)))
+        largest = self._table.sides[moves[:, :-1]] * self._table.max_rotations[moves[:, :-1]]
+        return largest[:, None, :] * fractions
 
-    def _weigh(self, sites, turns, more=None):
-        """Weigh chains and tell their times; finely where straights are given that are longer."""
-        if turns.shape[1] < sites.shape[1]:
-            turns = complete_rotations(self.table, sites, turns, self.goal.theta)
-        least = self._least(sites) + (0.0 if more is None else more)
-        chains = solve_straights(self.table, sites, turns, self.goal, least)
-        times = self.costs.besides(sites) + chains.ways.sum(axis=1) / self.costs.speed
-        numbers, faces = self.table.numbers[sites], self.table.faces[sites[:, -1]]
-        turned, way = last_push(numbers, chains)
-        missing = miss_probability(turned, chains.after[:, -1], way, faces)
-        within = longest_pushes(numbers, chains.ways) <= self.costs.longest
-        times = np.where(within & np.isfinite(times), times + self.task.correction_time * missing,
-                         np.inf)
-        if self.excess is not None:
-            times = times + self.excess(sites, chains, more is not None)
-        return chains, times
+    def _evaluate_grid(self, moves: IntArray, rotations: FloatArray) -> FloatArray:
+        """Return times with the least straights, shape (m,); in a map the look is coarse."""
+        motions = self._motions(moves, rotations, self._min_straights(moves))
+        return self._times(moves, motions, fine=False)
+
+    def _evaluate(self, moves: IntArray, rotations: FloatArray,
+                  extra: FloatArray) -> tuple[SequenceMotions, FloatArray]:
+        """Return motions with straights beyond the least ones, and times; the look is fine."""
+        motions = self._motions(moves, rotations, self._min_straights(moves) + extra)
+        return motions, self._times(moves, motions, fine=True)
+
+    def _motions(self, moves: IntArray, rotations: FloatArray,
+                 min_after: FloatArray) -> SequenceMotions:
+        complete = complete_rotations(self._table, moves, rotations, self._goal.theta)
+        return solve_straights(self._table, moves, complete, self._goal, min_after)
+
+    def _times(self, moves: IntArray, motions: SequenceMotions, fine: bool) -> FloatArray:
+        """Return times with the expected corrections, shape (m,); infinite where infeasible."""
+        costs = self._costs
+        times = costs.besides_pushing(moves) + motions.path_lengths.sum(axis=1) / costs.speed
+        locations, on_face = self._table.locations[moves], self._table.on_face[moves[:, -1]]
+        rotation, path_length = last_push(locations, motions)
+        probability = miss_probability(rotation, motions.straight_after[:, -1], path_length,
+                                       on_face)
+        feasible = (longest_pushes(locations, motions.path_lengths) <= costs.max_path_length) & (
+            np.isfinite(times))
+        times = np.where(feasible, times + self._task.correction_time * probability, np.inf)
+        if self._penalty is not None:
+            times = times + self._penalty(moves, motions, fine)
+        return times
 
 
 class SearchResult(NamedTuple):
     """
     Outcome of a search.
 
-    :param chains: ``PushSequence`` list, the quickest first, different in their places.
-    :param weighed: number of chains that were weighed.
+    :param sequences: ``PushSequence`` list, the fastest first, different in their locations.
+    :param evaluations: number of sequences that were evaluated.
     """
 
-    chains: list
-    weighed: int
+    sequences: list[PushSequence]
+    evaluations: int
 
 
-def search(table, costs, goal, task, limit, excess=None):
+def search_sequences(table: PrimitiveTable, costs: SequenceCosts, goal: Pose, task: TaskSettings,
+                     limit: float, penalty: ClearancePenalty | None = None) -> SearchResult:
     """
-    Find the quickest chains of two moves and more.
+    Find the fastest sequences of two moves and more.
 
-    :param table: ``push_planner.sequence.primitives.PrimitiveTable``.
+    :param table: ``PrimitiveTable``.
     :param costs: ``SequenceCosts``.
-    :param goal: ``Pose`` in the frame of the object as it stands.
+    :param goal: ``Pose`` in the frame of the object before the first push.
     :param task: ``TaskSettings``.
-    :param limit: time above which a chain is of no use [s].
-    :param excess: as of ``SequenceSearch``.
+    :param limit: time above which a sequence is of no use [s].
+    :param penalty: ``ClearancePenalty`` in a map; None on open floor.
     :return: ``SearchResult``.
     """
-    rows, weighed = [], 0
+    found: list[PushSequence] = []
+    evaluations = 0
     for count in range(2, task.max_pushes + 1):
-        hunt = SequenceSearch(table, costs, goal, task, count, excess)
-        limit, number = hunt.coarse(limit)
-        weighed += number
-        rows += hunt.polished()
-        limit = min([limit] + [chain.duration for chain in rows])
-    places, chains = set(), []
-    for chain in sorted(rows, key=lambda chain: chain.duration):
-        key = tuple(number for number, _ in itertools.groupby(table.numbers[site]
-                                                              for site in chain.sites))
-        if key not in places and len(chains) < task.alternatives:
-            places.add(key)
-            chains.append(chain)
-    return SearchResult(chains, weighed)
+        search = SequenceSearch(table, costs, goal, task, count, penalty)
+        limit, number = search.grid_search(limit)
+        evaluations += number
+        found += search.refine()
+        limit = min([limit] + [sequence.duration for sequence in found])
+    known: set[tuple[int, ...]] = set()
+    distinct: list[PushSequence] = []
+    for sequence in sorted(found, key=lambda sequence: sequence.duration):
+        locations = _locations(sequence, table)
+        if locations not in known and len(distinct) < task.alternatives:
+            known.add(locations)
+            distinct.append(sequence)
+    return SearchResult(distinct, evaluations)
+
+
+def _locations(sequence: PushSequence, table: PrimitiveTable) -> tuple[int, ...]:
+    """Contact locations of the pushes of a sequence, one each."""
+    locations: Any = (table.locations[move.primitive] for move in sequence.moves)
+    return tuple(number for number, _ in itertools.groupby(locations))
+
+
+def _push_sequence(moves: NDArray[np.int_], motions: SequenceMotions, row: int,
+                   duration: float) -> PushSequence:
+    columns = zip(moves.tolist(), motions.rotations[row].tolist(),
+                  motions.straight_before[row].tolist(), motions.straight_after[row].tolist())
+    return PushSequence(tuple(Move(*column) for column in columns), duration)

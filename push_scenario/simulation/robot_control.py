@@ -226,7 +226,8 @@ class TaskControl(RobotControl):
         return RobotRecord(
             self._history.changes, self._history.recoveries, self._supervisor.status,
             sequence_plans=tuple(self._plans),
-            single_push_time=self._plans[0].single if self._plans else math.nan)
+            single_push_time=(self._plans[0].single_push_time if self._plans
+                              else math.nan))
 
     def _update_history(self) -> None:
         status = self._supervisor.status

@@ -306,7 +306,7 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     (lambda m: m.points.pop(), 'push_request: got 0 points, expected 1'),
     (lambda m: set_field(m, 'object.x', math.nan), 'push_request: object.x: got nan, expected'),
     (lambda m: setattr(m.header, 'frame_id', 'map'), "push_request: got frame 'map', expected"),
-    (lambda m: set_field(m, 'goal.x', 900.0), 'no chain of pushes')],
+    (lambda m: set_field(m, 'goal.x', 900.0), 'no push sequence')],
     ids=['count', 'nan', 'frame', 'far'])
 def test_a_request_without_a_plan_is_answered_all_the_same(planner, spoil, text):
     """With no points; the reason is an error on diagnostics."""
