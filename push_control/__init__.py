@@ -1,1 +1,15 @@
-"""Feedback control of a push: measurements in, robot commands out."""
+"""
+Feedback control of a push, and of tasks of several pushes: measurements in, commands out.
+
+``Controller`` follows one planned push; ``Supervisor`` brings an object to its goal with as many
+pushes as that takes. Both answer an ``Observation`` with a ``Twist`` of the robot, and know
+neither a clock nor ROS.
+"""
+
+from push_control.observation import Observation
+from push_control.push.controller import Controller
+from push_control.settings import ControlSettings
+from push_control.task.settings import SupervisionSettings
+from push_control.task.supervisor import Supervisor
+
+__all__ = ['ControlSettings', 'Controller', 'Observation', 'SupervisionSettings', 'Supervisor']

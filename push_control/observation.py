@@ -1,4 +1,4 @@
-"""What the controller sees at one instant."""
+"""What the controller knows from the sensors at one instant."""
 
 from typing import NamedTuple, Optional
 
@@ -9,8 +9,8 @@ class Observation(NamedTuple):
     """
     The newest measurements, each with its own time.
 
-    :param time: now, the time of the newest measurement or of the call [s].
-    :param odometry: robot pose (world frame, drifting) and twist (body axes).
+    :param time: now: time of the newest measurement or of the call [s].
+    :param odometry: robot pose (world frame, drifting) and twist (robot's axes).
     :param object_pose: the last object pose that arrived, or None before the first.
     """
 
@@ -19,6 +19,7 @@ class Observation(NamedTuple):
     object_pose: Optional[ObjectPose] = None
 
     @property
-    def stamps(self):
-        """Times that tell two observations apart [s]."""
-        return self.time, self.odometry.time, self.object_pose and self.object_pose.time
+    def stamps(self) -> tuple[float, float, Optional[float]]:
+        """Times that tell two observations apart: now, of the odometry, of the pose [s]."""
+        pose_time = None if self.object_pose is None else self.object_pose.time
+        return self.time, self.odometry.time, pose_time

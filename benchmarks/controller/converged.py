@@ -3,12 +3,13 @@
 import casadi as ca
 import numpy as np
 from push_control.laws.mpc import optimal_weights, PredictiveLaw, SolverFailed
-from push_control.laws.mpc_problem import horizon_problem, SCALARS
+from push_control.laws.mpc_problem import horizon_problem, HorizonParameters
 from push_control.laws.steering_law import SolverFailure
 
 OPTIONS = {'print_time': False, 'error_on_fail': False, 'ipopt': {
     'print_level': 0, 'sb': 'yes', 'tol': 1e-8, 'max_iter': 200}}
-WIDEST_SLACK = 10.0
+# Bound of the slack [rad]: none that binds.
+MAX_SLACK = 10.0
 
 
 class ConvergedLaw(PredictiveLaw):
@@ -16,38 +17,38 @@ class ConvergedLaw(PredictiveLaw):
 
     def __init__(self, robot, settings):
         """
-        Build the nonlinear programme.
+        Build the nonlinear program.
 
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
         """
         super().__init__(robot, settings)
-        self._nlp = _horizon_nlp(robot.drive, settings)
+        self._nlp = _nonlinear_program(robot.drive, settings)
 
-    def _optimum(self, situation):
-        self._fill(situation)
-        part = dict(zip(SCALARS, self._scalars))
-        count = len(self._plan)
-        low, high = np.full(count, part['lowest']), np.full(count, part['highest'])
-        low[0], high[0] = part['first_low'], part['first_high']
-        found = self._nlp(x0=[*self._start, 0.0], p=self._parameters, ubg=0.0,
-                          lbx=[*low, 0.0], ubx=[*high, WIDEST_SLACK])
+    def _optimum(self):
+        horizon = self._horizon
+        parameters = HorizonParameters(*horizon.scalars)
+        plan = horizon.solution.curvatures
+        low, high = np.full(len(plan), parameters.lowest), np.full(len(plan), parameters.highest)
+        low[0], high[0] = parameters.first_lowest, parameters.first_highest
+        found = self._nlp(x0=[*horizon.guess, 0.0], p=horizon.p, ubg=0.0,
+                          lbx=[*low, 0.0], ubx=[*high, MAX_SLACK])
         if not self._nlp.stats()['success']:
             raise SolverFailed(SolverFailure.NOT_CONVERGED)
-        self._plan[:] = np.array(found['x']).ravel()[:-1]
-        return float(self._plan[0])
+        plan[:] = np.array(found['x']).ravel()[:-1]
+        return float(plan[0])
 
 
-def _horizon_nlp(drive, settings):
+def _nonlinear_program(drive, settings):
     """Build the problem of one horizon, with the soft constraints' one slack."""
     weights, steps = optimal_weights(settings), settings.horizon_steps
-    _, problem = horizon_problem(drive, steps, settings.horizon_step, weights)
+    problem = horizon_problem(drive, steps, settings.horizon_step, weights).expressions
     u, slack = ca.SX.sym('u', steps), ca.SX.sym('slack')
     p = ca.SX.sym('p', problem.size1_in(1))
     residuals, soft, low, high = problem(u, p)
-    changes, most = u[1:] - u[:-1], p[SCALARS.index('change')]
+    changes, max_change = u[1:] - u[:-1], p[HorizonParameters._fields.index('max_change')]
     return ca.nlpsol('converged', 'ipopt', {
         'x': ca.vertcat(u, slack), 'p': p,
-        'f': 0.5 * ca.sumsqr(residuals) + weights[2] * (slack + 0.5 * slack ** 2),
-        'g': ca.vertcat(soft - high - slack, low - slack - soft, changes - most,
-                        -changes - most)}, OPTIONS)
+        'f': 0.5 * ca.sumsqr(residuals) + weights.slack * (slack + 0.5 * slack ** 2),
+        'g': ca.vertcat(soft - high - slack, low - slack - soft, changes - max_change,
+                        -changes - max_change)}, OPTIONS)

@@ -1,4 +1,4 @@
-"""Where the robot touches the object, and how that place rolls."""
+"""The contact on the object: where the robot touches it, and how that place rolls and slides."""
 
 import math
 from typing import NamedTuple
@@ -6,30 +6,52 @@ from typing import NamedTuple
 from push_model.contact import (
     contact_point, curvature_radius, face_normal, find_contact, normal_range, rolling_constants,
 )
-from push_model.geometry import Pose, wrap_angle
+from push_model.geometry import Coordinates, Pose, wrap_angle
+from push_model.parameters import Contact, ContactKind, PushedObject, RoundRobot
+from push_model.trajectory import PushTrajectory
 
-GAP_LIMIT = 0.01
-SAME_POINT, NEAR, TURN = 0.02, 0.5, 0.5
+# Gap or overlap with which the start of a plan counts as contact [m]. Chosen: far above the
+# planner's tolerance, far below any robot.
+CONTACT_TOLERANCE = 0.01
+# How near a push that is to be continued must start: of the contact on the object [m], and of the
+# object [m, rad]. Chosen: what a push moves while a plan is made.
+SAME_POINT_DISTANCE = 0.02
+SAME_PUSH_DISTANCE = 0.5
+SAME_PUSH_ROTATION = 0.5
 
 
 class ContactOffset(NamedTuple):
     """
-    Where the robot's centre is beside the place that rolling contact gives it.
+    Where the robot's centre is, relative to where rolling contact would have it.
 
-    :param gap: backwards along the contact normal [m].
-    :param slid: along t, the normal turned by +90 degrees [m].
+    :param gap: backwards along the contact normal n [m].
+    :param slip: along the tangent t, n rotated by +90 degrees [m].
     """
 
     gap: float
-    slid: float
+    slip: float
+
+
+class ContactFrame(NamedTuple):
+    """
+    Contact point C and normal in the object frame.
+
+    :param x: of C [m].
+    :param y: of C [m].
+    :param normal: angle of n [rad].
+    """
+
+    x: float
+    y: float
+    normal: float
 
 
 class ContactSite(NamedTuple):
     """
-    The contact in the object frame, for any turn of the robot relative to the object.
+    The contact in the object frame, for any heading of the robot relative to the object.
 
     :param kind: ``'vertex'``, ``'face'`` or ``'round'``.
-    :param share: lam of the rolling rule.
+    :param normal_ratio: lam of the rolling rule (model: section 2).
     :param robot_radius: R_p [m].
     :param object_radius: R_s [m].
     :param point: C at the start, object frame (x, y) [m].
@@ -39,97 +61,104 @@ class ContactSite(NamedTuple):
     :param edges: coordinates along t between which C may lie on a face, object frame [m].
     """
 
-    kind: str
-    share: float
+    kind: ContactKind
+    normal_ratio: float
     robot_radius: float
     object_radius: float
-    point: tuple
+    point: tuple[float, float]
     normal: float
     heading: float
-    normal_limits: tuple
-    edges: tuple = (-math.inf, math.inf)
+    normal_limits: tuple[float, float]
+    edges: tuple[float, float] = (-math.inf, math.inf)
 
-    def at(self, heading):
-        """
-        Find the contact for a robot that has rolled without slip.
+    @property
+    def heading_offset(self) -> float:
+        """D, angle from the robot's heading to the contact normal at the start [rad]."""
+        return math.remainder(self.normal - self.heading, 2.0 * math.pi)
 
-        :param heading: robot heading relative to the object, unwrapped [rad].
-        :return: (C_x, C_y) in the object frame [m], angle of n in the object frame [rad].
+    def contact_at(self, heading: float) -> ContactFrame:
         """
-        turn = heading - self.heading
+        Find the contact of a robot that has rolled without slip.
+
+        :param heading: of the robot relative to the object, unwrapped [rad].
+        :return: ``ContactFrame``.
+        """
+        rotation = heading - self.heading
         if self.kind == 'vertex':
-            return self.point[0], self.point[1], self.normal + turn
+            return ContactFrame(self.point[0], self.point[1], self.normal + rotation)
         if self.kind == 'face':
-            shift = self.robot_radius * turn
-            return (self.point[0] + shift * math.sin(self.normal),
-                    self.point[1] - shift * math.cos(self.normal), self.normal)
-        normal = self.normal + (1.0 - self.share) * turn
-        return (-self.object_radius * math.cos(normal), -self.object_radius * math.sin(normal),
-                normal)
+            shift = self.robot_radius * rotation
+            return ContactFrame(self.point[0] + shift * math.sin(self.normal),
+                                self.point[1] - shift * math.cos(self.normal), self.normal)
+        normal = self.normal + (1.0 - self.normal_ratio) * rotation
+        return ContactFrame(*self._round_point(normal), normal)
 
-    def offset(self, pose, phi, center):
+    def robot_center(self, pose: Pose, phi: float) -> tuple[float, float]:
         """
-        Compare the robot's place with that of a robot that has rolled.
+        Place a robot that has rolled without slip.
+
+        :param pose: ``Pose`` of the object in the world, its angle not wrapped.
+        :param phi: heading of the robot [rad].
+        :return: its centre in the world (x, y) [m].
+        """
+        c_x, c_y, normal = self.contact_at(phi - pose.theta)
+        return pose.transform((c_x - self.robot_radius * math.cos(normal),
+                               c_y - self.robot_radius * math.sin(normal)))
+
+    def offset(self, pose: Pose, phi: float, center: Coordinates) -> ContactOffset:
+        """
+        Compare the robot's place with that of a robot that has rolled without slip.
 
         :param pose: ``Pose`` of the object in the world, its angle not wrapped.
         :param phi: heading of the robot [rad].
         :param center: of the robot in the world (x, y) [m].
         :return: ``ContactOffset``.
         """
-        place = self.robot_center(pose, phi)
-        gamma = pose.theta + self.at(phi - pose.theta)[2]
-        ahead, aside = Pose(0.0, 0.0, -gamma).rotate((center[0] - place[0], center[1] - place[1]))
-        return ContactOffset(-ahead, aside)
+        expected = self.robot_center(pose, phi)
+        gamma = pose.theta + self.contact_at(phi - pose.theta).normal
+        along, across = Pose(0.0, 0.0, -gamma).rotate((center[0] - expected[0],
+                                                       center[1] - expected[1]))
+        return ContactOffset(-along, across)
 
-    def robot_center(self, pose, phi):
-        """
-        Place a robot that has rolled.
-
-        :param pose: ``Pose`` of the object in the world, its angle not wrapped.
-        :param phi: heading of the robot [rad].
-        :return: its centre in the world (x, y) [m].
-        """
-        c_x, c_y, normal = self.at(phi - pose.theta)
-        return pose.transform((c_x - self.robot_radius * math.cos(normal),
-                               c_y - self.robot_radius * math.sin(normal)))
-
-    def slid(self, travel):
+    def after_slip(self, slip: float) -> 'ContactSite':
         """
         Find the contact of a robot that has slid along the object.
 
-        :param travel: of the robot's centre along t, the normal turned by +90 degrees [m].
+        :param slip: of the robot's centre along t, the normal rotated by +90 degrees [m].
         :return: ``ContactSite`` that rolls on from there.
         """
         if self.kind == 'face':
-            return self._replace(point=(self.point[0] - travel * math.sin(self.normal),
-                                        self.point[1] + travel * math.cos(self.normal)))
-        normal = self.normal - travel / (self.robot_radius + self.object_radius)
+            return self._replace(point=(self.point[0] - slip * math.sin(self.normal),
+                                        self.point[1] + slip * math.cos(self.normal)))
+        normal = self.normal - slip / (self.robot_radius + self.object_radius)
         if self.kind == 'vertex':
             return self._replace(normal=normal)
-        return self._replace(normal=normal, point=(-self.object_radius * math.cos(normal),
-                                                   -self.object_radius * math.sin(normal)))
+        return self._replace(normal=normal, point=self._round_point(normal))
 
-    def is_kept(self, other, shift):
+    def is_same_push(self, other: 'ContactSite', shift: Pose) -> bool:
         """
-        Tell whether a push at another site is this one, only seen a little later or earlier.
+        Tell whether a push at another site is this one, only a little later or earlier.
 
         :param other: the other ``ContactSite``.
         :param shift: ``Pose`` of the object there, relative to where it is now.
+        :return: whether it is.
         """
-        return (self.kind == other.kind and math.dist(self.point, other.point) <= SAME_POINT
-                and math.hypot(shift.x, shift.y) <= NEAR and abs(wrap_angle(shift.theta)) <= TURN)
+        return (self.kind == other.kind
+                and math.dist(self.point, other.point) <= SAME_POINT_DISTANCE
+                and math.hypot(shift.x, shift.y) <= SAME_PUSH_DISTANCE
+                and abs(wrap_angle(shift.theta)) <= SAME_PUSH_ROTATION)
 
-    @property
-    def heading_offset(self):
-        """Angle from the robot's heading to the contact normal at the start [rad]."""
-        return math.remainder(self.normal - self.heading, 2.0 * math.pi)
+    def _round_point(self, normal: float) -> tuple[float, float]:
+        """Point of a round outline at which the normal has an angle."""
+        return -self.object_radius * math.cos(normal), -self.object_radius * math.sin(normal)
 
 
-def initial_contact_site(obj, robot, trajectory):
+def initial_contact_site(obj: PushedObject, robot: RoundRobot,
+                         trajectory: PushTrajectory) -> ContactSite:
     """
     Find the contact that a trajectory starts from.
 
-    :param obj: the ``PushedObject`` as believed.
+    :param obj: the nominal ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param trajectory: the ``PushTrajectory``.
     :return: ``ContactSite``.
@@ -141,24 +170,29 @@ def initial_contact_site(obj, robot, trajectory):
     pose = Pose(*trajectory.object_poses[0].tolist())
     x, y, phi = trajectory.robot_poses[0].tolist()
     contact, gamma, gap = find_contact(obj, pose, (x, y), robot.radius)
-    if abs(gap) > GAP_LIMIT:
+    if abs(gap) > CONTACT_TOLERANCE:
         raise ValueError(f'trajectory.robot_poses[0]: got a robot {gap:.3f} m from the object, '
-                         f'expected it in contact, to {GAP_LIMIT} m')
-    curved = curvature_radius(obj, contact)
-    share, _ = rolling_constants(robot.radius, curved)
-    low, high = normal_range(obj, contact)
-    if contact.kind != 'vertex':
-        low, high = -math.inf, math.inf
+                         f'expected it in contact, to {CONTACT_TOLERANCE} m')
+    object_radius = curvature_radius(obj, contact)
+    normal_ratio = rolling_constants(robot.radius, object_radius).normal_ratio
     normal = gamma - pose.theta
-    normal += 2.0 * math.pi * round((0.5 * (low + high) - normal) / (2.0 * math.pi)
-                                    if contact.kind == 'vertex' else 0.0)
-    return ContactSite(contact.kind, share, robot.radius, curved, contact_point(obj, contact), normal,
-                       phi - pose.theta, (low, high), _edges(obj, contact))
+    normal_limits = -math.inf, math.inf
+    full_turns = 0
+    if contact.kind == 'vertex':
+        normal_limits = low, high = normal_range(obj, contact)
+        # Of all angles of this normal, the one nearest to the middle of the vertex.
+        full_turns = round((0.5 * (low + high) - normal) / (2.0 * math.pi))
+    normal += 2.0 * math.pi * full_turns
+    return ContactSite(contact.kind, normal_ratio, robot.radius, object_radius,
+                       contact_point(obj, contact), normal, phi - pose.theta, normal_limits,
+                       _edges(obj, contact))
 
 
-def _edges(obj, contact):
+def _edges(obj: PushedObject, contact: Contact) -> tuple[float, float]:
+    """Coordinates along t of the two ends of a face."""
     if contact.kind != 'face':
         return -math.inf, math.inf
     n = face_normal(obj, contact.index)
-    return tuple(sorted(y * math.cos(n) - x * math.sin(n) for x, y in (
-        obj.outline[contact.index], obj.outline[(contact.index + 1) % len(obj.outline)])))
+    ends = obj.outline[contact.index], obj.outline[(contact.index + 1) % len(obj.outline)]
+    first, second = (y * math.cos(n) - x * math.sin(n) for x, y in ends)
+    return min(first, second), max(first, second)

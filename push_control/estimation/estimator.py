@@ -1,199 +1,291 @@
 """
-Extended Kalman filter for object pose, push direction, friction centre and turning.
+Extended Kalman filter for object pose, push direction, friction centre and rotation.
 
-Odometry is the input; poses are measured late and enter at their own time.
+Odometry is the input; poses are measured late and enter at their own time. With x the
+``PushState``, P its covariance, z the measured pose and H the rows of (x, y, theta):
+
+    ``x+ = f(x, u)``,  ``P+ = F P F^T + Q ds``   for every step of odometry, ds the path length
+    ``K = P H^T (H P H^T + R)^-1``,  ``x += K (z - H x)``,  ``P -= K H P``   for every pose
 """
 
+from collections.abc import Iterator
 import math
+from typing import NamedTuple
 
 import numpy as np
+from push_control.estimation.contact_site import ContactSite
+from push_control.estimation.dead_reckoning import RobotMotion
 from push_control.estimation.push_motion import PushMotion, PushState
-from push_model.geometry import Pose, wrap_angle
+from push_control.settings import ControlSettings
+from push_model.geometry import Coordinates, FloatArray, wrap_angle
+from push_model.signals import ObjectPose, Odometry, Twist
 
-MEMORY = 1.0
-SETTLING_WAY = 0.5
-REJECTIONS_IN_A_ROW = 3
-INFLATION = 25.0
+# How long odometry is kept to be replayed from a late pose [s]. Chosen: far above the latency of
+# any pose that is not stale.
+INPUT_MEMORY = 1.0
+# After so many rejected poses in a row the object was really moved, and the covariance of pose and
+# push direction is inflated by so much. Chosen: the next pose then passes the gate.
+MAX_CONSECUTIVE_REJECTIONS = 3
+COVARIANCE_INFLATION = 25.0
+
+
+class NoiseModel(NamedTuple):
+    """
+    What the filter reckons with.
+
+    :param initial: variances of the ``PushState`` at the start, shape (7,).
+    :param measurement: R, covariance of a measured pose (x, y, theta), shape (3, 3).
+    :param walk: Q, variances of the random walk of the state per path length, shape (7,).
+    :param pose_gate: squared Mahalanobis distance at which a pose is rejected.
+    :param center: nominal friction centre, object frame (x, y) [m].
+    :param max_center_offset: largest distance of the friction centre from it [m].
+    """
+
+    initial: FloatArray
+    measurement: FloatArray
+    walk: FloatArray
+    pose_gate: float
+    center: Coordinates
+    max_center_offset: float
+
+    @classmethod
+    def of(cls, settings: ControlSettings, site: ContactSite, center: Coordinates) -> 'NoiseModel':
+        """
+        Make the noise model of a contact.
+
+        :param settings: ``ControlSettings``.
+        :param site: the ``ContactSite``.
+        :param center: nominal friction centre, object frame (x, y) [m].
+        :return: ``NoiseModel``.
+        """
+        arm = math.hypot(center[0] - site.point[0], center[1] - site.point[1])
+        standard_deviations = (
+            settings.pose_noise, settings.pose_noise, settings.heading_noise,
+            settings.push_direction_std, settings.center_std_ratio * arm,
+            settings.center_std_ratio * arm, settings.c_squared_log_std)
+        walks = (settings.position_walk, settings.position_walk, settings.heading_walk,
+                 settings.push_direction_walk, settings.center_walk, settings.center_walk,
+                 settings.c_squared_log_walk)
+        return cls(np.square(standard_deviations), np.diag(np.square(standard_deviations[:3])),
+                   np.square(walks), settings.pose_gate, center,
+                   settings.max_center_offset_ratio * arm)
+
+
+class _Input(NamedTuple):
+    """Mean motion of the robot between two times [s]."""
+
+    start: float
+    end: float
+    twist: Twist
+
+
+class OdometryBuffer:
+    """Motion of the robot since some time, to be replayed from a late pose. ``last``: newest."""
+
+    def __init__(self, start: float, odometry: Odometry):
+        """
+        Begin with one odometry, which holds since the start.
+
+        :param start: not later than the odometry [s].
+        :param odometry: first ``Odometry``.
+        """
+        self._inputs = [_Input(start, odometry.time, odometry.twist)]
+        self.last = odometry
+
+    def add(self, odometry: Odometry) -> None:
+        """
+        Add the mean motion since the last odometry.
+
+        :param odometry: ``Odometry``, newer than the last.
+        """
+        mean = Twist(*(0.5 * (a + b) for a, b in zip(self.last.twist, odometry.twist)))
+        self._inputs.append(_Input(self.last.time, odometry.time, mean))
+        self.last = odometry
+
+    def between(self, start: float, end: float) -> Iterator[tuple[float, Twist]]:
+        """
+        List the motions between two times; the last one goes on.
+
+        :param start: begin [s].
+        :param end: end [s].
+        :return: yields duration [s] and ``Twist`` of each.
+        """
+        for item in self._inputs:
+            duration = min(end, item.end) - max(start, item.start)
+            if duration > 0.0:
+                yield duration, item.twist
+        beyond = end - max(start, self.last.time)
+        if beyond > 0.0:
+            yield beyond, self.last.twist
+
+    def forget_before(self, time: float) -> None:
+        """
+        Drop what is no longer needed.
+
+        :param time: of the earliest replay to come [s].
+        """
+        self._inputs = [item for item in self._inputs if item.end > time]
+
+
+class PoseUpdate(NamedTuple):
+    """
+    What became of a measured pose.
+
+    :param is_accepted: whether it passed the gate.
+    :param motions: each ``RobotMotion`` that the filter has processed up to it.
+    """
+
+    is_accepted: bool
+    motions: tuple[RobotMotion, ...] = ()
 
 
 class Estimator:
-    """Fuses odometry and late object poses."""
+    """
+    Fuses odometry and late object poses.
 
-    def __init__(self, robot, site, supports, settings, center, pose, odometry):
+    ``motion``: ``PushMotion`` of the contact. ``state``: ``PushState`` at the time of the last
+    pose used. ``rejected_poses``: number of poses outside the gate.
+    """
+
+    def __init__(self, motion: PushMotion, settings: ControlSettings, center: Coordinates,
+                 pose: ObjectPose, odometry: Odometry):
         """
         Start from one object pose and one odometry.
 
-        :param robot: the ``RoundRobot``.
-        :param site: the contact ``ContactSite``.
-        :param supports: the ``LimitSurfaceTable`` as believed.
+        :param motion: ``PushMotion`` of the nominal object at its contact.
         :param settings: ``ControlSettings``.
-        :param center: believed friction centre, object frame (x, y) [m].
+        :param center: nominal friction centre, object frame (x, y) [m].
         :param pose: first ``ObjectPose``.
         :param odometry: first ``Odometry``.
         """
-        self._settings, self._center = settings, center
-        arm = math.hypot(center[0] - site.point[0], center[1] - site.point[1])
-        self._motion = PushMotion(robot.radius, site, supports)
-        self._limit = settings.max_center_offset_ratio * arm
+        site = motion.site
+        self.motion = motion
+        self._noise = NoiseModel.of(settings, site, center)
         theta = pose.pose.theta
-        turn = wrap_angle(odometry.pose.theta - theta - site.heading)
-        self._belief = PushState(*pose.pose[:2], theta, theta + site.heading + turn, *center)
-        deviations = (settings.pose_noise, settings.pose_noise, settings.heading_noise,
-                      settings.push_direction_std, settings.center_std_ratio * arm,
-                      settings.center_std_ratio * arm, settings.c_squared_log_std)
-        self._covariance = np.diag(np.square(deviations))
-        self._noise = np.diag(np.square(deviations[:3]))
-        self._walk = np.square((settings.position_walk, settings.position_walk,
-                                settings.heading_walk, settings.push_direction_walk,
-                                settings.center_walk, settings.center_walk,
-                                settings.c_squared_log_walk))
+        misalignment = wrap_angle(odometry.pose.theta - theta - site.heading)
+        self.state = PushState(pose.pose.x, pose.pose.y, theta,
+                               theta + site.heading + misalignment, *center)
+        self._covariance: FloatArray = np.diag(self._noise.initial)
         self._time = min(pose.time, odometry.time)
-        self._inputs = [(self._time, odometry.time, odometry.twist)]
-        self._last, self._ahead = odometry, None
-        self._place, self._heading, self._settled = odometry.pose[:2], self._belief.phi, 0.0
-        self.rejected = self._in_a_row = 0
+        self._odometry = OdometryBuffer(self._time, odometry)
+        # The state at the time of the last odometry, or None where it must be computed.
+        self._latest: PushState | None = None
+        self.rejected_poses = 0
+        self._consecutive_rejections = 0
 
     @property
-    def covariance(self):
-        """Covariance at the time of the last accepted pose, shape (7, 7)."""
+    def covariance(self) -> FloatArray:
+        """Covariance at the time of the last pose used, shape (7, 7)."""
         return self._covariance.copy()
 
-    @property
-    def contact(self):
-        """Where the contact is at that time, object frame (x, y) [m]."""
-        return self._motion.site.at(self._belief.phi - self._belief.theta)[:2]
-
-    def contact_offset(self, measured):
+    def set_contact(self, site: ContactSite, is_lost: bool) -> None:
         """
-        See where the robot is, by a pose that has just been added.
+        Go on with the contact as detected.
 
-        :param measured: ``ObjectPose``.
-        :return: ``push_control.estimation.contact_site.ContactOffset`` from where rolling contact has it.
+        :param site: the ``ContactSite``.
+        :param is_lost: whether the robot does not touch the object.
         """
-        belief, pose = self._belief, measured.pose
-        theta = belief.theta + wrap_angle(pose.theta - belief.theta)
-        return self._motion.site.offset(Pose(pose.x, pose.y, theta), belief.phi, self._place)
+        self.motion = self.motion._replace(site=site, is_lost=is_lost)
+        self._latest = None
 
-    def place_contact(self, site, drift, lost):
-        """
-        Go on with a contact as seen, and with a better place of the robot.
-
-        :param site: the contact ``ContactSite``.
-        :param drift: ``ContactOffset`` by which the place was wrong.
-        :param lost: whether the robot does not touch the object.
-        """
-        belief = self._belief
-        gamma = belief.theta + self._motion.site.at(belief.phi - belief.theta)[2]
-        self._place = Pose(*self._place, gamma).transform((drift.gap, -drift.slid))
-        self._motion, self._ahead = self._motion._replace(site=site, lost=lost), None
-
-    def add_odometry(self, odometry):
+    def add_odometry(self, odometry: Odometry) -> tuple[RobotMotion, ...]:
         """
         Remember a motion of the robot.
 
-        :param odometry: ``Odometry``, newer than the last; older ones are ignored.
+        :param odometry: ``Odometry``; one that is not newer than the last is ignored.
+        :return: each ``RobotMotion`` that the filter has processed, as it got too old to keep.
         """
-        if odometry.time <= self._last.time:
-            return
-        mean = tuple(0.5 * (a + b) for a, b in zip(self._last.twist, odometry.twist))
-        begin = self._last.time
-        self._inputs.append((begin, odometry.time, mean))
-        self._last = odometry
-        if self._ahead is not None:
-            self._ahead = self._carried(self._ahead, max(self._time, begin), odometry.time)
-        if odometry.time - MEMORY > self._time:
-            self._advance(odometry.time - MEMORY)
+        last_time = self._odometry.last.time
+        if odometry.time <= last_time:
+            return ()
+        self._odometry.add(odometry)
+        if self._latest is not None:
+            self._latest = self._propagated(self._latest, max(self._time, last_time),
+                                            odometry.time)
+        if odometry.time - INPUT_MEMORY > self._time:
+            return self._advance(odometry.time - INPUT_MEMORY)
+        return ()
 
-    def add_pose(self, measured):
+    def add_pose(self, measured: ObjectPose) -> PoseUpdate:
         """
         Correct the estimate by a pose, at the pose's own time.
 
         :param measured: ``ObjectPose``; one older than the last that was used is ignored.
-        :return: whether it passed the gate.
+        :return: ``PoseUpdate``.
         """
         if measured.time < self._time:
-            return False
-        self._advance(measured.time)
-        self._ahead = None
-        belief, covariance = self._belief, self._covariance
-        error = np.array([measured.pose.x - belief.x, measured.pose.y - belief.y,
-                          wrap_angle(measured.pose.theta - belief.theta)])
-        inverse = np.linalg.inv(covariance[:3, :3] + self._noise)
-        if error @ inverse @ error > self._settings.pose_gate:
+            return PoseUpdate(False)
+        motions = self._advance(measured.time)
+        self._latest = None
+        state, covariance = self.state, self._covariance
+        innovation = np.array([measured.pose.x - state.x, measured.pose.y - state.y,
+                               wrap_angle(measured.pose.theta - state.theta)])
+        information = np.linalg.inv(covariance[:3, :3] + self._noise.measurement)
+        if innovation @ information @ innovation > self._noise.pose_gate:
             self._reject()
-            return False
-        self._in_a_row = 0
-        gain = covariance[:, :3] @ inverse
-        self._belief = self._clamped(PushState(*(np.array(belief) + gain @ error).tolist()))
+            return PoseUpdate(False, motions)
+        self._consecutive_rejections = 0
+        gain = covariance[:, :3] @ information
+        self.state = self._clamped(PushState(*(np.array(state) + gain @ innovation).tolist()))
         covariance = covariance - gain @ covariance[:3, :]
         self._covariance = 0.5 * (covariance + covariance.T)
-        return True
+        return PoseUpdate(True, motions)
 
-    def predict(self, time):
+    def predict(self, time: float) -> PushState:
         """
         Carry the estimate to a later time.
 
         :param time: when [s], not before the last odometry.
         :return: ``PushState``.
         """
-        if self._ahead is None:
-            self._ahead = self._carried(self._belief, self._time, self._last.time)
-        return self._carried(self._ahead, max(self._time, self._last.time), time)
+        last_time = self._odometry.last.time
+        if self._latest is None:
+            self._latest = self._propagated(self.state, self._time, last_time)
+        return self._propagated(self._latest, max(self._time, last_time), time)
 
-    def propagate(self, belief, twist, duration):
+    def propagate(self, state: PushState, twist: Twist, duration: float) -> PushState:
         """
-        Carry a belief on under an expected motion.
+        Carry a state on under an expected motion.
 
-        :param belief: ``PushState``.
-        :param twist: mean motion, body axes.
+        :param state: ``PushState``.
+        :param twist: mean ``Twist`` of the robot, robot's axes.
         :param duration: how long it lasts [s].
         :return: ``PushState``.
         """
-        return self._motion.moved(belief, twist, duration) if duration > 0.0 else belief
+        return self.motion.propagate(state, twist, duration) if duration > 0.0 else state
 
-    def _carried(self, belief, start, end):
-        for duration, twist in self._between(start, end):
-            belief = self._motion.moved(belief, twist, duration)
-        return belief
+    def _propagated(self, state: PushState, start: float, end: float) -> PushState:
+        for duration, twist in self._odometry.between(start, end):
+            state = self.motion.propagate(state, twist, duration)
+        return state
 
-    def _reject(self):
-        self.rejected += 1
-        self._in_a_row += 1
-        if self._in_a_row >= REJECTIONS_IN_A_ROW:
-            scale = np.array([INFLATION] * 4 + [1.0] * 3)
+    def _advance(self, time: float) -> tuple[RobotMotion, ...]:
+        """Carry state and covariance to a later time; give the motion of the robot meanwhile."""
+        motions: list[RobotMotion] = []
+        for duration, twist in self._odometry.between(self._time, time):
+            transition, distance = self.motion.linearize(self.state, twist, duration)
+            motions.append(RobotMotion(twist, duration, distance, self.state.phi))
+            self.state = self.motion.propagate(self.state, twist, duration)
+            self._covariance = transition @ self._covariance @ transition.T
+            self._covariance[range(7), range(7)] += distance * self._noise.walk
+        self._time = max(time, self._time)
+        self._odometry.forget_before(self._time)
+        return tuple(motions)
+
+    def _reject(self) -> None:
+        """Count a pose outside the gate; widen the gate after several in a row."""
+        self.rejected_poses += 1
+        self._consecutive_rejections += 1
+        if self._consecutive_rejections >= MAX_CONSECUTIVE_REJECTIONS:
+            scale = np.array([COVARIANCE_INFLATION] * 4 + [1.0] * 3)
             self._covariance = self._covariance * np.sqrt(np.outer(scale, scale))
 
-    def _clamped(self, belief):
-        off_x, off_y = belief.p_x - self._center[0], belief.p_y - self._center[1]
+    def _clamped(self, state: PushState) -> PushState:
+        """Keep the friction centre near its nominal place."""
+        center, limit = self._noise.center, self._noise.max_center_offset
+        off_x, off_y = state.p_x - center[0], state.p_y - center[1]
         off = math.hypot(off_x, off_y)
-        if off <= self._limit:
-            return belief
-        return belief._replace(p_x=self._center[0] + off_x * self._limit / off,
-                               p_y=self._center[1] + off_y * self._limit / off)
-
-    def _between(self, start, end):
-        for begin, finish, twist in self._inputs:
-            duration = min(end, finish) - max(start, begin)
-            if duration > 0.0:
-                yield duration, twist
-        after = end - max(start, self._last.time)
-        if after > 0.0:
-            yield after, self._last.twist
-
-    def _move_robot(self, twist, duration, way):
-        """Add up odometry along its own heading, with what is lastingly wrong with that."""
-        wrong = self._belief.phi - self._heading
-        self._settled += min(1.0, way / SETTLING_WAY) * (wrong - self._settled)
-        ahead = Pose(*self._place, self._heading + self._settled + 0.5 * duration * twist[2])
-        self._place = ahead.transform((duration * twist[0], duration * twist[1]))
-        self._heading += duration * twist[2]
-
-    def _advance(self, time):
-        for duration, twist in self._between(self._time, time):
-            transition, way = self._motion.jacobian(self._belief, twist, duration)
-            self._move_robot(twist, duration, way)
-            self._belief = self._motion.moved(self._belief, twist, duration)
-            self._covariance = transition @ self._covariance @ transition.T
-            self._covariance[range(7), range(7)] += way * self._walk
-        self._time = max(time, self._time)
-        self._inputs = [entry for entry in self._inputs if entry[1] > self._time]
+        if off <= limit:
+            return state
+        return state._replace(p_x=center[0] + off_x * limit / off,
+                              p_y=center[1] + off_y * limit / off)

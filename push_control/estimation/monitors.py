@@ -1,30 +1,42 @@
-"""What must stop the robot: measurements too old or broken, an object that does not follow."""
+"""Monitors that stop the robot: broken measurements, jackknifing, pushes without effect."""
 
 from collections import deque
 import math
+from typing import NamedTuple
 
+from push_control.estimation.contact_site import ContactSite
 from push_control.events import EventReport, PushEvent
+from push_control.observation import Observation
+from push_control.path.path import CurvatureLimits
+from push_control.settings import ControlSettings
+from push_model.geometry import Coordinates
+from push_model.signals import Odometry
 
-STEEPEST_PUSH = 1.2
-NORMAL_SLACK = 0.15
-ALMOST_STRAIGHT = 0.1
+# Largest angle between contact normal and push [rad]. Chosen: far outside any friction cone, so
+# that only a contact that has folded up reaches it.
+MAX_PUSH_ANGLE = 1.2
+# Angle beyond the edge of a vertex that the estimate of the normal may err by [rad]. Chosen.
+VERTEX_OVERSHOOT = 0.15
+# Curvature that still counts as a straight push [1/m]. Chosen: a radius of ten metres.
+STRAIGHT_CURVATURE = 0.1
 
 
-def measurement_fault(observation, last_pose_time, settings) -> EventReport | None:
+def measurement_fault(observation: Observation, last_pose_time: float | None,
+                      settings: ControlSettings) -> EventReport | None:
     """
-    Say why the measurements cannot be used.
+    Tell why the measurements cannot be used.
 
     :param observation: ``Observation``.
     :param last_pose_time: time of the last finite object pose [s], or None.
     :param settings: ``ControlSettings``.
-    :return: ``EventReport``, or None.
+    :return: ``EventReport``, or None where they can.
     """
     odometry, measured = observation.odometry, observation.object_pose
     if not is_finite_odometry(odometry):
         return PushEvent.ODOMETRY_NOT_FINITE.report()
     if measured is None:
         return PushEvent.NO_OBJECT_POSE.report()
-    if not (measured.pose.is_finite() and math.isfinite(measured.time)):
+    if last_pose_time is None or not (measured.pose.is_finite() and math.isfinite(measured.time)):
         return PushEvent.OBJECT_POSE_NOT_FINITE.report()
     age = observation.time - last_pose_time
     if age > settings.pose_timeout:
@@ -35,82 +47,100 @@ def measurement_fault(observation, last_pose_time, settings) -> EventReport | No
     return None
 
 
-def is_finite_odometry(odometry):
+def is_finite_odometry(odometry: Odometry) -> bool:
     """
     Tell whether every number of an odometry is finite.
 
     :param odometry: ``Odometry``.
+    :return: whether it is.
     """
     return all(math.isfinite(value)
                for value in (odometry.time, *odometry.pose, *odometry.twist))
 
 
-def jackknifed(site, normal, angle):
+def jackknife_fault(site: ContactSite, normal: float, push_angle: float) -> EventReport | None:
     """
-    Say how the contact has turned beyond recovery.
+    Tell how the contact has turned beyond recovery.
 
-    :param site: the contact ``ContactSite``.
+    :param site: the ``ContactSite``.
     :param normal: estimated angle of the normal in the object frame [rad].
-    :param angle: from the normal to the wanted contact velocity [rad].
-    :return: ``EventReport``, or None.
+    :param push_angle: from the normal to the commanded contact velocity [rad].
+    :return: ``EventReport``, or None while it can be steered.
     """
     low, high = site.normal_limits
-    if not low - NORMAL_SLACK < normal < high + NORMAL_SLACK:
+    if not low - VERTEX_OVERSHOOT < normal < high + VERTEX_OVERSHOOT:
         return PushEvent.TURNED_OFF_VERTEX.report()
-    if abs(math.remainder(angle, 2.0 * math.pi)) > STEEPEST_PUSH:
+    if abs(math.remainder(push_angle, 2.0 * math.pi)) > MAX_PUSH_ANGLE:
         return PushEvent.PUSH_OUT_OF_CONTACT.report()
     return None
 
 
-class FollowMonitor:
-    """Compares the way of the robot with the measured way of the contact."""
+class _Sample(NamedTuple):
+    """Where the contact was seen after some path length of the robot."""
 
-    def __init__(self, settings):
+    travelled_distance: float
+    contact: Coordinates
+
+
+class FollowMonitor:
+    """
+    Compares the path length of the robot with the measured displacement of the contact.
+
+    Over any ``follow_window`` of the robot's path, an object that is pushed moves by at least
+    ``follow_ratio`` of it.
+    """
+
+    def __init__(self, settings: ControlSettings):
         """
-        Begin with nothing seen.
+        Begin without samples.
 
         :param settings: ``ControlSettings``.
         """
-        self._window, self._ratio = settings.follow_window, settings.follow_ratio
-        self._seen = deque()
+        self._window = settings.follow_window
+        self._ratio = settings.follow_ratio
+        self._samples: deque[_Sample] = deque()
 
-    def lost(self, travelled_distance, contact):
+    def is_lost(self, travelled_distance: float, contact: Coordinates) -> bool:
         """
-        Tell whether the object has stopped following.
+        Add a sample, and tell whether the object has stopped following.
 
-        :param travelled_distance: way of the robot's contact point since the start [m].
+        :param travelled_distance: path length of the robot's contact point since the start [m].
         :param contact: measured place of the contact in the world (x, y) [m].
+        :return: whether it has.
         """
-        self._seen.append((travelled_distance, contact))
-        while len(self._seen) > 1 and travelled_distance - self._seen[1][0] >= self._window:
-            self._seen.popleft()
-        before, place = self._seen[0]
-        way = travelled_distance - before
-        moved = math.hypot(contact[0] - place[0], contact[1] - place[1])
-        return way >= self._window and moved < self._ratio * way
+        samples = self._samples
+        samples.append(_Sample(travelled_distance, contact))
+        while (len(samples) > 1
+               and travelled_distance - samples[1].travelled_distance >= self._window):
+            samples.popleft()
+        oldest = samples[0]
+        distance = travelled_distance - oldest.travelled_distance
+        moved = math.hypot(contact[0] - oldest.contact[0], contact[1] - oldest.contact[1])
+        return distance >= self._window and moved < self._ratio * distance
 
 
 class OneSidedMonitor:
-    """Finds a contact that can only turn the object one way."""
+    """Detects a contact that can rotate the object to one side only, for too long."""
 
-    def __init__(self, settings):
+    def __init__(self, settings: ControlSettings):
         """
-        Begin with a contact that can turn it both ways.
+        Begin with a contact that can rotate it to both sides.
 
         :param settings: ``ControlSettings``.
         """
-        self._longest, self._straight = settings.one_sided_distance, 0.0
+        self._max_distance = settings.one_sided_distance
+        self._last_two_sided = 0.0
 
-    def trouble(self, limits, travelled_distance):
+    def fault(self, limits: CurvatureLimits, travelled_distance: float) -> EventReport | None:
         """
-        Say why the push is of no use.
+        Tell whether the push is of no use.
 
-        :param limits: ``CurvatureLimits``.
-        :param travelled_distance: way of the contact since the start [m].
-        :return: ``EventReport``, or None.
+        :param limits: ``CurvatureLimits`` at present.
+        :param travelled_distance: path length of the contact since the start [m].
+        :return: ``EventReport``, or None while it is of use.
         """
-        if limits.low - ALMOST_STRAIGHT <= 0.0 <= limits.high + ALMOST_STRAIGHT:
-            self._straight = travelled_distance
-        if travelled_distance - self._straight <= self._longest:
+        if limits.low - STRAIGHT_CURVATURE <= 0.0 <= limits.high + STRAIGHT_CURVATURE:
+            self._last_two_sided = travelled_distance
+        if travelled_distance - self._last_two_sided <= self._max_distance:
             return None
         return PushEvent.ONE_SIDED_STEERING.report()

@@ -1,167 +1,263 @@
-"""What contact and drive allow, and the command that gives a curvature of z."""
+"""
+Steering at one contact: what contact and drive allow, and the command that gives a curvature of z.
+
+Angles at the contact, all in the object frame: ``zeta`` from the line C->F to the normal n,
+``alpha`` from C->F to the velocity imposed at C, and so ``alpha - zeta`` from n to that velocity.
+"""
 
 import math
+from typing import NamedTuple
 
-from push_control.estimation.monitors import jackknifed
+from push_control.estimation.contact_site import ContactSite
+from push_control.estimation.limit_surface_table import LimitSurfaceTable
+from push_control.estimation.monitors import jackknife_fault
+from push_control.estimation.push_motion import PushState
+from push_control.events import EventReport
 from push_control.laws.command import differential_command, holonomic_command, limit_command
 from push_control.laws.curvature_limits import (
     friction_cone_limits, jackknife_limits, vertex_limits,
 )
+from push_control.path.path import CurvatureLimits
+from push_control.settings import ControlSettings
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.quasi_static import Vehicle
+from push_model.signals import STOP, Twist
 
-EDGE_RESERVE = 0.02
-VERTEX_RESERVE = 0.05
+# What a rolled contact keeps from the end of a face [m], and from the edges of a vertex [rad].
+# Chosen: the contact is known to some millimetres, the normal to some hundredths.
+FACE_END_MARGIN = 0.02
+ROLLED_VERTEX_MARGIN = 0.05
+# Fraction of the friction cone that a round contact may be off centre, as it must roll far for
+# little. Chosen.
+ROUND_CONE_FRACTION = 0.3
+# Smallest distance of the friction centre from that of a disc, so that nothing divides by 0 [m].
+MIN_CENTER_DISTANCE = 1e-9
 
 
-def centering_rotation(site, center, allowed, rolled):
+class ContactPosture(NamedTuple):
     """
-    Turn of the robot in the object, since the start, that centres the contact.
+    The contact normal relative to the line C->F.
 
-    A contact whose normal runs through the friction centre F has the whole cone to either side.
-    At a vertex n turns by the turn of the robot, on a face C moves by ``-R_p`` times it, on a
-    round outline n turns by ``1 - lam`` times it. A disc must roll far for little: with p the
-    distance of F from its centre and d the angle from n to that direction,
-    ``tan(zeta) = -p sin(d) / (R_s + p cos(d))``; so only what exceeds ``allowed`` is rolled away,
-    ``sin(d - zeta) = R_s sin(zeta) / p``.
-
-    :param site: the contact ``ContactSite``.
-    :param center: friction centre F in the object frame (x, y) [m].
-    :param allowed: zeta that a round contact may keep [rad].
-    :param rolled: the present turn, from which a round contact takes the nearer way [rad].
-    :return: the turn, bounded by the ends of the vertex or the face [rad].
+    :param zeta: angle from that line to the normal [rad].
+    :param zeta_rest: where zeta comes to rest on a straight path [rad].
+    :param zeta_limits: (lowest, highest) zeta at which the contact stays on its feature [rad].
     """
-    n = site.normal
-    if site.kind == 'vertex':
-        ahead = math.atan2(center[1] - site.point[1], center[0] - site.point[0])
-        low, high = site.normal_limits
-        middle, room = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - VERTEX_RESERVE)
-        wanted = math.remainder(ahead - middle, 2.0 * math.pi)
-        return middle + min(room, max(-room, wanted)) - n
-    if site.kind == 'face':
-        aside, wanted = (y * math.cos(n) - x * math.sin(n) for x, y in (site.point, center))
-        low, high = site.edges
-        middle, room = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - EDGE_RESERVE)
-        if math.isfinite(room):
-            wanted = middle + min(room, max(-room, wanted - middle))
-        return (aside - wanted) / site.robot_radius
-    return rolled + _round_turn(site, center, allowed, site.normal + (1.0 - site.share) * rolled)
+
+    zeta: float
+    zeta_rest: float
+    zeta_limits: tuple[float, float]
 
 
-def _round_turn(site, center, allowed, normal):
-    distance = math.hypot(*center)
-    from_center = math.remainder(math.atan2(center[1], center[0]) - normal, 2.0 * math.pi)
-    share = site.object_radius * math.sin(allowed) / max(distance, 1e-9)
-    if share >= 1.0:
-        return 0.0
-    ahead, behind = allowed + math.asin(share), allowed + math.pi - math.asin(share)
-    apart = abs(from_center)
-    if apart <= ahead or apart >= behind:
-        return 0.0
-    kept = ahead if apart - ahead <= behind - apart else behind
-    return math.copysign(apart - kept, from_center * (apart - kept)) / (1.0 - site.share)
+class SteeringCommand(NamedTuple):
+    """
+    What the robot is to do.
 
+    :param twist: ``Twist`` in the robot's axes; STOP where there is a fault.
+    :param fault: ``EventReport`` of a contact that cannot be steered any more, or None.
+    """
 
-ZETA_SHARE = 0.3
+    twist: Twist
+    fault: EventReport | None = None
 
 
 class ContactSteering:
     """One robot at one contact."""
 
-    def __init__(self, obj, robot, settings, site, supports):
+    def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
+                 site: ContactSite, supports: LimitSurfaceTable):
         """
-        Look at the contact.
+        Check that this robot can steer there.
 
-        :param obj: the ``PushedObject`` as believed.
+        :param obj: the nominal ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
-        :param site: the contact ``ContactSite``.
+        :param site: the ``ContactSite`` at the start.
         :param supports: the ``LimitSurfaceTable``.
-        :raises ValueError: where this robot cannot steer at this contact.
+        :raises ValueError: where it cannot.
         """
-        self._differential = robot.drive == 'differential'
-        if self._differential and site.kind != 'vertex':
+        self._is_differential = robot.drive == 'differential'
+        if self._is_differential and site.kind != 'vertex':
             raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
                              'drive, which cannot steer there, expected a vertex')
-        self._robot, self._settings, self.site = robot, settings, site
+        self._robot = robot
+        self._settings = settings
         self._supports = supports
-        self._cone = math.atan(settings.friction_fraction * obj.contact_friction_coefficient)
+        self._cone_angle = math.atan(settings.friction_fraction
+                                     * obj.contact_friction_coefficient)
 
-    def limits(self, flat, normal, margin):
+    def cone_angle(self, cone_fraction: float) -> float:
+        """
+        Half angle of a part of the friction cone.
+
+        :param cone_fraction: fraction of the cone that may be used.
+        :return: angle [rad].
+        """
+        return cone_fraction * self._cone_angle
+
+    def limits(self, site: ContactSite, vehicle: Vehicle, normal: float,
+               cone_fraction: float) -> CurvatureLimits:
         """
         Curvatures that the contact survives.
 
-        :param flat: the ``Vehicle`` as estimated.
+        :param site: the ``ContactSite``.
+        :param vehicle: the object as ``Vehicle``, as estimated.
         :param normal: angle of the contact normal in the object frame [rad].
-        :param margin: share of the friction cone that may be used.
+        :param cone_fraction: fraction of the friction cone that may be used.
         :return: ``CurvatureLimits``.
         """
-        cone = margin * self._cone
-        if self._differential:
-            steady = jackknife_limits(flat, self._robot.radius, self.site.heading_offset, cone)
-            return steady.within(vertex_limits(flat, self._robot.radius, self.site.heading_offset,
-                                               self._room(flat, normal)))
-        return friction_cone_limits(self._supports, flat, normal, cone)
+        cone_angle = self.cone_angle(cone_fraction)
+        if not self._is_differential:
+            return friction_cone_limits(self._supports, vehicle, normal, cone_angle)
+        radius, heading_offset = self._robot.radius, site.heading_offset
+        steady = jackknife_limits(vehicle, radius, heading_offset, cone_angle)
+        return steady.intersection(vertex_limits(vehicle, radius, heading_offset,
+                                                 zeta_limits(site, vehicle, normal)))
 
-    def stance(self, flat, normal, belief):
+    def posture(self, site: ContactSite, vehicle: Vehicle, normal: float,
+                state: PushState) -> ContactPosture:
         """
-        Where the normal is, where it rests on a straight way, and where it may be.
+        Where the normal is, where it comes to rest on a straight path, and where it may be.
 
-        :param flat: the ``Vehicle`` as estimated.
+        :param site: the ``ContactSite``.
+        :param vehicle: the object as ``Vehicle``, as estimated.
         :param normal: angle of the contact normal in the object frame [rad].
-        :param belief: ``PushState`` now.
-        :return: dict of the fields of ``SteeringInput`` of these names.
+        :param state: ``PushState`` now.
+        :return: ``ContactPosture``.
         """
-        zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
-        rest = self.site.heading_offset if self._differential else self._centred(belief)[1]
-        return {'zeta': zeta, 'zeta_rest': rest,
-                'zeta_limits': self._room(flat, normal),
-                'cone_angle': self._settings.feedback_cone_fraction * self._cone}
+        zeta = math.remainder(normal - vehicle.angle, 2.0 * math.pi)
+        rest = site.heading_offset
+        if not self._is_differential:
+            centered = site.contact_at(site.heading + self._centering_rotation(site, state))
+            to_center = math.atan2(state.p_y - centered.y, state.p_x - centered.x)
+            rest = math.remainder(centered.normal - to_center, 2.0 * math.pi)
+        return ContactPosture(zeta, rest, zeta_limits(site, vehicle, normal))
 
-    def _centred(self, belief):
-        """Turn of the robot that centres the contact, and zeta there."""
-        center, rolled = belief.center, belief.phi - belief.theta - self.site.heading
-        turn = centering_rotation(self.site, center, ZETA_SHARE * self._cone, rolled)
-        c_x, c_y, normal = self.site.at(self.site.heading + turn)
-        return turn, math.remainder(normal - math.atan2(center[1] - c_y, center[0] - c_x),
-                                    2.0 * math.pi)
-
-    def _room(self, flat, normal):
-        """Zeta between which the normal stays at this feature."""
-        zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
-        return tuple(min(math.pi, max(-math.pi, zeta + limit - normal))
-                     for limit in self.site.normal_limits)
-
-    def approach(self, belief):
+    def approach(self, site: ContactSite, state: PushState) -> Twist:
         """
         Compute the command that closes a gap slowly, along the contact normal.
 
-        :param belief: ``PushState`` one drive lag ahead.
-        :return: ``Twist``.
+        :param site: the ``ContactSite``.
+        :param state: ``PushState`` one drive lag ahead.
+        :return: ``Twist`` in the robot's axes.
         """
-        heading_offset = belief.theta + self.site.at(belief.phi - belief.theta)[2] - belief.phi
-        ahead = 0.0 if self._differential else heading_offset
-        return limit_command(holonomic_command(self._settings.start_speed, 0.0, ahead, 0.0, 0.0),
-                             self._robot)
+        normal = site.contact_at(state.relative_heading).normal
+        heading_offset = state.theta + normal - state.phi
+        direction = 0.0 if self._is_differential else heading_offset
+        return limit_command(
+            holonomic_command(self._settings.start_speed, 0.0, direction, 0.0, 0.0), self._robot)
 
-    def command(self, flat, belief, curvature, speed):
+    def command(self, site: ContactSite, vehicle: Vehicle, state: PushState, *,
+                curvature: float, speed: float) -> SteeringCommand:
         """
-        Compute the robot's command.
+        Compute the command that gives z a curvature.
 
-        :param flat: the ``Vehicle`` as estimated.
-        :param belief: ``PushState`` one drive lag ahead.
+        :param site: the ``ContactSite``.
+        :param vehicle: the object as ``Vehicle``, as estimated.
+        :param state: ``PushState`` one drive lag ahead.
         :param curvature: of z [1/m].
         :param speed: of the contact [m/s].
-        :return: ``Twist``; and why there is none as ``EventReport``, or None.
+        :return: ``SteeringCommand``.
         """
-        site, robot = self.site, self._robot
-        normal = site.at(belief.phi - belief.theta)[2]
-        alpha = self._supports.push_angle(flat, curvature)
-        angle = flat.angle + alpha - normal
-        heading_offset = belief.theta + normal - belief.phi
-        trouble = jackknifed(site, normal, angle)
-        if self._differential:
-            return limit_command(differential_command(speed, angle, heading_offset, robot.radius), robot), trouble
-        forward = speed * math.cos(alpha)
-        rolled = belief.phi - belief.theta - site.heading
-        wanted = self._centred(belief)[0]
-        omega = forward * curvature + self._settings.rolling_gain * speed * (wanted - rolled)
-        return limit_command(holonomic_command(speed, angle, heading_offset, robot.radius, omega), robot), trouble
+        normal = site.contact_at(state.relative_heading).normal
+        alpha = self._supports.push_angle(vehicle, curvature)
+        angle = vehicle.angle + alpha - normal
+        heading_offset = state.theta + normal - state.phi
+        fault = jackknife_fault(site, normal, angle)
+        if fault is not None:
+            return SteeringCommand(STOP, fault)
+        radius = self._robot.radius
+        if self._is_differential:
+            command = differential_command(speed, angle, heading_offset, radius)
+        else:
+            # The robot turns with the object, and rolls its contact to where it is centred.
+            forward = speed * math.cos(alpha)
+            rotation = state.phi - state.theta - site.heading
+            centering = self._centering_rotation(site, state)
+            omega = (forward * curvature
+                     + self._settings.rolling_gain * speed * (centering - rotation))
+            command = holonomic_command(speed, angle, heading_offset, radius, omega)
+        return SteeringCommand(limit_command(command, self._robot))
+
+    def _centering_rotation(self, site: ContactSite, state: PushState) -> float:
+        rotation = state.phi - state.theta - site.heading
+        return centering_rotation(site, state.center, ROUND_CONE_FRACTION * self._cone_angle,
+                                  rotation)
+
+
+def zeta_limits(site: ContactSite, vehicle: Vehicle, normal: float) -> tuple[float, float]:
+    """
+    Zeta between which the contact stays on its feature.
+
+    :param site: the ``ContactSite``.
+    :param vehicle: the object as ``Vehicle``, as estimated.
+    :param normal: angle of the contact normal in the object frame [rad].
+    :return: (lowest, highest) zeta, within -pi and pi [rad].
+    """
+    zeta = math.remainder(normal - vehicle.angle, 2.0 * math.pi)
+    low, high = (min(math.pi, max(-math.pi, zeta + limit - normal))
+                 for limit in site.normal_limits)
+    return low, high
+
+
+def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,
+                       rotation: float) -> float:
+    """
+    Rotation of the robot relative to the object, since the start, that centres the contact.
+
+    A contact whose normal runs through the friction centre F has the whole cone to either side.
+    At a vertex n rotates with the robot, on a face C moves by ``-R_p`` times the rotation, on a
+    round outline n rotates by ``1 - lam`` times it. A disc must roll far for little: with p the
+    distance of F from its centre and d the angle from n to that direction,
+    ``tan(zeta) = -p sin(d) / (R_s + p cos(d))``; so only what exceeds ``max_zeta`` is rolled away,
+    ``sin(d - zeta) = R_s sin(zeta) / p``.
+
+    :param site: the ``ContactSite``.
+    :param center: friction centre F in the object frame (x, y) [m].
+    :param max_zeta: zeta that a round contact may keep [rad].
+    :param rotation: the present rotation, from which a round contact takes the shorter path [rad].
+    :return: the rotation, bounded by the ends of the vertex or the face [rad].
+    """
+    if site.kind == 'vertex':
+        return _vertex_rotation(site, center)
+    if site.kind == 'face':
+        return _face_rotation(site, center)
+    normal = site.normal + (1.0 - site.normal_ratio) * rotation
+    return rotation + _round_rotation(site, center, max_zeta, normal)
+
+
+def _vertex_rotation(site: ContactSite, center: tuple[float, float]) -> float:
+    """Rotate the normal into the line C->F, as far as the vertex allows."""
+    to_center = math.atan2(center[1] - site.point[1], center[0] - site.point[0])
+    low, high = site.normal_limits
+    middle, reach = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - ROLLED_VERTEX_MARGIN)
+    offset = math.remainder(to_center - middle, 2.0 * math.pi)
+    return middle + min(reach, max(-reach, offset)) - site.normal
+
+
+def _face_rotation(site: ContactSite, center: tuple[float, float]) -> float:
+    """Roll C to the foot of F on the face, as far as the face allows."""
+    n = site.normal
+    present, foot = (y * math.cos(n) - x * math.sin(n) for x, y in (site.point, center))
+    low, high = site.edges
+    middle, reach = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - FACE_END_MARGIN)
+    if math.isfinite(reach):
+        foot = middle + min(reach, max(-reach, foot - middle))
+    return (present - foot) / site.robot_radius
+
+
+def _round_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,
+                    normal: float) -> float:
+    """Roll a disc until zeta is small enough: the further rotation of the robot."""
+    distance = math.hypot(*center)
+    from_center = math.remainder(math.atan2(center[1], center[0]) - normal, 2.0 * math.pi)
+    sine = site.object_radius * math.sin(max_zeta) / max(distance, MIN_CENTER_DISTANCE)
+    if sine >= 1.0:
+        return 0.0
+    # Zeta is small where F lies nearly ahead of C, and where it lies nearly behind.
+    ahead, behind = max_zeta + math.asin(sine), max_zeta + math.pi - math.asin(sine)
+    apart = abs(from_center)
+    if apart <= ahead or apart >= behind:
+        return 0.0
+    nearest = ahead if apart - ahead <= behind - apart else behind
+    return math.copysign(apart - nearest, from_center * (apart - nearest)) / (
+        1.0 - site.normal_ratio)

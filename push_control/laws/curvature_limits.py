@@ -1,79 +1,70 @@
-"""The law: from where z is beside its path to the wanted contact velocity."""
+"""
+Limits of the curvature of z that the contact survives in a steady turn.
+
+With r the distance from the contact C to the friction centre F, L the wheelbase, R_p the radius of
+the robot, zeta the angle from C->F to the contact normal and D the angle from the robot's heading
+to it, the normal of a differential drive comes to rest at ``zeta = D - (L + R_p) kappa``, and the
+contact force lies ``zeta + kappa c^2 / r`` off the normal, where ``c^2 / r = L - r``.
+"""
 
 import math
-from typing import NamedTuple
 
-VERTEX_RESERVE = 0.02
+from push_control.estimation.limit_surface_table import LimitSurfaceTable
+from push_control.path.path import CurvatureLimits
+from push_model.quasi_static import Vehicle
 
-
-class CurvatureLimits(NamedTuple):
-    """Curvatures of z that the contact survives in a steady turn [1/m]."""
-
-    low: float
-    high: float
-
-    def clip(self, curvature):
-        """
-        Bring a curvature into the limits.
-
-        :param curvature: wanted [1/m].
-        """
-        return min(self.high, max(self.low, curvature))
-
-    def within(self, other):
-        """
-        Narrow the limits to those that hold under another belief as well.
-
-        :param other: ``CurvatureLimits``.
-        """
-        return CurvatureLimits(max(self.low, other.low), min(self.high, other.high))
+# Angle that the normal of a steady turn keeps from the edges of the vertex [rad]. Chosen: the
+# estimate of the normal is off by about as much.
+STEADY_VERTEX_MARGIN = 0.02
 
 
-def jackknife_limits(flat, robot_radius, heading_offset, cone):
+def jackknife_limits(vehicle: Vehicle, robot_radius: float, heading_offset: float,
+                     cone_angle: float) -> CurvatureLimits:
     """
     Limits where the normal turns with the robot: a differential drive at a vertex.
 
     ``(D - cone) / (r + R_p) <= kappa <= (D + cone) / (r + R_p)``; beyond, the contact jackknifes
     like a reversing trailer, and no law recovers.
 
-    :param flat: the ``Vehicle``.
+    :param vehicle: the object as ``Vehicle``.
     :param robot_radius: R_p [m].
     :param heading_offset: D, angle from the robot's heading to the normal [rad].
-    :param cone: half angle of the friction cone that may be used [rad].
+    :param cone_angle: half angle of the friction cone that may be used [rad].
     :return: ``CurvatureLimits``.
     """
-    length = flat.arm + robot_radius
-    return CurvatureLimits((heading_offset - cone) / length, (heading_offset + cone) / length)
+    length = vehicle.arm + robot_radius
+    return CurvatureLimits((heading_offset - cone_angle) / length,
+                           (heading_offset + cone_angle) / length)
 
 
-def vertex_limits(flat, robot_radius, heading_offset, room):
+def vertex_limits(vehicle: Vehicle, robot_radius: float, heading_offset: float,
+                  zeta_limits: tuple[float, float]) -> CurvatureLimits:
     """
     Limits where a turn of a differential drive would roll the contact off its vertex.
 
-    In a steady turn the normal comes to rest at ``zeta = D - (L + R_p) kappa``.
-
-    :param flat: the ``Vehicle``.
+    :param vehicle: the object as ``Vehicle``.
     :param robot_radius: R_p [m].
     :param heading_offset: D, angle from the robot's heading to the normal [rad].
-    :param room: lowest and highest zeta at the vertex [rad].
+    :param zeta_limits: (lowest, highest) zeta at the vertex [rad].
     :return: ``CurvatureLimits``.
     """
-    length = flat.wheelbase + robot_radius
-    return CurvatureLimits((heading_offset - room[1] + VERTEX_RESERVE) / length,
-                           (heading_offset - room[0] - VERTEX_RESERVE) / length)
+    length = vehicle.wheelbase + robot_radius
+    return CurvatureLimits((heading_offset - zeta_limits[1] + STEADY_VERTEX_MARGIN) / length,
+                           (heading_offset - zeta_limits[0] - STEADY_VERTEX_MARGIN) / length)
 
 
-def friction_cone_limits(supports, flat, normal, cone):
+def friction_cone_limits(supports: LimitSurfaceTable, vehicle: Vehicle, normal: float,
+                         cone_angle: float) -> CurvatureLimits:
     """
     Limits where the normal is held in the object: a holonomic base that turns along.
 
     The force stays in the cone; on the ellipsoid, ``|zeta + kappa c^2 / r| <= cone``.
 
     :param supports: the ``LimitSurfaceTable``.
-    :param flat: the ``Vehicle``.
+    :param vehicle: the object as ``Vehicle``.
     :param normal: angle of the contact normal in the object frame [rad].
-    :param cone: half angle of the friction cone that may be used [rad].
+    :param cone_angle: half angle of the friction cone that may be used [rad].
     :return: ``CurvatureLimits``.
     """
-    zeta = math.remainder(normal - flat.angle, 2.0 * math.pi)
-    return CurvatureLimits(*supports.curvatures(flat, zeta - cone, zeta + cone))
+    zeta = math.remainder(normal - vehicle.angle, 2.0 * math.pi)
+    return CurvatureLimits(*supports.curvatures(vehicle, zeta - cone_angle, zeta + cone_angle))

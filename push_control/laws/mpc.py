@@ -1,16 +1,25 @@
-"""The predictive law: one step of sequential quadratic programming per call."""
+"""The predictive law: one step of sequential quadratic programming per control step."""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
-from push_control.laws.mpc_problem import horizon_problem, SCALARS, terminal_root
+from push_control.laws.mpc_problem import (
+    horizon_problem, HorizonParameters, HorizonWeights, parameter_offsets, terminal_root,
+)
 from push_control.laws.steering_law import (
     SolverFailure, SolverReport, SteeringInput, SteeringLaw,
 )
+from push_control.settings import ControlSettings
+from push_model.geometry import FloatArray
+from push_model.parameters import RoundRobot
 
+# Largest violation of a hard constraint that is still an answer [1/m]. Chosen: far below the
+# noise of the curvature.
 TOLERANCE = 1e-4
-WIDEST = 10.0
+# Largest change of the curvature where none was commanded before [1/m]: none that binds.
+UNLIMITED_CHANGE = 10.0
 
 
 class SolverFailed(Exception):
@@ -26,35 +35,82 @@ class SolverFailed(Exception):
         self.failure = failure
 
 
+class HorizonSolution(NamedTuple):
+    """
+    Solution of the problem; its arrays are overwritten by the next one.
+
+    :param curvatures: commanded ones over the horizon [1/m], shape (N,).
+    :param slack: largest violation of a soft constraint [rad], shape (1,).
+    :param violation: largest violation of a hard one [1/m], shape (1,).
+    """
+
+    curvatures: FloatArray
+    slack: FloatArray
+    violation: FloatArray
+
+
+class HorizonSolver:
+    """
+    The problem of one horizon, solved in place: nothing is allocated in the control loop.
+
+    ``p``: the parameter vector, of which ``scalars``, ``root``, ``path`` and ``guess`` are views,
+    laid out as ``parameter_offsets`` tells. ``solution``: ``HorizonSolution``.
+    """
+
+    def __init__(self, robot: RoundRobot, settings: ControlSettings, weights: HorizonWeights):
+        """
+        Build the problem.
+
+        :param robot: the ``RoundRobot``.
+        :param settings: ``ControlSettings``.
+        :param weights: ``HorizonWeights``.
+        """
+        steps = settings.horizon_steps
+        function = horizon_problem(robot.drive, steps, settings.horizon_step, weights).step
+        offsets = parameter_offsets(steps)
+        self.p: FloatArray = np.zeros(offsets[-1])
+        self.scalars, self.root, self.path, self.guess = np.split(self.p, offsets[1:-1])
+        self.solution = HorizonSolution(np.zeros(steps), np.zeros(1), np.zeros(1))
+        # The buffer must live as long as what runs on it.
+        self._buffer: Any
+        self._buffer, self._run = function.buffer()
+        self._buffer.set_arg(0, self.p.data)
+        for index, result in enumerate(self.solution):
+            self._buffer.set_res(index, result.data)
+
+    def solve(self) -> HorizonSolution:
+        """
+        Take one step from the guess.
+
+        :return: ``HorizonSolution``.
+        """
+        self._run()
+        return self.solution
+
+
 class PredictiveLaw(SteeringLaw):
     """
-    Keeps the force in its cone and the contact in its place over the horizon.
+    Keeps the force in its cone and the contact on its feature over the horizon.
 
-    Where the solver gives no answer that can be used, the closed-form law answers in its stead.
+    Where the solver gives no answer that can be used, the closed-form law replaces it.
     """
 
-    def __init__(self, robot, settings):
+    def __init__(self, robot: RoundRobot, settings: ControlSettings):
         """
         Build the problem; its structure is kept for other pushes.
 
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
         """
-        self._robot, self._settings = robot, settings
-        self._instead = ClosedFormLaw(settings)
-        self._step, steps = settings.horizon_step, settings.horizon_steps
+        self._robot = robot
+        self._settings = settings
+        self._fallback = ClosedFormLaw(settings)
         self._weights = optimal_weights(settings)
-        self._solve, _ = horizon_problem(robot.drive, steps, self._step, self._weights)
-        self._ways = self._step * (np.arange(steps) + 0.5)
-        self._parameters = np.zeros(self._solve.size1_in(0))
-        parts = np.split(self._parameters, np.cumsum([len(SCALARS), 9, steps]))
-        self._scalars, self._root, self._path, self._start = parts
-        self._plan, self._slack, self._beyond = np.zeros(steps), np.zeros(1), np.zeros(1)
-        self._buffer, self._run = self._solve.buffer()
-        self._buffer.set_arg(0, memoryview(self._parameters))
-        for place, result in enumerate((self._plan, self._slack, self._beyond)):
-            self._buffer.set_res(place, memoryview(result))
-        self._curvature = None
+        self._horizon = HorizonSolver(robot, settings, self._weights)
+        self._distances = np.asarray(
+            settings.horizon_step * (np.arange(settings.horizon_steps) + 0.5), dtype=np.float64)
+        # The lagging curvature, as far as it follows what was commanded; None without a plan.
+        self._curvature: float | None = None
         self._solver = SolverReport()
 
     @property
@@ -74,55 +130,83 @@ class PredictiveLaw(SteeringLaw):
         :return: curvature [1/m].
         """
         try:
-            return self._optimum(steering)
+            self._set_parameters(steering)
+            return self._optimum()
         except SolverFailed as error:
             self._curvature = None
             self._solver = SolverReport(self._solver.failures + 1, error.failure)
-            return self._instead.curvature(steering)
+            return self._fallback.curvature(steering)
 
-    def _optimum(self, steering: SteeringInput) -> float:
-        self._fill(steering)
-        if not math.isfinite(self._parameters.sum()):
+    def _optimum(self) -> float:
+        """Solve the problem; give the first of its curvatures [1/m]."""
+        # A sum is finite only where all its terms are.
+        if not math.isfinite(self._horizon.p.sum()):
             raise SolverFailed(SolverFailure.PROBLEM_NOT_FINITE)
-        self._run()
-        if not math.isfinite(self._plan.sum()):
+        solution = self._horizon.solve()
+        if not math.isfinite(solution.curvatures.sum()):
             raise SolverFailed(SolverFailure.SOLUTION_NOT_FINITE)
-        if not self._beyond[0] <= TOLERANCE:
+        if not solution.violation[0] <= TOLERANCE:
             raise SolverFailed(SolverFailure.LIMITS_NOT_MET)
-        return float(self._plan[0])
+        return float(solution.curvatures[0])
 
-    def _fill(self, situation: SteeringInput) -> None:
-        """Write the parameters, around the last plan moved on by the way since."""
-        flat, track, lag = situation.vehicle, situation.project_now(), situation.lag_distance
-        low, high = situation.limits
+    def _set_parameters(self, steering: SteeringInput) -> None:
+        """Write the parameters, around the last plan shifted by the distance since."""
+        # The preview is relative to where z is now, and so comes after this projection.
+        projection = steering.project_now()
+        self._horizon.path[:] = steering.preview(self._distances)
+        low, high = steering.limits
         low = min(low, high)
-        path = self._path
-        path[:] = situation.preview(self._ways)
-        before = situation.previous_curvature
+        before = steering.previous_curvature
         if self._curvature is None or before is None:
-            self._root[:] = terminal_root(self._robot.drive, self._step, self._weights,
-                                          lag).ravel(order='F')
-            self._curvature = min(high, max(low, path[0] if before is None else before))
-            self._start[:] = path
+            curvature = self._start_plan(steering, low, high)
         else:
-            left = math.exp(-situation.distance / lag) if lag > 0.0 else 0.0
-            self._curvature = before + left * (self._curvature - before)
-            shift = situation.distance / self._step
-            places = np.arange(len(path))
-            self._start[:] = np.interp(places + shift, places, self._plan)
-        np.clip(self._start, low, high, out=self._start)
-        first = WIDEST if before is None else situation.max_change
-        held = min(high, max(low, self._curvature if before is None else before))
-        bound = self._settings.lateral_saturation
-        self._scalars[:] = (
-            min(bound, max(-bound, track.lateral_error)), track.heading_error, situation.zeta,
-            self._curvature, flat.wheelbase, flat.c_squared / flat.arm, self._robot.radius,
-            situation.zeta_rest, self._settings.rolling_gain, lag, situation.cone_angle,
-            *situation.zeta_limits, low, high, max(low, held - first), min(high, held + first),
-            self._settings.max_curvature_rate * self._step)
+            curvature = self._shift_plan(steering, self._curvature, before)
+        self._curvature = curvature
+        np.clip(self._horizon.guess, low, high, out=self._horizon.guess)
+        max_change = UNLIMITED_CHANGE if before is None else steering.max_change
+        held = min(high, max(low, curvature if before is None else before))
+        saturation = self._settings.lateral_saturation
+        self._horizon.scalars[:] = HorizonParameters(
+            lateral_error=min(saturation, max(-saturation, projection.lateral_error)),
+            heading_error=projection.heading_error,
+            zeta=steering.zeta,
+            curvature=curvature,
+            wheelbase=steering.vehicle.wheelbase,
+            force_slope=steering.vehicle.c_squared / steering.vehicle.arm,
+            robot_radius=self._robot.radius,
+            zeta_rest=steering.zeta_rest,
+            rolling_gain=self._settings.rolling_gain,
+            lag_distance=steering.lag_distance,
+            cone_angle=steering.cone_angle,
+            zeta_low=steering.zeta_limits[0],
+            zeta_high=steering.zeta_limits[1],
+            lowest=low,
+            highest=high,
+            first_lowest=max(low, held - max_change),
+            first_highest=min(high, held + max_change),
+            max_change=self._settings.max_curvature_rate * self._settings.horizon_step)
+
+    def _start_plan(self, steering: SteeringInput, low: float, high: float) -> float:
+        """Begin with the path's curvatures; give the present curvature [1/m]."""
+        root = terminal_root(self._robot.drive, self._settings.horizon_step, self._weights,
+                             steering.lag_distance)
+        self._horizon.root[:] = root.ravel(order='F')
+        self._horizon.guess[:] = self._horizon.path
+        before = steering.previous_curvature
+        return min(high, max(low, self._horizon.path[0] if before is None else before))
+
+    def _shift_plan(self, steering: SteeringInput, curvature: float, before: float) -> float:
+        """Begin with the last plan; give the present curvature, which lags [1/m]."""
+        lag = steering.lag_distance
+        decay = math.exp(-steering.distance / lag) if lag > 0.0 else 0.0
+        shift = steering.distance / self._settings.horizon_step
+        steps = np.arange(len(self._horizon.guess))
+        self._horizon.guess[:] = np.interp(steps + shift, steps,
+                                           self._horizon.solution.curvatures)
+        return before + decay * (curvature - before)
 
 
-def optimal_weights(settings):
+def optimal_weights(settings: ControlSettings) -> HorizonWeights:
     """
     Weights for which the closed-form law is optimal beside a straight path, far from limits.
 
@@ -130,7 +214,7 @@ def optimal_weights(settings):
     ``kappa^2``.
 
     :param settings: ``ControlSettings``.
-    :return: as ``horizon_problem`` takes them.
+    :return: ``HorizonWeights``.
     """
     k_y, k_psi = settings.lateral_gain, settings.heading_gain
-    return k_y ** 2, max(0.0, k_psi ** 2 - 2.0 * k_y), settings.cone_weight
+    return HorizonWeights(k_y ** 2, max(0.0, k_psi ** 2 - 2.0 * k_y), settings.cone_weight)

@@ -1,165 +1,309 @@
 """
-The predictive law's problem: the push over the next way, linearised and condensed to a small QP.
+The predictive law's problem: the push over the horizon, linearised and condensed to a small QP.
 
-States per way of z: lateral and heading error (e_y, e_psi), zeta from C->F to the normal, and the
-curvature kappa that lags behind the commanded ones U. Near the path, without lag, the optimum is
-the closed-form law: its gains give the weights.
+States at every step of path length ds of z: lateral and heading error (e_y, e_psi), zeta from C->F
+to the normal, and the curvature kappa that lags behind the commanded ones U by the distance l:
+
+    ``e_y' = sin(e_psi)``                    ``kappa' = (U - kappa) / l``
+    ``e_psi' = kappa - kappa_path``          ``zeta' = yaw rate of the normal - kappa``
+
+The cost is ``ds sum(w_y e_y^2 + w_psi e_psi^2 + (U - kappa_path)^2)`` and the cost to go of the
+linear-quadratic regulator; the force angle ``zeta + c^2 / r U`` in the friction cone and zeta on
+its feature are soft constraints, with one slack for all. Near a straight path, without lag, the
+optimum is the closed-form law: its gains give the weights.
 """
 
 from functools import lru_cache
 import math
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
+from push_model.geometry import FloatArray
+from push_model.parameters import Drive
 from push_model.robot_kinematics import yaw_rate
 from scipy.linalg import cholesky, solve_discrete_are
 
 SOLVER = 'daqp'
+# Chosen: a QP of this size takes about 20 iterations.
 ITERATION_LIMIT = 100
-SHORTEST_LAG = 1e-4
-STATES = ('lateral', 'heading', 'zeta', 'curvature')
-SCALARS = STATES + ('wheelbase', 'force_slope', 'robot_radius', 'rest', 'roll_gain', 'lag', 'cone',
-                    'zeta_low', 'zeta_high', 'lowest', 'highest', 'first_low', 'first_high',
-                    'change')
+# Smallest distance that the curvature lags behind [m], so that nothing divides by 0.
+MIN_LAG_DISTANCE = 1e-4
+# Weight of the curvature in the regulator's cost, which must be positive definite.
+MIN_CURVATURE_WEIGHT = 1e-9
+# Bound of a constraint that does not bind, and of the slack. Chosen: far beyond any angle [rad].
+UNBOUNDED = 1e3
+MAX_SLACK = 10.0
+
+
+class HorizonWeights(NamedTuple):
+    """
+    Weights of the cost; that of squared curvature is 1.
+
+    :param lateral: of squared lateral error [1/m^4].
+    :param heading: of squared heading error [1/m^2].
+    :param slack: of the violation of soft constraints.
+    """
+
+    lateral: float
+    heading: float
+    slack: float
+
+
+class HorizonParameters(NamedTuple):
+    """
+    Scalars of the problem, numbers or casadi symbols; their order is that in the vector p.
+
+    :param lateral_error: e_y now [m].
+    :param heading_error: e_psi now [rad].
+    :param zeta: now [rad].
+    :param curvature: kappa now [1/m].
+    :param wheelbase: L [m].
+    :param force_slope: c^2 / r, angle of the force per curvature [m].
+    :param robot_radius: R_p [m].
+    :param zeta_rest: the heading offset D, or where zeta comes to rest on a straight path [rad].
+    :param rolling_gain: of a holonomic base, yaw per path length [1/m].
+    :param lag_distance: l [m].
+    :param cone_angle: half angle of the friction cone that may be used [rad].
+    :param zeta_low: least zeta on the feature in contact [rad].
+    :param zeta_high: greatest zeta there [rad].
+    :param lowest: least curvature that may be commanded [1/m].
+    :param highest: greatest curvature [1/m].
+    :param first_lowest: least curvature that may be commanded now [1/m].
+    :param first_highest: greatest curvature now [1/m].
+    :param max_change: of the commanded curvature from one step to the next [1/m].
+    """
+
+    lateral_error: Any
+    heading_error: Any
+    zeta: Any
+    curvature: Any
+    wheelbase: Any
+    force_slope: Any
+    robot_radius: Any
+    zeta_rest: Any
+    rolling_gain: Any
+    lag_distance: Any
+    cone_angle: Any
+    zeta_low: Any
+    zeta_high: Any
+    lowest: Any
+    highest: Any
+    first_lowest: Any
+    first_highest: Any
+    max_change: Any
+
+    @property
+    def state(self) -> tuple[Any, Any, Any, Any]:
+        """State at the beginning of the horizon: (e_y, e_psi, zeta, kappa)."""
+        return self.lateral_error, self.heading_error, self.zeta, self.curvature
+
+
+SCALAR_COUNT = len(HorizonParameters._fields)
+ROOT_SIZE = 9
+# Of (e_y, e_psi, zeta, kappa), those that the cost to go is about.
+REGULATED = [0, 1, 3]
+
+
+def parameter_offsets(steps: int) -> list[int]:
+    """
+    Where the parts of the parameter vector p begin and end.
+
+    They are: the scalars as ``HorizonParameters``; the root of the cost to go, column by column;
+    the curvatures of the path; the curvatures around which the problem is linearised.
+
+    :param steps: number of steps N.
+    :return: the five offsets, from 0 to the length of p.
+    """
+    root = SCALAR_COUNT + ROOT_SIZE
+    return [0, SCALAR_COUNT, root, root + steps, root + 2 * steps]
+
+
+class SoftConstraints(NamedTuple):
+    """Values of soft constraints and their bounds, casadi vectors of one length [rad]."""
+
+    values: Any
+    low: Any
+    high: Any
+
+
+class HorizonProblem(NamedTuple):
+    """
+    Casadi functions of the parameters p.
+
+    :param step: one step of sequential quadratic programming; gives U, the largest violation of a
+        soft constraint, and that of a hard one.
+    :param expressions: of (U, p): residuals, and values and bounds of the soft constraints, to be
+        solved by other means.
+    """
+
+    step: ca.Function
+    expressions: ca.Function
 
 
 @lru_cache(maxsize=8)
-def horizon_problem(drive, steps, step, weights):
+def horizon_problem(drive: Drive, steps: int, step: float,
+                    weights: HorizonWeights) -> HorizonProblem:
     """
     Build the problem of one horizon.
 
-    :param drive: one of ``push_model.parameters.DRIVES``.
+    :param drive: kinematics of the base.
     :param steps: number of steps N.
-    :param step: way of z per step [m].
-    :param weights: of squared lateral error [1/m^4], squared heading error [1/m^2], and of the
-        violation of soft constraints; that of squared curvature is 1.
-    :return: casadi functions of the parameters: the QP step, giving U, the largest violation of a
-        soft constraint and that of a hard one; and residuals and constraints, to be solved by
-        other means.
+    :param step: path length of z per step [m].
+    :param weights: ``HorizonWeights``.
+    :return: ``HorizonProblem``.
     """
-    p = ca.SX.sym('p', len(SCALARS) + 9 + 2 * steps)
-    part = dict(zip(SCALARS, ca.vertsplit(p[:len(SCALARS)])))
-    root, path, plan = ca.vertsplit(p[len(SCALARS):], [0, 9, 9 + steps, 9 + 2 * steps])
+    offsets = parameter_offsets(steps)
+    p = ca.SX.sym('p', offsets[-1])
+    scalars, root, path, plan = ca.vertsplit(p, offsets)
+    parameters = HorizonParameters(*ca.vertsplit(scalars))
     u = ca.SX.sym('u', steps)
-    states = _rollout(drive, part, path, u, step)
-    residuals = _residuals(states, ca.reshape(root, 3, 3), path, u, step, weights)
-    soft, low, high = _soft(part, states, u)
-    problem = ca.Function('problem', [u, p], [residuals, soft, low, high])
-    qp = _linearised(part, residuals, (soft, low, high), u, weights[2], plan, p)
-    return _solved(qp, steps), problem
+    states = _rollout(drive, parameters, path, u, step)
+    residuals = _residuals(states, ca.reshape(root, 3, 3), path, u, step=step, weights=weights)
+    soft = _soft_constraints(parameters, states, u)
+    expressions = ca.Function('problem', [u, p], [residuals, *soft])
+    qp = _linearized(parameters, residuals, soft, u, slack_weight=weights.slack)
+    qp = ca.substitute([ca.densify(part) for part in qp], [u], [plan])
+    return HorizonProblem(_solved(ca.Function('qp', [p], qp, {'cse': True}), steps), expressions)
 
 
-def terminal_root(drive, step, weights, lag):
+def terminal_root(drive: Drive, step: float, weights: HorizonWeights,
+                  lag_distance: float) -> FloatArray:
     """
     Root R of the cost to go ``|R (e_y, e_psi, kappa)|^2`` on a straight path without limits.
 
-    :param drive: one of ``push_model.parameters.DRIVES``.
-    :param step: way of z per step [m].
-    :param weights: as for ``horizon_problem``.
-    :param lag: way over which the curvature lags [m].
+    :param drive: kinematics of the base.
+    :param step: path length of z per step [m].
+    :param weights: ``HorizonWeights``.
+    :param lag_distance: over which the curvature lags [m].
     :return: upper triangle, shape (3, 3).
     """
-    a, b = straight_step(drive, step, lag)
-    costs = np.diag([step * weights[0], step * weights[1], 1e-9])
+    a, b = straight_step(drive, step, lag_distance)
+    costs = np.diag([step * weights.lateral, step * weights.heading, MIN_CURVATURE_WEIGHT])
     return cholesky(solve_discrete_are(a, b, costs, np.array([[step]])))
 
 
-def straight_step(drive, step, lag):
+def straight_step(drive: Drive, step: float,
+                  lag_distance: float) -> tuple[FloatArray, FloatArray]:
     """
     Linear motion of (e_y, e_psi, kappa) over one step beside a straight path.
 
-    :param drive: one of ``push_model.parameters.DRIVES``.
-    :param step: way of z [m].
-    :param lag: way over which the curvature lags [m].
+    :param drive: kinematics of the base.
+    :param step: path length of z [m].
+    :param lag_distance: over which the curvature lags [m].
     :return: A, shape (3, 3), and B, shape (3, 1).
     """
     x, u = ca.SX.sym('x', 4), ca.SX.sym('u')
-    part = dict.fromkeys(SCALARS, 1.0) | {'lag': lag}
-    after = _advance(drive, part, x, u, 0.0, step)
+    # Zeta does not act on the others: whatever it depends on does not matter.
+    parameters = HorizonParameters(*[1.0] * SCALAR_COUNT)._replace(lag_distance=lag_distance)
+    after = _advance(drive, parameters, x, u, 0.0, step)
     slopes = ca.Function('slopes', [x, u], [ca.jacobian(after, x), ca.jacobian(after, u)])
     a, b = (np.array(slope) for slope in slopes(0.0, 0.0))
-    rows = [STATES.index(name) for name in ('lateral', 'heading', 'curvature')]
-    return a[np.ix_(rows, rows)], b[rows]
+    return a[np.ix_(REGULATED, REGULATED)], b[REGULATED]
 
 
-def _rollout(drive, part, path, u, step):
-    states = [ca.vertcat(*(part[name] for name in STATES))]
+def _rollout(drive: Drive, parameters: HorizonParameters, path: Any, u: Any,
+             step: float) -> list[Any]:
+    """List the states at the N + 1 ends of the steps."""
+    states = [ca.vertcat(*parameters.state)]
     for k in range(u.numel()):
-        states.append(_advance(drive, part, states[-1], u[k], path[k], step))
+        states.append(_advance(drive, parameters, states[-1], u[k], path[k], step))
     return states
 
 
-def _advance(drive, part, x, command, path_curvature, step):
+def _advance(drive: Drive, parameters: HorizonParameters, x: Any, command: Any,
+             path_curvature: Any, step: float) -> Any:
     """One step; exact for the lag and small heading errors, by midpoints for the rest."""
     lateral, heading, zeta, curvature = ca.vertsplit(x)
-    lag = ca.fmax(part['lag'], SHORTEST_LAG)
-    left = ca.exp(-step / lag)
+    lag = ca.fmax(parameters.lag_distance, MIN_LAG_DISTANCE)
+    decay = ca.exp(-step / lag)
     off = curvature - command
-    turned = step * command + lag * (1.0 - left) * off
-    swept = 0.5 * step ** 2 * command + (step - lag * (1.0 - left)) * lag * off
+    # First and second integral of the lagging curvature over the step.
+    rotation = step * command + lag * (1.0 - decay) * off
+    swept = 0.5 * step ** 2 * command + (step - lag * (1.0 - decay)) * lag * off
     swept -= 0.5 * step ** 2 * path_curvature
-    middle = zeta + 0.5 * step * _zeta_rate(drive, part, zeta, turned / step)
+    mean = rotation / step
+    middle = zeta + 0.5 * step * _zeta_rate(drive, parameters, zeta, mean)
     return ca.vertcat(lateral + step * ca.sin(heading + swept / step),
-                      heading + turned - step * path_curvature,
-                      zeta + step * _zeta_rate(drive, part, middle, turned / step),
-                      command + left * off)
+                      heading + rotation - step * path_curvature,
+                      zeta + step * _zeta_rate(drive, parameters, middle, mean),
+                      command + decay * off)
 
 
-def _zeta_rate(drive, part, zeta, curvature):
-    """Turn of the normal less that of the object, per way; ``rest`` is D, or where zeta rests."""
+def _zeta_rate(drive: Drive, parameters: HorizonParameters, zeta: Any, curvature: Any) -> Any:
+    """Rotation of the normal minus that of the object, per path length of z."""
     if drive == 'holonomic':
-        return part['roll_gain'] * (part['rest'] - zeta)
-    alpha = -ca.atan(part['wheelbase'] * curvature)
-    turn = yaw_rate(drive, part['robot_radius'], alpha - zeta, part['rest'], curvature)
-    return turn / ca.cos(alpha) - curvature
+        return parameters.rolling_gain * (parameters.zeta_rest - zeta)
+    alpha = -ca.atan(parameters.wheelbase * curvature)
+    rotation = yaw_rate(drive, parameters.robot_radius, alpha - zeta, parameters.zeta_rest,
+                        curvature)
+    return rotation / ca.cos(alpha) - curvature
 
 
-def _residuals(states, root, path, u, step, weights):
-    scales = [math.sqrt(step * weight) for weight in weights[:2]]
-    rows = [ca.vertcat(scales[0] * x[0], scales[1] * x[1]) for x in states[1:-1]]
+def _residuals(states: list[Any], root: Any, path: Any, u: Any, *, step: float,
+               weights: HorizonWeights) -> Any:
+    """Vector whose squared norm is the cost, without that of the slack."""
+    lateral, heading = (math.sqrt(step * weight) for weight in (weights.lateral, weights.heading))
+    rows = [ca.vertcat(lateral * x[0], heading * x[1]) for x in states[1:-1]]
     last = states[-1]
     end = ca.mtimes(root, ca.vertcat(last[0], last[1], last[3] - path[-1]))
     return ca.vertcat(*rows, end, math.sqrt(step) * (u - path))
 
 
-def _soft(part, states, u):
-    """Force angle within the cone at once, normal within its place: values and bounds."""
-    force = [x[2] + part['force_slope'] * command for x, command in zip(states, ca.vertsplit(u))]
+def _soft_constraints(parameters: HorizonParameters, states: list[Any],
+                      u: Any) -> SoftConstraints:
+    """Force angle within the cone from the first command on, normal on its feature."""
+    force = [x[2] + parameters.force_slope * command
+             for x, command in zip(states, ca.vertsplit(u))]
     zeta = [x[2] for x in states[1:]]
     count = len(zeta)
-    low = ca.vertcat(*[-part['cone']] * count, *[part['zeta_low']] * count)
-    high = ca.vertcat(*[part['cone']] * count, *[part['zeta_high']] * count)
-    return ca.vertcat(*force, *zeta), low, high
+    low = ca.vertcat(*[-parameters.cone_angle] * count, *[parameters.zeta_low] * count)
+    high = ca.vertcat(*[parameters.cone_angle] * count, *[parameters.zeta_high] * count)
+    return SoftConstraints(ca.vertcat(*force, *zeta), low, high)
 
 
-def _linearised(part, residuals, soft, u, slack_weight, plan, p):
-    """Give the QP in (change of U, slack) around the plan, as a function of the parameters."""
+class _QuadraticProgram(NamedTuple):
+    """``min 0.5 x^T H x + g^T x`` with ``lba <= A x <= uba`` and ``lbx <= x <= ubx``."""
+
+    h: Any
+    g: Any
+    a: Any
+    lba: Any
+    uba: Any
+    lbx: Any
+    ubx: Any
+
+
+def _linearized(parameters: HorizonParameters, residuals: Any, soft: SoftConstraints, u: Any, *,
+                slack_weight: float) -> _QuadraticProgram:
+    """Give the QP in (change of U, slack) around U (Gauss-Newton)."""
     values, low, high = soft
-    slopes, bends = ca.jacobian(residuals, u), ca.jacobian(values, u)
-    hessian = ca.diagcat(ca.mtimes(slopes.T, slopes), slack_weight)
-    gradient = ca.vertcat(ca.mtimes(slopes.T, residuals), slack_weight)
+    residual_slopes, value_slopes = ca.jacobian(residuals, u), ca.jacobian(values, u)
+    hessian = ca.diagcat(ca.mtimes(residual_slopes.T, residual_slopes), slack_weight)
+    gradient = ca.vertcat(ca.mtimes(residual_slopes.T, residuals), slack_weight)
     ones = ca.SX.ones(values.numel())
     changes = u[1:] - u[:-1]
-    rows = ca.vertcat(ca.horzcat(bends, -ones), ca.horzcat(bends, ones),
+    # Soft constraints from above and from below, and changes of the curvature, which are hard.
+    rows = ca.vertcat(ca.horzcat(value_slopes, -ones), ca.horzcat(value_slopes, ones),
                       ca.horzcat(ca.jacobian(changes, u), ca.SX(changes.numel(), 1)))
-    far, change = 1e3 * ones, part['change'] * ca.SX.ones(changes.numel())
-    lower = ca.vertcat(-far, low - values, -change - changes)
-    upper = ca.vertcat(high - values, far, change - changes)
+    far = UNBOUNDED * ones
+    max_change = parameters.max_change * ca.SX.ones(changes.numel())
+    lower = ca.vertcat(-far, low - values, -max_change - changes)
+    upper = ca.vertcat(high - values, far, max_change - changes)
     count = u.numel() - 1
-    least = ca.vertcat(part['first_low'], *[part['lowest']] * count) - u
-    most = ca.vertcat(part['first_high'], *[part['highest']] * count) - u
-    parts = [hessian, gradient, rows, lower, upper, ca.vertcat(least, 0.0),
-             ca.vertcat(most, 10.0)]
-    parts = ca.substitute([ca.densify(item) for item in parts], [u], [plan])
-    return ca.Function('qp', [p], parts, {'cse': True})
+    least = ca.vertcat(parameters.first_lowest, *[parameters.lowest] * count) - u
+    most = ca.vertcat(parameters.first_highest, *[parameters.highest] * count) - u
+    return _QuadraticProgram(hessian, gradient, rows, lower, upper, ca.vertcat(least, 0.0),
+                             ca.vertcat(most, MAX_SLACK))
 
 
-def _solved(qp, steps):
+def _solved(qp: Any, steps: int) -> ca.Function:
+    """Give the solution of the QP as a function of the parameters."""
     p = ca.MX.sym('p', qp.size1_in(0))
     h, g, a, lba, uba, lbx, ubx = qp(p)
     solver = ca.conic('solver', SOLVER, {'h': h.sparsity(), 'a': a.sparsity()},
                       {'error_on_fail': False, 'daqp': {'iter_limit': ITERATION_LIMIT}})
     x = solver(h=h, g=g, a=a, lba=lba, uba=uba, lbx=lbx, ubx=ubx)['x']
     rows = ca.mtimes(a, x)
-    beyond = ca.mmax(ca.vertcat(rows - uba, lba - rows, x - ubx, lbx - x))
-    return ca.Function('step', [p], [p[-steps:] + x[:-1], x[-1], beyond])
+    violation = ca.mmax(ca.vertcat(rows - uba, lba - rows, x - ubx, lbx - x))
+    return ca.Function('step', [p], [p[-steps:] + x[:-1], x[-1], violation])

@@ -4,10 +4,8 @@ import abc
 import enum
 from typing import Callable, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-from push_control.laws.curvature_limits import CurvatureLimits
-from push_control.path.guidance import PathProjection
+from push_control.path.path import CurvatureLimits, PathProjection
+from push_model.geometry import FloatArray
 from push_model.quasi_static import Vehicle
 
 
@@ -34,7 +32,7 @@ class SteeringInput(NamedTuple):
 
     projection: PathProjection
     project_now: Callable[[], PathProjection]
-    preview: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    preview: Callable[[FloatArray], FloatArray]
     vehicle: Vehicle
     zeta: float
     zeta_rest: float

@@ -1,149 +1,163 @@
-"""Follows the path of z, and draws a new one where the old one no longer serves."""
-
-from typing import NamedTuple
+"""Guidance: follows the path of z, and plans another one where the present one will not do."""
 
 import numpy as np
-from push_control.path.path import path_to_goal, project_on_path
+from push_control.path.path import (
+    CurvatureLimits, FlatOutputPath, path_to_goal, PathProjection, project_on_path,
+)
+from push_control.settings import ControlSettings
+from push_model.geometry import FloatArray, Pose
 
-# What is believed of the pose is off by some millimetres itself.
-ARRIVED_SHARE = 0.85
-LEAST_CARE, GENTLER = 0.5, 0.8
-LOOKS_AHEAD = np.linspace(0.0, 1.0, 11)
-
-
-class PathProjection(NamedTuple):
-    """
-    Where z is on its path.
-
-    :param lateral_error: left of the path is positive [m].
-    :param heading_error: to the left is positive [rad].
-    :param curvature: of the path [1/m].
-    :param remaining_distance: way that is left [m].
-    """
-
-    lateral_error: float
-    heading_error: float
-    curvature: float
-    remaining_distance: float
+# Fraction of the tolerances within which a push has arrived. Chosen: the estimate of the pose is
+# off by some millimetres itself.
+ARRIVAL_TOLERANCE_RATIO = 0.85
+# How much of the friction cone new paths may use: at least so much of their part of it, and less
+# by this factor with every approach that has missed. Chosen: wider turns miss by less where
+# supports rub otherwise than their nominal values.
+MIN_CAUTION = 0.5
+CAUTION_FACTOR = 0.8
+# Distances ahead at which a path must keep to the limits [m]. Chosen: one metre, every 0.1 m.
+LOOK_AHEAD_DISTANCES = np.linspace(0.0, 1.0, 11)
 
 
 class Guidance:
-    """One path, the place on it, and when to leave it for another."""
+    """
+    Follows a path, and decides when to leave it for another.
 
-    def __init__(self, path, settings):
+    ``planned_length``: length of the first path and of all further approaches [m].
+    ``path_replans``: number of new paths. ``reapproaches``: number of further approaches.
+    """
+
+    def __init__(self, path: FlatOutputPath, settings: ControlSettings):
         """
         Begin at the start of a path.
 
-        :param path: ``SampledPath`` or ``FinalStraightPath``.
+        :param path: the ``FlatOutputPath``.
         :param settings: ``ControlSettings``.
         """
-        self._path, self._settings = path, settings
-        self._way = 0.0
-        self._since_new = settings.replan_period
-        self.budget = path.length
+        self._path = path
+        self._settings = settings
+        self._s = 0.0
+        self._time_since_replan = settings.replan_period
+        self.planned_length = path.length
         self.path_replans = 0
         self.reapproaches = 0
 
-    def follow(self, pose):
+    def project(self, pose: Pose) -> PathProjection:
         """
-        Find z on the path.
+        Project z on the path, near its last projection.
 
-        :param pose: ``Pose`` of z in the frame of the z-goal.
+        :param pose: ``Pose`` of z in its goal frame.
         :return: ``PathProjection``.
         """
-        self._way, aside, turned, curvature = project_on_path(self._path, pose, self._way)
-        return PathProjection(aside, turned, curvature, self._path.length - self._way)
+        projection = project_on_path(self._path, pose, self._s)
+        self._s = projection.s
+        return projection
 
-    def preview(self, ways):
+    def preview(self, distances: FloatArray) -> FloatArray:
         """
         Look ahead along the path.
 
-        :param ways: beyond the place found last [m], shape (n,).
+        :param distances: beyond the last projection [m], shape (n,).
         :return: curvatures [1/m], shape (n,).
         """
-        return self._path.curvatures(self._way + ways)
+        return self._path.curvatures(self._s + distances)
 
-    def revise(self, pose, track, limits, firm, travelled_distance, dt):
+    def update(self, pose: Pose, projection: PathProjection, *, replan_limits: CurvatureLimits,
+               hard_limits: CurvatureLimits, travelled_distance: float,
+               dt: float) -> PathProjection:
         """
-        Draw a new path if errors or limits ask for it and it is worth its length.
+        Plan a new path if errors or limits call for it and it is worth its length.
 
-        :param pose: ``Pose`` of z in the frame of the z-goal.
-        :param track: ``PathProjection`` on the present path.
-        :param limits: ``CurvatureLimits`` for a new path.
-        :param firm: ``CurvatureLimits`` that no path may exceed.
-        :param travelled_distance: way of the contact since the start [m].
+        :param pose: ``Pose`` of z in its goal frame.
+        :param projection: ``PathProjection`` on the present path.
+        :param replan_limits: ``CurvatureLimits`` for a new path.
+        :param hard_limits: ``CurvatureLimits`` that no path may exceed.
+        :param travelled_distance: path length of the contact since the start [m].
         :param dt: time since the last call [s].
-        :return: ``PathProjection`` on the path that now holds.
+        :return: ``PathProjection`` on the path that is followed from now on.
         """
         settings = self._settings
-        self._since_new += dt
-        if self._since_new < settings.replan_period or travelled_distance < settings.replan_min_distance:
-            return track
-        if track.remaining_distance < settings.reapproach_distance:
-            far = self.is_off(track, settings.reapproach_tolerance_ratio)
-            return self.reapproach(pose, limits) or track if far else track
-        if (abs(track.lateral_error) <= settings.replan_lateral_error
-                and abs(track.heading_error) <= settings.replan_heading_error
-                and not self._is_too_sharp(track, firm)):
-            return track
-        self._since_new = 0.0
-        path = path_to_goal(pose, limits, settings.final_straight)
-        if path.length > settings.replan_length_ratio * track.remaining_distance:
-            return track
+        self._time_since_replan += dt
+        if (self._time_since_replan < settings.replan_period
+                or travelled_distance < settings.replan_min_distance):
+            return projection
+        if projection.remaining_distance < settings.reapproach_distance:
+            return self._reapproach_in_time(pose, projection, replan_limits)
+        if not self._calls_for_replan(projection, hard_limits):
+            return projection
+        self._time_since_replan = 0.0
+        path = path_to_goal(pose, replan_limits, settings.final_straight)
+        if path.length > settings.replan_length_ratio * projection.remaining_distance:
+            return projection
         self.path_replans += 1
-        return self._take(path, pose)
+        return self._follow(path, pose)
 
-    def _is_too_sharp(self, track, firm):
-        ahead = self.preview(np.minimum(LOOKS_AHEAD, track.remaining_distance))
-        return ahead.max() > firm.high or ahead.min() < firm.low
-
-    def is_off(self, track, share=1.0):
+    def is_off(self, projection: PathProjection, tolerance_ratio: float = 1.0) -> bool:
         """
-        Tell whether the errors exceed a share of the tolerances.
+        Tell whether the errors exceed a fraction of the tolerances.
 
-        :param track: ``PathProjection``.
-        :param share: of the tolerances.
+        :param projection: ``PathProjection``.
+        :param tolerance_ratio: the fraction.
+        :return: whether they do.
         """
         settings = self._settings
-        return (abs(track.lateral_error) > share * settings.position_tolerance
-                or abs(track.heading_error) > share * settings.heading_tolerance)
+        return (abs(projection.lateral_error) > tolerance_ratio * settings.position_tolerance
+                or abs(projection.heading_error) > tolerance_ratio * settings.heading_tolerance)
 
-    def care(self, wrong):
+    def cone_fraction(self, center_error_ratio: float) -> float:
         """
-        Share of the cone for new paths.
+        Fraction of the cone that new paths may use, of what the settings allow them.
 
-        :param wrong: how far the friction centre is from where it was believed, over its distance
-            from the contact: supports rub otherwise than believed, and so turn otherwise.
-        :return: less the more that is, and with every turn that has missed.
+        :param center_error_ratio: distance of the friction centre from its nominal place, over
+            that from the contact: where it is large, supports rub otherwise than their nominal
+            values, and so rotate otherwise.
+        :return: fraction, the smaller the larger that is, and the more approaches have missed.
         """
-        return max(LEAST_CARE, 1.0 - wrong) * GENTLER ** self.reapproaches
+        return (max(MIN_CAUTION, 1.0 - center_error_ratio)
+                * CAUTION_FACTOR ** self.reapproaches)
 
-    def arrive(self, pose, track, limits):
+    def arrive(self, pose: Pose, projection: PathProjection,
+               limits: CurvatureLimits) -> PathProjection | None:
         """
-        Approach the goal anew unless the push has come near enough.
+        Approach the goal again unless the push has come near enough.
 
-        :param pose: ``Pose`` of z in the frame of the z-goal.
-        :param track: ``PathProjection`` at the end of the present path.
+        :param pose: ``Pose`` of z in its goal frame.
+        :param projection: ``PathProjection`` at the end of the present path.
         :param limits: ``CurvatureLimits`` for the new path.
         :return: ``PathProjection`` on the new path, or None where there is none.
         """
-        return self.reapproach(pose, limits) if self.is_off(track, ARRIVED_SHARE) else None
+        if not self.is_off(projection, ARRIVAL_TOLERANCE_RATIO):
+            return None
+        return self._reapproach(pose, limits)
 
-    def reapproach(self, pose, limits):
-        """
-        Approach the goal anew, as often as the settings allow.
+    def _calls_for_replan(self, projection: PathProjection, hard_limits: CurvatureLimits) -> bool:
+        settings = self._settings
+        is_near = (abs(projection.lateral_error) <= settings.replan_lateral_error
+                   and abs(projection.heading_error) <= settings.replan_heading_error)
+        if not is_near:
+            return True
+        ahead = self.preview(np.minimum(LOOK_AHEAD_DISTANCES, projection.remaining_distance))
+        return bool(ahead.max() > hard_limits.high or ahead.min() < hard_limits.low)
 
-        :param pose: ``Pose`` of z in the frame of the z-goal.
-        :param limits: ``CurvatureLimits`` for the new path.
-        :return: ``PathProjection`` on the new path, or None.
-        """
+    def _reapproach_in_time(self, pose: Pose, projection: PathProjection,
+                            limits: CurvatureLimits) -> PathProjection:
+        """Approach the goal again before the end of a path that will miss it."""
+        if not self.is_off(projection, self._settings.reapproach_tolerance_ratio):
+            return projection
+        again = self._reapproach(pose, limits)
+        return projection if again is None else again
+
+    def _reapproach(self, pose: Pose, limits: CurvatureLimits) -> PathProjection | None:
+        """Approach the goal again, as often as the settings allow; None where they do not."""
         if self.reapproaches >= self._settings.max_reapproaches:
             return None
         self.reapproaches += 1
         path = path_to_goal(pose, limits, self._settings.final_straight)
-        self.budget += path.length
-        return self._take(path, pose)
+        self.planned_length += path.length
+        return self._follow(path, pose)
 
-    def _take(self, path, pose):
-        self._path, self._way, self._since_new = path, 0.0, 0.0
-        return self.follow(pose)
+    def _follow(self, path: FlatOutputPath, pose: Pose) -> PathProjection:
+        self._path = path
+        self._s = 0.0
+        self._time_since_replan = 0.0
+        return self.project(pose)

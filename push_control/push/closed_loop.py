@@ -1,152 +1,223 @@
-"""One push with feedback: estimator, guidance and steering law for one target."""
+"""
+One push with feedback: estimator, guidance and steering law for one target.
 
-import functools
+Every control step is a chain: estimate the push one drive lag ahead, project the flat output z on
+its path, keep or replace that path, choose a curvature within the limits, and compute the command
+that gives it.
+"""
+
 import math
+from typing import NamedTuple
 
 import numpy as np
-from push_control.estimation.contact_site import initial_contact_site
 from push_control.estimation.monitors import OneSidedMonitor
+from push_control.estimation.push_motion import PushState
 from push_control.events import EventReport, PushEvent, sentence
 from push_control.laws.command import contact_speed
-from push_control.laws.contact_steering import ContactSteering
-from push_control.laws.limit_surface_table import LimitSurfaceTable
-from push_control.laws.steering_law import SteeringInput
+from push_control.laws.steering_law import SteeringInput, SteeringLaw
+from push_control.observation import Observation
 from push_control.path.guidance import Guidance
-from push_control.path.path import flat_output_pose, SampledPath
+from push_control.path.path import CurvatureLimits, PathProjection, SampledPath
+from push_control.push.contact_model import ContactModel, PushStep
 from push_control.push.execution import PushExecution
 from push_control.push.status import ControllerStatus, Phase
 from push_control.push.tracking import PushTracker
-from push_model.friction import friction_center
+from push_control.settings import ControlSettings
 from push_model.geometry import Pose, wrap_angle
-from push_model.quasi_static import vehicle
-from push_model.signals import STOP
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import Odometry, STOP, Twist
+from push_model.trajectory import PushTrajectory
+
+# Length beyond ``max_length_ratio`` of the planned one before a push is aborted [m]. Chosen: short
+# plans may be exceeded by more.
+LENGTH_MARGIN = 1.0
+
+
+class _Target(NamedTuple):
+    """
+    What is followed at present.
+
+    :param goal: ``Pose`` of the object in the world.
+    :param max_speed: of the contact [m/s].
+    :param start_distance: travelled distance at which it was taken up [m].
+    :param replan_requests: number of plans requested for this push before it.
+    """
+
+    goal: Pose
+    max_speed: float
+    start_distance: float
+    replan_requests: int
+
+
+class _Motion(NamedTuple):
+    """
+    What was commanded last.
+
+    :param command: the ``Twist``.
+    :param curvature: of z [1/m], or None where the law starts afresh.
+    :param elapsed: time since the robot set out [s].
+    :param speed: of the contact [m/s].
+    """
+
+    command: Twist = STOP
+    curvature: float | None = None
+    elapsed: float = 0.0
+    speed: float = 0.0
+
+
+class _Estimate(NamedTuple):
+    """
+    Where the push stands.
+
+    :param state: ``PushState`` one drive lag ahead.
+    :param projection: ``PathProjection`` of z, or None before the first step towards a target.
+    """
+
+    state: PushState
+    projection: PathProjection | None = None
+
+
+class _Outcome(NamedTuple):
+    """
+    How the push has ended, if it has.
+
+    :param is_finished: whether the object is at its goal.
+    :param failure: ``EventReport``, or None.
+    :param may_replan: whether another plan may be requested after the failure.
+    """
+
+    is_finished: bool = False
+    failure: EventReport | None = None
+    may_replan: bool = False
 
 
 class ClosedLoopPush(PushExecution):
     """Brings the object along the path of a target, from late and noisy measurements."""
 
-    def __init__(self, obj, robot, settings, law, target, observation):
+    def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
+                 law: SteeringLaw, target: PushTrajectory, observation: Observation):
         """
         Begin a push.
 
-        :param obj: the ``PushedObject`` as believed.
+        :param obj: the nominal ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
-        :param law: the steering law, as ``ClosedFormLaw``; it is set out anew.
+        :param law: the ``SteeringLaw``; it is reset.
         :param target: the ``PushTrajectory``.
         :param observation: first ``Observation``, with an object pose.
-        :raises ValueError: where this robot cannot push so at the target's contact.
+        :raises ValueError: where this robot cannot push so at the target's contact, or there is
+            no object pose.
         """
-        self._obj, self._robot, self._settings, self._law = obj, robot, settings, law
-        site = initial_contact_site(obj, robot, target)
-        self._believed, supports = vehicle(obj, site.point), LimitSurfaceTable(obj, site.point)
-        self._drive = ContactSteering(obj, robot, settings, site, supports)
-        self._center = friction_center(obj)
-        self._tracking = PushTracker(robot, site, supports, settings, self._center, observation)
-        self._command, self._curvature, self._elapsed, self._speed = STOP, None, 0.0, 0.0
-        self._vehicle = functools.lru_cache(maxsize=1)(functools.partial(vehicle, obj))
-        self._belief = self._tracking.states(observation.time, STOP)[0]
-        self._anew = 0
+        if observation.object_pose is None:
+            raise ValueError('observation.object_pose: got None, expected an ObjectPose')
+        self._settings = settings
+        self._law = law
+        self._model = ContactModel(obj, robot, settings, target)
+        self._tracker = PushTracker(self._model.motion, self._model.time_constant, settings,
+                                    self._model.center, observation.object_pose,
+                                    observation.odometry)
+        self._motion = _Motion()
+        self._estimate = _Estimate(self._tracker.predict(observation.time, STOP)[0])
         law.reset()
-        self._aim(target)
+        self._follow(target, replan_requests=0)
 
-    def continue_with(self, target, observation):
+    def _follow(self, target: PushTrajectory, replan_requests: int) -> None:
+        """Take up a target, at its start."""
+        self._guidance = Guidance(SampledPath(self._model.nominal, target), self._settings)
+        self._one_sided = OneSidedMonitor(self._settings)
+        self._target = _Target(
+            Pose(*target.object_poses[-1].tolist()),
+            float(np.hypot(*target.contact_twists[:, :2].T).max()),
+            self._tracker.travelled_distance, replan_requests)
+        self._estimate = self._estimate._replace(projection=None)
+        self._outcome = _Outcome()
+
+    def continue_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """
-        Take up another target without a stop, where it starts at the push that is under way.
+        Change over to another target without a stop, where that starts at the present push.
 
         :param target: the ``PushTrajectory``.
         :param observation: the newest ``Observation``.
-        :return: whether it does.
+        :return: whether it does; nothing has changed otherwise.
         :raises ValueError: where the robot does not touch the object at the target's start.
         """
-        meant = initial_contact_site(self._obj, self._robot, target)
-        shift = self._belief.pose.inverse() @ Pose(*target.object_poses[0].tolist())
-        tracking, settings = self._tracking, self._settings
-        if observation.time < tracking.last.time or not tracking.site.is_kept(meant, shift):
+        site = self._model.initial_site(target)
+        shift = self._estimate.state.pose.inverse() @ Pose(*target.object_poses[0].tolist())
+        if (observation.time < self._tracker.last_odometry.time
+                or not self._tracker.site.is_same_push(site, shift)):
             return False
-        speed = 0.0 if self._failure else self._speed
-        self._anew += bool(self._failure)
-        self._elapsed = max(0.0, speed - settings.start_speed) / settings.acceleration
-        self._aim(target)
+        speed, requests = self._motion.speed, self._target.replan_requests
+        if self._outcome.failure is not None:
+            # The robot has been stopped, and this is the plan that was requested.
+            speed, requests = 0.0, requests + 1
+        settings = self._settings
+        self._motion = self._motion._replace(
+            elapsed=max(0.0, speed - settings.start_speed) / settings.acceleration)
+        self._follow(target, requests)
         return True
 
-    def _aim(self, target):
-        settings = self._settings
-        self._guidance = Guidance(SampledPath(self._believed, target), settings)
-        self._goal = Pose(*target.object_poses[-1].tolist())
-        self._one_sided, self._asks = OneSidedMonitor(settings), False
-        self._fastest = float(np.hypot(*target.contact_twists[:, :2].T).max())
-        self._begin, self._track, self._finished, self._failure = self._tracking.way, None, False, None
-
-    def observe(self, observation):
+    def observe(self, observation: Observation) -> None:
         """
-        Take in the measurements that are new.
+        Process the measurements that are new.
 
         :param observation: ``Observation``, usable.
         """
-        self._failure = self._tracking.observe(observation)
+        self._outcome = self._outcome._replace(failure=self._tracker.observe(observation))
 
-    def pause(self, odometry):
+    def pause(self, odometry: Odometry | None) -> None:
         """
-        Stand still; the next advance sets out anew.
+        Stand still; the next ``advance`` sets out from rest.
 
-        :param odometry: ``Odometry`` to take in meanwhile, or None.
+        :param odometry: ``Odometry`` to process meanwhile, or None.
         """
-        self._elapsed, self._command = 0.0, STOP
+        self._motion = self._motion._replace(command=STOP, elapsed=0.0)
         self._law.reset()
         if odometry is not None:
-            self._tracking.roll(odometry)
+            self._tracker.add_odometry(odometry)
 
-    def advance(self, time, dt):
+    def advance(self, time: float, dt: float) -> Twist:
         """
         Compute the command.
 
         :param time: now [s].
         :param dt: time since the last call [s].
-        :return: ``Twist``; STOP once ``finished`` or ``failure`` is set.
+        :return: ``Twist`` in the robot's axes; STOP once ``finished`` or ``failure`` is set.
         """
-        now, self._belief = self._tracking.states(time, self._command)
-        ahead, site = self._belief, self._tracking.site
-        self._drive.site = site
-        c_x, c_y, normal = site.at(ahead.phi - ahead.theta)
-        flat = self._vehicle((c_x, c_y), ahead.center).with_c_squared_ratio(math.exp(ahead.q))
-        pose = self._from_goal(flat, ahead)
-        planning = self._drive.limits(flat, normal, self._settings.replan_cone_fraction * self._care)
-        self._track = track = self._guidance.follow(pose)
-        if self._tracking.watch.lost:
-            self._command = self._approach(dt)
-            return self._command
-        firm = self._drive.limits(flat, normal, self._settings.feedback_cone_fraction)
-        self._track = track = self._guidance.revise(pose, track, planning, firm, self.travelled_distance,
-                                                    dt)
-        if track.remaining_distance <= self._settings.stop_distance:
-            self._track = track = self._arrive(pose, track, planning)
-        if self.travelled_distance > self._settings.max_length_ratio * self._guidance.budget + 1.0:
-            self._ask_anew(PushEvent.PATH_TOO_LONG.report(
-                travelled=self.travelled_distance, planned=self._guidance.budget))
-        over = self._finished or self._failure
-        self._command = STOP if over else self._steer(flat, now, track, dt)
-        return self._command
+        now, ahead = self._tracker.predict(time, self._motion.command)
+        step = self._model.step(now, ahead, self._tracker.site)
+        flat_output = step.flat_output(ahead, self._target.goal)
+        projection = self._guidance.project(flat_output)
+        if self._tracker.is_contact_lost:
+            self._estimate = _Estimate(ahead, projection)
+            command = self._close_gap(step, dt)
+        else:
+            projection = self._update_path(step, flat_output, projection, dt)
+            self._estimate = _Estimate(ahead, projection)
+            self._check_length()
+            has_ended = self.finished or self.failure is not None
+            command = STOP if has_ended else self._steer(step, projection, dt)
+        self._motion = self._motion._replace(command=command)
+        return command
 
     @property
     def finished(self) -> bool:
         """Whether the object is at its goal."""
-        return self._finished
+        return self._outcome.is_finished
 
     @property
     def failure(self) -> EventReport | None:
         """Why the push has failed, or None."""
-        return self._failure
-
-    @property
-    def travelled_distance(self):
-        """Way of the contact since the target was taken up [m]."""
-        return self._tracking.way - self._begin
+        return self._outcome.failure
 
     @property
     def notice(self) -> EventReport | None:
-        """What is out of the ordinary, or None."""
-        return self._tracking.watch.notice
+        """What is out of the ordinary while the push goes on, or None."""
+        return self._tracker.detector.notice
+
+    @property
+    def travelled_distance(self) -> float:
+        """Path length of the contact since the target was taken up [m]."""
+        return self._tracker.travelled_distance - self._target.start_distance
 
     def status(self, phase: Phase, event: EventReport | None) -> ControllerStatus:
         """
@@ -156,63 +227,116 @@ class ClosedLoopPush(PushExecution):
         :param event: ``EventReport`` of what is out of the ordinary, or None.
         :return: ``ControllerStatus``.
         """
-        belief, goal = self._belief, self._goal
-        return ControllerStatus(phase, sentence(event), None if event is None else event.event, **{
-                'position_error': math.hypot(belief.x - goal.x, belief.y - goal.y),
-                'heading_error': wrap_angle(belief.theta - goal.theta),
-                'remaining_distance': self._track.remaining_distance if self._track else self._guidance.budget,
-                'travelled_distance': self.travelled_distance, 'friction_center': belief.center,
-                'push_direction': belief.phi, 'object_pose': belief.pose,
-                'robot_pose': Pose(*self._tracking.site.robot_center(belief.pose, belief.phi),
-                                   belief.phi),
-                'replan_requested': self._failure is not None and self._asks,
-                'path_replans': self._guidance.path_replans, 'reapproaches': self._guidance.reapproaches,
-                'solver_failures': self._law.solver.failures,
-                'solver_failure': self._law.solver.last, **self._tracking.report})
+        (state, projection), goal, guidance = self._estimate, self._target.goal, self._guidance
+        return ControllerStatus(
+            phase=phase, reason=sentence(event), event=None if event is None else event.event,
+            position_error=math.hypot(state.x - goal.x, state.y - goal.y),
+            heading_error=wrap_angle(state.theta - goal.theta),
+            remaining_distance=(guidance.planned_length if projection is None
+                                else projection.remaining_distance),
+            travelled_distance=self.travelled_distance,
+            friction_center=state.center,
+            push_direction=state.phi,
+            object_pose=state.pose,
+            robot_pose=Pose(*self._tracker.site.robot_center(state.pose, state.phi), state.phi),
+            in_contact=not self._tracker.is_contact_lost,
+            replan_requested=self.failure is not None and self._outcome.may_replan,
+            path_replans=guidance.path_replans,
+            reapproaches=guidance.reapproaches,
+            slips=self._tracker.detector.slips,
+            contact_losses=self._tracker.detector.contact_losses,
+            rejected_poses=self._tracker.rejected_poses,
+            solver_failures=self._law.solver.failures,
+            solver_failure=self._law.solver.last)
 
-    @property
-    def _care(self):
-        """Share of the cone for new paths: a differential drive has none to spare to one side."""
-        wrong = math.dist(self._belief.center, self._center) / self._believed.arm
-        return 1.0 if self._robot.drive == 'differential' else self._guidance.care(wrong)
-
-    def _approach(self, dt):
-        """Close a gap; the object lies still meanwhile."""
-        way = self._settings.start_speed * dt
-        self._failure = self._failure or self._tracking.watch.out_of_reach(way)
-        self._elapsed, self._curvature = 0.0, None
+    def _close_gap(self, step: PushStep, dt: float) -> Twist:
+        """Approach an object out of contact slowly; it lies still meanwhile."""
+        fault = self._tracker.detector.approach_fault(self._settings.start_speed * dt)
+        failure = fault if self.failure is None else self.failure
+        self._outcome = self._outcome._replace(failure=failure)
+        self._motion = self._motion._replace(curvature=None, elapsed=0.0)
         self._law.reset()
-        return STOP if self._failure else self._drive.approach(self._belief)
-
-    def _arrive(self, pose, track, planning):
-        again = self._guidance.arrive(pose, track, planning)
-        self._finished = again is None and not self._guidance.is_off(track)
-        if again is None and not self._finished:
-            self._ask_anew(PushEvent.GOAL_MISSED.report(
-                lateral=1e3 * track.lateral_error, heading=math.degrees(track.heading_error)))
-        return again or track
-
-    def _ask_anew(self, failure):
-        self._failure, self._asks = failure, self._anew < self._settings.max_replan_requests
-
-    def _from_goal(self, flat, belief):
-        local = flat_output_pose(flat)
-        return local.inverse() @ self._goal.inverse() @ belief.pose @ local
-
-    def _steer(self, flat, now, track, dt):
-        self._elapsed += dt
-        self._speed = speed = contact_speed(self._elapsed, track.remaining_distance, self._fastest,
-                                            self._settings)
-        normal = self._tracking.site.at(now.phi - now.theta)[2]
-        limits = self._drive.limits(flat, normal, self._settings.feedback_cone_fraction)
-        self._failure = self._one_sided.trouble(limits, self.travelled_distance)
-        if self._failure:
+        if failure is not None:
             return STOP
-        situation = SteeringInput(
-            track, lambda: self._guidance.follow(self._from_goal(flat, now)),
-            self._guidance.preview, flat, limits=limits, previous_curvature=self._curvature,
-            max_change=self._settings.max_curvature_rate * speed * dt, distance=speed * dt,
-            lag_distance=speed * self._robot.time_constant, **self._drive.stance(flat, normal, now))
-        self._curvature = situation.clip(self._law.curvature(situation))
-        command, self._failure = self._drive.command(flat, self._belief, self._curvature, speed)
-        return STOP if self._failure else command
+        return self._model.steering.approach(step.site, step.ahead)
+
+    def _update_path(self, step: PushStep, flat_output: Pose, projection: PathProjection,
+                     dt: float) -> PathProjection:
+        """Keep the path or replace it, and end the push at its end."""
+        replan_limits = self._replan_limits(step)
+        hard_limits = self._model.limits(step, step.ahead, self._settings.feedback_cone_fraction)
+        projection = self._guidance.update(
+            flat_output, projection, replan_limits=replan_limits, hard_limits=hard_limits,
+            travelled_distance=self.travelled_distance, dt=dt)
+        if projection.remaining_distance > self._settings.stop_distance:
+            return projection
+        again = self._guidance.arrive(flat_output, projection, replan_limits)
+        if again is not None:
+            return again
+        if self._guidance.is_off(projection):
+            self._fail(PushEvent.GOAL_MISSED.report(
+                lateral=1e3 * projection.lateral_error,
+                heading=math.degrees(projection.heading_error)))
+        else:
+            self._outcome = self._outcome._replace(is_finished=True)
+        return projection
+
+    def _replan_limits(self, step: PushStep) -> CurvatureLimits:
+        """Limits of new paths: a differential drive has no cone to spare to one side."""
+        caution = 1.0
+        if not self._model.is_differential:
+            caution = self._guidance.cone_fraction(self._model.center_error_ratio(step.ahead))
+        return self._model.limits(step, step.ahead, self._settings.replan_cone_fraction * caution)
+
+    def _check_length(self) -> None:
+        """Abort a push that goes on much longer than planned."""
+        travelled, planned = self.travelled_distance, self._guidance.planned_length
+        if travelled > self._settings.max_length_ratio * planned + LENGTH_MARGIN:
+            self._fail(PushEvent.PATH_TOO_LONG.report(travelled=travelled, planned=planned))
+
+    def _fail(self, failure: EventReport) -> None:
+        """End the push where another plan may bring the object to its goal."""
+        may_replan = self._target.replan_requests < self._settings.max_replan_requests
+        self._outcome = self._outcome._replace(failure=failure, may_replan=may_replan)
+
+    def _steer(self, step: PushStep, projection: PathProjection, dt: float) -> Twist:
+        """Choose the curvature, and compute the command that gives it."""
+        elapsed = self._motion.elapsed + dt
+        speed = contact_speed(elapsed, projection.remaining_distance, self._target.max_speed,
+                              self._settings)
+        self._motion = self._motion._replace(elapsed=elapsed, speed=speed)
+        limits = self._model.limits(step, step.now, self._settings.feedback_cone_fraction)
+        fault = self._one_sided.fault(limits, self.travelled_distance)
+        if fault is not None:
+            self._outcome = self._outcome._replace(failure=fault)
+            return STOP
+        steering = self._steering_input(step, projection, limits, dt)
+        curvature = steering.clip(self._law.curvature(steering))
+        self._motion = self._motion._replace(curvature=curvature)
+        command, fault = self._model.command(step, curvature, speed)
+        self._outcome = self._outcome._replace(failure=fault)
+        return command
+
+    def _steering_input(self, step: PushStep, projection: PathProjection,
+                        limits: CurvatureLimits, dt: float) -> SteeringInput:
+        """Gather what the law needs to know."""
+        def project_now() -> PathProjection:
+            return self._guidance.project(step.flat_output(step.now, self._target.goal))
+
+        speed = self._motion.speed
+        posture = self._model.steering.posture(step.site, step.vehicle, step.normal(step.now),
+                                               step.now)
+        return SteeringInput(
+            projection=projection,
+            project_now=project_now,
+            preview=self._guidance.preview,
+            vehicle=step.vehicle,
+            zeta=posture.zeta,
+            zeta_rest=posture.zeta_rest,
+            zeta_limits=posture.zeta_limits,
+            limits=limits,
+            cone_angle=self._model.steering.cone_angle(self._settings.feedback_cone_fraction),
+            previous_curvature=self._motion.curvature,
+            max_change=self._settings.max_curvature_rate * speed * dt,
+            distance=speed * dt,
+            lag_distance=speed * self._model.time_constant)

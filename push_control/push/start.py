@@ -1,24 +1,28 @@
-"""Where robot and contact are at the start of a plan, and whether the robot stands there."""
+"""The start of a plan: where robot and contact are there, and whether the robot stands there."""
 
 import math
 
 from push_control.events import EventReport, PushEvent
+from push_control.observation import Observation
+from push_control.settings import ControlSettings
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import RoundRobot
+from push_model.trajectory import PushTrajectory
 
 
-def robot_start_pose(target, pose):
+def robot_start_pose(target: PushTrajectory, pose: Pose) -> Pose:
     """
     Place the robot for a push of an object that stands elsewhere than planned.
 
     :param target: the ``PushTrajectory``.
-    :param pose: ``Pose`` of the object.
-    :return: ``Pose`` of the robot.
+    :param pose: ``Pose`` of the object in the world.
+    :return: ``Pose`` of the robot in the world.
     """
     planned = Pose(*target.object_poses[0].tolist())
     return pose @ planned.inverse() @ Pose(*target.robot_poses[0].tolist())
 
 
-def contact_start_point(target):
+def contact_start_point(target: PushTrajectory) -> tuple[float, float]:
     """
     Find where a push begins on the object.
 
@@ -29,9 +33,10 @@ def contact_start_point(target):
     return planned.inverse().transform(target.contact_poses[0][:2].tolist())
 
 
-def start_fault(robot, settings, target, observation) -> EventReport | None:
+def start_fault(robot: RoundRobot, settings: ControlSettings, target: PushTrajectory,
+                observation: Observation) -> EventReport | None:
     """
-    Say how far the robot stands from the start of a plan, and where it should.
+    Tell how far the robot stands from the start of a plan, and where it must stand.
 
     :param robot: the ``RoundRobot``.
     :param settings: ``ControlSettings``.
@@ -41,12 +46,14 @@ def start_fault(robot, settings, target, observation) -> EventReport | None:
     """
     if observation.object_pose is None:
         return None
-    pose, place = observation.object_pose.pose, observation.odometry.pose
-    meant = robot_start_pose(target, pose)
-    away, turn = distance(meant, place), wrap_angle(place.theta - meant.theta)
-    aside = robot.radius * abs(turn) if robot.drive == 'differential' else 0.0
-    if max(away, aside) <= settings.start_tolerance:
+    here = observation.odometry.pose
+    start = robot_start_pose(target, observation.object_pose.pose)
+    offset = distance(start, here)
+    rotation = wrap_angle(here.theta - start.theta)
+    # A differential drive cannot correct its heading while it pushes.
+    rim_offset = robot.radius * abs(rotation) if robot.drive == 'differential' else 0.0
+    if max(offset, rim_offset) <= settings.start_tolerance:
         return None
     return PushEvent.ROBOT_NOT_AT_START.report(
-        distance=away, rotation=math.degrees(turn), x=meant.x, y=meant.y,
-        heading=wrap_angle(meant.theta))
+        distance=offset, rotation=math.degrees(rotation), x=start.x, y=start.y,
+        heading=wrap_angle(start.theta))

@@ -1,72 +1,107 @@
-"""Where object, robot and contact are: what is known from the measurements so far."""
+"""Tracking of a push: what all measurements so far tell of object, robot and contact."""
 
 import math
 
-from push_control.estimation.contact_detection import ContactDetector
+from push_control.estimation.contact_detection import ContactDetector, ContactState
+from push_control.estimation.contact_site import ContactSite
+from push_control.estimation.dead_reckoning import RobotDeadReckoning, RobotMotion
 from push_control.estimation.estimator import Estimator
 from push_control.estimation.monitors import FollowMonitor
+from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.events import EventReport, PushEvent
 from push_control.laws.command import mean_twist
+from push_control.observation import Observation
+from push_control.settings import ControlSettings
+from push_model.geometry import Coordinates, Pose, wrap_angle
 from push_model.robot_kinematics import contact_velocity
+from push_model.signals import ObjectPose, Odometry, Twist
 
 
 class PushTracker:
-    """Estimator, contact watch and the ways gone, fed with every measurement once."""
+    """
+    Runs estimator, dead reckoning and contact detection, each measurement once.
 
-    def __init__(self, robot, site, supports, settings, center, observation):
+    ``last_odometry``: the newest ``Odometry`` used. ``travelled_distance``: path length of the
+    contact since the start [m]. ``detector``: the ``ContactDetector``.
+    """
+
+    def __init__(self, motion: PushMotion, time_constant: float, settings: ControlSettings,
+                 center: Coordinates, pose: ObjectPose, odometry: Odometry):
         """
         Begin in contact.
 
-        :param robot: the ``RoundRobot``.
-        :param site: the contact ``ContactSite``.
-        :param supports: the ``LimitSurfaceTable`` as believed.
+        :param motion: ``PushMotion`` of the nominal object at its contact.
+        :param time_constant: of the robot's drive [s].
         :param settings: ``ControlSettings``.
-        :param center: believed friction centre, object frame (x, y) [m].
-        :param observation: first ``Observation``, with an object pose.
+        :param center: nominal friction centre, object frame (x, y) [m].
+        :param pose: first ``ObjectPose``.
+        :param odometry: first ``Odometry``.
         """
-        measured, odometry = observation.object_pose, observation.odometry
-        self._robot, self.site = robot, site
-        self._estimator = Estimator(robot, site, supports, settings, center, measured, odometry)
-        self._monitor = FollowMonitor(settings)
-        self.watch = ContactDetector(settings, robot.radius, site)
-        self.last, self._pose_time = odometry, measured.time
-        self.way = 0.0
+        self._time_constant = time_constant
+        self._estimator = Estimator(motion, settings, center, pose, odometry)
+        self._robot = RobotDeadReckoning((odometry.pose.x, odometry.pose.y),
+                                         self._estimator.state.phi)
+        self._follow_monitor = FollowMonitor(settings)
+        self._pose_time = pose.time
+        self.detector = ContactDetector(settings, motion.robot_radius, motion.site)
+        self.last_odometry = odometry
+        self.travelled_distance = 0.0
 
-    def observe(self, observation) -> EventReport | None:
+    @property
+    def site(self) -> ContactSite:
+        """The ``ContactSite`` as it is by now."""
+        return self._estimator.motion.site
+
+    @property
+    def is_contact_lost(self) -> bool:
+        """Whether contact was detected to be lost."""
+        return self.detector.state is ContactState.LOST
+
+    @property
+    def rejected_poses(self) -> int:
+        """Number of measured poses outside the gate."""
+        return self._estimator.rejected_poses
+
+    def observe(self, observation: Observation) -> EventReport | None:
         """
-        Take in the measurements that are new.
+        Process the measurements that are new.
 
         :param observation: ``Observation``, usable.
-        :return: ``EventReport`` where the push has failed, or None.
+        :return: ``EventReport`` of an object that does not follow, or None.
         """
+        self.add_odometry(observation.odometry)
         measured = observation.object_pose
-        self.roll(observation.odometry)
-        if measured.time <= self._pose_time:
+        if measured is None or measured.time <= self._pose_time:
             return None
         self._pose_time = measured.time
-        self._estimator.add_pose(measured)
-        found = self.watch.look(self._estimator.contact_offset(measured), self.way)
-        self.site = self.site.slid(found.slid)
-        self._estimator.place_contact(self.site, found.drift, self.watch.lost)
-        if self._monitor.lost(self.way, measured.pose.transform(self._estimator.contact)):
+        self._store(self._estimator.add_pose(measured).motions)
+        self._detect_contact(measured.pose)
+        state = self._estimator.state
+        contact = self.site.contact_at(state.relative_heading)
+        if self._follow_monitor.is_lost(self.travelled_distance,
+                                        measured.pose.transform((contact.x, contact.y))):
             return PushEvent.OBJECT_DOES_NOT_FOLLOW.report()
         return None
 
-    def roll(self, odometry):
+    def add_odometry(self, odometry: Odometry) -> None:
         """
-        Take in the robot's motion alone.
+        Process the robot's motion alone.
 
-        :param odometry: ``Odometry``, finite.
+        :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
         """
-        if odometry.time > self.last.time:
-            twist, last = odometry.twist, self._estimator.predict(self.last.time)
-            heading_offset = last.theta + self.site.at(last.phi - last.theta)[2] - last.phi
-            speed = math.hypot(*contact_velocity(0.0, heading_offset, self._robot.radius, twist))
-            self.way += speed * (odometry.time - self.last.time)
-            self._estimator.add_odometry(odometry)
-            self.last = odometry
+        last = self.last_odometry
+        if odometry.time <= last.time:
+            return
+        state = self._estimator.predict(last.time)
+        normal = self.site.contact_at(state.relative_heading).normal
+        heading_offset = state.theta + normal - state.phi
+        radius = self._estimator.motion.robot_radius
+        speed = math.hypot(*contact_velocity(0.0, heading_offset, radius, odometry.twist))
+        self.travelled_distance += speed * (odometry.time - last.time)
+        self._store(self._estimator.add_odometry(odometry))
+        self.last_odometry = odometry
 
-    def states(self, time, command):
+    def predict(self, time: float, command: Twist) -> tuple[PushState, PushState]:
         """
         Predict over delay and drive lag.
 
@@ -74,13 +109,19 @@ class PushTracker:
         :param command: ``Twist`` that the robot follows.
         :return: ``PushState`` now, and one drive lag later.
         """
-        now, lag = self._estimator.predict(time), self._robot.time_constant
-        motion = mean_twist(self.last.twist, command, lag)
+        now, lag = self._estimator.predict(time), self._time_constant
+        motion = mean_twist(self.last_odometry.twist, command, lag)
         return now, self._estimator.propagate(now, motion, lag)
 
-    @property
-    def report(self):
-        """Counts for the status."""
-        return {'in_contact': not self.watch.lost, 'slips': self.watch.slips,
-                'contact_losses': self.watch.contact_losses,
-                'rejected_poses': self._estimator.rejected}
+    def _store(self, motions: tuple[RobotMotion, ...]) -> None:
+        self._robot = self._robot.moved(motions)
+
+    def _detect_contact(self, pose: Pose) -> None:
+        """Compare the robot with a robot that has rolled; correct contact and robot by that."""
+        state, site = self._estimator.state, self.site
+        theta = state.theta + wrap_angle(pose.theta - state.theta)
+        offset = site.offset(Pose(pose.x, pose.y, theta), state.phi, self._robot.center)
+        found = self.detector.update(offset, self.travelled_distance)
+        gamma = state.theta + site.contact_at(state.relative_heading).normal
+        self._robot = self._robot.corrected(found.drift, gamma)
+        self._estimator.set_contact(site.after_slip(found.slip), self.is_contact_lost)

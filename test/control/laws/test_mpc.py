@@ -1,4 +1,4 @@
-"""Laws of the predictive law: symmetries, limits, optimality, and what it does in trouble."""
+"""The predictive law: symmetries, limits, optimality, and what replaces a failed solver."""
 
 import dataclasses
 import math
@@ -7,13 +7,12 @@ import casadi as ca
 from helpers.push_case import box
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
-from push_control.laws.curvature_limits import CurvatureLimits
 from push_control.laws.mpc import optimal_weights, PredictiveLaw
 from push_control.laws.mpc_problem import (
-    horizon_problem, SCALARS, STATES, straight_step, terminal_root,
+    horizon_problem, HorizonParameters, straight_step, terminal_root,
 )
 from push_control.laws.steering_law import SolverFailure, SteeringInput
-from push_control.path.guidance import PathProjection
+from push_control.path.path import CurvatureLimits, PathProjection
 from push_control.settings import ControlSettings
 from push_model.parameters import RoundRobot
 from push_model.quasi_static import vehicle
@@ -22,26 +21,29 @@ from scipy.linalg import solve_discrete_are
 
 SETTINGS = ControlSettings(control_law='mpc')
 ROBOT = RoundRobot(radius=0.17)
-FLAT = vehicle(box(0.4, 2.0, [0.3] * 4), (-0.2, -0.2))
+VEHICLE = vehicle(box(0.4, 2.0, [0.3] * 4), (-0.2, -0.2))
 STEPS, STEP = SETTINGS.horizon_steps, SETTINGS.horizon_step
 
 
 def situation(lateral=0.0, heading=0.0, zeta=0.0, bend=0.0, **changes):
     """Stand beside a path of one curvature, with room to all sides."""
-    track = PathProjection(lateral, heading, bend, 2.0)
-    plain = SteeringInput(track, lambda: track, lambda ways: np.full(len(ways), bend), FLAT, zeta,
-                          0.0, (-0.7, 0.7), CurvatureLimits(-0.6, 0.6), 0.3, None, 0.2, 0.003, 0.0)
+    projection = PathProjection(0.0, lateral, heading, bend, 2.0)
+    plain = SteeringInput(
+        projection=projection, project_now=lambda: projection,
+        preview=lambda distances: np.full(len(distances), bend), vehicle=VEHICLE, zeta=zeta,
+        zeta_rest=0.0, zeta_limits=(-0.7, 0.7), limits=CurvatureLimits(-0.6, 0.6), cone_angle=0.3,
+        previous_curvature=None, max_change=0.2, distance=0.003, lag_distance=0.0)
     return plain._replace(**changes)
 
 
 def numbers(place, root):
     """Put the parameters of a situation in their order, with a straight path."""
-    named = dict(zip(STATES, place), wheelbase=FLAT.wheelbase, rest=0.0, roll_gain=4.0, lag=0.015,
-                 force_slope=FLAT.c_squared / FLAT.arm, robot_radius=0.17, cone=0.3,
-                 zeta_low=-0.7, zeta_high=0.7, lowest=-0.6, highest=0.6, first_low=-0.2,
-                 first_high=0.2, change=2.1)
-    return np.concatenate([[named[name] for name in SCALARS], root.ravel(order='F'),
-                           np.zeros(2 * STEPS)])
+    scalars = HorizonParameters(
+        *place, wheelbase=VEHICLE.wheelbase, force_slope=VEHICLE.c_squared / VEHICLE.arm,
+        robot_radius=0.17, zeta_rest=0.0, rolling_gain=4.0, lag_distance=0.015, cone_angle=0.3,
+        zeta_low=-0.7, zeta_high=0.7, lowest=-0.6, highest=0.6, first_lowest=-0.2,
+        first_highest=0.2, max_change=2.1)
+    return np.concatenate([scalars, root.ravel(order='F'), np.zeros(2 * STEPS)])
 
 
 def test_left_and_right_are_treated_alike():
@@ -59,7 +61,7 @@ def test_near_a_straight_path_it_is_the_linear_quadratic_regulator(lag):
     """With no limit active: the gain of the Riccati equation, solved apart from the problem."""
     weights = optimal_weights(SETTINGS)
     a, b = straight_step('differential', STEP, lag)
-    costs = np.diag([STEP * weights[0], STEP * weights[1], 1e-9])
+    costs = np.diag([STEP * weights.lateral, STEP * weights.heading, 1e-9])
     value = solve_discrete_are(a, b, costs, np.array([[STEP]]))
     gain = np.linalg.solve(STEP + b.T @ value @ b, b.T @ value @ a)
     for errors in ((1e-3, 0.0), (0.0, 2e-3), (-1e-3, 1e-3)):
@@ -79,7 +81,7 @@ def test_with_short_steps_it_is_the_closed_form_law():
 
 def test_it_steers_before_the_path_bends():
     """On a straight stretch, with a bend to the left ahead that is sharper than the limit."""
-    place = situation(preview=lambda ways: np.where(ways > 0.15, 0.9, 0.0))
+    place = situation(preview=lambda distances: np.where(distances > 0.15, 0.9, 0.0))
     assert PredictiveLaw(ROBOT, SETTINGS).curvature(place) > 0.01
     assert ClosedFormLaw(SETTINGS).curvature(place) == 0.0
 
@@ -90,7 +92,8 @@ def test_limits_and_changes_are_kept(lag):
     law, rng = PredictiveLaw(ROBOT, SETTINGS), np.random.default_rng(1)
     before = None
     for _ in range(300):
-        place = situation(*rng.normal(0.0, (0.05, 0.1, 0.15)), previous_curvature=before, lag_distance=lag)
+        place = situation(*rng.normal(0.0, (0.05, 0.1, 0.15)), previous_curvature=before,
+                          lag_distance=lag)
         found = law.curvature(place)
         assert found == pytest.approx(place.clip(found), abs=1e-6)
         before = place.clip(found)
@@ -100,7 +103,7 @@ def test_limits_and_changes_are_kept(lag):
 def test_the_force_stays_in_its_cone_where_the_closed_form_law_leaves_it():
     """With the normal turned aside, a sharp turn the wrong way must wait."""
     place = situation(lateral=-0.05, zeta=0.25)
-    slope = FLAT.c_squared / FLAT.arm
+    slope = VEHICLE.c_squared / VEHICLE.arm
     closed = place.clip(ClosedFormLaw(SETTINGS).curvature(place))
     found = PredictiveLaw(ROBOT, SETTINGS).curvature(place)
     assert place.zeta + slope * closed > place.cone_angle
@@ -115,7 +118,7 @@ def converged(place):
     u, slack = ca.SX.sym('u', STEPS), ca.SX.sym('slack')
     residuals, soft, low, high = problem(u, p)
     changes = u[1:] - u[:-1]
-    cost = 0.5 * ca.sumsqr(residuals) + weights[2] * (slack + 0.5 * slack ** 2)
+    cost = 0.5 * ca.sumsqr(residuals) + weights.slack * (slack + 0.5 * slack ** 2)
     solver = ca.nlpsol('exact', 'ipopt', {
         'x': ca.vertcat(u, slack), 'f': cost,
         'g': ca.vertcat(soft - high - slack, low - slack - soft, changes - 2.1, -changes - 2.1)},
@@ -132,7 +135,7 @@ def converged(place):
         values, bounds, *_ = problem(inputs, p)
         rows = np.concatenate([np.array(bounds - high_), np.array(low_ - bounds)])
         beyond = max(0.0, rows.max())
-        return 0.5 * float(ca.sumsqr(values)) + weights[2] * (beyond + 0.5 * beyond ** 2)
+        return 0.5 * float(ca.sumsqr(values)) + weights.slack * (beyond + 0.5 * beyond ** 2)
 
     _, _, low_, high_ = problem(once, p)
     return np.array(exact['x'][:-1]).ravel(), once, many, cost_of
@@ -150,7 +153,7 @@ def test_steps_converge_to_the_exact_solution_and_one_step_is_nearly_there(place
 def test_a_broken_problem_is_answered_by_the_closed_form_law():
     """In the same call, counted, with its reason; afterwards the solver answers again."""
     law, good = PredictiveLaw(ROBOT, SETTINGS), situation(0.01, 0.02)
-    bad = good._replace(preview=lambda ways: np.full(len(ways), math.nan))
+    bad = good._replace(preview=lambda distances: np.full(len(distances), math.nan))
     assert law.curvature(bad) == ClosedFormLaw(SETTINGS).curvature(bad)
     assert law.solver == (1, SolverFailure.PROBLEM_NOT_FINITE)
     fresh = PredictiveLaw(ROBOT, SETTINGS)

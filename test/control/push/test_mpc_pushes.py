@@ -1,14 +1,14 @@
-"""Pushes under the predictive law: random ones, without a solver, mirrored, slow and slower."""
+"""Pushes with the predictive law: random ones, without a solver, mirrored, slow and slower."""
 
 import dataclasses
-import math
 
 from helpers.push_case import (
-    box, Case, held_case, mirrored_object, mirrored_target, random_case, run, SENSORS, vertex_plan,
+    box, Case, GOOD_HEADING, GOOD_POSITION, held_case, mirrored_object, mirrored_target,
+    random_case, run, SENSORS, vertex_plan,
 )
 import numpy as np
-from push_control.laws.curvature_limits import CurvatureLimits
 from push_control.laws.steering_law import SolverFailure
+from push_control.path.path import CurvatureLimits
 from push_control.push.status import Phase
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
@@ -17,7 +17,7 @@ from push_sim_node.sensors import SensorSettings
 import pytest
 
 SETTINGS = ControlSettings(control_law='mpc')
-GOOD_POSITION, GOOD_HEADING = 0.02, math.radians(3.0)
+pytestmark = pytest.mark.slow
 
 
 def test_a_push_goes_on_without_a_solver(monkeypatch):

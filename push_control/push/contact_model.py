@@ -1,0 +1,147 @@
+"""The pushed object as the controller models it at one contact: pure functions of the estimate."""
+
+import functools
+import math
+from typing import Callable, NamedTuple
+
+from push_control.estimation.contact_site import ContactSite, initial_contact_site
+from push_control.estimation.limit_surface_table import LimitSurfaceTable
+from push_control.estimation.push_motion import PushMotion, PushState
+from push_control.laws.contact_steering import ContactSteering, SteeringCommand
+from push_control.path.path import CurvatureLimits, flat_output_pose
+from push_control.settings import ControlSettings
+from push_model.friction import friction_center
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.quasi_static import Vehicle, vehicle
+from push_model.trajectory import PushTrajectory
+
+
+class PushStep(NamedTuple):
+    """
+    The push at one control step, as estimated.
+
+    :param now: ``PushState`` now.
+    :param ahead: ``PushState`` one drive lag ahead, where the command takes effect.
+    :param site: the ``ContactSite``.
+    :param vehicle: the object as ``Vehicle``, pushed at the contact ahead.
+    """
+
+    now: PushState
+    ahead: PushState
+    site: ContactSite
+    vehicle: Vehicle
+
+    def normal(self, state: PushState) -> float:
+        """
+        Contact normal in one of the two states.
+
+        :param state: ``now`` or ``ahead``.
+        :return: its angle in the object frame [rad].
+        """
+        return self.site.contact_at(state.relative_heading).normal
+
+    def flat_output(self, state: PushState, goal: Pose) -> Pose:
+        """
+        Pose of z in its goal frame: the frame of z where the object is at its goal.
+
+        :param state: ``now`` or ``ahead``.
+        :param goal: ``Pose`` of the object at its goal, in the world.
+        :return: ``Pose``.
+        """
+        local = flat_output_pose(self.vehicle)
+        return local.inverse() @ goal.inverse() @ state.pose @ local
+
+
+class ContactModel:
+    """
+    One robot at one contact of an object.
+
+    ``is_differential``: whether the base is a differential drive. ``nominal``: the nominal object
+    as ``Vehicle``, pushed at the start. ``center``: its friction centre (x, y) [m]. ``steering``:
+    ``ContactSteering``. ``motion``: ``PushMotion``.
+    """
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
+                 target: PushTrajectory):
+        """
+        Model the contact that a target starts from.
+
+        :param obj: the nominal ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param settings: ``ControlSettings``.
+        :param target: the ``PushTrajectory``.
+        :raises ValueError: where this robot cannot push so at the target's contact.
+        """
+        self._obj = obj
+        self._robot = robot
+        self.is_differential = robot.drive == 'differential'
+        site = initial_contact_site(obj, robot, target)
+        self.nominal = vehicle(obj, site.point)
+        self.center = friction_center(obj)
+        supports = LimitSurfaceTable(obj, site.point)
+        self.steering = ContactSteering(obj, robot, settings, site, supports)
+        self.motion = PushMotion(robot.radius, site, supports)
+        # At a vertex, without a new pose, contact and friction centre stay: one entry is enough.
+        self._vehicle: Callable[..., Vehicle] = functools.lru_cache(maxsize=1)(
+            functools.partial(vehicle, obj))
+
+    @property
+    def time_constant(self) -> float:
+        """Time constant of the robot's drive [s]."""
+        return self._robot.time_constant
+
+    def initial_site(self, target: PushTrajectory) -> ContactSite:
+        """
+        Find the contact that another target starts from.
+
+        :param target: the ``PushTrajectory``.
+        :return: ``ContactSite``.
+        :raises ValueError: where the robot does not touch the object there.
+        """
+        return initial_contact_site(self._obj, self._robot, target)
+
+    def step(self, now: PushState, ahead: PushState, site: ContactSite) -> PushStep:
+        """
+        Look at the push at one control step.
+
+        :param now: ``PushState`` now.
+        :param ahead: ``PushState`` one drive lag ahead.
+        :param site: the ``ContactSite`` as it is by now.
+        :return: ``PushStep``.
+        """
+        contact = site.contact_at(ahead.relative_heading)
+        pushed = self._vehicle((contact.x, contact.y), ahead.center)
+        return PushStep(now, ahead, site, pushed.with_c_squared_ratio(math.exp(ahead.q)))
+
+    def limits(self, step: PushStep, state: PushState, cone_fraction: float) -> CurvatureLimits:
+        """
+        Curvatures that the contact survives.
+
+        :param step: ``PushStep``.
+        :param state: its ``now`` or ``ahead``.
+        :param cone_fraction: fraction of the friction cone that may be used.
+        :return: ``CurvatureLimits``.
+        """
+        return self.steering.limits(step.site, step.vehicle, step.normal(state), cone_fraction)
+
+    def command(self, step: PushStep, curvature: float, speed: float) -> SteeringCommand:
+        """
+        Compute the command that gives z a curvature.
+
+        :param step: ``PushStep``.
+        :param curvature: of z [1/m].
+        :param speed: of the contact [m/s].
+        :return: ``SteeringCommand``.
+        """
+        return self.steering.command(step.site, step.vehicle, step.ahead, curvature=curvature,
+                                     speed=speed)
+
+    def center_error_ratio(self, state: PushState) -> float:
+        """
+        How far the friction centre is from its nominal place.
+
+        :param state: ``PushState``.
+        :return: distance over that from the contact.
+        """
+        return math.dist(state.center, self.center) / self.nominal.arm
