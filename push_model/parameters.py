@@ -229,14 +229,14 @@ def _spring_loads(points: FloatArray) -> FloatArray | None:
     ``sum w = 1, sum w s = 0``.
     """
     balance = np.vstack([np.ones(len(points)), points.T])
-    wanted = np.array([1.0, 0.0, 0.0])
+    totals = np.array([1.0, 0.0, 0.0])
     rough, _ = nnls(np.vstack([BALANCE_STIFFNESS * balance, np.eye(len(points))]),
-                    np.concatenate([BALANCE_STIFFNESS * wanted, np.zeros(len(points))]))
+                    np.concatenate([BALANCE_STIFFNESS * totals, np.zeros(len(points))]))
     # A support without load is allowed: a mass centre on the edge of the hull is at the limit.
     carrying = rough > 1e-9
     loads = np.zeros(len(points))
-    loads[carrying] = np.linalg.lstsq(balance[:, carrying], wanted, rcond=None)[0]
-    balances = np.abs(balance @ loads - wanted).max() < 1e-6 and loads.min() > -1e-6
+    loads[carrying] = np.linalg.lstsq(balance[:, carrying], totals, rcond=None)[0]
+    balances = np.abs(balance @ loads - totals).max() < 1e-6 and loads.min() > -1e-6
     return np.maximum(loads, 0.0) if balances else None
 
 
