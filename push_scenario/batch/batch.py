@@ -6,30 +6,37 @@ record. It must be pure, seeded by the job alone: then every record is the same 
 and in whatever order the jobs run.
 """
 
+from collections.abc import Callable, Iterable
 import dataclasses
 import math
+from os import PathLike
+from typing import Any
 
 import numpy as np
-from push_scenario.batch.job import collect, StopRequest
-from push_scenario.batch.store import header, Store, write_table
-from push_scenario.batch.workers import available_cores, open_workers
+from numpy.typing import NDArray
+from push_scenario.batch.chunks import collect, Entry, Job, JobFunction, Record, StopRequest
+from push_scenario.batch.identity import header
+from push_scenario.batch.store import Store, write_table
+from push_scenario.batch.workers import available_cores, open_workers, Workers
+
+BatchProgress = Callable[[int, int], None]
 
 
 @dataclasses.dataclass(frozen=True)
 class BatchResult:
     """
-    What came of all jobs, in their order.
+    Records of all jobs, in the order of the jobs.
 
     :param jobs: the jobs.
     :param records: flat dict of each job, None where it failed.
     :param errors: what went wrong, by number of the job.
     """
 
-    jobs: tuple
-    records: tuple
-    errors: dict
+    jobs: tuple[Job, ...]
+    records: tuple[Record | None, ...]
+    errors: dict[int, str]
 
-    def column(self, name):
+    def column(self, name: str) -> NDArray[Any]:
         """
         Gather one value of all records.
 
@@ -46,30 +53,32 @@ class BatchResult:
         return np.array([(record or {}).get(name, missing) for record in self.records])
 
 
-def run_batch(function, jobs, out=None, workers=None, scheduler=None, progress=None, chunk=None,
-              any_software=False):
+def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[str] | None = None,
+              *, workers: int | None = None, scheduler: Any = None,
+              progress: BatchProgress | None = None, chunk: int | None = None,
+              any_software: bool = False) -> BatchResult:
     """
-    Run a function on every job; go on where an earlier call was interrupted.
+    Run a function on every job; continue where an earlier call was interrupted.
 
-    What is done is appended to ``out`` as it comes, and survives Ctrl-C and kill. Ctrl-C ends the
-    jobs that run and then raises ``KeyboardInterrupt``; a second one does not wait. The same call
+    Results are appended to ``out`` as they arrive, and survive Ctrl-C and kill. Ctrl-C ends the
+    running jobs and then raises ``KeyboardInterrupt``; a second one does not wait. The same call
     again does the rest, and gives what an uninterrupted call would have given. At the end a table
-    of jobs and records is written beside ``out``, with the ending ``.csv``.
+    of jobs and records is written beside ``out``, with the suffix ``.csv``.
 
-    A job whose function raises an exception is kept with the error, and the others go on.
+    A job whose function raises an exception is kept with its error, and the others continue.
 
     Processes are spawned: a script that calls this needs ``if __name__ == '__main__':``.
 
     :param function: of one job, giving a dict of numbers and text; defined in a module, or a
         partial of such a function, or an instance of a frozen dataclass that can be called.
-    :param jobs: sequence of plain values.
+    :param jobs: plain values.
     :param out: file of JSON lines to write, as a path; None keeps results in memory only.
     :param workers: number of processes; None for one per core, 1 for no others than this one.
     :param scheduler: ``distributed.Client``, or address, of a Dask cluster to run on instead.
-    :param progress: called with (jobs done, all jobs).
+    :param progress: called with (finished jobs, all jobs).
     :param chunk: jobs that a worker is given at a time, which is what a kill may lose; None for
-        a guess, good for short jobs.
-    :param any_software: go on also with records that other software has made.
+        an estimate that suits short jobs.
+    :param any_software: continue also with records that other software has made.
     :return: the ``BatchResult``.
     :raises ValueError: where ``out`` holds another batch, or a job is not plain.
     """
@@ -78,17 +87,29 @@ def run_batch(function, jobs, out=None, workers=None, scheduler=None, progress=N
             raise ValueError(f'{name}: got {value!r}, expected at least 1, or None')
     jobs = tuple(jobs)
     with Store(out, header(function, jobs), any_software) as store:
-        _do_rest(function, jobs, store, workers or available_cores(), scheduler,
-                 progress or _ignore, chunk)
+        def report() -> None:
+            if progress is not None:
+                progress(len(store.entries), len(jobs))
+
+        def keep(entries: list[Entry]) -> None:
+            store.append(entries)
+            report()
+
+        report()
+        missing = [index for index in range(len(jobs)) if index not in store.entries]
+        if missing:
+            with StopRequest() as stop, open_workers(workers or available_cores(), scheduler,
+                                                     len(missing)) as pool:
+                collect(pool, function, _chunks(jobs, missing, chunk, pool), keep, stop)
         entries = [store.entries[index] for index in range(len(jobs))]
     result = BatchResult(jobs, tuple(entry.get('record') for entry in entries),
                          {entry['job']: entry['error'] for entry in entries if 'error' in entry})
     if out is not None:
-        write_table(out, result)
+        write_table(out, result.jobs, result.records, result.errors)
     return result
 
 
-def seeds(seed, count):
+def seeds(seed: int, count: int) -> list[int]:
     """
     Draw seeds for jobs; the first ones do not depend on how many there are.
 
@@ -100,21 +121,8 @@ def seeds(seed, count):
             >> 1 for index in range(count)]
 
 
-def _do_rest(function, jobs, store, workers, scheduler, progress, chunk):
-    def keep(entries):
-        store.append(entries)
-        progress(len(store.entries), len(jobs))
-
-    progress(len(store.entries), len(jobs))
-    rest = [index for index in range(len(jobs)) if index not in store.entries]
-    if not rest:
-        return
-    with StopRequest() as stop, open_workers(workers, scheduler, len(rest)) as pool:
-        size = chunk or pool.chunk_size(len(rest))
-        chunks = [[(index, jobs[index]) for index in rest[first:first + size]]
-                  for first in range(0, len(rest), size)]
-        collect(pool, function, chunks, keep, stop)
-
-
-def _ignore(done, total):
-    pass
+def _chunks(jobs: tuple[Job, ...], missing: list[int], size: int | None,
+            pool: Workers) -> list[list[tuple[int, Job]]]:
+    size = size or pool.chunk_size(len(missing))
+    return [[(index, jobs[index]) for index in missing[first:first + size]]
+            for first in range(0, len(missing), size)]

@@ -1,28 +1,36 @@
 """Ctrl-C that is not lost: compiled libraries may swallow or hide the exception that it raises."""
 
+from collections.abc import Callable
 import signal
 import threading
+from types import FrameType, TracebackType
+from typing import Any, TypeVar
+
+Self = TypeVar('Self', bound='Interrupts')
 
 
 class Interrupts:
     """
     Remembers Ctrl-C while it is entered; ``check`` raises it again.
 
-    Outside the main thread, where Python delivers no signals, it does nothing.
+    Outside the main thread, where Python delivers no signals, it does nothing. Within it, Ctrl-C
+    counts also where the process was started with the signal ignored, as a shell does for what
+    runs in its background.
     """
 
-    def __init__(self):
-        """Nothing is remembered at first."""
-        self._seen = False
-        self._before = None
+    def __init__(self) -> None:
+        """Start with nothing remembered."""
+        self._has_come = False
+        self._before: Callable[[int, FrameType | None], Any] | int | None = None
 
-    def __enter__(self):
+    def __enter__(self: Self) -> Self:
         """Take over the signal."""
         if threading.current_thread() is threading.main_thread():
-            self._before = signal.signal(signal.SIGINT, self._note)
+            self._before = signal.signal(signal.SIGINT, self._handle)
         return self
 
-    def __exit__(self, kind, error, trace):
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
         """
         Give the signal back.
 
@@ -33,18 +41,18 @@ class Interrupts:
         """
         if self._before is not None:
             signal.signal(signal.SIGINT, self._before)
-        if self._seen and isinstance(error, SystemError):
+        if self._has_come and isinstance(error, SystemError):
             raise KeyboardInterrupt from error
 
-    def check(self):
+    def check(self) -> None:
         """
         Raise what was swallowed.
 
-        :raises KeyboardInterrupt: where Ctrl-C has come since the beginning.
+        :raises KeyboardInterrupt: where Ctrl-C has come since the start.
         """
-        if self._seen:
+        if self._has_come:
             raise KeyboardInterrupt
 
-    def _note(self, number, frame):
-        self._seen = True
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        self._has_come = True
         raise KeyboardInterrupt

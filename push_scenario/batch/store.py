@@ -1,99 +1,28 @@
-"""Jobs and records of a batch as one table."""
+"""
+Results of a batch in files: JSON lines that only grow, and a table of all jobs at the end.
 
+The first line is the header that tells the batch from others; every further line is an entry, with
+the number of a job and its record or its error.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 import csv
-import dataclasses
 import fcntl
-import functools
-import hashlib
 import json
 import os
+from os import PathLike
 from pathlib import Path
-import sys
-import types
-from xml.etree import ElementTree
+from typing import Any
 
-from push_scenario.definition import data
+from push_scenario.batch.chunks import Entry, Job, Record
 
-FORMAT = 'push_control batch 1'
-PURE_PACKAGES = ('push_model', 'push_drive', 'push_planner', 'push_control', 'push_sim_node',
-                 'push_scenario', 'push_study')
-
-
-def header(function, jobs):
-    """
-    Tell a batch from others.
-
-    :param function: what runs on every job.
-    :param jobs: the jobs.
-    :return: dict of text and numbers.
-    :raises ValueError: where a job is not plain, or the function cannot be told from others.
-    """
-    manifest = ElementTree.parse(data.share_directory() / 'package.xml').getroot()
-    return {'format': FORMAT, 'function': describe(function), 'jobs': len(jobs),
-            'digest': jobs_digest(jobs), 'version': manifest.findtext('version'),
-            'software': software_digest(function)}
-
-
-def describe(function):
-    """
-    Name a function so that every process finds the same name for it.
-
-    :param function: function of a module, partial of one, or instance of a dataclass.
-    :raises ValueError: for anything else, as other processes could not import it.
-    """
-    if isinstance(function, functools.partial):
-        keywords = sorted(function.keywords.items())
-        return f'partial({describe(function.func)}, {function.args!r}, {keywords!r})'
-    if isinstance(function, types.FunctionType) and '<' not in function.__qualname__:
-        return f'{function.__module__}.{function.__qualname__}'
-    if dataclasses.is_dataclass(function) and not isinstance(function, type):
-        return f'{type(function).__module__}.{function!r}'
-    raise ValueError(f'function: got {function!r}, expected a function defined in a module, a '
-                     'partial of one, or an instance of a dataclass')
-
-
-def jobs_digest(jobs):
-    """
-    Digest of all jobs.
-
-    :param jobs: the jobs.
-    :raises ValueError: naming the first job that is not made of plain values.
-    """
-    digest = hashlib.sha256()
-    for index, job in enumerate(jobs):
-        try:
-            text = json.dumps(job, sort_keys=True)
-        except TypeError as error:
-            raise ValueError(f'jobs[{index}]: got {job!r} ({error}), expected numbers, text, '
-                             'lists and dicts of them') from error
-        digest.update(text.encode() + b'\n')
-    return digest.hexdigest()
-
-
-def software_digest(function):
-    """
-    Digest of the source that computes a record: the pure packages and the function's module.
-
-    :param function: as in ``header``.
-    """
-    while isinstance(function, functools.partial):
-        function = function.func
-    root = Path(__file__).resolve().parents[2]
-    sources = {path.relative_to(root).as_posix(): path for package in PURE_PACKAGES
-               for path in (root / package).rglob('*.py') if not path.stem.endswith('_node')}
-    own = getattr(sys.modules[function.__module__], '__file__', None)
-    if own is not None and Path(own).resolve() not in sources.values():
-        sources[''] = Path(own)
-    digest = hashlib.sha256()
-    for name in sorted(sources):
-        digest.update(name.encode() + b'\n' + sources[name].read_bytes())
-    return digest.hexdigest()
-
-
+# Keys of a header, and what errors call them.
 MEANINGS = {'format': 'kind of file', 'function': 'function', 'jobs': 'number of jobs',
             'digest': 'digest of the jobs', 'version': 'version of the package',
             'software': 'digest of the source'}
-SOFTWARE = ('version', 'software')
+SOFTWARE_KEYS = ('version', 'software')
+# How much of a damaged line an error quotes.
+QUOTE_LENGTH = 80
 
 
 class Store:
@@ -108,31 +37,33 @@ class Store:
     :raises ValueError: where the file is of another batch or damaged, naming what differs.
     """
 
-    def __init__(self, path, header, any_software=False):
-        self.entries = {}
-        self._path, self._header = path and Path(path), header
-        self._ignored = SOFTWARE if any_software else ()
-        self._descriptor = None
+    def __init__(self, path: str | PathLike[str] | None, header: Mapping[str, Any],
+                 any_software: bool = False) -> None:
+        self.entries: dict[int, Entry] = {}
+        self._path = None if path is None else Path(path)
+        self._header = dict(header)
+        self._ignored = SOFTWARE_KEYS if any_software else ()
+        self._descriptor: int | None = None
 
-    def __enter__(self):
+    def __enter__(self) -> 'Store':
         """Read what is there, and open the file for more."""
         if self._path is not None:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
             try:
-                self._begin()
+                self._open(self._path, self._descriptor)
             except (OSError, ValueError):
                 self.__exit__()
                 raise
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         """Close the file."""
         if self._descriptor is not None:
             os.close(self._descriptor)
             self._descriptor = None
 
-    def append(self, entries):
+    def append(self, entries: Sequence[Entry]) -> None:
         """
         Keep more entries.
 
@@ -141,79 +72,84 @@ class Store:
         self._write(entries)
         self.entries.update((entry['job'], entry) for entry in entries)
 
-    def _begin(self):
+    def _open(self, path: Path, descriptor: int) -> None:
         try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise ValueError(f'{self._path}: another process is writing to it') from error
-        length = self._read()
-        os.ftruncate(self._descriptor, length)
+            raise ValueError(f'{path}: another process is writing to it') from error
+        length = self._read(path)
+        # A last line without its end is what a kill or a power cut leaves.
+        os.ftruncate(descriptor, length)
         if length == 0:
             self._write([self._header])
 
-    def _write(self, entries):
+    def _write(self, entries: Sequence[Mapping[str, Any]]) -> None:
         if self._descriptor is None:
             return
         text = b''.join(_line(entry) for entry in entries)
         while text:
             text = text[os.write(self._descriptor, text):]
 
-    def _read(self):
+    def _read(self, path: Path) -> int:
         """Read all whole lines; return how many bytes they take."""
-        content = self._path.read_bytes()
+        content = path.read_bytes()
         length = content.rfind(b'\n') + 1
         if length == 0:
             if not _line(self._header).startswith(content):
-                raise ValueError(f'{self._path}: expected a file of results, or none')
+                raise ValueError(f'{path}: expected a file of results, or none')
             return 0
         lines = content[:length].splitlines()
-        self._compare(self._parse(lines[0], 1))
+        self._compare(path, _parse(path, lines[0], 1))
         for number, line in enumerate(lines[1:], 2):
-            entry = self._parse(line, number)
+            entry = _parse(path, line, number)
             if not isinstance(entry.get('job'), int) or not {'record', 'error'} & entry.keys():
-                raise ValueError(f'{self._path}, line {number}: got {line[:80]!r}, expected a '
+                raise ValueError(f'{path}, line {number}: got {line[:QUOTE_LENGTH]!r}, expected a '
                                  'job and its record or error')
             self.entries[entry['job']] = entry
         return length
 
-    def _parse(self, line, number):
-        try:
-            entry = json.loads(line)
-        except ValueError as error:
-            raise ValueError(f'{self._path}, line {number}: got {line[:80]!r}, expected JSON '
-                             f'({error})') from error
-        if not isinstance(entry, dict):
-            raise ValueError(f'{self._path}, line {number}: got {line[:80]!r}, expected a '
-                             'JSON object')
-        return entry
-
-    def _compare(self, found):
+    def _compare(self, path: Path, found: Mapping[str, Any]) -> None:
         for key, meaning in MEANINGS.items():
             if found.get(key) != self._header[key] and key not in self._ignored:
-                hint = ' or any_software=True' if key in SOFTWARE else ''
+                hint = ' or any_software=True' if key in SOFTWARE_KEYS else ''
                 raise ValueError(
-                    f'{self._path}: holds results of another batch: {meaning}: got '
-                    f'{found.get(key)!r}, expected {self._header[key]!r}; give another file, '
-                    f'remove this one{hint}')
+                    f'{path}: holds results of another batch: {meaning}: got {found.get(key)!r}, '
+                    f'expected {self._header[key]!r}; give another file, remove this one{hint}')
 
 
-def _line(entry):
+def _line(entry: Mapping[str, Any]) -> bytes:
     return json.dumps(entry).encode() + b'\n'
 
 
-def write_table(out, result):
+def _parse(path: Path, line: bytes, number: int) -> dict[str, Any]:
+    try:
+        entry = json.loads(line)
+    except ValueError as error:
+        raise ValueError(f'{path}, line {number}: got {line[:QUOTE_LENGTH]!r}, expected JSON '
+                         f'({error})') from error
+    if not isinstance(entry, dict):
+        raise ValueError(f'{path}, line {number}: got {line[:QUOTE_LENGTH]!r}, expected a JSON '
+                         'object')
+    return entry
+
+
+def write_table(out: str | PathLike[str], jobs: Sequence[Job], records: Sequence[Record | None],
+                errors: Mapping[int, str]) -> None:
     """
     Write a CSV file beside the file of results: a row per job, in their order.
 
     Columns are ``job`` (its number), ``error``, the values of the job under ``job.`` and their
     path, such as ``job.object_pose.0``, and those of the record. Floats keep every bit.
 
-    :param out: path of the file of results; the table gets the ending ``.csv``.
-    :param result: the ``BatchResult``.
+    :param out: path of the file of results; the table gets the suffix ``.csv``.
+    :param jobs: the jobs.
+    :param records: flat dict of each job, None where it failed.
+    :param errors: what went wrong, by number of the job.
     """
-    rows = [{'job': index, 'error': result.errors.get(index, ''), **dict(_flat('job', job)),
-             **(record or {})}
-            for index, (job, record) in enumerate(zip(result.jobs, result.records))]
+    rows: list[dict[str, Any]] = [
+        {'job': index, 'error': errors.get(index, ''), **dict(_columns('job', job)),
+         **(record or {})}
+        for index, (job, record) in enumerate(zip(jobs, records))]
     columns = list(dict.fromkeys(column for row in rows for column in row))
     path = Path(out).with_suffix('.csv')
     unfinished = path.with_suffix('.csv.part')
@@ -224,13 +160,14 @@ def write_table(out, result):
     os.replace(unfinished, path)
 
 
-def _flat(name, value):
+def _columns(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield column names and values of a job."""
     if isinstance(value, dict):
-        items = value.items()
+        items: Any = value.items()
     elif isinstance(value, (list, tuple)):
         items = enumerate(value)
     else:
         yield (f'{name}.value' if name == 'job' else name), value
         return
     for key, inner in items:
-        yield from _flat(f'{name}.{key}', inner)
+        yield from _columns(f'{name}.{key}', inner)

@@ -1,22 +1,27 @@
 """Variations of one plain push: parameters, friction, start and commands, as jobs of a batch."""
 
+from collections.abc import Iterable, Sequence
 import dataclasses
 import math
+from typing import Any, TypeVar
 
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
+from push_scenario.batch.chunks import Job, Record
 from push_sim_node.kernel.floor import FloorPatch
 from push_sim_node.plant import Plant
 
-PARTS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments',
-         'floor')
+JOB_KEYS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments',
+            'floor')
+Triple = tuple[float, float, float]
+Parameters = TypeVar('Parameters', PushedObject, RoundRobot)
 
 
 @dataclasses.dataclass(frozen=True)
 class VariedPush:
     """
-    A push at given commands; called with a job, it tells how that variation of it ends.
+    A push at given commands; called with a job, it returns how that variation of it ends.
 
     A job is a dict with any of: ``object`` and ``robot``, dicts of fields of ``PushedObject`` and
     ``RoundRobot`` and their values; ``object_pose``, ``robot_pose``, ``segments``, in place of
@@ -37,14 +42,14 @@ class VariedPush:
 
     object: PushedObject
     robot: RoundRobot
-    object_pose: tuple
-    robot_pose: tuple
-    segments: tuple
+    object_pose: Triple
+    robot_pose: Triple
+    segments: tuple[tuple[float, ...], ...]
     step: float = 2e-3
     smoothing: float = 1e-5
-    floor: tuple = ()
+    floor: tuple[FloorPatch, ...] = ()
 
-    def __call__(self, job):
+    def __call__(self, job: Job) -> Record:
         """
         Simulate one variation.
 
@@ -59,7 +64,7 @@ class VariedPush:
             plant.advance(duration, Twist(v_x, v_y, omega))
         return _record(plant)
 
-    def plant(self, job):
+    def plant(self, job: Job) -> Plant:
         """
         Make the plant of one variation, at its start.
 
@@ -67,9 +72,10 @@ class VariedPush:
         :return: the ``Plant``.
         :raises ValueError: where a value does not fit.
         """
-        unknown = job.keys() - set(PARTS)
+        unknown = job.keys() - set(JOB_KEYS)
         if unknown:
-            raise ValueError(f'job: got {sorted(unknown)}, expected some of ' + ', '.join(PARTS))
+            raise ValueError(f'job: got {sorted(unknown)}, expected some of '
+                             + ', '.join(JOB_KEYS))
         floor = self.floor
         if 'floor' in job:
             _check_names('floor', {name for patch in job['floor'] for name in patch}, FloorPatch)
@@ -77,13 +83,13 @@ class VariedPush:
         plant = Plant(_varied(self.object, 'object', job), _varied(self.robot, 'robot', job),
                       Pose(*job.get('object_pose', self.object_pose)),
                       Pose(*job.get('robot_pose', self.robot_pose)), self.step, self.smoothing,
-                      floor)
+                      floor=floor)
         if 'friction_factors' in job:
             _set_factors(plant, job['friction_factors'])
         return plant
 
 
-def _set_factors(plant, factors):
+def _set_factors(plant: Plant, factors: Sequence[float]) -> None:
     count = len(plant.obj.supports)
     if len(factors) != count or not all(0.0 <= factor < math.inf for factor in factors):
         raise ValueError(f'friction_factors: got {factors!r}, expected {count} of at least 0, one '
@@ -91,22 +97,22 @@ def _set_factors(plant, factors):
     plant.set_friction_factors(factors)
 
 
-def _varied(base, part, job):
-    values = job.get(part)
+def _varied(base: Parameters, key: str, job: Job) -> Parameters:
+    values: dict[str, Any] | None = job.get(key)
     if not values:
         return base
-    _check_names(part, values.keys(), type(base))
+    _check_names(key, values.keys(), type(base))
     return dataclasses.replace(base, **values)
 
 
-def _check_names(part, names, kind):
-    unknown = names - {field.name for field in dataclasses.fields(kind)}
+def _check_names(key: str, names: Iterable[str], kind: Any) -> None:
+    unknown = set(names) - {field.name for field in dataclasses.fields(kind)}
     if unknown:
-        raise ValueError(f'{part}: got {sorted(unknown)}, expected fields of {kind.__name__}')
+        raise ValueError(f'{key}: got {sorted(unknown)}, expected fields of {kind.__name__}')
 
 
-def _record(plant):
-    record = {}
+def _record(plant: Plant) -> Record:
+    record: Record = {}
     for name, values in (('object', plant.object_pose), ('object_v', plant.object_twist),
                          ('robot', plant.robot_pose), ('robot_v', plant.robot_twist)):
         record.update((f'{name}_{axis}', value)

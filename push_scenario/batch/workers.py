@@ -1,19 +1,25 @@
 """Where the jobs of a batch run: in this process, in others, or on a Dask cluster."""
 
+import abc
+from collections.abc import Generator
 from concurrent import futures
 import contextlib
 import multiprocessing
+from multiprocessing.synchronize import Event
 import os
 import signal
 import threading
+from types import ModuleType
+from typing import Any
 
-from push_scenario.batch.job import run_chunk
+from push_scenario.batch.chunks import Chunk, ChunkResult, JobFunction, run_chunk, Stop
 
+ChunkFuture = futures.Future[ChunkResult]
 # Chunks under way for each worker, so that none has to wait for its next one.
 DEPTH = 3
 
 
-def available_cores():
+def available_cores() -> int:
     """Return the number of cores that this process may use."""
     if hasattr(os, 'sched_getaffinity'):
         return len(os.sched_getaffinity(0))
@@ -21,16 +27,17 @@ def available_cores():
 
 
 @contextlib.contextmanager
-def open_workers(count, scheduler, jobs):
+def open_workers(count: int, scheduler: Any, jobs: int) -> Generator['Workers', None, None]:
     """
     Open what the jobs run on, and close it again.
 
     :param count: number of processes; 1 for this one.
     :param scheduler: ``distributed.Client`` or address of a Dask cluster; None for no cluster.
     :param jobs: number of jobs to come.
+    :return: context manager that yields the ``Workers``.
     """
     if isinstance(scheduler, str):
-        with _distributed().Client(scheduler, set_as_default=False) as client:
+        with _import_distributed().Client(scheduler, set_as_default=False) as client:
             yield Cluster(client)
     elif scheduler is not None:
         yield Cluster(scheduler)
@@ -41,7 +48,7 @@ def open_workers(count, scheduler, jobs):
             yield pool
 
 
-class Workers:
+class Workers(abc.ABC):
     """
     Any number of workers.
 
@@ -51,65 +58,83 @@ class Workers:
     :param count: number of workers.
     """
 
+    # One in 64 is 1.5 % of the time at whose end a worker may idle; 64 jobs are few to lose.
     chunks_per_worker = 64
-    most_in_chunk = 64
+    max_chunk_size = 64
 
-    def __init__(self, count):
-        self.count, self.depth = count, DEPTH * count
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.depth = DEPTH * count
 
-    def chunk_size(self, jobs):
+    def chunk_size(self, jobs: int) -> int:
         """
-        Guess how many jobs to hand out at a time.
+        Estimate how many jobs to hand out at a time.
 
         :param jobs: number of jobs.
         """
-        return max(1, min(self.most_in_chunk, jobs // (self.chunks_per_worker * self.count)))
+        return max(1, min(self.max_chunk_size, jobs // (self.chunks_per_worker * self.count)))
+
+    @abc.abstractmethod
+    def submit(self, function: JobFunction, chunk: Chunk, stop: Stop) -> ChunkFuture:
+        """
+        Run a chunk, or have it run.
+
+        :param function: of one job.
+        :param chunk: list of (number of the job, job).
+        :param stop: asked before every job that runs in this process.
+        :return: future of the result of ``run_chunk``.
+        """
+
+    @abc.abstractmethod
+    def stop(self) -> None:
+        """Let running chunks end early."""
 
 
 class InProcess(Workers):
     """This process, one chunk at a time."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__(1)
         self.depth = 1
 
-    def submit(self, function, chunk, stop):
+    def submit(self, function: JobFunction, chunk: Chunk, stop: Stop) -> ChunkFuture:
         """Run a chunk at once."""
-        future = futures.Future()
+        future: ChunkFuture = futures.Future()
         future.set_result(run_chunk(function, chunk, stop))
         return future
 
-    def stop(self):
-        """Do nothing: the jobs ask for themselves."""
+    def stop(self) -> None:
+        """Do nothing: ``run_chunk`` asks by itself."""
 
 
 class Processes(Workers):
     """Processes on this machine."""
 
-    def __init__(self, count):
+    def __init__(self, count: int) -> None:
         super().__init__(count)
         context = multiprocessing.get_context('spawn')
         self._stop = context.Event()
         # Processes end at once when this end of the pipe is closed, be it by a kill.
         reader, self._alive = context.Pipe(duplex=False)
-        self._pool = futures.ProcessPoolExecutor(count, context, _begin, (self._stop, reader))
+        self._pool = futures.ProcessPoolExecutor(
+            count, context, initializer=_prepare_worker, initargs=(self._stop, reader))
 
-    def __enter__(self):
+    def __enter__(self) -> 'Processes':
         """Do nothing yet: processes start with the first chunks."""
         return self
 
-    def __exit__(self, error, *_):
+    def __exit__(self, kind: object, *_: object) -> None:
         """End all processes."""
-        if error is not None:
+        if kind is not None:
             self._alive.close()
         self._pool.shutdown(cancel_futures=True)
         self._alive.close()
 
-    def submit(self, function, chunk, stop):
+    def submit(self, function: JobFunction, chunk: Chunk, stop: Stop) -> ChunkFuture:
         """Hand a chunk to the next process that is free."""
         return self._pool.submit(_run_in_worker, function, chunk)
 
-    def stop(self):
+    def stop(self) -> None:
         """Let the processes end after the job that they are at."""
         self._stop.set()
 
@@ -117,43 +142,44 @@ class Processes(Workers):
 class Cluster(Workers):
     """A Dask cluster; a chunk that runs there cannot be stopped, and is given up."""
 
-    # A chunk costs its scheduler some 10 ms.
+    # Its scheduler takes some 10 ms per chunk: fewer and larger ones.
     chunks_per_worker = 16
-    most_in_chunk = 256
+    max_chunk_size = 256
 
-    def __init__(self, client):
+    def __init__(self, client: Any) -> None:
         super().__init__(max(1, sum(client.nthreads().values())))
         self._executor = client.get_executor(pure=False)
 
-    def submit(self, function, chunk, stop):
+    def submit(self, function: JobFunction, chunk: Chunk, stop: Stop) -> ChunkFuture:
         """Hand a chunk to the cluster."""
         return self._executor.submit(run_chunk, function, chunk)
 
-    def stop(self):
+    def stop(self) -> None:
         """Do nothing: chunks that wait are cancelled one by one."""
 
 
-_stop_event = None
+# In a worker process: set once the parent wants it to stop.
+_stop_event: Event | None = None
 
 
-def _begin(stop, alive):
-    """Prepare a worker: Ctrl-C is the parent's matter, and without a parent it ends."""
+def _prepare_worker(stop: Event, parent: Any) -> None:
+    """Leave Ctrl-C to the parent; ``parent`` is a pipe that it closes when it ends."""
     global _stop_event
     _stop_event = stop
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, args=(alive,), daemon=True).start()
+    threading.Thread(target=_end_with_parent, args=(parent,), daemon=True).start()
 
 
-def _end_with_parent(alive):
-    alive.poll(None)
+def _end_with_parent(parent: Any) -> None:
+    parent.poll(None)
     os._exit(1)
 
 
-def _run_in_worker(function, chunk):
+def _run_in_worker(function: JobFunction, chunk: Chunk) -> ChunkResult:
     return run_chunk(function, chunk, _stop_event)
 
 
-def _distributed():
+def _import_distributed() -> ModuleType:
     try:
         import distributed
     except ImportError as error:

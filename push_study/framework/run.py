@@ -79,7 +79,8 @@ class Runner:
     def _batch(self, function, jobs, path):
         # A few jobs are done before other processes have started.
         workers = 1 if len(jobs) < FEW else self._workers
-        result = run_batch(function, jobs, path, workers, self._scheduler, self._progress)
+        result = run_batch(function, jobs, path, workers=workers, scheduler=self._scheduler,
+                           progress=self._progress)
         if result.errors:
             number, error = next(iter(result.errors.items()))
             raise RuntimeError(f'job {number}, {jobs[number]}: {error}')

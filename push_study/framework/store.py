@@ -12,7 +12,7 @@ import os
 from pathlib import Path
 from xml.etree import ElementTree
 
-from push_scenario.batch.store import software_digest
+from push_scenario.batch.identity import software_digest
 from push_scenario.definition import data
 from push_study.framework.study import Finding
 

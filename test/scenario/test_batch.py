@@ -204,7 +204,7 @@ def test_a_signal_leaves_results_and_no_processes(tmp_path, ending):
     jobs = [{'n': n, 'seed': n} for n in range(2000)]
     (tmp_path / 'pids').mkdir()
     (tmp_path / 'jobs.json').write_text(json.dumps(jobs))
-    code = ('import json, sys\nfrom batch_jobs import slow_batch\n'
+    code = ('import json, sys\nfrom helpers.batch_jobs import slow_batch\n'
             'slow_batch(sys.argv[1], json.load(open(sys.argv[2])), sys.argv[3])')
     out = tmp_path / 'out.jsonl'
     process = subprocess.Popen(
