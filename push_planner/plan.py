@@ -1,37 +1,44 @@
-"""A plan as a file: ``*.npz`` with the trajectory's arrays, and the rest as JSON."""
+"""A plan of a single push, and its file: ``*.npz`` with arrays, and the rest as JSON."""
 
 import dataclasses
 import json
-from typing import NamedTuple
+import os
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.trajectory import COLUMNS, PushTrajectory
-from push_planner.problem import InitialMotion, PlannerSettings, PushProblem
+from push_planner.problem import InitialMotion, PushProblem
+from push_planner.settings import PlannerSettings
+
+FilePath = Union[str, 'os.PathLike[str]']
+# Version of the file format.
+FORMAT = 1
+ARRAYS = ('times',) + COLUMNS
 
 
 class Switch(NamedTuple):
     """
     A jump of the pushing angle, and what it takes if it happens at once.
 
-    :param way: where it is [m].
+    :param s: path length of the contact where it is [m].
     :param change: change of the pushing angle [rad]; at the first touch the angle itself.
     :param d_omega: jump of the object's yaw rate [rad/s].
     :param normal_impulse: J_n [N s].
     :param tangential_impulse: J_t [N s].
-    :param in_cone: whether the impulse lies within the believed friction cone.
-    :param blend: way over which the change must be spread at least, for the contact to hold [m];
-        0 inside the cone.
+    :param in_cone: whether the impulse lies within the nominal friction cone.
+    :param blend_distance: least distance over which the change must be spread for the contact to
+        hold [m]; 0 inside the cone.
     """
 
-    way: float
+    s: float
     change: float
     d_omega: float
     normal_impulse: float
     tangential_impulse: float
     in_cone: bool
-    blend: float
+    blend_distance: float
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -41,93 +48,67 @@ class Plan:
 
     :param problem: the ``PushProblem`` that it answers.
     :param trajectory: ``PushTrajectory`` in the world; twists are those after a switch.
-    :param pushing_angles: pushing angle at the begin and the end of each piece, linear in the way
-        of the contact between, from the normal to the velocity imposed at the contact [rad].
-    :param segment_ends: way of the contact at the end of each piece, increasing [m].
-    :param speeds: speed of the contact at the begin and the end of each piece; its square is
-        linear in the way between [m/s].
+    :param pushing_angles: pushing angle at the begin and the end of each segment, linear in the
+        path length of the contact between, from the normal to the velocity imposed at the contact
+        [rad].
+    :param segment_ends: path length of the contact at the end of each segment, increasing [m].
+    :param speeds: speed of the contact at the begin and the end of each segment; its square is
+        linear in the path length between [m/s].
     :param switches: ``Switch`` of every jump, the first touch included: the impulse it takes.
-    :param report: what there is to know of the plan, a dict of names to numbers and texts.
+    :param report: further figures and texts by name.
     """
 
     problem: PushProblem
     trajectory: PushTrajectory
-    pushing_angles: tuple
-    segment_ends: tuple
-    speeds: tuple
-    switches: tuple
-    report: dict
+    pushing_angles: tuple[tuple[float, float], ...]
+    segment_ends: tuple[float, ...]
+    speeds: tuple[tuple[float, float], ...]
+    switches: tuple[Switch, ...]
+    report: dict[str, Any]
 
-    def save(self, path):
+    def save(self, path: FilePath) -> None:
         """
         Write the plan to a file.
 
-        :param path: where, by convention ``*.npz``.
+        :param path: the file, by convention ``*.npz``.
         """
-        save_plan(self, path)
+        problem = self.problem
+        text = {'format': FORMAT,
+                'problem': {
+                    **{name: dataclasses.asdict(getattr(problem, name))
+                       for name in ('obj', 'robot', 'contact', 'settings')},
+                    **{name: list(getattr(problem, name)) for name in ('start', 'goal', 'motion')},
+                    'normal': problem.normal, 'heading': problem.heading},
+                'pushing_angles': self.pushing_angles, 'segment_ends': self.segment_ends,
+                'speeds': self.speeds, 'switches': [list(switch) for switch in self.switches],
+                'report': self.report}
+        arrays = {name: getattr(self.trajectory, name) for name in ARRAYS}
+        with open(path, 'wb') as file:
+            np.savez(file, plan=np.array(json.dumps(text, default=_plain)), **arrays)
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: FilePath) -> 'Plan':
         """
         Read a plan that ``save`` wrote.
 
         :param path: the file.
-        :raises ValueError: where it is no plan.
+        :raises ValueError: where it is no plan, or of another format.
         """
-        return cls(**read_plan(path))
+        with np.load(path) as data:
+            missing = sorted(({'plan'} | set(ARRAYS)) - set(data.files))
+            if missing:
+                raise ValueError(f'{path}: got no {", ".join(missing)}, expected a Plan')
+            text = json.loads(str(data['plan']))
+            if text['format'] != FORMAT:
+                raise ValueError(f'{path}: got format {text["format"]}, expected {FORMAT}')
+            trajectory = PushTrajectory(**{name: data[name] for name in ARRAYS})
+        return cls(_problem(text['problem']), trajectory,
+                   tuple(map(tuple, text['pushing_angles'])), tuple(text['segment_ends']),
+                   tuple(map(tuple, text['speeds'])),
+                   tuple(Switch(*switch) for switch in text['switches']), text['report'])
 
 
-FORMAT = 1
-NAMES = ('times',) + COLUMNS
-
-
-def save_plan(plan, path):
-    """
-    Write a plan to a file.
-
-    :param plan: the ``Plan``.
-    :param path: where, by convention ``*.npz``.
-    """
-    problem = plan.problem
-    text = {'format': FORMAT,
-            'problem': {
-                **{name: dataclasses.asdict(getattr(problem, name))
-                   for name in ('obj', 'robot', 'contact', 'settings')},
-                **{name: list(getattr(problem, name)) for name in ('start', 'goal', 'motion')},
-                'normal': problem.normal, 'heading': problem.heading},
-            'pushing_angles': plan.pushing_angles, 'segment_ends': plan.segment_ends,
-            'speeds': plan.speeds, 'switches': [list(switch) for switch in plan.switches],
-            'report': plan.report}
-    with open(path, 'wb') as file:
-        np.savez(file, plan=np.array(json.dumps(text, default=_plain)),
-                 **{name: getattr(plan.trajectory, name) for name in NAMES})
-
-
-def read_plan(path):
-    """
-    Read what ``save_plan`` wrote.
-
-    :param path: the file.
-    :return: dict of the fields of a ``Plan``.
-    :raises ValueError: where it is no plan, or of another format.
-    """
-    with np.load(path) as data:
-        missing = sorted(({'plan'} | set(NAMES)) - set(data.files))
-        if missing:
-            raise ValueError(f'{path}: got no {", ".join(missing)}, expected a Plan')
-        text = json.loads(str(data['plan']))
-        if text['format'] != FORMAT:
-            raise ValueError(f'{path}: got format {text["format"]}, expected {FORMAT}')
-        trajectory = PushTrajectory(**{name: data[name] for name in NAMES})
-    return {'problem': _problem(text['problem']), 'trajectory': trajectory,
-            'pushing_angles': tuple(map(tuple, text['pushing_angles'])),
-            'segment_ends': tuple(text['segment_ends']),
-            'speeds': tuple(map(tuple, text['speeds'])),
-            'switches': tuple(Switch(*switch) for switch in text['switches']),
-            'report': text['report']}
-
-
-def _problem(values):
+def _problem(values: dict[str, Any]) -> PushProblem:
     obj = dict(values['obj'])
     obj['supports'] = tuple(Support(**support) for support in obj['supports'])
     obj['outline'] = tuple(map(tuple, obj['outline']))
@@ -137,7 +118,7 @@ def _problem(values):
                        PlannerSettings(**values['settings']), InitialMotion(*values['motion']))
 
 
-def _plain(value):
+def _plain(value: object) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     raise TypeError(f'value: got {value!r}, expected a plain number or text')

@@ -1,17 +1,20 @@
-"""What is asked of the planner: values that check themselves."""
+"""Push problems: what the planner is asked for, as values that check themselves."""
 
 import dataclasses
 import functools
 import math
 from typing import Any, Mapping, NamedTuple, Optional
 
-from push_model.contact import contact_point, curvature_radius, find_contact, rolling_constants
+from push_model.contact import (
+    contact_point, curvature_radius, find_contact, rolling_constants, RollingConstants,
+)
+from push_model.dynamics import ObjectTerms
 from push_model.friction import friction_center
-from push_model.geometry import Pose, wrap_angle
+from push_model.geometry import Coordinates, Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
-from push_model.quasi_static import vehicle
-from push_planner.push_parameters import PushParameters
+from push_model.quasi_static import Vehicle, vehicle
+from push_planner.push_parameters import PushKind, PushParameters
 from push_planner.settings import PlannerSettings
 
 
@@ -39,7 +42,7 @@ class PlanningFailed(Exception):
 
 class InitialMotion(NamedTuple):
     """
-    How a push goes on at present, to plan on from it.
+    Motion of a push that is under way, to plan on from it.
 
     :param speed: of the contact [m/s]; 0: nothing moves yet.
     :param yaw_rate: of the object [rad/s].
@@ -56,12 +59,12 @@ class PushProblem:
     """
     Push an object from its pose to a goal pose, through one contact that never slides.
 
-    :param obj: the ``PushedObject`` as believed.
+    :param obj: the nominal ``PushedObject``.
     :param robot: the ``RoundRobot``.
-    :param contact: where the robot touches.
+    :param contact: where the robot touches the object.
     :param start: ``Pose`` of the object in the world, at rest unless ``motion`` says otherwise.
-    :param normal: gamma, world angle of the contact normal at the start [rad].
-    :param heading: phi, world heading of the robot at the start [rad].
+    :param normal: gamma, angle of the contact normal in the world at the start [rad].
+    :param heading: phi, heading of the robot in the world at the start [rad].
     :param goal: ``Pose`` of the object in the world.
     :param settings: ``PlannerSettings``.
     :param motion: ``InitialMotion``, where a push is under way already.
@@ -78,110 +81,133 @@ class PushProblem:
     motion: InitialMotion = InitialMotion()
 
     @property
-    def kind(self):
-        """How the contact goes with the robot, one of ``push_planner.push_parameters.PUSH_KINDS``."""
+    def kind(self) -> PushKind:
+        """How the contact moves with the robot."""
         if self.robot.drive == 'differential':
             return 'differential'
-        # The normal of a point robot is that of the face: it turns with the object in any case.
-        turns = self.settings.robot_yaw == 'with_object' or self.robot.radius == 0.0
-        return 'held' if turns else 'rolling'
+        # The normal of a point robot is that of the face: it rotates with the object in any case.
+        rotates = self.settings.robot_yaw == 'with_object' or self.robot.radius == 0.0
+        return 'held' if rotates else 'rolling'
 
     @functools.cached_property
-    def push_parameters(self):
-        """What the equations need of it, ``push_planner.push_parameters.PushParameters``."""
-        return PushParameters.of(self)
+    def push_parameters(self) -> PushParameters:
+        """Parameters of the equations of the push."""
+        base_x, base_y = self.contact_point
+        effective_radius = face_radius = disc_radius = 0.0
+        # Where contact and object rotate as one, R_e plays no part.
+        if self.kind == 'rolling':
+            effective_radius = self.rolling.effective_radius
+            if self.contact.kind == 'face':
+                face_radius = self.robot.radius
+            elif self.contact.kind == 'round':
+                base_x, base_y = 0.0, 0.0
+                disc_radius = self.obj.radius
+        return PushParameters(ObjectTerms.of(self.obj), base_x, base_y, self.start_normal,
+                              self.rolling.normal_ratio, effective_radius, face_radius,
+                              disc_radius, self.robot.radius, self.heading_offset)
 
     @functools.cached_property
-    def contact_point(self):
+    def contact_point(self) -> tuple[float, float]:
         """Contact point C in the object frame at the start, (x, y) [m]."""
         return contact_point(self.obj, self.contact)
 
     @functools.cached_property
-    def friction_center(self):
-        """Friction centre F in the object frame, (x, y) [m]."""
+    def friction_center(self) -> tuple[float, float]:
+        """Centre of friction F in the object frame, (x, y) [m]."""
         return friction_center(self.obj)
 
     @functools.cached_property
-    def relative_goal(self):
-        """Goal in the object's start frame, ``Pose``."""
+    def relative_goal(self) -> Pose:
+        """Goal in the object's start frame."""
         return self.start.inverse() @ self.goal
 
     @property
-    def start_normal(self):
-        """Normal in the object frame at the start, in [-pi, pi] [rad]."""
+    def start_normal(self) -> float:
+        """Angle of the normal in the object frame at the start, in [-pi, pi] [rad]."""
         return wrap_angle(self.normal - self.start.theta)
 
     @functools.cached_property
-    def vehicle(self):
-        """View of the object as a vehicle, ``push_model.quasi_static.Vehicle``."""
+    def vehicle(self) -> Vehicle:
+        """The object seen as a vehicle that is pushed at the contact."""
         return vehicle(self.obj, self.contact_point)
 
     @functools.cached_property
-    def rolling(self):
+    def rolling(self) -> RollingConstants:
         """Constants (lam, R_e [m]) of the rolling contact."""
         return rolling_constants(self.robot.radius, curvature_radius(self.obj, self.contact))
 
     @property
-    def push_direction(self):
-        """World angle psi from the contact to the friction centre at the start [rad]."""
+    def center_direction(self) -> float:
+        """Angle psi in the world from the contact to the centre of friction, at the start [rad]."""
         return self.start.theta + self.vehicle.angle
 
     @property
-    def normal_offset(self):
+    def normal_offset(self) -> float:
         """Angle zeta = gamma - psi at the start, in [-pi, pi] [rad]."""
-        return wrap_angle(self.normal - self.push_direction)
+        return wrap_angle(self.normal - self.center_direction)
 
     @property
-    def heading_offset(self):
-        """D = gamma - phi at the start, in [-pi, pi] [rad]."""
+    def heading_offset(self) -> float:
+        """Angle D = gamma - phi at the start, in [-pi, pi] [rad]."""
         return wrap_angle(self.normal - self.heading)
 
     @property
-    def friction_angle(self):
-        """Half-angle of the friction cone as believed, ``atan(mu_c)`` [rad]."""
+    def friction_angle(self) -> float:
+        """Half-angle of the nominal friction cone, ``atan(mu_c)`` [rad]."""
         return math.atan(self.obj.contact_friction_coefficient)
 
     @property
-    def planning_cone_angle(self):
+    def planning_cone_angle(self) -> float:
         """Half-angle of the cone that the plan keeps to, discount and margin included [rad]."""
         friction = self.settings.friction_discount * self.obj.contact_friction_coefficient
         return self.settings.cone_margin * math.atan(friction)
 
 
-def problem_from_placement(obj, robot, object_pose, robot_pose, goal, settings=None):
+def problem_from_placement(obj: PushedObject, robot: RoundRobot, object_pose: Coordinates,
+                           robot_pose: Coordinates, goal: Coordinates,
+                           settings: Optional[PlannerSettings] = None) -> PushProblem:
     """
     Make the problem of pushing from where robot and object stand.
 
-    A gap or an overlap within the tolerance counts as touching.
+    A gap or an overlap within ``contact_tolerance`` counts as contact.
 
-    :param obj: the ``PushedObject``.
+    :param obj: the nominal ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object in the world.
     :param robot_pose: ``Pose`` of the robot in the world.
-    :param goal: ``Pose`` wanted for the object in the world.
+    :param goal: ``Pose`` of the object in the world at the end.
     :param settings: ``PlannerSettings``, or None for the defaults.
     :return: ``PushProblem``.
     :raises PlanningFailed: where a pose is not finite or the robot is not at the object.
     """
     settings = settings or PlannerSettings()
-    poses = {'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal}
-    for name, pose in poses.items():
-        if not Pose(*pose).is_finite():
-            raise PlanningFailed(PlanFailure.INVALID_VALUE,
-                                 f'the {name} is not finite: {tuple(pose)}')
+    check_finite({'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal})
     check_robot_is_round(robot)
     contact, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
     if abs(gap) > settings.contact_tolerance:
-        kind = 'away from' if gap > 0.0 else 'inside'
+        where = 'away from' if gap > 0.0 else 'inside'
         raise PlanningFailed(PlanFailure.NOT_IN_CONTACT,
-                             f'the robot is not at the object: it is {abs(gap):.3f} m {kind} it, '
+                             f'the robot is not at the object: it is {abs(gap):.3f} m {where} it, '
                              f'at most {settings.contact_tolerance:g} m is accepted',
                              {'gap': gap})
     return PushProblem(obj, robot, contact, Pose(*map(float, object_pose)), float(normal),
                        float(robot_pose[2]), Pose(*map(float, goal)), settings)
 
 
-def check_robot_is_round(robot):
+def check_finite(poses: Mapping[str, Coordinates]) -> None:
+    """
+    Refuse poses that are not finite.
+
+    :param poses: name -> (x, y, theta).
+    :raises PlanningFailed: naming the first that is not finite.
+    """
+    for name, pose in poses.items():
+        if not Pose(*pose).is_finite():
+            raise PlanningFailed(PlanFailure.INVALID_VALUE,
+                                 f'the {name} is not finite: {tuple(pose)}')
+
+
+def check_robot_is_round(robot: RoundRobot) -> None:
     """
     Refuse a robot that is not round.
 
@@ -191,4 +217,4 @@ def check_robot_is_round(robot):
     if math.isinf(robot.radius):
         raise PlanningFailed(PlanFailure.ROBOT_NOT_ROUND,
                              f'the robot has a radius of {robot.radius:g} m: plans are made for '
-                             'round robots and points, not for fences')
+                             'round robots and points, not for flat pushers')

@@ -1,38 +1,64 @@
 """
-What stays the same along a push, and where the contact is.
+Parameters that stay the same along a push, and the contact that they place on the object.
 
-In the object frame, with T and Phi the turns of object and robot since the start:
-``gamma - theta = delta_0 + (lam - 1)(T - Phi)`` and, at n and t of that normal,
-``C = base + roll (T - Phi) t - R_s n``.
+With T and Phi the rotations of object and robot since the start, the angle of the normal n in the
+object frame and the contact point are
+
+    delta = delta_0 + (lam - 1) (T - Phi)
+    C = base + R_face (T - Phi) t - R_disc n
+
+with t the tangent, lam the normal ratio of the rolling contact, R_face the robot's radius where
+the contact travels along a face and R_disc the object's radius where it travels round a disc.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, get_args, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
 from push_model.dynamics import ObjectTerms
-from push_model.geometry import wrap_angle
+from push_model.geometry import FloatArray
 
-PUSH_KINDS = ('held', 'rolling', 'differential')
+# How the contact moves with the robot: held in place on the object by a robot that rotates with
+# it, rolling on a robot that does not rotate, or held by a differential drive, which steers.
+PushKind = Literal['held', 'rolling', 'differential']
+PUSH_KINDS: tuple[PushKind, ...] = get_args(PushKind)
+# Distance that plans keep between the normal at a vertex and those of its two faces [rad]. Chosen:
+# about 1 degree, the accuracy of measured headings.
 VERTEX_MARGIN = 0.02
+# Stands for no limit at all in the inequalities of the nonlinear program: large against every
+# angle, force and speed there, and yet small enough to keep it well scaled.
 UNLIMITED = 1e3
-# Numbers of the constants besides those of the supports.
+# Scalars of ``PushParameters`` besides those of the supports: 4 of the object and 9 more.
 PARAMETER_COUNT = 13
+
+
+class ContactFrame(NamedTuple):
+    """
+    Contact point and normal in the object frame: numbers, arrays or casadi symbols.
+
+    :param delta: angle of the normal n [rad].
+    :param c_x: contact point, x [m].
+    :param c_y: contact point, y [m].
+    """
+
+    delta: Any
+    c_x: Any
+    c_y: Any
 
 
 class PushParameters(NamedTuple):
     """
-    Constants of a push; numbers or casadi symbols.
+    Parameters of a push: numbers, or casadi symbols.
 
     :param terms: ``ObjectTerms``.
-    :param base_x: part of the contact that is fixed in the object [m].
-    :param base_y: the same, y.
-    :param delta: normal in the object frame at the start [rad].
-    :param share: lam.
-    :param effective: R_e [m].
-    :param roll: R_p where the contact travels along a face, else 0 [m].
-    :param round: R_s where it travels round a disc, else 0 [m].
-    :param radius: R_p [m].
+    :param base_x: part of the contact point that is fixed in the object frame, x [m].
+    :param base_y: the same, y [m].
+    :param delta: delta_0, angle of the normal in the object frame at the start [rad].
+    :param normal_ratio: lam of ``push_model.contact.RollingConstants``.
+    :param effective_radius: R_e of the same [m].
+    :param face_radius: R_p where the contact travels along a face, else 0 [m].
+    :param disc_radius: R_s where the contact travels round a disc, else 0 [m].
+    :param radius: R_p, radius of the robot [m].
     :param heading_offset: D = gamma - phi at the start [rad].
     """
 
@@ -40,70 +66,61 @@ class PushParameters(NamedTuple):
     base_x: Any
     base_y: Any
     delta: Any
-    share: Any
-    effective: Any
-    roll: Any
-    round: Any
+    normal_ratio: Any
+    effective_radius: Any
+    face_radius: Any
+    disc_radius: Any
     radius: Any
     heading_offset: Any
 
     @classmethod
-    def of(cls, problem):
-        """
-        Take the constants from a problem.
-
-        :param problem: the ``PushProblem``.
-        """
-        share, effective = problem.rolling
-        base, roll, bend = problem.contact_point, 0.0, 0.0
-        if problem.kind == 'rolling' and problem.contact.kind == 'face':
-            roll = problem.robot.radius
-        if problem.kind == 'rolling' and problem.contact.kind == 'round':
-            base, bend = (0.0, 0.0), problem.obj.radius
-        # Where contact and object turn as one, R_e plays no part.
-        return cls(ObjectTerms.of(problem.obj), *base,
-                   wrap_angle(problem.normal - problem.start.theta), share,
-                   effective if problem.kind == 'rolling' else 0.0, roll, bend,
-                   problem.robot.radius, problem.heading_offset)
-
-    @classmethod
-    def symbols(cls, supports):
+    def symbols(cls, supports: int) -> tuple['PushParameters', Any]:
         """
         Make symbols for an object on a number of supports.
 
-        :param supports: number of supports.
-        :return: (``PushParameters`` of symbols, the same as one column).
+        :param supports: k, number of supports.
+        :return: (``PushParameters`` of symbols, the same as one column of 13 + 3 k rows).
         """
-        flat = ca.SX.sym('constants', PARAMETER_COUNT + 3 * supports)
-        parts = ca.vertsplit(flat)
-        feet = tuple(tuple(parts[PARAMETER_COUNT + 3 * i:PARAMETER_COUNT + 3 + 3 * i]) for i in range(supports))
-        return cls(ObjectTerms(*parts[:4], feet), *parts[4:PARAMETER_COUNT]), flat
+        column = ca.SX.sym('parameters', PARAMETER_COUNT + 3 * supports)
+        scalars = ca.vertsplit(column)
+        of_supports = tuple(
+            (scalars[i], scalars[i + 1], scalars[i + 2])
+            for i in range(PARAMETER_COUNT, PARAMETER_COUNT + 3 * supports, 3))
+        return cls(ObjectTerms(*scalars[:4], of_supports), *scalars[4:PARAMETER_COUNT]), column
 
-    def column(self):
+    def column(self) -> FloatArray:
         """Return the numbers in the order of ``symbols``, shape (13 + 3 k,)."""
-        feet = [value for support in self.terms.supports for value in support]
-        return np.array([*self.terms[:4], *self[1:], *feet])
+        of_supports = [value for support in self.terms.supports for value in support]
+        return np.array([*self.terms[:4], *self[1:], *of_supports])
 
 
-def place(push_parameters, theta, phi):
+def contact_frame(parameters: PushParameters, theta: Any, phi: Any) -> ContactFrame:
     """
-    Find the contact in the object frame.
+    Find the contact in the object frame; see the formulas of this module.
 
-    :param push_parameters: ``PushParameters``.
-    :param theta: turn of the object since the start [rad].
-    :param phi: turn of the robot since the start [rad].
-    :return: (angle of n [rad], c_x, c_y [m]).
+    :param parameters: ``PushParameters``.
+    :param theta: T, rotation of the object since the start [rad].
+    :param phi: Phi, rotation of the robot since the start [rad].
     """
-    apart = theta - phi
-    delta = push_parameters.delta + (push_parameters.share - 1.0) * apart
+    relative = theta - phi
+    delta = parameters.delta + (parameters.normal_ratio - 1.0) * relative
     # casadi would take arrays apart.
     trig = np if isinstance(delta, np.ndarray) else ca
     n_x, n_y = trig.cos(delta), trig.sin(delta)
-    along = push_parameters.roll * apart
-    return (delta, push_parameters.base_x - along * n_y - push_parameters.round * n_x,
-            push_parameters.base_y + along * n_x - push_parameters.round * n_y)
+    travel = parameters.face_radius * relative
+    return ContactFrame(delta,
+                        parameters.base_x - travel * n_y - parameters.disc_radius * n_x,
+                        parameters.base_y + travel * n_x - parameters.disc_radius * n_y)
 
 
-def places(push_parameters, theta, phi):
-    """Find the contact at many turns; as ``place``, with arrays of shape (n,)."""
-    return tuple(value + 0.0 * theta for value in place(push_parameters, theta, phi))
+def contact_frames(parameters: PushParameters, theta: FloatArray, phi: FloatArray) -> ContactFrame:
+    """
+    Find the contact at many rotations; as ``contact_frame``, with arrays of shape (n,).
+
+    :param parameters: ``PushParameters``.
+    :param theta: T, rotations of the object since the start [rad].
+    :param phi: Phi, rotations of the robot since the start [rad].
+    """
+    frame = contact_frame(parameters, theta, phi)
+    # What does not depend on the rotations is a number: spread it over all of them.
+    return ContactFrame(*(value + 0.0 * theta for value in frame))

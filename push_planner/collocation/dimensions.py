@@ -1,90 +1,128 @@
-"""What a programme is built for, and the numbers that it is then given."""
+"""Dimensions of the nonlinear program of a push, and the layout of its parameters."""
 
-from typing import NamedTuple
+import enum
+from typing import Any, NamedTuple
 
+from push_planner.push_parameters import PushKind
+
+# Radau points of a step. Chosen: two, of order 3 at the end of a step, keep the program small; the
+# rollout makes up for what they miss.
 POINTS = 2
-ROWS_OF = {
-    'cone': 'the friction cone', 'touch': 'the friction cone at first touch',
-    'rate': 'the rate of the pushing angle', 'turn': 'the yaw rate of the robot',
-    'speed': 'the speed of the robot', 'vertex': 'the range of normals at the vertex', '': ''}
-STEP_FIELDS = ('length', 'share', 'square', 'slope', 'free', 'rate', 'pace')
+
+
+class Constraint(enum.Enum):
+    """Inequality of the program; its value says what is limited."""
+
+    CONE = 'the friction cone'
+    TOUCH = 'the friction cone at first touch'
+    ANGLE_RATE = 'the rate of the pushing angle'
+    YAW_RATE = 'the yaw rate of the robot'
+    SPEED = 'the speed of the robot'
+    VERTEX = 'the range of normals at the vertex'
 
 
 class Dimensions(NamedTuple):
     """
-    What a programme is built for.
+    All that decides on the expressions of a program; two programs of equal dimensions are one.
 
-    :param kind: one of ``push_planner.push_parameters.PUSH_KINDS``.
-    :param supports: number of supports.
-    :param steps: number of steps.
+    :param kind: how the contact moves with the robot.
+    :param support_count: number of supports.
+    :param step_count: n, number of collocation steps.
     :param jumps: whether the pushing angle jumps between steps, or changes linearly.
-    :param straight: whether the end is a straight push through the friction centre.
+    :param straight_end: whether the end is a straight push through the centre of friction.
     :param heading_free: whether the heading at the goal is free.
     """
 
-    kind: str
-    supports: int
-    steps: int
+    kind: PushKind
+    support_count: int
+    step_count: int
     jumps: bool
-    straight: bool
+    straight_end: bool
     heading_free: bool
 
     @property
-    def states(self):
-        """Number of states of a stage."""
+    def state_count(self) -> int:
+        """Number of states of a step: S, w, rho, theta, q_x, q_y and, of a drive, phi."""
         return 7 if self.kind == 'differential' else 6
 
     @property
-    def width(self):
-        """Number of unknowns of a stage."""
-        return self.states + 1 + POINTS
+    def step_size(self) -> int:
+        """Number of variables of a step: states, change of the pushing angle, w at the points."""
+        return self.state_count + 1 + POINTS
+
+    @property
+    def variable_count(self) -> int:
+        """Number of variables of the program: of all steps, and the states at the end."""
+        return self.step_size * self.step_count + self.state_count
+
+
+class StepData(NamedTuple):
+    """
+    Parameters of a collocation step, in their order in the program.
+
+    :param length: fixed part of the length [m].
+    :param free_fraction: fraction of the free length S that is added to it.
+    :param v_squared: V at the begin [m^2/s^2].
+    :param v_squared_slope: dV/ds [m/s^2].
+    :param may_steer: 1 where the pushing angle may change, else 0.
+    :param max_angle_slope: largest change of the pushing angle per length [rad/m].
+    :param v_squared_end: V at the end [m^2/s^2].
+    """
+
+    length: Any
+    free_fraction: Any
+    v_squared: Any
+    v_squared_slope: Any
+    may_steer: Any
+    max_angle_slope: Any
+    v_squared_end: Any
 
 
 class Limits(NamedTuple):
     """
-    What a push must keep to; the slacks are 0, or large where a cone does not count.
+    Limits of a push; the slacks are 0, or large where a cone does not count.
 
-    :param slope: tangent of the planning cone's half-angle.
-    :param slack: of the cone on forces.
+    :param cone_slope: tangent of the planning cone's half-angle.
+    :param cone_slack: of the cone on forces.
     :param touch_slack: of the cone on the impulse of the first touch.
     :param speed: highest speed of the robot's centre [m/s].
-    :param turn: highest yaw rate of the robot [rad/s].
-    :param lowest: lowest normal in the object frame [rad].
-    :param highest: highest normal in the object frame [rad].
+    :param yaw_rate: highest yaw rate of the robot [rad/s].
+    :param min_normal: lowest angle of the normal in the object frame [rad].
+    :param max_normal: highest angle of the normal in the object frame [rad].
     """
 
-    slope: float
-    slack: float
-    touch_slack: float
-    speed: float
-    turn: float
-    lowest: float
-    highest: float
+    cone_slope: Any
+    cone_slack: Any
+    touch_slack: Any
+    speed: Any
+    yaw_rate: Any
+    min_normal: Any
+    max_normal: Any
 
 
 class BoundaryValues(NamedTuple):
     """
-    Where the push begins and ends, in the object's start frame.
+    Begin and end of a push, in the object's start frame.
 
-    :param q_x: followed point at the start [m].
-    :param q_y: the same, y.
+    :param q_x: followed point at the start, x [m].
+    :param q_y: the same, y [m].
     :param w: present w of an object that moves already [1/m].
     :param moving: 1 where it does, 0 at rest.
-    :param x: object at the goal [m].
-    :param y: the same, y.
-    :param theta: its turn until the goal, unwrapped [rad].
-    :param delta: normal in the object frame at the goal [rad]; for a differential drive.
-    :param f_x: friction centre in the object frame [m].
-    :param f_y: the same, y.
+    :param x: object at the goal, x [m].
+    :param y: the same, y [m].
+    :param theta: rotation of the object until the goal, unwrapped [rad].
+    :param delta: normal in the object frame at the goal, of a differential drive [rad].
+    :param f_x: centre of friction in the object frame, x [m].
+    :param f_y: the same, y [m].
     """
 
-    q_x: float
-    q_y: float
-    w: float
-    moving: float
-    x: float
-    y: float
-    theta: float
-    delta: float
-    f_x: float
-    f_y: float
+    q_x: Any
+    q_y: Any
+    w: Any
+    moving: Any
+    x: Any
+    y: Any
+    theta: Any
+    delta: Any
+    f_x: Any
+    f_y: Any

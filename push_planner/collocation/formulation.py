@@ -1,80 +1,134 @@
-"""From a problem and a route to the numbers of a programme."""
+"""Formulation of a push: from a problem and a route to the numbers of the nonlinear program."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from push_model.contact import face_length, normal_range
-from push_model.geometry import wrap_angle
+from push_model.geometry import FloatArray, wrap_angle
 from push_planner.collocation.collocation import radau
 from push_planner.collocation.dimensions import BoundaryValues, Dimensions, Limits, POINTS
 from push_planner.collocation.mesh import build_mesh, Mesh
 from push_planner.collocation.nlp_solver import Solution, VariableBounds
+from push_planner.problem import PushProblem
 from push_planner.push_parameters import UNLIMITED, VERTEX_MARGIN
 
-STEEPEST_ANGLE = 1.3
-SAME_ANGLE = 2e-3
+# Largest pushing angle that is searched [rad]. Chosen: 75 degrees, far outside every friction cone,
+# and off the singularity at a right angle.
+MAX_PUSHING_ANGLE = 1.3
+# How far a push under way may begin off its present pushing angle [rad]. Chosen: the solver wants
+# some freedom inside its bounds; 0.1 degrees cannot be measured.
+START_ANGLE_TOLERANCE = 2e-3
+# Fraction of the largest pushing angle that the guess keeps to. Chosen: interior points start
+# inside the bounds.
+GUESS_ANGLE_FRACTION = 0.95
+# Least free length of the guess, as a fraction of the path. Chosen: on short pushes the ramps and
+# the final straight may be longer than the route.
+MIN_FREE_FRACTION = 0.1
+
+
+class NodeGuess(NamedTuple):
+    """
+    Guess at a motion, in the object's start frame.
+
+    :param nodes: (w, rho, theta, q_x, q_y, phi) at the nodes, shape (n + 1, 6).
+    :param rates: w at the Radau points, shape (n, K) [1/m].
+    """
+
+    nodes: FloatArray
+    rates: FloatArray
+
+
+class InitialRoute(Protocol):
+    """A route to the goal that the program can start from."""
+
+    @property
+    def name(self) -> str:
+        """Name in reports."""
+        ...
+
+    @property
+    def path_length(self) -> float:
+        """Path length of the contact, final straight included [m]."""
+        ...
+
+    @property
+    def final_straight(self) -> float:
+        """Length of the straight push at its end [m]."""
+        ...
+
+    @property
+    def rotation(self) -> float:
+        """Angle by which the object rotates [rad]."""
+        ...
+
+    @property
+    def max_deviation(self) -> float:
+        """How far off it a plan may be, along either axis [m]."""
+        ...
+
+    def guess(self, problem: PushProblem, lengths: FloatArray, points: FloatArray) -> NodeGuess:
+        """
+        Follow the route.
+
+        :param problem: the ``PushProblem``.
+        :param lengths: of the steps, summing to the path length, shape (n,) [m].
+        :param points: Radau points of a step, shape (K,).
+        """
+        ...
 
 
 class Formulation(NamedTuple):
     """
-    A programme's input.
+    Input of a program.
 
-    :param shape: ``Dimensions``.
-    :param grid: ``Mesh``.
-    :param box: ``VariableBounds``.
-    :param ends: ``BoundaryValues``.
+    :param dimensions: ``Dimensions``.
+    :param mesh: ``Mesh``.
+    :param bounds: ``VariableBounds``.
+    :param boundary: ``BoundaryValues``.
     :param common: parameters of the whole push, shape (c,).
-    :param steps: parameters of the steps, shape (n, s).
+    :param steps: ``StepData`` of the steps, shape (n, 7).
     """
 
-    shape: Dimensions
-    grid: Mesh
-    box: VariableBounds
-    ends: BoundaryValues
-    common: np.ndarray
-    steps: np.ndarray
+    dimensions: Dimensions
+    mesh: Mesh
+    bounds: VariableBounds
+    boundary: BoundaryValues
+    common: FloatArray
+    steps: FloatArray
 
-    def parameters(self, defects=None):
-        """
-        Join the parameters.
-
-        :param defects: error of each step's end state, shape (n, states - 1); None for none.
-        """
-        if defects is None:
-            defects = np.zeros((self.shape.steps, self.shape.states - 1))
+    def parameters(self) -> FloatArray:
+        """Join all parameters; the last of each step are defects of its end state, here 0."""
+        defects = np.zeros((self.dimensions.step_count, self.dimensions.state_count - 1))
         return np.concatenate([self.common, np.hstack([self.steps, defects]).ravel()])
 
 
-def formulate(problem, route, finer=False):
+def formulate(problem: PushProblem, route: InitialRoute,
+              refined: bool = False) -> tuple[Formulation, Solution]:
     """
-    Set up the programme for a route.
+    Set up the program for a route.
 
     :param problem: the ``PushProblem``.
-    :param route: the ``Route``.
-    :param finer: whether linear pushing angles get twice as many pieces.
+    :param route: the route to start from.
+    :param refined: whether linear pushing angles get twice as many segments.
     :return: (``Formulation``, ``Solution`` to start from).
     """
-    grid = build_mesh(problem, route.path_length, route.final_straight, finer)
     settings = problem.settings
-    shape = Dimensions(problem.kind, len(problem.obj.supports), len(grid.lengths),
-                       settings.pushing_angles == 'constant', route.final_straight > 0.0,
-                       settings.heading_free)
-    ends = _ends(problem, route)
-    common = np.concatenate([problem.push_parameters.column(), _limits(problem), ends])
-    weight = 1.0 if settings.motion_model == 'dynamic' else 0.0
-    last = grid.ends
-    steps = np.column_stack([grid.lengths, grid.shares, weight * grid.squares,
-                             weight * grid.slopes, grid.free,
-                             angle_rate(problem) / np.sqrt(np.maximum(grid.squares, last)), last])
-    formulation = Formulation(shape, grid, _box(problem), ends, common, steps)
-    guess = _first_guess(problem, route, formulation)
+    mesh = build_mesh(problem, route.path_length, route.final_straight, refined)
+    dimensions = Dimensions(problem.kind, len(problem.obj.supports), len(mesh.lengths),
+                            settings.pushing_angles == 'constant', route.final_straight > 0.0,
+                            settings.heading_free)
+    boundary = _boundary_values(problem, route)
+    common = np.concatenate([problem.push_parameters.column(), _limits(problem), boundary])
+    bounds = _bounds(problem)
+    guess = _first_guess(problem, route, mesh, dimensions, bounds)
     followed = guess.nodes[:, 3:5]
-    box = formulation.box._replace(places=(followed - route.max_deviation, followed + route.max_deviation))
-    return formulation._replace(box=box), guess
+    bounds = bounds._replace(followed=(followed - route.max_deviation,
+                                       followed + route.max_deviation))
+    return Formulation(dimensions, mesh, bounds, boundary, common, _step_data(problem, mesh)), guess
 
 
-def angle_rate(problem):
+def max_angle_rate(problem: PushProblem) -> float:
     """
     Highest rate of a linear pushing angle, the robot's acceleration included [rad/s].
 
@@ -90,53 +144,9 @@ def angle_rate(problem):
     return min(settings.max_angle_rate, robot.max_acceleration / settings.pushing_speed)
 
 
-def _limits(problem):
-    settings, robot = problem.settings, problem.robot
-    dynamic, moving = settings.motion_model == 'dynamic', problem.motion.speed > 0.0
-    cone = settings.angle_limit == 'cone'
-    lowest, highest = -UNLIMITED, UNLIMITED
-    if problem.kind == 'differential':
-        lowest, highest = _normals(problem)
-    return Limits(math.tan(problem.planning_cone_angle), 0.0 if cone else UNLIMITED,
-                  0.0 if cone and dynamic and not moving else UNLIMITED, robot.max_speed,
-                  robot.max_yaw_rate, lowest, highest)
-
-
-def _normals(problem):
-    """Range of the normal at a vertex, in the object frame, next to the one at the start."""
-    low, high = normal_range(problem.obj, problem.contact)
-    shift = problem.start_normal - wrap_angle(problem.start_normal - low) - low
-    return low + shift + VERTEX_MARGIN, high + shift - VERTEX_MARGIN
-
-
-def _ends(problem, route):
-    c_x, c_y = problem.contact_point
-    if problem.kind == 'rolling':
-        c_x -= problem.robot.radius * math.cos(problem.start_normal)
-        c_y -= problem.robot.radius * math.sin(problem.start_normal)
-    goal, motion = problem.relative_goal, problem.motion
-    theta = route.rotation + wrap_angle(goal.theta - route.rotation)
-    moving = motion.speed > 0.0
-    delta = problem.vehicle.angle + problem.heading_offset
-    delta = problem.start_normal + wrap_angle(delta - problem.start_normal)
-    return BoundaryValues(c_x, c_y, motion.yaw_rate / motion.speed if moving else 0.0, float(moving),
-                          goal.x, goal.y, theta, delta, *problem.friction_center)
-
-
-def _box(problem):
-    settings, motion = problem.settings, problem.motion
-    angle = STEEPEST_ANGLE
-    if settings.angle_limit == 'angle':
-        angle = settings.max_pushing_angle
-    first = -angle, angle
-    if motion.speed > 0.0:
-        first = motion.pushing_angle - SAME_ANGLE, motion.pushing_angle + SAME_ANGLE
-    return VariableBounds(angle, first, rotation_range(problem))
-
-
-def rotation_range(problem):
+def rotation_range(problem: PushProblem) -> tuple[float, float]:
     """
-    Find the turns for which a rolling contact stays on its face or vertex.
+    Find the rotations of the object for which a rolling contact stays on its face or vertex.
 
     :param problem: the ``PushProblem``.
     :return: (lowest, highest) [rad].
@@ -145,24 +155,88 @@ def rotation_range(problem):
     if problem.kind != 'rolling' or problem.contact.kind == 'round':
         return -math.inf, math.inf
     if problem.contact.kind == 'vertex':
-        low, high = _normals(problem)
+        low, high = _vertex_normals(problem)
         return problem.start_normal - high, problem.start_normal - low
     half = 0.5 * face_length(problem.obj, problem.contact.index)
     return ((-half - problem.contact.offset) / radius, (half - problem.contact.offset) / radius)
 
 
-def _first_guess(problem, route, formulation):
-    grid = formulation.grid
-    way = max(route.path_length - grid.fixed, 0.1 * route.path_length)
-    lengths = grid.steps(way)
+def _step_data(problem: PushProblem, mesh: Mesh) -> FloatArray:
+    """Columns of ``StepData``."""
+    weight = 1.0 if problem.settings.motion_model == 'dynamic' else 0.0
+    end = mesh.end_v_squared
+    fastest = np.sqrt(np.maximum(mesh.v_squared, end))
+    return np.column_stack([mesh.lengths, mesh.free_fractions, weight * mesh.v_squared,
+                            weight * mesh.v_squared_slopes, mesh.may_steer,
+                            max_angle_rate(problem) / fastest, end])
+
+
+def _limits(problem: PushProblem) -> Limits:
+    settings, robot = problem.settings, problem.robot
+    min_normal, max_normal = -UNLIMITED, UNLIMITED
+    if problem.kind == 'differential':
+        min_normal, max_normal = _vertex_normals(problem)
+    cone = settings.angle_limit == 'cone'
+    has_impulse = settings.motion_model == 'dynamic' and not problem.motion.speed > 0.0
+    return Limits(math.tan(problem.planning_cone_angle), 0.0 if cone else UNLIMITED,
+                  0.0 if cone and has_impulse else UNLIMITED, robot.max_speed,
+                  robot.max_yaw_rate, min_normal, max_normal)
+
+
+def _vertex_normals(problem: PushProblem) -> tuple[float, float]:
+    """Range of the normal at a vertex, in the object frame, next to the one at the start."""
+    low, high = normal_range(problem.obj, problem.contact)
+    shift = problem.start_normal - wrap_angle(problem.start_normal - low) - low
+    return low + shift + VERTEX_MARGIN, high + shift - VERTEX_MARGIN
+
+
+def _boundary_values(problem: PushProblem, route: InitialRoute) -> BoundaryValues:
+    q_x, q_y = problem.contact_point
+    if problem.kind == 'rolling':
+        q_x -= problem.robot.radius * math.cos(problem.start_normal)
+        q_y -= problem.robot.radius * math.sin(problem.start_normal)
+    goal, motion = problem.relative_goal, problem.motion
+    # The goal's heading next to the rotation of the route, which may turn by more than pi.
+    theta = route.rotation + wrap_angle(goal.theta - route.rotation)
+    moving = motion.speed > 0.0
+    w = motion.yaw_rate / motion.speed if moving else 0.0
+    delta = problem.vehicle.angle + problem.heading_offset
+    delta = problem.start_normal + wrap_angle(delta - problem.start_normal)
+    return BoundaryValues(q_x, q_y, w, float(moving), goal.x, goal.y, theta, delta,
+                          *problem.friction_center)
+
+
+def _bounds(problem: PushProblem) -> VariableBounds:
+    settings, motion = problem.settings, problem.motion
+    angle = MAX_PUSHING_ANGLE
+    if settings.angle_limit == 'angle':
+        angle = settings.max_pushing_angle
+    first = -angle, angle
+    if motion.speed > 0.0:
+        first = (motion.pushing_angle - START_ANGLE_TOLERANCE,
+                 motion.pushing_angle + START_ANGLE_TOLERANCE)
+    return VariableBounds(angle, first, rotation_range(problem))
+
+
+def _first_guess(problem: PushProblem, route: InitialRoute, mesh: Mesh, dimensions: Dimensions,
+                 bounds: VariableBounds) -> Solution:
+    free_length = max(route.path_length - mesh.fixed_length,
+                      MIN_FREE_FRACTION * route.path_length)
+    lengths = mesh.step_lengths(free_length)
     nodes, rates = route.guess(problem, lengths * (route.path_length / lengths.sum()),
-                               radau(POINTS)[0])
+                               radau(POINTS).points)
     rho = nodes[:, 1]
-    if formulation.shape.jumps:
-        held = np.maximum.accumulate(np.where(grid.free > 0.0, np.arange(len(rho) - 1), 0))
-        pieces = np.append(np.searchsorted(np.unique(held), held), 0)
-        means = np.bincount(pieces[:-1], 0.5 * (rho[1:] + rho[:-1])) / np.bincount(pieces[:-1])
-        rho = np.concatenate([[means[0]], means[pieces[:-1]]])
+    if dimensions.jumps:
+        rho = _segment_means(rho, mesh.may_steer)
     nodes = nodes.copy()
-    nodes[:, 1] = np.clip(rho, -0.95 * formulation.box.angle, 0.95 * formulation.box.angle)
-    return Solution(way, nodes, np.diff(nodes[:, 1]), rates)
+    largest = GUESS_ANGLE_FRACTION * bounds.angle
+    nodes[:, 1] = np.clip(rho, -largest, largest)
+    return Solution(free_length, nodes, np.diff(nodes[:, 1]), rates)
+
+
+def _segment_means(rho: FloatArray, may_steer: FloatArray) -> FloatArray:
+    """Pushing angles held constant over each segment, at their mean [rad]."""
+    begins = np.maximum.accumulate(np.where(may_steer > 0.0, np.arange(len(rho) - 1), 0))
+    segments = np.searchsorted(np.unique(begins), begins)
+    means = np.bincount(segments, 0.5 * (rho[1:] + rho[:-1])) / np.bincount(segments)
+    return np.concatenate([[means[0]], means[segments]])

@@ -1,122 +1,188 @@
 """
-Steps of a push and its speed: ``V = v^2`` rises after a soft start, and falls before the goal.
+Mesh of a push: its collocation steps, and the speed over them.
 
-Ramps and the straight run-in have fixed lengths; the way S between them is the programme's.
+A push is divided into sections: acceleration, main section, deceleration, final straight. The
+sections have fixed lengths, but for the main one, whose free length S is a variable of the program.
+The steps of a section are equally long.
 """
 
+import dataclasses
 import math
 from typing import NamedTuple
 
 import numpy as np
-from push_planner.collocation.speed_profile import ramps
+from push_model.geometry import FloatArray
+from push_planner.collocation.speed_profile import speed_profile, SpeedProfile
+from push_planner.problem import PushProblem
 
+# Steps of an acceleration or a deceleration, and of a final straight. Chosen: V is linear in s
+# there, and w settles in the first of them.
 RAMP_STEPS = 3
-RUN_IN_STEPS = 3
-SUB_STEPS = 24
-COUNT_STEP = 8
-FAST, FINER = 0.4, 0.8
+STRAIGHT_STEPS = 3
+# Least number of steps of pushes at constant angles, whose segments are divided into as many.
+# Chosen: the default number of segments of linear angles.
+MIN_CONSTANT_ANGLE_STEPS = 24
+# Numbers of segments above the least one are multiples of this. Chosen: a program is built for
+# each number, which takes longer than solving it.
+SEGMENT_COUNT_STEP = 8
+# Speed above which segments are shortened [m/s], and by which factor. Chosen: with inertia it takes
+# finer steering to follow the edge of the cone.
+FAST = 0.4
+FAST_LENGTH_FACTOR = 0.8
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class MeshSection:
+    """
+    Equal steps of a push.
+
+    :param steps: n, their number.
+    :param length: fixed length of the section [m]; 0 in the main section.
+    :param free_fraction: fraction of S that the section has: 1 in the main section, else 0.
+    :param v_squared: V at its begin [m^2/s^2].
+    :param v_squared_slope: dV/ds [m/s^2].
+    :param may_steer: 1 where the pushing angle may change, else 0, shape (n,).
+    """
+
+    steps: int
+    length: float
+    free_fraction: float
+    v_squared: float
+    v_squared_slope: float
+    may_steer: FloatArray
+
+    def step_v_squared(self) -> FloatArray:
+        """Squared speeds V at the begins of the steps [m^2/s^2]."""
+        return np.full(self.steps, self.v_squared) + (
+            self.v_squared_slope * self.length / self.steps * np.arange(self.steps))
 
 
 class Mesh(NamedTuple):
     """
     Steps of a push; all arrays have shape (n,).
 
-    :param lengths: fixed part of each step [m].
-    :param shares: share of S of each step.
-    :param squares: V at its begin [m^2/s^2].
-    :param slopes: dV/ds [m/s^2].
-    :param free: 1 where the pushing angle may change.
-    :param speed: highest speed of the contact [m/s].
-    :param fixed: length of all steps but for S [m].
+    :param lengths: fixed part of the length of each step [m].
+    :param free_fractions: fraction of S of each step.
+    :param v_squared: V at its begin [m^2/s^2].
+    :param v_squared_slopes: dV/ds [m/s^2].
+    :param may_steer: 1 where the pushing angle may change, else 0.
+    :param fixed_length: length of all steps but for S [m].
     """
 
-    lengths: np.ndarray
-    shares: np.ndarray
-    squares: np.ndarray
-    slopes: np.ndarray
-    free: np.ndarray
-    speed: float
-    fixed: float
+    lengths: FloatArray
+    free_fractions: FloatArray
+    v_squared: FloatArray
+    v_squared_slopes: FloatArray
+    may_steer: FloatArray
+    fixed_length: float
+
+    @classmethod
+    def of_sections(cls, sections: list[MeshSection]) -> 'Mesh':
+        """
+        Join sections.
+
+        :param sections: of the push, in order.
+        """
+        lengths = np.concatenate([np.full(s.steps, s.length / s.steps) for s in sections])
+        return cls(lengths,
+                   np.concatenate([np.full(s.steps, s.free_fraction / s.steps) for s in sections]),
+                   np.concatenate([s.step_v_squared() for s in sections]),
+                   np.concatenate([np.full(s.steps, s.v_squared_slope) for s in sections]),
+                   np.concatenate([s.may_steer for s in sections]), float(lengths.sum()))
 
     @property
-    def ends(self):
-        """The squared speeds V at the ends of the steps [m^2/s^2]."""
-        return self.squares + self.slopes * self.lengths
+    def end_v_squared(self) -> FloatArray:
+        """Squared speeds V at the ends of the steps [m^2/s^2]."""
+        return self.v_squared + self.v_squared_slopes * self.lengths
 
-    def steps(self, way):
+    def step_lengths(self, free_length: float) -> FloatArray:
         """
         Lengths of the steps [m].
 
-        :param way: S [m].
+        :param free_length: S [m].
         """
-        return self.lengths + self.shares * way
+        return self.lengths + self.free_fractions * free_length
 
-    def times(self, way):
+    def step_times(self, free_length: float) -> FloatArray:
         """
         Durations of the steps [s].
 
-        :param way: S [m].
+        :param free_length: S [m].
         """
-        return 2.0 * self.steps(way) / (np.sqrt(self.squares) + np.sqrt(self.ends))
+        return 2.0 * self.step_lengths(free_length) / (
+            np.sqrt(self.v_squared) + np.sqrt(self.end_v_squared))
 
 
-def build_mesh(problem, way, final_straight, finer=False):
+def build_mesh(problem: PushProblem, path_length: float, final_straight: float,
+               refined: bool = False) -> Mesh:
     """
     Divide a push into steps.
 
     :param problem: the ``PushProblem``.
-    :param way: way of the contact, about, run-in included [m].
-    :param final_straight: straight push at its end [m]; 0: none.
-    :param finer: whether linear pushing angles get twice as many pieces.
-    :return: ``Mesh``.
+    :param path_length: approximate path length of the contact, final straight included [m].
+    :param final_straight: length of the straight push at the end [m]; 0: none.
+    :param refined: whether linear pushing angles get twice as many segments.
     """
+    profile = speed_profile(problem.settings, problem.motion, path_length)
+    jumps = problem.settings.pushing_angles == 'constant'
+    segments = _segment_count(problem, path_length, profile, refined)
+    sections: list[MeshSection] = []
+    # Angles that jump are constant on ramps.
+    ramp_steering = 0.0 if jumps else 1.0
+    if profile.rise_length > 0.0:
+        sections.append(MeshSection(RAMP_STEPS, profile.rise_length, 0.0, profile.v_squared_start,
+                                    profile.rise_slope, np.full(RAMP_STEPS, ramp_steering)))
+    sections.append(_main_section(segments, profile.v_squared_max, jumps))
+    sections += _final_sections(profile, final_straight, ramp_steering, path_length / segments)
+    return Mesh.of_sections(sections)
+
+
+def _segment_count(problem: PushProblem, path_length: float, profile: SpeedProfile,
+                   refined: bool) -> int:
+    """Number of segments of the pushing angle in the main section."""
     settings = problem.settings
-    speeds = ramps(settings, problem.motion, way)
-    jumps = settings.pushing_angles == 'constant'
-    pieces, longest = settings.segments, settings.segment_length
+    segments = settings.segments
+    longest = settings.segment_length
+    if settings.pushing_angles != 'constant':
+        # In a longer segment than the wheelbase a push runs away from its path.
+        factor = FAST_LENGTH_FACTOR if profile.v_squared_max > FAST ** 2 else 1.0
+        longest = min(factor * longest, problem.vehicle.wheelbase)
+        if refined:
+            segments = 2 * segments
+            longest = 0.5 * longest
+    if path_length > segments * longest:
+        segments = SEGMENT_COUNT_STEP * math.ceil(path_length / longest / SEGMENT_COUNT_STEP)
+    return segments
+
+
+def _main_section(segments: int, v_squared: float, jumps: bool) -> MeshSection:
     if not jumps:
-        # With inertia it takes finer steering to follow the cone's edge; and in a longer piece
-        # than the wheelbase a push runs away from its path.
-        share = FINER if speeds.highest > FAST ** 2 else 1.0
-        longest = min(share * longest, problem.vehicle.wheelbase)
-        if finer:
-            pieces, longest = 2 * pieces, 0.5 * longest
-    if way > pieces * longest:
-        # Few different numbers of pieces: a programme is built for each.
-        pieces = COUNT_STEP * math.ceil(way / longest / COUNT_STEP)
-    per_piece = max(1, SUB_STEPS // pieces) if jumps else 1
-    stretches = []
-    if speeds.rise > 0.0:
-        stretches.append((RAMP_STEPS, speeds.rise, 0.0, speeds.first,
-                          (speeds.highest - speeds.first) / speeds.rise, 0.0 if jumps else 1.0))
-    stretches.append((pieces * per_piece, 0.0, 1.0, speeds.highest, 0.0, 1.0))
-    stretches += _ending(speeds, final_straight, 0.0 if jumps else 1.0, way / pieces)
-    columns = [np.concatenate([np.full(n, value / n if i < 2 else value)
-                               for n, *values in stretches for value in (values[i],)])
-               for i in range(5)]
-    lengths, shares, squares, slopes, free = columns
-    begin = 0
-    for n, length, _, _, slope, _ in stretches:
-        squares[begin:begin + n] += slope * length / n * np.arange(n)
-        begin += n
-    if jumps:
-        main = stretches[0][0] if speeds.rise > 0.0 else 0
-        free[main:main + pieces * per_piece] = np.arange(pieces * per_piece) % per_piece == 0
-        free[main] = 0.0
-    return Mesh(lengths, shares, squares, slopes, free, math.sqrt(speeds.highest),
-                float(lengths.sum()))
+        return MeshSection(segments, 0.0, 1.0, v_squared, 0.0, np.full(segments, 1.0))
+    steps_per_segment = max(1, MIN_CONSTANT_ANGLE_STEPS // segments)
+    steps = segments * steps_per_segment
+    # The angle jumps at the begin of a segment, but for the first one, where it is set anyhow.
+    may_steer = (np.arange(steps) % steps_per_segment == 0).astype(float)
+    may_steer[0] = 0.0
+    return MeshSection(steps, 0.0, 1.0, v_squared, 0.0, may_steer)
 
 
-def _ending(speeds, final_straight, free, longest):
-    """Stretches (steps, length, share, V, dV/ds, free) of braking and run-in."""
-    slope = (speeds.last - speeds.highest) / speeds.fall if speeds.fall > 0.0 else 0.0
-    found = []
-    early, straight = max(0.0, speeds.fall - final_straight), min(speeds.fall, final_straight)
-    if early > 0.0:
-        steps = max(RAMP_STEPS, math.ceil(early / longest))
-        found.append((steps, early, 0.0, speeds.highest, slope, free))
-    if final_straight > speeds.fall:
-        found.append((RUN_IN_STEPS, final_straight - speeds.fall, 0.0, speeds.highest, 0.0, 0.0))
-    if straight > 0.0:
-        found.append((RUN_IN_STEPS, straight, 0.0, speeds.highest + slope * early, slope, 0.0))
-    return found
+def _final_sections(profile: SpeedProfile, final_straight: float, ramp_steering: float,
+                    longest_step: float) -> list[MeshSection]:
+    """Deceleration and final straight, whichever begins first."""
+    top = profile.v_squared_max
+    slope = profile.fall_slope
+    sections: list[MeshSection] = []
+    steered_fall = max(0.0, profile.fall_length - final_straight)
+    straight_fall = min(profile.fall_length, final_straight)
+    if steered_fall > 0.0:
+        steps = max(RAMP_STEPS, math.ceil(steered_fall / longest_step))
+        sections.append(MeshSection(steps, steered_fall, 0.0, top, slope,
+                                    np.full(steps, ramp_steering)))
+    no_steering = np.zeros(STRAIGHT_STEPS)
+    if final_straight > profile.fall_length:
+        sections.append(MeshSection(STRAIGHT_STEPS, final_straight - profile.fall_length, 0.0, top,
+                                    0.0, no_steering))
+    if straight_fall > 0.0:
+        sections.append(MeshSection(STRAIGHT_STEPS, straight_fall, 0.0, top + slope * steered_fall,
+                                    slope, no_steering))
+    return sections

@@ -1,106 +1,129 @@
-"""The programme and its solvers: fatrop, and ipopt on a relaxed one where that fails."""
+"""
+Solvers of the nonlinear program of a push.
+
+Fatrop solves the program. Where it fails, ipopt solves a relaxed one, whose inequalities may all be
+violated by a common excess e >= 0 at a price, ``g_i(x) + e >= 0``: slower and more robust, and an
+excess that remains at the optimum tells which limit cannot be kept.
+"""
 
 import functools
 import threading
-from typing import NamedTuple
+from typing import Any, NamedTuple, Optional, Union
 
 import casadi as ca
 import numpy as np
-from push_planner.collocation.dimensions import POINTS, ROWS_OF
-from push_planner.collocation.transcription import PENALTY, SMOOTHING, Transcription
+from push_model.geometry import FloatArray
+from push_model.plan_request import PlanFailure
+from push_planner.collocation.dimensions import Dimensions, POINTS
+from push_planner.collocation.transcription import SMOOTHING, Transcription
 
-
-class Buffered:
-    """
-    A casadi function of dense values.
-
-    Arrays are transposed against casadi's matrices: one row per column of those.
-
-    :param function: the ``casadi.Function``.
-    """
-
-    def __init__(self, function):
-        """Take the memory that the function reads and writes."""
-        self.function = function
-        self._buffer, self._evaluate = function.buffer()
-        self._lock = threading.Lock()
-        self._given = [np.zeros(function.size_in(i)[::-1]) for i in range(function.n_in())]
-        self._found = [np.zeros(function.size_out(i)[::-1]) for i in range(function.n_out())]
-        for i, array in enumerate(self._given):
-            self._buffer.set_arg(i, memoryview(array))
-        for i, array in enumerate(self._found):
-            self._buffer.set_res(i, memoryview(array))
-
-    def __call__(self, *given):
-        """
-        Evaluate.
-
-        :param given: arrays or numbers; those of fewer rows are repeated.
-        :return: list of arrays.
-        """
-        return self.with_stats(*given)[0]
-
-    def with_stats(self, *given):
-        """Evaluate; return the arrays and what casadi says of the call."""
-        with self._lock:
-            for array, value in zip(self._given, given):
-                array[...] = value
-            self._evaluate()
-            return [array.copy() for array in self._found], self._buffer.stats()
-
-
-NEGLIGIBLE = 1e-5
-SHORTEST_WAY = 1e-3
-UNSETTLED = 'the search did not settle'
+# Price of the excess in the relaxed program [m]. Chosen: dear against paths of some metres, so that
+# limits are violated only where no push keeps them.
+EXCESS_PRICE = 100.0
+# Excess that the relaxed program starts from, and up to which it counts as none. Chosen: a
+# noticeable violation; and the tolerance of the solver.
+FIRST_EXCESS = 0.05
+NEGLIGIBLE_EXCESS = 1e-5
+# Least free length S of a push [m]. Chosen: steps of no length would divide by zero.
+MIN_FREE_LENGTH = 1e-3
 QUIET = {'print_time': False, 'error_on_fail': False}
+# Chosen: the accuracy that the refinement after it needs, and a small barrier from the start, as
+# the initial guess is near the optimum. More iterations than these hardly ever led to a push.
 FATROP = {'fatrop': {'print_level': 0, 'tol': 3e-4, 'mu_init': 3e-5, 'bound_push': 0.1,
                      'max_iter': 40}}
 IPOPT = {'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 80, 'tol': 1e-4, 'mu_init': 1e-2,
                    'acceptable_iter': 0, 'linear_solver': 'mumps'}}
 
 
+class BufferedFunction:
+    """
+    A casadi function of dense values, evaluated in memory that is allocated once.
+
+    Arrays are transposed against casadi's matrices, which are stored by columns: one row for each
+    column of those.
+
+    :param function: the ``casadi.Function``.
+    """
+
+    def __init__(self, function: Any) -> None:
+        """Allocate what the function reads and writes."""
+        self._buffer, self._evaluate = function.buffer()
+        self._lock = threading.Lock()
+        self._inputs = [np.zeros(function.size_in(i)[::-1]) for i in range(function.n_in())]
+        self._outputs = [np.zeros(function.size_out(i)[::-1]) for i in range(function.n_out())]
+        for i, array in enumerate(self._inputs):
+            self._buffer.set_arg(i, memoryview(array))
+        for i, array in enumerate(self._outputs):
+            self._buffer.set_res(i, memoryview(array))
+
+    def __call__(self, *inputs: Union[float, FloatArray]) -> list[FloatArray]:
+        """
+        Evaluate the function.
+
+        :param inputs: arrays or numbers; those of fewer rows are repeated.
+        """
+        return self.with_stats(*inputs)[0]
+
+    def with_stats(self, *inputs: Union[float, FloatArray]) -> tuple[list[FloatArray],
+                                                                     dict[str, Any]]:
+        """
+        Evaluate the function.
+
+        :param inputs: as of a call.
+        :return: (arrays, statistics of casadi).
+        """
+        with self._lock:
+            for array, value in zip(self._inputs, inputs):
+                array[...] = value
+            self._evaluate()
+            return [array.copy() for array in self._outputs], self._buffer.stats()
+
+
 class Solution(NamedTuple):
     """
-    Iterate of the programme, in the object's start frame.
+    Iterate of the program, in the object's start frame.
 
-    :param way: S [m].
+    :param free_length: S [m].
     :param nodes: (w, rho, theta, q_x, q_y, phi) at the nodes, shape (n + 1, 6).
     :param changes: of the pushing angle in each step, shape (n,) [rad].
     :param rates: w at the Radau points, shape (n, K) [1/m].
     """
 
-    way: float
-    nodes: np.ndarray
-    changes: np.ndarray
-    rates: np.ndarray
+    free_length: float
+    nodes: FloatArray
+    changes: FloatArray
+    rates: FloatArray
 
-    def column(self, shape):
+    def column(self, dimensions: Dimensions) -> FloatArray:
         """
-        Return the unknowns as one vector.
+        Return the variables of the program as one vector.
 
-        :param shape: ``Dimensions`` of the programme.
+        :param dimensions: ``Dimensions`` of the program.
         """
-        n, states = shape.steps, shape.states
-        table = np.zeros((n + 1, shape.width))
-        table[:, 0] = self.way
+        n = dimensions.step_count
+        states = dimensions.state_count
+        table = np.zeros((n + 1, dimensions.step_size))
+        table[:, 0] = self.free_length
         table[:, 1:states] = self.nodes[:, :states - 1]
         table[:n, states] = self.changes
         table[:n, states + 1:] = self.rates
-        return table.ravel()[:shape.width * n + states]
+        return table.ravel()[:dimensions.variable_count]
 
     @classmethod
-    def of(cls, column, shape):
+    def of_column(cls, column: FloatArray, dimensions: Dimensions) -> 'Solution':
         """
-        Take the unknowns from a vector.
+        Take the variables of the program from a vector.
 
         :param column: the vector.
-        :param shape: ``Dimensions`` of the programme.
+        :param dimensions: ``Dimensions`` of the program.
         """
-        n, states = shape.steps, shape.states
-        table = np.append(column, np.zeros(1 + POINTS)).reshape(n + 1, shape.width)
+        n = dimensions.step_count
+        states = dimensions.state_count
+        # The end has no controls: the table needs as many numbers more to be full.
+        table = np.append(column, np.zeros(1 + POINTS)).reshape(n + 1, dimensions.step_size)
         nodes = np.zeros((n + 1, 6))
         nodes[:, :states - 1] = table[:, 1:states]
-        if shape.kind == 'held':
+        if dimensions.kind == 'held':
             nodes[:, 5] = nodes[:, 2]
         return cls(float(table[0, 0]), nodes, table[:n, states].copy(),
                    table[:n, states + 1:].copy())
@@ -108,114 +131,141 @@ class Solution(NamedTuple):
 
 class VariableBounds(NamedTuple):
     """
-    Bounds on unknowns.
+    Bounds on the variables of the program.
 
     :param angle: largest pushing angle [rad].
-    :param first: (lowest, highest) pushing angle at the start [rad].
-    :param turns: (lowest, highest) turn of the object [rad].
-    :param places: (lowest, highest) followed point at the nodes, each of shape (n + 1, 2) [m].
+    :param first_angle: (lowest, highest) pushing angle at the start [rad].
+    :param rotation: (lowest, highest) rotation of the object [rad].
+    :param followed: (lowest, highest) followed point at the nodes, each of shape (n + 1, 2) [m].
     """
 
     angle: float
-    first: tuple
-    turns: tuple
-    places: tuple = (-np.inf, np.inf)
+    first_angle: tuple[float, float]
+    rotation: tuple[float, float]
+    followed: tuple[Union[float, FloatArray], Union[float, FloatArray]] = (-np.inf, np.inf)
+
+
+class SolveResult(NamedTuple):
+    """
+    Result of solving the program.
+
+    :param solution: ``Solution``; None where there is none.
+    :param iterations: number of iterations.
+    :param failure: ``PlanFailure``; None with a solution.
+    :param verdict: the failure in words.
+    """
+
+    solution: Optional[Solution]
+    iterations: int
+    failure: Optional[PlanFailure] = None
+    verdict: str = ''
 
 
 class NlpSolver:
     """
-    The programme of a shape.
+    Solver of all programs of the same dimensions.
 
-    :param shape: ``Dimensions``.
+    :param dimensions: ``Dimensions``.
     :param solver: casadi's name of the solver.
-    :param options: for it.
-    :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
+    :param options: of the solver.
+    :param smoothing: sliding speed below which the supports' friction becomes viscous, per pushing
+        speed.
     """
 
-    def __init__(self, shape, solver='fatrop', options=FATROP, smoothing=SMOOTHING):
-        """Build the programme."""
-        self.shape = shape
-        self._equations = e = Transcription(shape, smoothing)
-        self._upper = np.where(e.equality, 0.0, np.inf)
+    def __init__(self, dimensions: Dimensions, solver: str = 'fatrop',
+                 options: dict[str, Any] = FATROP, smoothing: float = SMOOTHING) -> None:
+        """Build the program."""
+        self._dimensions = dimensions
+        self._transcription = transcription = Transcription(dimensions, smoothing)
+        self._upper = np.where(transcription.equality, 0.0, np.inf)
         options = {**QUIET, **options}
+        nlp = transcription.nlp
         if solver == 'fatrop':
-            options.update(structure_detection='auto', equality=e.equality.tolist(),
-                           cache=e.nlp.derivatives())
+            options.update(structure_detection='auto', equality=transcription.equality.tolist(),
+                           cache=nlp.derivatives())
         else:
             options['expand'] = True
-        self._solver = Buffered(ca.nlpsol('push', solver, {
-            'x': e.nlp.x, 'p': e.nlp.p, 'f': e.nlp.cost, 'g': e.nlp.rows}, options))
+        self._solver = BufferedFunction(ca.nlpsol('push', solver, {
+            'x': nlp.x, 'p': nlp.p, 'f': nlp.cost, 'g': nlp.rows}, options))
 
-    def solve(self, parameters, box, guess):
+    def solve(self, parameters: FloatArray, bounds: VariableBounds,
+              guess: Solution) -> SolveResult:
         """
-        Solve the programme.
+        Solve the program.
 
-        :param parameters: numbers of ``BlockStructuredNlp.p``.
-        :param box: ``VariableBounds``.
+        :param parameters: of the program, see ``BlockStructuredNlp``.
+        :param bounds: ``VariableBounds``.
         :param guess: ``Solution`` to start from.
-        :return: (``Solution`` or None, number of iterations).
         """
-        low, high = self._bounds(box)
-        (found, *_), stats = self._solver.with_stats(guess.column(self.shape), parameters, low,
-                                                     high, 0.0, self._upper)
+        low, high = self._bounds(bounds)
+        (found, *_), stats = self._solver.with_stats(guess.column(self._dimensions), parameters,
+                                                     low, high, 0.0, self._upper)
         count = int(stats['iter_count'])
         if not stats['success'] or not np.isfinite(found).all():
-            return None, count
-        return Solution.of(found.ravel(), self.shape), count
+            return SolveResult(None, count, PlanFailure.NOT_CONVERGED, 'not solved')
+        return SolveResult(Solution.of_column(found.ravel(), self._dimensions), count)
 
-    def diagnose(self, parameters, box, guess):
+    def solve_relaxed(self, parameters: FloatArray, bounds: VariableBounds,
+                      guess: Solution) -> SolveResult:
         """
-        Solve with bounds that give way at a price, more slowly and more surely.
+        Solve the relaxed program, more slowly and more robustly.
 
-        :param parameters: numbers of ``BlockStructuredNlp.p``.
-        :param box: ``VariableBounds``.
+        :param parameters: of the program, see ``BlockStructuredNlp``.
+        :param bounds: ``VariableBounds``.
         :param guess: ``Solution`` to start from.
-        :return: (``Solution`` or None, what stands in the way, number of iterations).
         """
-        column = np.append(guess.column(self.shape), 0.05)
-        low, high = self._bounds(box)
+        column = np.append(guess.column(self._dimensions), FIRST_EXCESS)
+        low, high = self._bounds(bounds)
         answer = self._relaxed(x0=column, p=parameters, lbx=np.append(low, 0.0),
                                ubx=np.append(high, np.inf), lbg=0.0, ubg=self._upper)
         stats = self._relaxed.stats()
-        found, count = np.array(answer['x']).ravel(), int(stats['iter_count'])
+        found = np.array(answer['x']).ravel()
+        count = int(stats['iter_count'])
         if not stats['success'] or not np.isfinite(found).all():
-            return None, UNSETTLED, count
-        if found[-1] > NEGLIGIBLE:
-            prices = np.abs(np.array(answer['lam_g']).ravel())
-            prices[self._equations.equality] = 0.0
-            name = ROWS_OF[self._equations.names[int(prices.argmax())]]
-            return None, f'{name} would be exceeded by {found[-1]:.2g}', count
-        return Solution.of(found[:-1], self.shape), '', count
+            return SolveResult(None, count, PlanFailure.NOT_CONVERGED,
+                               'the search did not converge')
+        excess = found[-1]
+        if excess > NEGLIGIBLE_EXCESS:
+            limit = self._dearest_limit(np.array(answer['lam_g']).ravel())
+            return SolveResult(None, count, PlanFailure.LIMIT_EXCEEDED,
+                               f'{limit} would be exceeded by {excess:.2g}')
+        return SolveResult(Solution.of_column(found[:-1], self._dimensions), count)
+
+    def _dearest_limit(self, multipliers: FloatArray) -> str:
+        """Name the inequality with the largest multiplier."""
+        prices = np.abs(multipliers)
+        prices[self._transcription.equality] = 0.0
+        constraint = self._transcription.constraints[int(prices.argmax())]
+        return constraint.value if constraint else ''
 
     @functools.cached_property
-    def _relaxed(self):
-        e = self._equations
-        excess, nlp = ca.MX.sym('excess'), e.nlp
+    def _relaxed(self) -> Any:
+        excess = ca.MX.sym('excess')
+        nlp = self._transcription.nlp
+        inequality = ca.DM(np.where(self._transcription.equality, 0.0, 1.0))
         return ca.nlpsol('relaxed', 'ipopt', {
-            'x': ca.vertcat(nlp.x, excess), 'p': nlp.p,
-            'f': nlp.cost + PENALTY * excess,
-            'g': nlp.rows + ca.DM(np.where(e.equality, 0.0, 1.0)) * excess},
-            {**QUIET, **IPOPT, 'expand': True})
+            'x': ca.vertcat(nlp.x, excess), 'p': nlp.p, 'f': nlp.cost + EXCESS_PRICE * excess,
+            'g': nlp.rows + inequality * excess}, {**QUIET, **IPOPT, 'expand': True})
 
-    def _bounds(self, box):
-        shape = self.shape
-        low = np.full((shape.steps + 1, shape.width), -np.inf)
+    def _bounds(self, bounds: VariableBounds) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest values of the variables; columns are S, w, rho, theta, q_x, q_y."""
+        dimensions = self._dimensions
+        low = np.full((dimensions.step_count + 1, dimensions.step_size), -np.inf)
         high = -low
-        low[0, 0] = SHORTEST_WAY
-        low[:, 2], high[:, 2] = -box.angle, box.angle
-        low[0, 2], high[0, 2] = box.first
-        low[:, 3], high[:, 3] = box.turns
-        low[:, 4:6], high[:, 4:6] = box.places
-        size = shape.width * shape.steps + shape.states
-        return low.ravel()[:size], high.ravel()[:size]
+        low[0, 0] = MIN_FREE_LENGTH
+        low[:, 2], high[:, 2] = -bounds.angle, bounds.angle
+        low[0, 2], high[0, 2] = bounds.first_angle
+        low[:, 3], high[:, 3] = bounds.rotation
+        low[:, 4:6], high[:, 4:6] = bounds.followed
+        return (low.ravel()[:dimensions.variable_count],
+                high.ravel()[:dimensions.variable_count])
 
 
 @functools.lru_cache(maxsize=32)
-def nlp_solver(shape):
+def nlp_solver(dimensions: Dimensions) -> NlpSolver:
     """
-    Build a programme, or take it from earlier.
+    Build a solver, or return the one that was built before: building takes longer than solving.
 
-    :param shape: ``Dimensions``.
-    :return: ``NlpSolver``.
+    :param dimensions: ``Dimensions``.
     """
-    return NlpSolver(shape)
+    return NlpSolver(dimensions)

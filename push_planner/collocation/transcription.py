@@ -1,166 +1,244 @@
 """
-The push as a nonlinear programme in stages, as fatrop wants it.
+Transcription of a push into a nonlinear program, by direct collocation.
 
-States of a stage: way S of the free part and the ``Node``; inputs: change of the pushing angle and
-w at the Radau points. Object, speeds, cone, start and goal are parameters, so that a programme is
-built once per kind.
+    minimise    S + SMOOTHNESS sum_k change_k^2
+    subject to  x_{k+1} = Radau step of x_k        (dynamics)
+                moment balance = 0                 (at every Radau point)
+                contact force in the planning cone (at every Radau point)
+                limits of pushing angle and robot  (at the end of every step)
+                start and goal
+
+States x of a step: the free length S of the push (see ``mesh``), the same in all steps, and the
+``Node``. Controls: change of the pushing angle, and w at the Radau points. Object, speeds, cone,
+start and goal are parameters, so that a program is built once for its ``Dimensions``.
 """
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
-from push_planner.collocation.block_structure import Block, BlockStructuredNlp
-from push_planner.collocation.collocation import (
-    collocate, contact_impulse, Node, robot_speed, robot_yaw_rate, Step,
+from push_planner.collocation.block_structure import (
+    Block, Blocks, BlockStructuredNlp, ProgramSizes,
 )
-from push_planner.collocation.dimensions import BoundaryValues, Limits, POINTS, STEP_FIELDS
-from push_planner.push_parameters import place, PushParameters
+from push_planner.collocation.collocation import (
+    collocate, contact_impulse, Node, robot_speed_squared, robot_yaw_rate, Step,
+)
+from push_planner.collocation.dimensions import (
+    BoundaryValues, Constraint, Dimensions, Limits, POINTS, StepData,
+)
+from push_planner.collocation.fatrop_layout import FatropLayout, RowCounts
+from push_planner.push_parameters import contact_frame, PushKind, PushParameters
 
+# Sliding speed over the pushing speed below which the supports' friction becomes viscous. Chosen:
+# small against the speeds of supports off the centre of rotation, and smooth enough for Newton.
 SMOOTHING = 0.02
+# Cost of the squared changes of the pushing angle [m/rad^2]. Chosen: small against the path, so
+# that it only decides between equally long ones.
 SMOOTHNESS = 1e-3
-PENALTY = 100.0
+
+Inequality = tuple[Constraint, Any]
+
+
+class BlockRows(NamedTuple):
+    """
+    Rows of a block.
+
+    :param equalities: expressions that are 0.
+    :param inequalities: (``Constraint``, expression that is at least 0).
+    """
+
+    equalities: list[Any]
+    inequalities: list[Inequality]
+
+    def column(self) -> Any:
+        """Stack all rows."""
+        return ca.vertcat(*self.equalities, *(row for _, row in self.inequalities))
+
+    def constraints(self) -> list[Optional[Constraint]]:
+        """Name the rows; None for an equality."""
+        equalities = ca.vertcat(*self.equalities).numel()
+        return [None] * equalities + [constraint for constraint, _ in self.inequalities]
+
+
+class _Symbols(NamedTuple):
+    """Parameters of the whole push as symbols, apart and in one column."""
+
+    parameters: PushParameters
+    limits: Limits
+    boundary: BoundaryValues
+    column: Any
+
+
+class _StepSymbols(NamedTuple):
+    """Variables and parameters of a step as symbols, apart and in columns."""
+
+    variables: Any
+    given: Any
+    free_length: Any
+    node: Node
+    change: Any
+    rates: list[Any]
+    data: StepData
+    defects: Any
 
 
 class Transcription:
     """
-    Rows of a programme.
+    The program of a push.
 
-    :param shape: ``Dimensions``.
-    :param smoothing: sliding speed below which supports turn viscous, per pushing speed.
+    Attributes: ``nlp``, the ``BlockStructuredNlp``; ``constraints``, what each of its rows limits,
+    None for an equality; ``equality``, whether it is one, shape (m,).
+
+    :param dimensions: ``Dimensions``.
+    :param smoothing: sliding speed below which the supports' friction becomes viscous, per pushing
+        speed.
     """
 
-    def __init__(self, shape, smoothing=SMOOTHING):
-        """Write them."""
-        self.shape, self._smoothing = shape, smoothing
-        push_parameters, flat = PushParameters.symbols(shape.supports)
-        limits = ca.SX.sym('limits', len(Limits._fields))
-        ends = ca.SX.sym('ends', len(BoundaryValues._fields))
-        common = ca.vertcat(flat, limits, ends)
-        fields = len(STEP_FIELDS) + shape.states - 1
-        parts = self._parts(push_parameters, limits, ends, common)
-        counts = [part.rows.size1_out(0) for part in parts]
-        order, following = self._order(counts)
-        self.names = [self._names[i] for i in order]
-        self.equality = np.array([not name for name in self.names])
-        sizes = shape.steps, shape.width, shape.states, fields, common.numel()
-        changes = shape.states + shape.width * np.arange(shape.steps)
-        self.nlp = BlockStructuredNlp(parts, sizes, order, following, lambda x: (
-            SMOOTHNESS * ca.sumsqr(x[changes.tolist()]) + x[shape.width * shape.steps]))
+    def __init__(self, dimensions: Dimensions, smoothing: float = SMOOTHING) -> None:
+        """Write all rows."""
+        self._dimensions = dimensions
+        self._smoothing = smoothing
+        common = _common_symbols(dimensions)
+        symbols = self._step_symbols()
+        end = ca.SX.sym('end', dimensions.state_count)
+        step_rows = self._step_rows(common, symbols)
+        first_rows = self._first_rows(common, symbols)
+        end_rows = self._end_rows(common, end)
+        given = [symbols.given, common.column]
+        blocks = Blocks(
+            Block.differentiate(symbols.variables, given, step_rows.column(),
+                                SMOOTHNESS * symbols.change ** 2),
+            Block.differentiate(symbols.variables, given, first_rows.column(), 0.0),
+            Block.differentiate(end, [common.column], end_rows.column(), end[0]))
+        layout = FatropLayout.build(dimensions.step_count, dimensions.step_size, RowCounts(
+            dimensions.state_count, POINTS, blocks.step.row_count, len(first_rows.equalities),
+            blocks.first.row_count, blocks.end.row_count))
+        constraints = (step_rows.constraints() * dimensions.step_count + first_rows.constraints()
+                       + end_rows.constraints())
+        self.constraints = [constraints[i] for i in layout.order]
+        self.equality = np.array([constraint is None for constraint in self.constraints])
+        sizes = ProgramSizes(dimensions.step_count, dimensions.step_size, dimensions.state_count,
+                             symbols.given.numel(), common.column.numel())
+        self.nlp = BlockStructuredNlp(blocks, sizes, layout, self._cost)
 
-    def _order(self, counts):
-        """Rows in the order of fatrop: of each stage what follows, what is equal, what is not."""
-        shape, (each, besides, _) = self.shape, counts
-        n, states = shape.steps, shape.states
-        stage, first = np.arange(each), each * n + np.arange(besides)
-        equal = sum(not name for name in self._names[each * n:each * n + besides])
-        order = [stage[:states], first[:equal], stage[states:states + POINTS], first[equal:],
-                 stage[states + POINTS:]]
-        order += [stage + each * k for k in range(1, n)] + [each * n + besides + np.arange(
-            counts[2])]
-        order = np.concatenate(order)
-        place = np.argsort(order)
-        rows = (each * np.arange(n)[:, None] + np.arange(states)).ravel()
-        unknowns = (shape.width * np.arange(1, n + 1)[:, None] + np.arange(states)).ravel()
-        return order, (place[rows], unknowns)
+    def _cost(self, x: Any) -> Any:
+        dimensions = self._dimensions
+        changes = dimensions.state_count + dimensions.step_size * np.arange(dimensions.step_count)
+        end = dimensions.step_size * dimensions.step_count
+        return SMOOTHNESS * ca.sumsqr(x[changes.tolist()]) + x[end]
 
-    def _node(self, states):
+    def _step_symbols(self) -> _StepSymbols:
+        dimensions = self._dimensions
+        variables = ca.SX.sym('z', dimensions.step_size)
+        parts = ca.vertsplit(variables)
+        fields = len(StepData._fields)
+        given = ca.SX.sym('step', fields + dimensions.state_count - 1)
+        return _StepSymbols(variables, given, parts[0], self._node(parts),
+                            parts[dimensions.state_count], parts[dimensions.state_count + 1:],
+                            StepData(*ca.vertsplit(given[:fields])), given[fields:])
+
+    def _node(self, states: Sequence[Any]) -> Node:
         w, rho, theta, q_x, q_y = states[1:6]
-        phi = {'held': theta, 'rolling': 0.0}.get(self.shape.kind)
-        return Node(w, rho, theta, q_x, q_y, states[6] if phi is None else phi)
+        if self._dimensions.kind == 'held':
+            return Node(w, rho, theta, q_x, q_y, theta)
+        if self._dimensions.kind == 'rolling':
+            return Node(w, rho, theta, q_x, q_y, 0.0)
+        return Node(w, rho, theta, q_x, q_y, states[6])
 
-    def _parts(self, push_parameters, limits, ends, common):
-        shape = self.shape
-        limits, ends = Limits(*ca.vertsplit(limits)), BoundaryValues(*ca.vertsplit(ends))
-        z = ca.SX.sym('z', shape.width)
-        parts = ca.vertsplit(z)
-        node, change = self._node(parts), parts[shape.states]
-        grid = ca.SX.sym('step', len(STEP_FIELDS) + shape.states - 1)
-        rows, names = self._stage(push_parameters, limits, (parts, node), grid)
-        first, first_names = self._first(grid, node, push_parameters, limits, ends)
-        final = ca.SX.sym('final', shape.states)
-        last = self._last(final, push_parameters, ends)
-        self._names = names * shape.steps + first_names + [''] * last.numel()
-        return (Block.of(z, [grid, common], rows, SMOOTHNESS * change ** 2),
-                Block.of(z, [grid, common], first, 0.0), Block.of(final, [common], last, final[0]))
+    def _step_rows(self, common: _Symbols, symbols: _StepSymbols) -> BlockRows:
+        dimensions = self._dimensions
+        parameters, limits, data = common.parameters, common.limits, symbols.data
+        step = Step(data.length + data.free_fraction * symbols.free_length,
+                    data.may_steer * symbols.change, data.v_squared, data.v_squared_slope,
+                    dimensions.jumps, self._smoothing)
+        result = collocate(dimensions.kind, parameters, symbols.node, step, symbols.rates)
+        # Forces and moments per friction of the supports are of the order of 1.
+        friction = sum(support[2] for support in parameters.terms.supports)
+        end = ca.vertcat(symbols.free_length, *result.end[:dimensions.state_count - 1])
+        end[1:] += symbols.defects
+        rows: list[Inequality] = []
+        for normal, tangential in result.forces:
+            rows += _cone_rows(Constraint.CONE, limits.cone_slope, limits.cone_slack,
+                               normal / friction, tangential / friction)
+        if not dimensions.jumps:
+            largest = data.max_angle_slope * step.length
+            rows += [(Constraint.ANGLE_RATE, largest - symbols.change),
+                     (Constraint.ANGLE_RATE, largest + symbols.change)]
+        rows += self._robot_rows(common, result.end, data.v_squared_end)
+        if dimensions.kind == 'differential':
+            delta = contact_frame(parameters, result.end.theta, result.end.phi).delta
+            rows += [(Constraint.VERTEX, delta - limits.min_normal),
+                     (Constraint.VERTEX, limits.max_normal - delta)]
+        residuals = [residual / friction for residual in result.residuals]
+        return BlockRows([-end, *residuals], rows)
 
-    def _stage(self, push_parameters, limits, here, grid):
-        shape, (parts, node) = self.shape, here
-        change, rates = parts[shape.states], parts[shape.states + 1:]
-        length, share, square, slope, free, rate, pace = ca.vertsplit(grid[:len(STEP_FIELDS)])
-        step = Step(length + share * parts[0], free * change, square, slope, shape.jumps,
-                    self._smoothing)
-        out = collocate(shape.kind, push_parameters, node, step, rates)
-        friction = sum(support[2] for support in push_parameters.terms.supports)
-        end = ca.vertcat(parts[0], *out.node[:shape.states - 1])
-        end[1:] += grid[len(STEP_FIELDS):]
-        rows = [row for force in out.forces
-                for row in _cone(limits.slope, limits.slack, *(f / friction for f in force))]
-        names = ['cone'] * len(rows)
-        if not shape.jumps:
-            reach = rate * step.length
-            rows += [reach - change, reach + change]
-            names += ['rate'] * 2
-        rows += self._robot_rows(push_parameters, limits, out.node, pace)
-        names += [] if shape.kind == 'rolling' else ['turn', 'speed']
-        names += ['vertex'] * (len(rows) - len(names))
-        residuals = [residual / friction for residual in out.residuals]
-        return (ca.vertcat(-end, *residuals, *rows),
-                [''] * (shape.states + len(residuals)) + names)
-
-    def _robot_rows(self, push_parameters, limits, end, square):
-        if self.shape.kind == 'rolling':
+    def _robot_rows(self, common: _Symbols, node: Node, v_squared: Any) -> list[Inequality]:
+        if self._dimensions.kind == 'rolling':
             return []
-        turn = robot_yaw_rate(self.shape.kind, push_parameters, end.rho, end.w)
-        rows = [limits.turn ** 2 - square * turn ** 2,
-                limits.speed ** 2 - square * robot_speed(push_parameters, end.rho, turn)]
-        if self.shape.kind == 'differential':
-            delta, _, _ = place(push_parameters, end.theta, end.phi)
-            rows += [delta - limits.lowest, limits.highest - delta]
-        return rows
+        limits = common.limits
+        robot_w = robot_yaw_rate(self._dimensions.kind, common.parameters, node.rho, node.w)
+        speed_squared = robot_speed_squared(common.parameters, node.rho, robot_w)
+        return [(Constraint.YAW_RATE, limits.yaw_rate ** 2 - v_squared * robot_w ** 2),
+                (Constraint.SPEED, limits.speed ** 2 - v_squared * speed_squared)]
 
-    def _first(self, grid, node, push_parameters, limits, ends):
-        jump, j_n, j_t = contact_impulse(self.shape.kind, push_parameters, node)
-        equal = [node.w - ends.moving * ends.w - (1.0 - ends.moving) * jump, node.theta,
-                 node.q_x - ends.q_x, node.q_y - ends.q_y]
-        if self.shape.kind == 'differential':
+    def _first_rows(self, common: _Symbols, symbols: _StepSymbols) -> BlockRows:
+        node, boundary, limits = symbols.node, common.boundary, common.limits
+        response = contact_impulse(self._dimensions.kind, common.parameters, node)
+        equal = [node.w - boundary.moving * boundary.w
+                 - (1.0 - boundary.moving) * response.w_jump,
+                 node.theta, node.q_x - boundary.q_x, node.q_y - boundary.q_y]
+        if self._dimensions.kind == 'differential':
             equal.append(node.phi)
-        rows = _cone(limits.slope, limits.touch_slack, j_n, j_t)
-        if self.shape.kind != 'rolling':
-            # Of the robot's rows, those of the vertex hold at a start that is taken as it is.
-            rows += self._robot_rows(push_parameters, limits, node, grid[len(STEP_FIELDS) - 1])[:2]
-        names = ['touch', 'touch', 'turn', 'speed'][:len(rows)]
-        return ca.vertcat(*equal, *rows), [''] * len(equal) + names
+        rows = _cone_rows(Constraint.TOUCH, limits.cone_slope, limits.touch_slack,
+                          response.normal, response.tangential)
+        # Not the range of normals: the start is taken as it is.
+        rows += self._robot_rows(common, node, symbols.data.v_squared_end)
+        return BlockRows(equal, rows)
 
-    def _last(self, states, push_parameters, ends):
+    def _end_rows(self, common: _Symbols, states: Any) -> BlockRows:
+        dimensions, boundary = self._dimensions, common.boundary
         node = self._node(ca.vertsplit(states))
-        x, y = origin(self.shape.kind, push_parameters, node)
-        rows = [x - ends.x, y - ends.y]
-        delta, c_x, c_y = place(push_parameters, node.theta, node.phi)
-        if not self.shape.heading_free:
-            rows.append(node.theta - ends.theta)
-        if self.shape.straight:
+        x, y = object_origin(dimensions.kind, common.parameters, node)
+        equal = [x - boundary.x, y - boundary.y]
+        delta, c_x, c_y = contact_frame(common.parameters, node.theta, node.phi)
+        if not dimensions.heading_free:
+            equal.append(node.theta - boundary.theta)
+        if dimensions.straight_end:
             angle = delta + node.rho
-            rows.append((ends.f_x - c_x) * ca.sin(angle) - (ends.f_y - c_y) * ca.cos(angle))
-            if self.shape.kind == 'differential':
-                rows.append(delta - ends.delta)
-        return ca.vertcat(*rows)
+            equal.append((boundary.f_x - c_x) * ca.sin(angle)
+                         - (boundary.f_y - c_y) * ca.cos(angle))
+            if dimensions.kind == 'differential':
+                equal.append(delta - boundary.delta)
+        return BlockRows(equal, [])
 
 
-def origin(kind, push_parameters, node):
+def object_origin(kind: PushKind, parameters: PushParameters, node: Node) -> tuple[Any, Any]:
     """
     Find the object's origin from the followed point.
 
-    :param kind: one of ``push_planner.push_parameters.PUSH_KINDS``.
-    :param push_parameters: ``PushParameters``.
+    :param kind: how the contact moves with the robot.
+    :param parameters: ``PushParameters``.
     :param node: ``Node``.
     :return: (x, y) in the object's start frame [m].
     """
-    delta, c_x, c_y = place(push_parameters, node.theta, node.phi)
-    out = push_parameters.radius if kind == 'rolling' else 0.0
+    delta, c_x, c_y = contact_frame(parameters, node.theta, node.phi)
+    to_contact = parameters.radius if kind == 'rolling' else 0.0
     c, s = ca.cos(node.theta), ca.sin(node.theta)
     gamma = node.theta + delta
-    return (node.q_x + out * ca.cos(gamma) - c * c_x + s * c_y,
-            node.q_y + out * ca.sin(gamma) - s * c_x - c * c_y)
+    return (node.q_x + to_contact * ca.cos(gamma) - c * c_x + s * c_y,
+            node.q_y + to_contact * ca.sin(gamma) - s * c_x - c * c_y)
 
 
-def _cone(slope, slack, along, across):
-    return [slope * along - across + slack, slope * along + across + slack]
+def _common_symbols(dimensions: Dimensions) -> _Symbols:
+    parameters, column = PushParameters.symbols(dimensions.support_count)
+    limits = ca.SX.sym('limits', len(Limits._fields))
+    boundary = ca.SX.sym('boundary', len(BoundaryValues._fields))
+    return _Symbols(parameters, Limits(*ca.vertsplit(limits)),
+                    BoundaryValues(*ca.vertsplit(boundary)), ca.vertcat(column, limits, boundary))
+
+
+def _cone_rows(constraint: Constraint, slope: Any, slack: Any, normal: Any,
+               tangential: Any) -> list[Inequality]:
+    return [(constraint, slope * normal - tangential + slack),
+            (constraint, slope * normal + tangential + slack)]

@@ -1,170 +1,190 @@
 """
-Where to begin: the pushed object as a vehicle that follows a Dubins path of its flat point z.
+Dubins routes: the paths of the flat output to the goal in the tightest turns that a contact allows.
 
-Turns are steady ones: of a contact that is held, by the supports themselves and with inertia; of
-a differential drive, whose normal follows the turn, by the vehicle view.
+Turns are steady ones: of a contact that is held, on the supports themselves and with inertia; of
+a differential drive, whose normal follows the turn, those of the object seen as a vehicle.
 """
 
+from collections.abc import Sequence
 import math
-from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from push_model.dubins import dubins_paths, DubinsPath
 from push_model.geometry import Pose
-from push_planner.initial_guess.first_guess import guess
+from push_planner.initial_guess.first_guess import Route
 from push_planner.initial_guess.steady_turns import steady_turns, SteadyTurn, TurnKey
+from push_planner.problem import PushProblem
 
-FASTEST_TIGHT = 0.5
-GENTLE = 0.85
-SHORTER = (0.5, 0.25, 0.1)
-DETOUR = 1.2
-SHORTEST_RUN_IN = 0.02
-WIDEST = 1.1
+# Pushing speed up to which routes use the tightest turns [m/s], and the fraction of them beyond.
+# Chosen: a fast push has to build up its turn, and needs a reserve for it.
+MAX_TIGHT_SPEED = 0.5
+FAST_TURN_FRACTION = 0.85
+# Fractions of the final straight that are tried where the full one forces a detour, and the least
+# length of it [m].
+SHORTER_STRAIGHTS = (0.5, 0.25, 0.1)
+MIN_FINAL_STRAIGHT = 0.02
+# Ratio of path lengths beyond which one counts as a detour. Chosen: a straighter end is worth a
+# fifth of the path.
+DETOUR_RATIO = 1.2
+# Largest pushing angle of turns where the cone does not limit them [rad]. Chosen: 63 degrees, where
+# the object turns about one of its supports.
+MAX_TURN_ANGLE = 1.1
+# Headings at the goal that are tried where any will do. Chosen: 22.5 degrees apart; the solver
+# finds the optimum in between.
+FREE_HEADINGS = 16
 
-
-class Route(NamedTuple):
-    """
-    A way for the flat point, in the object's start frame, with what it costs.
-
-    :param path: ``DubinsPath`` of z, up to the run-in.
-    :param turns: ``SteadyTurn`` on each piece of it.
-    :param final_straight: straight way after it [m].
-    :param path_length: way of the contact, run-in included [m].
-    :param max_deviation: how far from it along either axis a plan may be [m].
-    """
-
-    path: DubinsPath
-    turns: tuple
-    final_straight: float
-    path_length: float
-    max_deviation: float = math.inf
-
-    @property
-    def rotation(self):
-        """Angle by which the object turns [rad]."""
-        return sum(a * b for a, b in zip(self.path.lengths, self.path.curvatures))
-
-    @property
-    def name(self):
-        """Letters of its pieces."""
-        return self.path.word
-
-    def guess(self, problem, lengths, points):
-        """
-        Follow it; arguments and result as of ``push_planner.initial_guess.first_guess.guess``.
-
-        :param problem: the ``PushProblem``.
-        :param lengths: of the steps [m].
-        :param points: places of the Radau points in a step.
-        """
-        return guess(problem, self, lengths, points)
+TurnPair = tuple[SteadyTurn, SteadyTurn]
 
 
-def tightest_turns(problem):
+def tightest_turns(problem: PushProblem) -> Optional[TurnPair]:
     """
     Find the tightest steady turns.
 
     :param problem: the ``PushProblem``.
-    :return: ``SteadyTurn`` (to the left, to the right), or None where straight ahead is out of
-        bounds itself.
+    :return: ``SteadyTurn`` (to the left, to the right); None where straight ahead is outside the
+        limits itself.
     """
-    settings, vehicle = problem.settings, problem.vehicle
-    offset = problem.normal_offset
+    settings, offset = problem.settings, problem.normal_offset
     if problem.kind == 'differential':
-        reach = vehicle.arm + problem.robot.radius
-        beta = problem.planning_cone_angle if settings.angle_limit == 'cone' else WIDEST
-        return tuple(_vehicle_turn(vehicle, (problem.heading_offset + side * beta) / reach)
-                     for side in (1.0, -1.0))
-    slope, widest = math.inf, WIDEST
+        return _differential_turns(problem)
+    slope, max_angle = math.inf, MAX_TURN_ANGLE
     if settings.angle_limit == 'cone':
         slope = math.tan(problem.planning_cone_angle)
     elif settings.angle_limit == 'angle':
-        widest = settings.max_pushing_angle
+        max_angle = settings.max_pushing_angle
     dynamic = settings.motion_model == 'dynamic'
     key = TurnKey(tuple(problem.push_parameters.column()), offset,
                   settings.pushing_speed ** 2 if dynamic else 0.0)
-    found = steady_turns(key).limits(slope, widest, offset)
-    if found is None or not (found[0].curvature > 0.0 > found[1].curvature):
+    turns = steady_turns(key).limits(slope, max_angle, offset)
+    if turns is None or not (turns[0].curvature > 0.0 > turns[1].curvature):
         return None
-    if dynamic and settings.pushing_speed > FASTEST_TIGHT:
-        return tuple(SteadyTurn(GENTLE * turn.steering_angle, GENTLE * turn.w) for turn in found)
-    return found
+    if is_fast(problem):
+        left, right = turns
+        return _scaled(left, FAST_TURN_FRACTION), _scaled(right, FAST_TURN_FRACTION)
+    return turns
 
 
-def _vehicle_turn(vehicle, curvature):
-    steering_angle = -math.atan(vehicle.wheelbase * curvature)
-    return SteadyTurn(steering_angle, curvature * math.cos(steering_angle))
-
-
-def routes(problem, turns):
+def is_fast(problem: PushProblem) -> bool:
     """
-    Rank the ways to the goal, cheapest first.
+    Tell whether a push is so fast that its routes have a reserve of curvature.
 
-    Run-ins are shortened where the full one forces a detour.
+    :param problem: the ``PushProblem``.
+    """
+    settings = problem.settings
+    return settings.motion_model == 'dynamic' and settings.pushing_speed > MAX_TIGHT_SPEED
+
+
+def routes(problem: PushProblem, turns: TurnPair) -> list[Route]:
+    """
+    Rank the routes to the goal, shortest first.
+
+    Final straights are shortened where the full one forces a detour.
 
     :param problem: the ``PushProblem``.
     :param turns: ``SteadyTurn`` (to the left, to the right).
-    :return: list of ``Route``.
     """
     full = problem.settings.final_straight
-    shortest = min(SHORTEST_RUN_IN, full)
-    found, least = _routes(problem, turns, full), _routes(problem, turns, shortest)
-    if found[0].path_length > DETOUR * least[0].path_length:
-        found = least + [route for share in SHORTER if share * full > shortest
-                         for route in _routes(problem, turns, share * full)]
-        best = min(route.path_length for route in found)
-        near = [route for route in found if route.path_length <= DETOUR * best]
-        longest = max(route.final_straight for route in near)
-        near.sort(key=lambda route: (route.final_straight < longest, route.path_length))
-        rest = [route for route in found if route.path_length > DETOUR * best]
-        return near + sorted(rest, key=lambda route: route.path_length)
-    return found + [route for route in least if full > shortest]
+    shortest = min(MIN_FINAL_STRAIGHT, full)
+    with_full = _routes(problem, turns, full)
+    with_shortest = _routes(problem, turns, shortest)
+    if with_full[0].path_length <= DETOUR_RATIO * with_shortest[0].path_length:
+        return with_full + (with_shortest if full > shortest else [])
+    found = with_shortest + [route for fraction in SHORTER_STRAIGHTS if fraction * full > shortest
+                             for route in _routes(problem, turns, fraction * full)]
+    # Of all that are no detour, those with the longest final straight come first.
+    limit = DETOUR_RATIO * min(route.path_length for route in found)
+    near = [route for route in found if route.path_length <= limit]
+    longest = max(route.final_straight for route in near)
+    near.sort(key=lambda route: (route.final_straight < longest, route.path_length))
+    far = [route for route in found if route.path_length > limit]
+    return near + sorted(far, key=lambda route: route.path_length)
 
 
-def route_along(problem, pieces, max_deviation):
+def route_along(problem: PushProblem, segments: Sequence[tuple[float, float]],
+                max_deviation: float) -> Route:
     """
-    Make a route of given pieces; the last is straight, and its end the run-in.
+    Make a route of given segments; the last is straight, and its end the final straight.
 
-    :param problem: the ``PushProblem``; it can steer both ways.
-    :param pieces: (length [m], signed curvature [1/m]) of each.
-    :param max_deviation: how far from it along either axis a plan may be [m].
-    :return: ``Route``.
+    :param problem: the ``PushProblem``; it can steer to both sides.
+    :param segments: (length [m], signed curvature [1/m]) of each.
+    :param max_deviation: how far off it a plan may be, along either axis [m].
     """
-    view, final_straight = problem.vehicle, problem.settings.final_straight
-    pieces = [*pieces[:-1], (pieces[-1][0] - final_straight, 0.0)]
-    pieces = [piece for piece in pieces if piece[0] > 0.0]
-    sharpest, turns = tightest_turns(problem), []
-    for _, curvature in pieces:
-        turn = sharpest[0 if curvature > 0.0 else 1]
+    vehicle, final_straight = problem.vehicle, problem.settings.final_straight
+    shortened = [*segments[:-1], (segments[-1][0] - final_straight, 0.0)]
+    shortened = [segment for segment in shortened if segment[0] > 0.0]
+    tightest = tightest_turns(problem)
+    if tightest is None:
+        raise ValueError('problem: got a contact that steers to one side only, expected both')
+    turns: list[SteadyTurn] = []
+    for _, curvature in shortened:
+        turn = tightest[0 if curvature > 0.0 else 1]
         steering_angle = math.atan(math.tan(turn.steering_angle) * curvature / turn.curvature)
         turns.append(SteadyTurn(steering_angle, curvature * math.cos(steering_angle)))
-    lengths, curvatures = zip(*pieces)
-    word = ''.join('S' if c == 0.0 else 'L' if c > 0.0 else 'R' for c in curvatures)
-    path = DubinsPath(Pose(*view.flat_output, view.angle), word, lengths, curvatures)
-    path_length = final_straight + sum(length / math.cos(turn.steering_angle) for length, turn in zip(lengths, turns))
+    lengths, curvatures = zip(*shortened)
+    word = ''.join(_letter(curvature) for curvature in curvatures)
+    path = DubinsPath(Pose(*vehicle.flat_output, vehicle.angle), word, lengths, curvatures)
+    path_length = final_straight + contact_length(lengths, turns)
     return Route(path, tuple(turns), final_straight, path_length, max_deviation)
 
 
-def _routes(problem, turns, final_straight):
+def contact_length(lengths: Sequence[float], turns: Sequence[SteadyTurn]) -> float:
+    """
+    Path length of the contact on segments of the flat output's path [m].
+
+    :param lengths: of the segments [m].
+    :param turns: ``SteadyTurn`` on each.
+    """
+    return sum(length / math.cos(turn.steering_angle) for length, turn in zip(lengths, turns))
+
+
+def _differential_turns(problem: PushProblem) -> TurnPair:
+    """Turns at the edges of the cone, the heading of the robot settled on the push."""
     vehicle = problem.vehicle
-    flat = Pose(*vehicle.flat_output, vehicle.angle)
-    goal = problem.relative_goal @ flat
+    reach = vehicle.arm + problem.robot.radius
+    beta = MAX_TURN_ANGLE
+    if problem.settings.angle_limit == 'cone':
+        beta = problem.planning_cone_angle
+    left = _vehicle_turn(vehicle.wheelbase, (problem.heading_offset + beta) / reach)
+    right = _vehicle_turn(vehicle.wheelbase, (problem.heading_offset - beta) / reach)
+    return left, right
+
+
+def _vehicle_turn(wheelbase: float, curvature: float) -> SteadyTurn:
+    steering_angle = -math.atan(wheelbase * curvature)
+    return SteadyTurn(steering_angle, curvature * math.cos(steering_angle))
+
+
+def _scaled(turn: SteadyTurn, factor: float) -> SteadyTurn:
+    return SteadyTurn(factor * turn.steering_angle, factor * turn.w)
+
+
+def _letter(curvature: float) -> str:
+    if curvature == 0.0:
+        return 'S'
+    return 'L' if curvature > 0.0 else 'R'
+
+
+def _routes(problem: PushProblem, turns: TurnPair, final_straight: float) -> list[Route]:
+    """Routes with a final straight, shortest first."""
+    vehicle = problem.vehicle
+    flat_output = Pose(*vehicle.flat_output, vehicle.angle)
+    goal = problem.relative_goal @ flat_output
     left, right = turns
-    kinds = {1.0: left, 0.0: SteadyTurn(0.0, 0.0), -1.0: right}
-    found = []
-    for heading in _headings(problem, goal):
+    turn_of = {1.0: left, 0.0: SteadyTurn(0.0, 0.0), -1.0: right}
+    found: list[Route] = []
+    for heading in _goal_headings(problem, goal):
         end = goal._replace(theta=heading) @ Pose(-final_straight, 0.0, 0.0)
-        for path in dubins_paths(flat, end, 1.0 / left.curvature, -1.0 / right.curvature):
-            pieces = tuple(kinds[math.copysign(1.0, c) if c else 0.0] for c in path.curvatures)
-            path_length = final_straight + sum(length / math.cos(turn.steering_angle)
-                                               for length, turn in zip(path.lengths, pieces))
-            found.append(Route(path, pieces, final_straight, path_length))
+        for path in dubins_paths(flat_output, end, 1.0 / left.curvature, -1.0 / right.curvature):
+            turned = tuple(turn_of[math.copysign(1.0, c) if c else 0.0] for c in path.curvatures)
+            path_length = final_straight + contact_length(path.lengths, turned)
+            found.append(Route(path, turned, final_straight, path_length))
     return sorted(found, key=lambda route: route.path_length)
 
 
-def _headings(problem, goal):
+def _goal_headings(problem: PushProblem, goal: Pose) -> list[float]:
     if not problem.settings.heading_free:
         return [goal.theta]
-    # Any heading will do: the direction of the goal, and some to either side.
     bearing = math.atan2(goal.y, goal.x)
-    return [bearing + turn for turn in np.linspace(-math.pi, math.pi, 16, endpoint=False)]
+    return [bearing + angle
+            for angle in np.linspace(-math.pi, math.pi, FREE_HEADINGS, endpoint=False)]

@@ -1,85 +1,120 @@
-"""What is left of a former plan, to start from when planning anew."""
+"""Warm start: the rest of a previous plan as a route to start from."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Optional
 
 import numpy as np
-from push_model.geometry import wrap_angle
-from push_planner.initial_guess.first_guess import Guess
+from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_planner.collocation.formulation import NodeGuess
+from push_planner.plan import Plan
+from push_planner.problem import PushProblem
 
-TURN_REACH = 0.3
-SHORTEST = 0.02
+# Distance that counts as much as a radian of heading where the present pose is looked for on the
+# previous path [m]. Chosen: the size of a pushed object.
+HEADING_WEIGHT = 0.3
+# Least path length that is worth a warm start [m].
+MIN_REST = 0.02
+# Largest fraction of the rest that its final straight may be. Chosen: the main section of a push
+# needs a length of its own.
+MAX_STRAIGHT_FRACTION = 0.9
 
 
 class PreviousRoute(NamedTuple):
     """
     The rest of a plan, as a route.
 
-    :param nodes: ``push_planner.collocation.collocation.Node`` of its samples in the new start frame, shape (n, 6).
-    :param ways: of the contact from now to each sample, shape (n,) [m].
-    :param final_straight: straight way at its end [m].
-    :param rotation: angle by which the object turns [rad].
+    :param nodes: ``push_planner.collocation.collocation.Node`` of its samples in the new start
+        frame, shape (n, 6).
+    :param s: path length of the contact from now to each sample, shape (n,) [m].
+    :param final_straight: length of the straight push at its end [m].
+    :param rotation: angle by which the object rotates [rad].
     """
 
-    nodes: np.ndarray
-    ways: np.ndarray
+    nodes: FloatArray
+    s: FloatArray
     final_straight: float
     rotation: float
 
-    name = 'previous plan'
-    max_deviation = math.inf
+    @property
+    def name(self) -> str:
+        """Name in reports."""
+        return 'previous plan'
 
     @property
-    def path_length(self):
-        """Way of the contact [m]."""
-        return float(self.ways[-1])
+    def max_deviation(self) -> float:
+        """How far off it a plan may be [m]: anywhere."""
+        return math.inf
 
-    def guess(self, problem, lengths, points):
+    @property
+    def path_length(self) -> float:
+        """Path length of the contact [m]."""
+        return float(self.s[-1])
+
+    def guess(self, problem: PushProblem, lengths: FloatArray, points: FloatArray) -> NodeGuess:
         """
-        Follow it.
+        Follow the route.
 
         :param problem: the ``PushProblem``; not used, the nodes are in its frame.
-        :param lengths: of the steps, summing to the cost, shape (n,) [m].
-        :param points: places of the Radau points in a step, shape (K,).
-        :return: ``Guess``.
+        :param lengths: of the steps, summing to the path length, shape (n,) [m].
+        :param points: Radau points of a step, shape (K,).
         """
         ends = np.concatenate([[0.0], np.cumsum(lengths)])
-        nodes = np.column_stack([np.interp(ends, self.ways, column) for column in self.nodes.T])
-        places = ends[:-1, None] + lengths[:, None] * points
-        return Guess(nodes, np.interp(places, self.ways, self.nodes[:, 0]))
+        nodes = np.column_stack([np.interp(ends, self.s, column) for column in self.nodes.T])
+        at_points = ends[:-1, None] + lengths[:, None] * points
+        return NodeGuess(nodes, np.interp(at_points, self.s, self.nodes[:, 0]))
 
 
-def previous_route(problem, previous):
+def previous_route(problem: PushProblem, previous: Plan) -> Optional[PreviousRoute]:
     """
     Cut off what has been pushed already.
 
     :param problem: the ``PushProblem``, from the present pose.
-    :param previous: ``Plan`` of the same contact.
-    :return: ``PreviousRoute``; None where next to nothing is left, or another contact is meant.
+    :param previous: ``Plan`` at the same contact.
+    :return: ``PreviousRoute``; None where next to nothing is left, or the contact is another one.
     """
-    former = previous.problem
-    if (former.kind, former.contact.kind, former.contact.index) != (
-            problem.kind, problem.contact.kind, problem.contact.index):
+    if _contact_of(previous.problem) != _contact_of(problem):
         return None
-    motion, start = previous.trajectory, problem.start
-    turns = motion.object_poses[:, 2] - start.theta
-    off = np.hypot(*(motion.object_poses[:, :2] - np.array(start[:2])).T)
-    now = int(np.argmin(off + TURN_REACH * np.abs((turns + math.pi) % (2.0 * math.pi) - math.pi)))
-    speed = np.hypot(*motion.contact_twists[:, :2].T)
-    steps = 0.5 * np.diff(motion.times) * (speed[1:] + speed[:-1])
-    ways = np.concatenate([[0.0], np.cumsum(steps)])
-    if ways[-1] - ways[now] < SHORTEST:
+    trajectory = previous.trajectory
+    now = _nearest_sample(trajectory.object_poses, problem.start)
+    speed = np.hypot(*trajectory.contact_twists[:, :2].T)
+    steps = 0.5 * np.diff(trajectory.times) * (speed[1:] + speed[:-1])
+    s = np.concatenate([[0.0], np.cumsum(steps)])
+    if s[-1] - s[now] < MIN_REST:
         return None
-    gamma = motion.contact_poses[:, 2]
-    rho = np.arctan2(motion.contact_twists[:, 1], motion.contact_twists[:, 0]) - gamma
-    turns = turns - turns[now] + wrap_angle(turns[now])
-    followed = motion.robot_poses if problem.kind == 'rolling' else motion.contact_poses
-    x, y = (followed[:, :2] - np.array(start[:2])).T
-    c, s = math.cos(start.theta), math.sin(start.theta)
-    phi = motion.robot_poses[:, 2] - motion.robot_poses[now, 2]
-    nodes = np.column_stack([motion.object_twists[:, 2] / speed,
-                             (rho + math.pi) % (2.0 * math.pi) - math.pi, turns,
-                             c * x + s * y, c * y - s * x, phi])[now:]
-    left = ways[now:] - ways[now]
-    return PreviousRoute(nodes, left, min(previous.report['final_straight'], 0.9 * float(left[-1])),
-                         float(nodes[-1, 2]))
+    gamma = trajectory.contact_poses[:, 2]
+    rho = np.arctan2(trajectory.contact_twists[:, 1], trajectory.contact_twists[:, 0]) - gamma
+    theta = trajectory.object_poses[:, 2] - problem.start.theta
+    theta = theta - theta[now] + wrap_angle(theta[now])
+    followed = (trajectory.robot_poses if problem.kind == 'rolling' else
+                trajectory.contact_poses)
+    q_x, q_y = _in_frame(problem.start, followed[:, :2])
+    phi = trajectory.robot_poses[:, 2] - trajectory.robot_poses[now, 2]
+    nodes = np.column_stack([trajectory.object_twists[:, 2] / speed, _wrapped(rho), theta, q_x,
+                             q_y, phi])[now:]
+    rest = s[now:] - s[now]
+    final_straight = min(previous.report['final_straight'],
+                         MAX_STRAIGHT_FRACTION * float(rest[-1]))
+    return PreviousRoute(nodes, rest, final_straight, float(nodes[-1, 2]))
+
+
+def _contact_of(problem: PushProblem) -> tuple[str, str, int]:
+    return problem.kind, problem.contact.kind, problem.contact.index
+
+
+def _nearest_sample(poses: FloatArray, start: Pose) -> int:
+    """Index of the pose that is nearest to the start."""
+    rotation = poses[:, 2] - start.theta
+    distance = np.hypot(*(poses[:, :2] - np.array(start[:2])).T)
+    return int(np.argmin(distance + HEADING_WEIGHT * np.abs(_wrapped(rotation))))
+
+
+def _wrapped(angles: FloatArray) -> FloatArray:
+    """Wrap angles into [-pi, pi) [rad]."""
+    return (angles + math.pi) % (2.0 * math.pi) - math.pi
+
+
+def _in_frame(frame: Pose, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Coordinates of points of shape (n, 2) in a frame."""
+    x, y = (points - np.array(frame[:2])).T
+    c, s = math.cos(frame.theta), math.sin(frame.theta)
+    return c * x + s * y, c * y - s * x

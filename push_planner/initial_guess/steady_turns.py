@@ -1,103 +1,103 @@
 """
-Steady turns of an object pushed at a contact that stays in place: turning rate and force.
+Steady turns of an object that is pushed at a contact that stays in place: yaw rate and force.
 
-Inertia counts: at speed an object turns less. The ends of the range that the contact allows give
-the tightest turns to either side.
+In a steady turn w is constant, and the moment balance determines it from the direction of the
+push. Inertia counts: the faster the push, the less the object turns. The ends of the range of
+directions that the contact allows give the tightest turns to either side.
 """
 
 import functools
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
-from push_planner.collocation.collocation import balance, Step
-from push_planner.collocation.nlp_solver import Buffered
-from push_planner.push_parameters import PARAMETER_COUNT, place, PushParameters
+from push_model.geometry import FloatArray
+from push_planner.collocation.collocation import moment_and_force, MotionPoint, Step
+from push_planner.collocation.nlp_solver import BufferedFunction
+from push_planner.push_parameters import contact_frame, PARAMETER_COUNT, PushParameters
 
-ANGLES = 41
-STEEPEST = 1.2
+# Directions in the table, and the largest of them [rad]. Chosen: 3.4 degrees apart, interpolated
+# between; the largest is about 70 degrees, outside every friction cone.
+DIRECTIONS = 41
+MAX_STEERING_ANGLE = 1.2
+# Halvings of the bracket of w. Chosen: 2^-24 of its width is far below what a guess needs.
 HALVINGS = 24
+# Sliding speed over the pushing speed below which friction becomes viscous. Chosen: smaller than
+# that of the program, as no derivative is needed.
 SMOOTHING = 1e-3
+# Half-width of the bracket of w, times the distance from contact to mass centre. Derived: an object
+# that turns about one of its supports has at most 1 / distance; 4 is on the safe side.
+BRACKET = 4.0
+# Tolerance on the largest pushing angle [rad]: rounding.
+ANGLE_ROUNDING = 1e-9
 
 
 class SteadyTurn(NamedTuple):
     """
     A steady turn.
 
-    :param steering_angle: angle from the line C to F to the push [rad].
-    :param w: turning rate over the pushing speed [1/m].
+    :param steering_angle: alpha, from the line C to F to the push [rad].
+    :param w: yaw rate over the pushing speed [1/m].
     """
 
     steering_angle: float
     w: float
 
     @property
-    def curvature(self):
-        """Curvature of the way of the flat point [1/m]."""
+    def curvature(self) -> float:
+        """Curvature of the path of the flat output [1/m]."""
         return self.w / math.cos(self.steering_angle)
 
 
 class SteadyTurns(NamedTuple):
     """
-    Steady turns over the angle of the push.
+    Steady turns over the direction of the push.
 
-    :param steers: angles from the line C to F to the push, shape (n,) [rad].
+    :param steering_angles: from the line C to F to the push, increasing, shape (n,) [rad].
     :param rates: w of each, shape (n,) [1/m].
     :param forces: (F_n, F_t) of each, shape (n, 2) [N].
     """
 
-    steers: np.ndarray
-    rates: np.ndarray
-    forces: np.ndarray
+    steering_angles: FloatArray
+    rates: FloatArray
+    forces: FloatArray
 
-    def limits(self, slope, widest, offset):
+    def limits(self, slope: float, max_angle: float,
+               offset: float) -> Optional[tuple[SteadyTurn, SteadyTurn]]:
         """
-        Find the steady turns at the ends of what the contact allows.
+        Find the steady turns at the ends of the range that the contact allows.
 
         :param slope: tangent of the half-angle of the cone, infinite where it does not count.
-        :param widest: largest pushing angle [rad].
+        :param max_angle: largest pushing angle [rad].
         :param offset: of the normal from the line C to F [rad].
-        :return: ``SteadyTurn`` (to the left, to the right); None where straight ahead is not
-            allowed itself.
+        :return: ``SteadyTurn`` (to the left, to the right); None where straight ahead is outside.
         """
-        inside = np.abs(self.steers - offset) <= widest + 1e-9
-        room = np.minimum(widest - np.abs(self.steers - offset), np.inf)
+        rho = np.abs(self.steering_angles - offset)
+        inside = rho <= max_angle + ANGLE_ROUNDING
+        reserve = max_angle - rho
         if math.isfinite(slope):
-            room = np.minimum(room, slope * self.forces[:, 0] - np.abs(self.forces[:, 1]))
-            inside = room >= 0.0
-        middle = len(self.steers) // 2
-        if not inside[middle]:
+            cone = slope * self.forces[:, 0] - np.abs(self.forces[:, 1])
+            reserve = np.minimum(reserve, cone)
+            inside = reserve >= 0.0
+        straight = len(self.steering_angles) // 2
+        if not inside[straight]:
             return None
-        return self._end(room, middle, -1), self._end(room, middle, 1)
+        return self._end(reserve, straight, -1), self._end(reserve, straight, 1)
 
-    def _end(self, room, middle, side):
-        here = middle
-        while 0 < here < len(room) - 1 and room[here + side] >= 0.0:
+    def _end(self, reserve: FloatArray, straight: int, side: int) -> SteadyTurn:
+        """Turn where the reserve becomes 0, or at the end of the table, to one side."""
+        last = len(reserve) - 1
+        here = straight
+        while 0 < here < last and reserve[here + side] >= 0.0:
             here += side
-        share = 0.0
-        if 0 < here < len(room) - 1:
-            share = room[here] / max(room[here] - room[here + side], 1e-12)
-        after = min(max(here + side, 0), len(room) - 1)
-        steering_angle, w = (values[here] + share * (values[after] - values[here])
-                             for values in (self.steers, self.rates))
+        fraction = 0.0
+        if 0 < here < last:
+            fraction = reserve[here] / max(reserve[here] - reserve[here + side], 1e-12)
+        beyond = min(max(here + side, 0), last)
+        steering_angle, w = (values[here] + fraction * (values[beyond] - values[here])
+                             for values in (self.steering_angles, self.rates))
         return SteadyTurn(float(steering_angle), float(w))
-
-
-@functools.lru_cache(maxsize=64)
-def steady_turns(problem_key):
-    """
-    Tabulate the steady turns.
-
-    :param problem_key: ``TurnKey``.
-    :return: ``SteadyTurns``.
-    """
-    steers = np.linspace(-STEEPEST, STEEPEST, ANGLES)
-    supports = (len(problem_key.column) - PARAMETER_COUNT) // 3
-    column = np.array(problem_key.column)
-    rates, forces = _table(supports)(steers[:, None] - problem_key.offset, problem_key.square,
-                                     column)
-    return SteadyTurns(steers, rates.ravel(), forces)
 
 
 class TurnKey(NamedTuple):
@@ -106,31 +106,49 @@ class TurnKey(NamedTuple):
 
     :param column: the ``PushParameters`` as numbers.
     :param offset: of the normal from the line C to F [rad].
-    :param square: V [m^2/s^2].
+    :param v_squared: V [m^2/s^2].
     """
 
-    column: tuple
+    column: tuple[float, ...]
     offset: float
-    square: float
+    v_squared: float
+
+
+@functools.lru_cache(maxsize=64)
+def steady_turns(key: TurnKey) -> SteadyTurns:
+    """
+    Tabulate the steady turns.
+
+    :param key: ``TurnKey``.
+    """
+    steering_angles = np.linspace(-MAX_STEERING_ANGLE, MAX_STEERING_ANGLE, DIRECTIONS)
+    supports = (len(key.column) - PARAMETER_COUNT) // 3
+    rates, forces = _table(supports)(steering_angles[:, None] - key.offset, key.v_squared,
+                                     np.array(key.column))
+    return SteadyTurns(steering_angles, rates.ravel(), forces)
 
 
 @functools.lru_cache(maxsize=16)
-def _table(supports):
-    push_parameters, flat = PushParameters.symbols(supports)
-    angle, square, w = ca.SX.sym('angle'), ca.SX.sym('square'), ca.SX.sym('w')
-    step = Step(0.0, 0.0, square, 0.0, False, SMOOTHING)
-    residual, force, _ = balance(push_parameters, (0.0, 0.0, w, angle, w), 0.0, 0.0, step, 0.0)
-    given = [w, angle, square, flat]
-    moment = ca.Function('moment', given, [residual])
-    forces = ca.Function('forces', given, [ca.vertcat(*force)])
-    # The moment rises with w: friction and inertia both resist turning.
-    _, c_x, c_y = place(push_parameters, 0.0, 0.0)
-    reach = 4.0 / ca.sqrt((push_parameters.terms.com_x - c_x) ** 2 + (push_parameters.terms.com_y - c_y) ** 2)
-    low, high = -reach, reach
+def _table(supports: int) -> BufferedFunction:
+    """Build the function (pushing angles, V, parameters) -> (w, forces), solved by bisection."""
+    parameters, column = PushParameters.symbols(supports)
+    angle, v_squared, w = ca.SX.sym('angle'), ca.SX.sym('v_squared'), ca.SX.sym('w')
+    step = Step(0.0, 0.0, v_squared, 0.0, False, SMOOTHING)
+    # Contact and robot rotate with the object.
+    balance = moment_and_force(parameters, MotionPoint(0.0, 0.0, w, angle, w), 0.0, 0.0, step, 0.0)
+    given = [w, angle, v_squared, column]
+    moment = ca.Function('moment', given, [balance.residual])
+    forces = ca.Function('forces', given, [ca.vertcat(*balance.force)])
+    _, c_x, c_y = contact_frame(parameters, 0.0, 0.0)
+    bracket = BRACKET / ca.sqrt((parameters.terms.com_x - c_x) ** 2
+                                + (parameters.terms.com_y - c_y) ** 2)
+    low, high = -bracket, bracket
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        above = moment(middle, angle, square, flat) > 0.0
+        # The moment rises with w: friction and inertia both resist rotation.
+        above = moment(middle, angle, v_squared, column) > 0.0
         low, high = ca.if_else(above, low, middle), ca.if_else(above, middle, high)
     found = 0.5 * (low + high)
-    one = ca.Function('turn', [angle, square, flat], [found, forces(found, angle, square, flat)])
-    return Buffered(one.map(ANGLES))
+    one = ca.Function('turn', [angle, v_squared, column],
+                      [found, forces(found, angle, v_squared, column)])
+    return BufferedFunction(one.map(DIRECTIONS))

@@ -1,149 +1,275 @@
-"""From the programme's coarse optimum to a motion that is exact."""
+"""
+Refinement: from the program's coarse optimum to an exact push.
 
+The optimum is integrated finely (see ``rollout``), in closed loop around its own nodes; and what
+the end misses of the goal is taken off by a feed-forward. Both come from one linear-quadratic
+problem in the deviations x = (w, rho, theta, q_x, q_y, phi, S) of the nodes and S:
+
+    x_{k+1} = A_k x_k + b_k u_k                             A_k, b_k: derivatives of a step
+    minimise  sum_k (x_k' Q x_k + r u_k^2) + (x_n + m)' Q_n (x_n + m) + r_S x_0[S]^2
+
+with u the deviations of the changes of the pushing angle and m the miss at the end. Backwards:
+
+    P_n = Q_n,     K_k = b' P_{k+1} A / (r + b' P_{k+1} b),   P_k = Q + A' P_{k+1} A - (A' P b) K_k
+    p_n = Q_n m,   l_k = b' p_{k+1} / (r + b' P_{k+1} b),     p_k = A' p_{k+1} - K_k' (b' p_{k+1})
+
+and u_k = -l_k - K_k x_k, with x_0[S] = -p_0[S] / (r_S + P_0[S, S]).
+"""
+
+from collections.abc import Iterator
 import functools
 import math
+from typing import NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
-from push_model.geometry import wrap_angle
+from push_model.geometry import FloatArray, wrap_angle
 from push_planner.collocation.collocation import collocate, contact_impulse, Node, Step
-from push_planner.collocation.dimensions import POINTS
-from push_planner.collocation.nlp_solver import Buffered
-from push_planner.collocation.transcription import origin, SMOOTHING
-from push_planner.integration.rollout import ClosedLoopRollout, ReferenceTrack
-from push_planner.push_parameters import place, PushParameters
+from push_planner.collocation.dimensions import Dimensions, POINTS
+from push_planner.collocation.formulation import Formulation
+from push_planner.collocation.nlp_solver import BufferedFunction, Solution
+from push_planner.collocation.transcription import object_origin, SMOOTHING
+from push_planner.integration.rollout import ClosedLoopRollout, ReferenceTrack, Rollout, Run
+from push_planner.problem import PushProblem
+from push_planner.push_parameters import contact_frame, PushParameters
 
+# Weights Q of the deviations (w, rho, theta, q_x, q_y, phi, S) along the push, and Q_n at the end
+# of one without and with a final straight. Chosen: metres and radians alike along the push; at the
+# end 1e4 times as dear, as it must be met.
 WEIGHTS = np.diag([0.0, 0.0, 1.0, 1.0, 1.0, 0.1, 0.0])
 END_WEIGHTS = np.diag([0.0, 0.0, 1e4, 1e4, 1e4, 0.0, 0.0])
-STRAIGHT_WEIGHTS = np.diag([0.0, 1e4, 1e4, 1e4, 1e4, 1e3, 0.0])
-EFFORT, WAY_EFFORT = 0.03, 10.0
-PASSES = 6
-# A pushing angle or heading that is a little off at the end is still a straight push.
-MATTERS = np.array([0.0, 0.02, 1.0, 1.0, 1.0, 0.02, 0.0])
-CLOSE = 2e-5
+STRAIGHT_END_WEIGHTS = np.diag([0.0, 1e4, 1e4, 1e4, 1e4, 1e3, 0.0])
+# Costs r of a change of the pushing angle and r_S of one of S. Chosen: deviations decay within a
+# wheelbase or two; S is left to the program, as it decides on the time.
+CHANGE_COST = 0.03
+FREE_LENGTH_COST = 10.0
+# Largest number of fine rollouts. Chosen: mostly two are enough.
+FINE_ROLLOUTS = 5
+# Size of a miss in (w, rho, theta, q_x, q_y, phi, S). Chosen: a pushing angle or heading that is a
+# little off at the end is still a straight push.
+MISS_WEIGHTS = np.array([0.0, 0.02, 1.0, 1.0, 1.0, 0.02, 0.0])
+# Miss that is small enough [m, rad]. Chosen: 20 um, a fiftieth of the tolerance of a plan.
+SMALL_MISS = 2e-5
+# Ratio by which the miss must shrink for another rollout to be worth it.
+MIN_IMPROVEMENT = 0.9
 
 
-def refine(problem, formulation, solution):
+class CostToGo(NamedTuple):
+    """
+    Solution of the Riccati recursion.
+
+    :param values: P_k, shape (n + 1, 7, 7).
+    :param gains: K_k, shape (n, 7).
+    """
+
+    values: FloatArray
+    gains: FloatArray
+
+
+class Correction(NamedTuple):
+    """
+    Feed-forward against a miss at the end.
+
+    :param changes: added to the changes of the pushing angle, shape (n,) [rad].
+    :param free_length: added to S [m].
+    """
+
+    changes: FloatArray
+    free_length: float
+
+
+class RefinedPush(NamedTuple):
+    """
+    A push that has been refined.
+
+    :param rollout: ``Rollout``.
+    :param free_length: S [m].
+    """
+
+    rollout: Rollout
+    free_length: float
+
+
+class _Iterate(NamedTuple):
+    """A fine rollout: its run, S [m], and the size of its miss [m, rad]."""
+
+    run: Run
+    free_length: float
+    miss: float
+
+
+def refine(problem: PushProblem, formulation: Formulation,
+           solution: Solution) -> Optional[RefinedPush]:
     """
     Integrate an optimum finely, corrected towards its own nodes and the goal.
 
     :param problem: the ``PushProblem``.
     :param formulation: ``Formulation``.
-    :param solution: ``Solution`` of the programme.
-    :return: (``Rollout``, or None where the integration breaks down; S [m]).
+    :param solution: ``Solution`` of the program.
+    :return: ``RefinedPush``; None where the integration breaks down.
     """
-    grid, shape, way = formulation.grid, formulation.shape, solution.way
-    push = ClosedLoopRollout(problem, formulation, way)
-    free = grid.free.copy()
-    # The first of angles that jump is a jump as well: impulses add up.
-    free[0] = 1.0 if shape.jumps else free[0]
-    maps = _maps(problem, shape, free, formulation, solution)
-    weights = STRAIGHT_WEIGHTS if shape.straight else END_WEIGHTS
-    values, gains = _gains(maps, weights)
-    nodes, changes, best = _begin(problem, formulation, solution), solution.changes * free, None
-    for attempt in range(PASSES):
-        first = attempt == 0
-        found = push.run(ReferenceTrack(nodes, changes, gains[:, :6]), way, coarse=first)
-        miss = _miss(problem, formulation, found[0][-1])
-        size = float(np.abs(MATTERS * miss).max())
-        if not np.isfinite(size) or (best is not None and size > 0.9 * best[0]):
+    rollout = ClosedLoopRollout(problem, formulation, solution.free_length)
+    best: Optional[_Iterate] = None
+    for iterate in _iterates(problem, formulation, solution, rollout):
+        if not math.isfinite(iterate.miss) or (
+                best is not None and iterate.miss > MIN_IMPROVEMENT * best.miss):
             break
-        if not first:
-            best = size, found, way
-        if not first and size < CLOSE:
-            break
-        nodes, changes = found[0][:-1], found[1]
-        if not first:
-            # The programme's steps are too coarse to tell how fine ones change.
-            maps = push.linear(nodes, changes, way, free)
-            values, gains = _gains(maps, weights)
-        lead, ahead = _feed_forward(maps, values, gains, miss)
-        changes, way = changes - lead, way + ahead
-        if way <= 0.0:
+        best = iterate
+        if iterate.miss < SMALL_MISS:
             break
     if best is None:
-        return None, way
-    return push.rollout(*best[1], best[2]), best[2]
+        return None
+    return RefinedPush(rollout.collect(best.run, best.free_length), best.free_length)
 
 
-def _begin(problem, formulation, solution):
-    """Nodes at the begins of the steps, the first of them exact."""
-    nodes, ends = solution.nodes[:-1].copy(), formulation.ends
-    rho = nodes[0, 1]
-    w = ends.w
-    if not ends.moving:
-        begin = Node(0.0, rho, 0.0, ends.q_x, ends.q_y)
-        w = float(contact_impulse(problem.kind, problem.push_parameters, begin)[0])
-    nodes[0] = w, rho, 0.0, ends.q_x, ends.q_y, 0.0
-    return nodes
+def backward_pass(maps: FloatArray, end_weights: FloatArray) -> CostToGo:
+    """
+    Solve the Riccati recursion for the gains; see the formulas of this module.
+
+    :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
+    :param end_weights: Q_n, shape (7, 7).
+    """
+    count = len(maps)
+    values = np.zeros((count + 1, 7, 7))
+    gains = np.zeros((count, 7))
+    values[count] = end_weights
+    for k in reversed(range(count)):
+        both = maps[k].T @ values[k + 1] @ maps[k]
+        gains[k] = both[7, :7] / (CHANGE_COST + both[7, 7])
+        values[k] = WEIGHTS + both[:7, :7] - np.outer(both[:7, 7], gains[k])
+    return CostToGo(values, gains)
 
 
-def _miss(problem, formulation, last):
-    """By how much the end misses the goal, as a deviation of the last node and S."""
-    push_parameters, node = problem.push_parameters, Node(*last.tolist())
-    x, y = (float(value) for value in origin(problem.kind, push_parameters, node))
+def feed_forward(maps: FloatArray, cost_to_go: CostToGo, miss: FloatArray) -> Correction:
+    """
+    Find the changes and the S that close a miss at the end; see the formulas of this module.
+
+    :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
+    :param cost_to_go: ``CostToGo``.
+    :param miss: m, deviation of the end from the goal, shape (7,).
+    """
+    values, gains = cost_to_go
+    costate = values[-1] @ miss
+    leads = np.zeros(len(maps))
+    for k in reversed(range(len(maps))):
+        b = maps[k][:, 7]
+        leads[k] = b @ costate / (CHANGE_COST + b @ values[k + 1] @ b)
+        costate = maps[k][:, :7].T @ costate - gains[k] * (b @ costate)
+    free_length = -costate[6] / (FREE_LENGTH_COST + values[0][6, 6])
+    # All gains respond to the longer path from the first step on.
+    return Correction(-(leads + gains[:, 6] * free_length), free_length)
+
+
+def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) -> FloatArray:
+    """
+    Find how far the end is off the goal, as a deviation of the last node and S.
+
+    :param problem: the ``PushProblem``.
+    :param formulation: ``Formulation``.
+    :param last: the last ``Node``, shape (6,).
+    :return: shape (7,).
+    """
+    parameters, node = problem.push_parameters, Node(*last.tolist())
+    x, y = (float(value) for value in object_origin(problem.kind, parameters, node))
     goal = problem.relative_goal
-    turn = 0.0 if problem.settings.heading_free else wrap_angle(node.theta - goal.theta)
-    # The followed point moves along as the object turns back.
+    rotation = 0.0 if problem.settings.heading_free else wrap_angle(node.theta - goal.theta)
+    # The followed point moves along as the object rotates back.
     arm_x, arm_y = node.q_x - x, node.q_y - y
     angle = heading = 0.0
-    if formulation.shape.straight:
-        delta, c_x, c_y = (float(value) for value in place(push_parameters, node.theta, node.phi))
+    if formulation.dimensions.straight_end:
+        delta, c_x, c_y = (float(value)
+                           for value in contact_frame(parameters, node.theta, node.phi))
         f_x, f_y = problem.friction_center
         angle = delta + node.rho - math.atan2(f_y - c_y, f_x - c_x)
         if problem.kind == 'differential':
-            heading = delta - formulation.ends.delta + turn
-    return np.array([0.0, wrap_angle(angle), turn, x - goal.x - arm_y * turn,
-                     y - goal.y + arm_x * turn, heading, 0.0])
+            heading = delta - formulation.boundary.delta + rotation
+    return np.array([0.0, wrap_angle(angle), rotation, x - goal.x - arm_y * rotation,
+                     y - goal.y + arm_x * rotation, heading, 0.0])
 
 
-def _maps(problem, shape, free, formulation, solution):
-    """End of each step by its begin, S and change: one matrix (7, 8) per step."""
-    count, grid, steps = len(free), formulation.grid, formulation.steps
-    column = problem.push_parameters.column()
-    given = np.column_stack([grid.lengths, grid.shares, steps[:, 2], steps[:, 3], free])
-    found, = _linear(shape)(solution.nodes[:-1], solution.way, solution.changes[:, None], given,
-                            solution.rates, column)
-    return found.reshape(count, 8, 7).transpose(0, 2, 1)
+def _iterates(problem: PushProblem, formulation: Formulation, solution: Solution,
+              rollout: ClosedLoopRollout) -> Iterator[_Iterate]:
+    """Correct a coarse rollout, and then fine ones, for what each misses."""
+    dimensions = formulation.dimensions
+    may_steer = formulation.mesh.may_steer.copy()
+    if dimensions.jumps:
+        # The first of angles that jump is a jump as well: impulses add up.
+        may_steer[0] = 1.0
+    end_weights = STRAIGHT_END_WEIGHTS if dimensions.straight_end else END_WEIGHTS
+    maps = _program_maps(problem, formulation, solution, may_steer)
+    cost_to_go = backward_pass(maps, end_weights)
+    free_length = solution.free_length
+    run = rollout.run(ReferenceTrack(_begin_nodes(problem, formulation, solution),
+                                     solution.changes * may_steer, cost_to_go.gains[:, :6]),
+                      free_length, coarse=True)
+    miss = goal_miss(problem, formulation, run.nodes[-1])
+    if not math.isfinite(_size(miss)):
+        return
+    for number in range(FINE_ROLLOUTS):
+        if number > 0:
+            # The program's steps are too coarse to tell how fine ones change.
+            maps = rollout.linearize(run.nodes[:-1], run.changes, free_length, may_steer)
+            cost_to_go = backward_pass(maps, end_weights)
+        correction = feed_forward(maps, cost_to_go, miss)
+        free_length = free_length + correction.free_length
+        if free_length <= 0.0:
+            return
+        run = rollout.run(ReferenceTrack(run.nodes[:-1], run.changes + correction.changes,
+                                         cost_to_go.gains[:, :6]), free_length)
+        miss = goal_miss(problem, formulation, run.nodes[-1])
+        yield _Iterate(run, free_length, _size(miss))
 
 
-def _gains(maps, weights):
-    value, values, gains = weights, [weights], np.zeros((len(maps), 7))
-    for k in reversed(range(len(maps))):
-        both = maps[k].T @ value @ maps[k]
-        gain = both[7, :7] / (EFFORT + both[7, 7])
-        gains[k] = gain
-        value = WEIGHTS + both[:7, :7] - np.outer(both[:7, 7], gain)
-        values.append(value)
-    return values[::-1], gains
+def _size(miss: FloatArray) -> float:
+    return float(np.abs(MISS_WEIGHTS * miss).max())
 
 
-def _feed_forward(maps, values, gains, miss):
-    """Find what to take off each change, and to add to S, to close a miss."""
-    price, lead = values[-1] @ miss, np.zeros(len(maps))
-    for k in reversed(range(len(maps))):
-        act = maps[k][:, 7]
-        lead[k] = act @ price / (EFFORT + act @ values[k + 1] @ act)
-        price = maps[k][:, :7].T @ price - gains[k] * (act @ price)
-    ahead = -price[6] / (WAY_EFFORT + values[0][6, 6])
-    # All gains answer to the longer way from the first step on.
-    return lead + gains[:, 6] * ahead, ahead
+def _begin_nodes(problem: PushProblem, formulation: Formulation,
+                 solution: Solution) -> FloatArray:
+    """Nodes at the begins of the steps, the first of them exact, shape (n, 6)."""
+    nodes, boundary = solution.nodes[:-1].copy(), formulation.boundary
+    rho = nodes[0, 1]
+    w = boundary.w
+    if not boundary.moving:
+        begin = Node(0.0, rho, 0.0, boundary.q_x, boundary.q_y)
+        w = float(contact_impulse(problem.kind, problem.push_parameters, begin).w_jump)
+    nodes[0] = w, rho, 0.0, boundary.q_x, boundary.q_y, 0.0
+    return nodes
+
+
+def _program_maps(problem: PushProblem, formulation: Formulation, solution: Solution,
+                  may_steer: FloatArray) -> FloatArray:
+    """Derivatives (A_k, b_k) of the program's own steps, shape (n, 7, 8)."""
+    mesh, steps = formulation.mesh, formulation.steps
+    data = np.column_stack([mesh.lengths, mesh.free_fractions, steps[:, 2], steps[:, 3],
+                            may_steer])
+    found, = _linearized_steps(formulation.dimensions)(
+        solution.nodes[:-1], solution.free_length, solution.changes[:, None], data,
+        solution.rates, problem.push_parameters.column())
+    return found.reshape(len(may_steer), 8, 7).transpose(0, 2, 1)
 
 
 @functools.lru_cache(maxsize=16)
-def _linear(shape):
-    push_parameters, flat = PushParameters.symbols(shape.supports)
+def _linearized_steps(dimensions: Dimensions) -> BufferedFunction:
+    """Build the derivatives of the program's steps, by the implicit function theorem."""
+    parameters, column = PushParameters.symbols(dimensions.support_count)
     node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
-    data, way, change = ca.SX.sym('data', 5), ca.SX.sym('way'), ca.SX.sym('change')
-    length, share, square, slope, free = ca.vertsplit(data)
-    step = Step(length + share * way, free * change, square, slope, shape.jumps, SMOOTHING)
+    data, free_length = ca.SX.sym('data', 5), ca.SX.sym('free_length')
+    change = ca.SX.sym('change')
+    length, free_fraction, v_squared, v_squared_slope, may_steer = ca.vertsplit(data)
+    step = Step(length + free_fraction * free_length, may_steer * change, v_squared,
+                v_squared_slope, dimensions.jumps, SMOOTHING)
     begin = Node(*ca.vertsplit(node))
-    if shape.kind == 'held':
+    if dimensions.kind == 'held':
         begin = begin._replace(phi=begin.theta)
-    out = collocate(shape.kind, push_parameters, begin, step, ca.vertsplit(rates))
-    end, residual = ca.vertcat(*out.node, way), ca.vertcat(*out.residuals)
-    rest = ca.vertcat(node, way, change)
-    settle = ca.solve(ca.jacobian(residual, rates), ca.jacobian(residual, rest))
-    total = ca.jacobian(end, rest) - ca.mtimes(ca.jacobian(end, rates), settle)
-    one = ca.Function('linear', [node, way, change, data, rates, flat], [ca.densify(total)])
-    return Buffered(one.map(shape.steps))
+    result = collocate(dimensions.kind, parameters, begin, step, ca.vertsplit(rates))
+    end = ca.vertcat(*result.end, free_length)
+    residual = ca.vertcat(*result.residuals)
+    arguments = ca.vertcat(node, free_length, change)
+    # Along the solutions of residual = 0: d rates = -(dr/d rates)^-1 dr/d arguments.
+    rates_by_arguments = ca.solve(ca.jacobian(residual, rates),
+                                  ca.jacobian(residual, arguments))
+    total = ca.jacobian(end, arguments) - ca.mtimes(ca.jacobian(end, rates), rates_by_arguments)
+    one = ca.Function('linearized', [node, free_length, change, data, rates, column],
+                      [ca.densify(total)])
+    return BufferedFunction(one.map(dimensions.step_count))

@@ -1,96 +1,122 @@
-"""Every site of an object at which a robot may stand to push it."""
+"""Contact sites: the places on an object where a robot may push it."""
 
 import math
+from typing import NamedTuple
 
 from push_model.contact import contact_point, face_length, face_normal, normal_range
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
-from push_model.parameters import Contact
+from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
 from push_planner.problem import check_robot_is_round, PlanningFailed, PushProblem
 from push_planner.push_parameters import VERTEX_MARGIN
+from push_planner.settings import PlannerSettings
 
-HEADING_OFFSET_SHARES = (0.0, -0.3, 0.3, -0.6, 0.6)
-MOST_ASIDE = 0.6
-PLACES = 12
-APART = 0.005
+# Heading offsets of a differential drive at a vertex, as fractions of the planning cone. Chosen:
+# the further off, the tighter the turns to one side; at 1 it would steer to that side only.
+HEADING_OFFSET_FRACTIONS = (0.0, -0.3, 0.3, -0.6, 0.6)
+# Largest angle between the normal at a vertex and the direction to the centre of friction, as a
+# fraction of the planning cone. Chosen: nearer to the edge of the cone, a robot that stands a
+# little off would be refused.
+MAX_NORMAL_OFFSET_FRACTION = 0.6
+# Sites round a disc. Chosen: 30 degrees apart, besides the one opposite to the goal.
+ROUND_SITES = 12
+# Least distance between two sites on a face, and from its ends [m]. Chosen: the accuracy with which
+# a robot reaches a site.
+MIN_SITE_DISTANCE = 0.005
 
 
-def site_problems(obj, robot, start, goal, settings):
+class ContactSite(NamedTuple):
+    """
+    A place on an object to push at.
+
+    :param contact: the ``Contact``.
+    :param normal: angle of the contact normal in the object frame [rad].
+    :param heading_offset: D, angle from the robot's heading to the normal [rad].
+    """
+
+    contact: Contact
+    normal: float
+    heading_offset: float
+
+
+def site_problems(obj: PushedObject, robot: RoundRobot, start: Pose, goal: Pose,
+                  settings: PlannerSettings) -> list[PushProblem]:
     """
     List the pushes from all sites: vertices, faces, or places round a disc.
 
-    At a vertex the normal runs through the friction centre, as far as the vertex has such a
-    normal. A robot looks along it; a differential drive also somewhat aside, which lets it turn
-    more sharply to one side.
+    At a vertex the normal runs through the centre of friction, as far as the vertex has such a
+    normal. A robot heads along it; a differential drive also somewhat off, which lets it turn more
+    tightly to one side.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param start: ``Pose`` of the object in the world.
-    :param goal: ``Pose`` wanted for the object in the world.
+    :param goal: ``Pose`` of the object in the world at the end.
     :param settings: ``PlannerSettings``.
-    :return: list of ``PushProblem``.
-    :raises PlanningFailed: where there is no friction centre, or the robot is a fence.
+    :raises PlanningFailed: where there is no centre of friction, or the robot is not round.
     """
     check_robot_is_round(robot)
     try:
         center = friction_center(obj)
     except ValueError as error:
         raise PlanningFailed(PlanFailure.NO_SUPPORT_FRICTION, str(error)) from error
-    places = _vertices(obj, robot, center, settings) + _faces(obj, center) if obj.outline else (
-        _round_places(start, goal))
-    return [PushProblem(obj, robot, contact, start, start.theta + normal,
-                        start.theta + normal - lead, goal, settings)
-            for contact, normal, lead in places]
+    if obj.outline:
+        sites = _vertex_sites(obj, robot, center, settings) + _face_sites(obj, center)
+    else:
+        sites = _round_sites(start, goal)
+    return [PushProblem(obj, robot, site.contact, start, start.theta + site.normal,
+                        start.theta + site.normal - site.heading_offset, goal, settings)
+            for site in sites]
 
 
-def robot_start(problem):
+def robot_start(problem: PushProblem) -> Pose:
     """
-    Find where the robot stands at the start of a push.
+    Find the pose of the robot in the world at the start of a push.
 
     :param problem: the ``PushProblem``.
-    :return: ``Pose`` of the robot in the world.
     """
     x, y = problem.start.transform(problem.contact_point)
-    away = problem.robot.radius
-    return Pose(x - away * math.cos(problem.normal), y - away * math.sin(problem.normal),
+    radius = problem.robot.radius
+    return Pose(x - radius * math.cos(problem.normal), y - radius * math.sin(problem.normal),
                 wrap_angle(problem.heading))
 
 
-def _vertices(obj, robot, center, settings):
-    """Places (contact, normal in the object frame, D) at the vertices."""
+def _vertex_sites(obj: PushedObject, robot: RoundRobot, center: tuple[float, float],
+                  settings: PlannerSettings) -> list[ContactSite]:
     friction = settings.friction_discount * obj.contact_friction_coefficient
     cone = settings.cone_margin * math.atan(friction)
-    leads = HEADING_OFFSET_SHARES if robot.drive == 'differential' else (0.0,)
-    places = []
+    fractions = HEADING_OFFSET_FRACTIONS if robot.drive == 'differential' else (0.0,)
+    sites: list[ContactSite] = []
     for index, (x, y) in enumerate(obj.outline):
         contact = Contact('vertex', index)
         low, high = normal_range(obj, contact)
-        ahead = low + (math.atan2(center[1] - y, center[0] - x) - low + math.pi) % (
-            2.0 * math.pi) - math.pi
-        normal = min(max(ahead, low + VERTEX_MARGIN), high - VERTEX_MARGIN)
-        # Nearer to the edge of the cone, a robot a little misplaced would be refused.
-        if abs(normal - ahead) <= MOST_ASIDE * cone:
-            places += [(contact, normal, share * cone) for share in leads]
-    return places
+        to_center = math.atan2(center[1] - y, center[0] - x)
+        # Next to the range of normals, which may be beyond pi.
+        to_center = low + (to_center - low + math.pi) % (2.0 * math.pi) - math.pi
+        normal = min(max(to_center, low + VERTEX_MARGIN), high - VERTEX_MARGIN)
+        if abs(normal - to_center) <= MAX_NORMAL_OFFSET_FRACTION * cone:
+            sites += [ContactSite(contact, normal, fraction * cone) for fraction in fractions]
+    return sites
 
 
-def _faces(obj, center):
-    """Places in the middle of the faces, and where their normal runs through the centre."""
-    places = []
+def _face_sites(obj: PushedObject, center: tuple[float, float]) -> list[ContactSite]:
+    """Sites in the middle of the faces, and where their normal runs through the centre."""
+    sites: list[ContactSite] = []
     for index in range(len(obj.outline)):
-        normal, reach = face_normal(obj, index), 0.5 * face_length(obj, index)
+        normal, half = face_normal(obj, index), 0.5 * face_length(obj, index)
         x, y = contact_point(obj, Contact('face', index))
-        # Offsets count along t, which is n turned by +90 degrees.
-        aside = (center[0] - x) * -math.sin(normal) + (center[1] - y) * math.cos(normal)
-        offsets = [0.0] + ([aside] if APART < abs(aside) < reach - APART else [])
-        places += [(Contact('face', index, offset), normal, 0.0) for offset in offsets]
-    return places
+        # Offsets count along t, which is n rotated by +90 degrees.
+        offset = (center[0] - x) * -math.sin(normal) + (center[1] - y) * math.cos(normal)
+        sites.append(ContactSite(Contact('face', index, 0.0), normal, 0.0))
+        if MIN_SITE_DISTANCE < abs(offset) < half - MIN_SITE_DISTANCE:
+            sites.append(ContactSite(Contact('face', index, offset), normal, 0.0))
+    return sites
 
 
-def _round_places(start, goal):
-    """Places all round a disc, and the one opposite to the goal."""
+def _round_sites(start: Pose, goal: Pose) -> list[ContactSite]:
+    """Sites all round a disc, and the one opposite to the goal."""
     local = start.inverse() @ goal
-    angles = [2.0 * math.pi * i / PLACES - math.pi for i in range(PLACES)]
+    angles = [2.0 * math.pi * i / ROUND_SITES - math.pi for i in range(ROUND_SITES)]
     angles.append(math.atan2(-local.y, -local.x))
-    return [(Contact('round', 0, angle), angle + math.pi, 0.0) for angle in angles]
+    return [ContactSite(Contact('round', 0, angle), angle + math.pi, 0.0) for angle in angles]

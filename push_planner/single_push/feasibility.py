@@ -1,4 +1,4 @@
-"""What can be refused before solving, each with its reason."""
+"""Feasibility checks: what can be refused before anything is solved, each with its reason."""
 
 import math
 
@@ -6,128 +6,54 @@ from push_model.friction import friction_center
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import rotation_range
-from push_planner.problem import PlanningFailed
+from push_planner.problem import check_finite, PlanningFailed, PushProblem
+from push_planner.settings import PlannerSettings
 
-STEERING = 0.02
+# Part of the cone that must be left for steering [rad]. Chosen: with less, a push turns with a
+# radius of many metres.
+MIN_STEERING_ANGLE = 0.02
 
 
-def check_feasibility(problem):
+def check_feasibility(problem: PushProblem) -> None:
     """
     Refuse what cannot be planned.
 
     :param problem: the ``PushProblem``.
     :raises PlanningFailed: with the reason.
     """
-    _refuse_values(problem)
-    _refuse_robot(problem)
-    _refuse_contact(problem)
-    _refuse_turn(problem)
+    _check_values(problem)
+    _check_robot(problem)
+    if problem.robot.drive == 'differential':
+        _check_differential_drive(problem)
+    _check_side(problem)
+    _check_steering(problem)
+    _check_rotation(problem)
 
 
-def _refuse_values(problem):
-    for name in ('start', 'goal'):
-        if not Pose(*getattr(problem, name)).is_finite():
-            raise PlanningFailed(PlanFailure.INVALID_VALUE, f'the {name} is not finite: {tuple(getattr(problem, name))}')
-    for name in ('normal', 'heading'):
-        if not math.isfinite(getattr(problem, name)):
-            raise PlanningFailed(PlanFailure.INVALID_VALUE, f'the {name} is not finite: {getattr(problem, name)}')
-    try:
-        friction_center(problem.obj)
-    except ValueError as error:
-        raise PlanningFailed(PlanFailure.NO_SUPPORT_FRICTION, str(error)) from error
-    cone = problem.settings.angle_limit == 'cone'
-    if cone and problem.obj.contact_friction_coefficient == 0.0:
-        raise PlanningFailed(PlanFailure.NO_CONTACT_FRICTION, 'the contact has no friction: a frictionless contact cannot steer')
-    check_not_at_goal(problem.start, problem.goal, problem.settings)
-
-
-def check_not_at_goal(start, goal, settings):
+def check_not_at_goal(start: Pose, goal: Pose, settings: PlannerSettings) -> None:
     """
     Refuse where the object is at the goal already.
 
     :param start: ``Pose`` of the object.
-    :param goal: ``Pose`` wanted for the object.
+    :param goal: ``Pose`` of the object at the end.
     :param settings: ``PlannerSettings``.
     :raises PlanningFailed: where both are the same within the tolerances.
     """
-    away, turned = distance(start, goal), abs(wrap_angle(goal.theta - start.theta))
+    away, rotation = distance(start, goal), abs(wrap_angle(goal.theta - start.theta))
     if settings.heading_free:
-        turned = 0.0
-    if away <= settings.position_tolerance and turned <= settings.heading_tolerance:
-        raise PlanningFailed(PlanFailure.AT_GOAL, f'the object is at the goal already: {1e3 * away:.1f} mm and '
-                             f'{math.degrees(turned):.2f} deg off')
+        rotation = 0.0
+    if away <= settings.position_tolerance and rotation <= settings.heading_tolerance:
+        raise PlanningFailed(PlanFailure.AT_GOAL,
+                             f'the object is at the goal already: {1e3 * away:.1f} mm and '
+                             f'{math.degrees(rotation):.2f} deg off')
 
 
-def _refuse_robot(problem):
-    robot, speed = problem.robot, problem.settings.pushing_speed
-    if speed > robot.max_speed:
-        raise PlanningFailed(PlanFailure.ROBOT_TOO_SLOW, f'pushing at {speed:g} m/s is faster than the robot drives, '
-                             f'{robot.max_speed:g} m/s')
-    if robot.radius == 0.0 and (robot.drive == 'differential' or problem.contact.kind == 'vertex'):
-        raise PlanningFailed(PlanFailure.UNSUPPORTED_CONTACT, 'a point robot needs a holonomic drive and a face or a round '
-                             'outline: elsewhere nothing fixes the contact normal')
-    if robot.drive != 'differential':
-        return
-    if problem.contact.kind != 'vertex':
-        raise PlanningFailed(PlanFailure.UNSUPPORTED_CONTACT, f'a differential drive on a {problem.contact.kind} contact is not '
-                             'supported yet: place the robot at a vertex')
-    offset = problem.heading_offset
-    if math.cos(offset) <= 0.0:
-        raise PlanningFailed(PlanFailure.FACING_AWAY, 'the robot points away from the object: its heading is '
-                             f'{math.degrees(abs(offset)):.0f} deg off the contact normal')
-    if problem.settings.angle_limit == 'cone' and (
-            abs(offset) > problem.planning_cone_angle - STEERING):
-        raise PlanningFailed(PlanFailure.ONE_SIDED_STEERING,
-            f'the robot heads {math.degrees(abs(offset)):.1f} deg off the contact normal and so '
-            f'can turn one way only: the planning cone has {_cone(problem.planning_cone_angle)}')
-
-
-def _refuse_contact(problem):
-    offset = problem.normal_offset
-    degrees = math.degrees(offset)
-    if abs(offset) > math.pi / 2:
-        raise PlanningFailed(PlanFailure.WRONG_SIDE, 'the robot would push from the wrong side: the friction centre is '
-                             f'{abs(degrees):.0f} deg off the contact normal')
-    if problem.settings.angle_limit == 'none':
-        return
-    if problem.robot.drive == 'holonomic':
-        widest = problem.planning_cone_angle
-        if problem.settings.angle_limit == 'angle':
-            widest = problem.settings.max_pushing_angle
-        if abs(offset) > widest - STEERING:
-            raise PlanningFailed(PlanFailure.ONE_SIDED_STEERING,
-                f'the contact cannot steer both ways: its normal is {abs(degrees):.1f} deg off '
-                f'the friction centre, and the planning cone has {_cone(widest)}')
-        return
-    low, high = recoverable_offsets(problem)
-    if problem.settings.angle_limit == 'cone' and not low <= offset <= high:
-        raise PlanningFailed(PlanFailure.JACKKNIFED,
-            f'the contact would fold up: its normal is {degrees:.1f} deg off the direction to the '
-            f'friction centre, and a differential drive recovers from {math.degrees(low):.1f} to '
-            f'{math.degrees(high):.1f} deg')
-
-
-def _refuse_turn(problem):
-    if problem.settings.heading_free:
-        return
-    low, high = rotation_range(problem)
-    turn = problem.relative_goal.theta
-    # Without loops there is one way to turn: a rolling contact that turned full circle is gone.
-    if not any(low <= turn + 2.0 * math.pi * k <= high for k in (-1, 0, 1)):
-        degrees = math.degrees(wrap_angle(turn))
-        raise PlanningFailed(PlanFailure.LEAVES_CONTACT_FEATURE,
-            f'the goal is turned by {degrees:.1f} deg, and the contact leaves its '
-            f'{problem.contact.kind} beyond {math.degrees(low):.1f} to {math.degrees(high):.1f} '
-            'deg as it rolls: choose a smaller robot, another contact, or let the robot turn with '
-            'the object')
-
-
-def recoverable_offsets(problem):
+def recoverable_offsets(problem: PushProblem) -> tuple[float, float]:
     """
     Offsets of the normal from which a differential drive can straighten up.
 
     ``zeta' = -(zeta - D + (L + R_p) kappa) / R_p`` with the force angle ``-zeta - kappa c^2 / r``
-    inside the planning cone; beyond, the contact folds up like a reversing trailer.
+    inside the planning cone; beyond, the contact jackknifes like a reversing trailer.
 
     :param problem: the ``PushProblem``.
     :return: (lowest, highest) zeta [rad].
@@ -141,5 +67,99 @@ def recoverable_offsets(problem):
     return (-beta * authority - pull) / span, (beta * authority - pull) / span
 
 
-def _cone(angle):
+def _check_values(problem: PushProblem) -> None:
+    check_finite({'start': problem.start, 'goal': problem.goal})
+    for name, angle in (('normal', problem.normal), ('heading', problem.heading)):
+        if not math.isfinite(angle):
+            raise PlanningFailed(PlanFailure.INVALID_VALUE, f'the {name} is not finite: {angle}')
+    try:
+        friction_center(problem.obj)
+    except ValueError as error:
+        raise PlanningFailed(PlanFailure.NO_SUPPORT_FRICTION, str(error)) from error
+    cone = problem.settings.angle_limit == 'cone'
+    if cone and problem.obj.contact_friction_coefficient == 0.0:
+        raise PlanningFailed(PlanFailure.NO_CONTACT_FRICTION, 'the contact has no friction: a '
+                             'frictionless contact cannot steer')
+    check_not_at_goal(problem.start, problem.goal, problem.settings)
+
+
+def _check_robot(problem: PushProblem) -> None:
+    robot, speed = problem.robot, problem.settings.pushing_speed
+    if speed > robot.max_speed:
+        raise PlanningFailed(PlanFailure.ROBOT_TOO_SLOW, f'pushing at {speed:g} m/s is faster '
+                             f'than the robot drives, {robot.max_speed:g} m/s')
+    if robot.radius == 0.0 and (robot.drive == 'differential' or problem.contact.kind == 'vertex'):
+        raise PlanningFailed(PlanFailure.UNSUPPORTED_CONTACT, 'a point robot needs a holonomic '
+                             'drive and a face or a round outline: elsewhere nothing fixes the '
+                             'contact normal')
+
+
+def _check_differential_drive(problem: PushProblem) -> None:
+    if problem.contact.kind != 'vertex':
+        raise PlanningFailed(
+            PlanFailure.UNSUPPORTED_CONTACT, f'a differential drive on a {problem.contact.kind} '
+            'contact is not supported yet: place the robot at a vertex')
+    offset = problem.heading_offset
+    if math.cos(offset) <= 0.0:
+        raise PlanningFailed(PlanFailure.FACING_AWAY,
+                             'the robot points away from the object: its heading is '
+                             f'{math.degrees(abs(offset)):.0f} deg off the contact normal')
+    if problem.settings.angle_limit == 'cone' and (
+            abs(offset) > problem.planning_cone_angle - MIN_STEERING_ANGLE):
+        raise PlanningFailed(
+            PlanFailure.ONE_SIDED_STEERING,
+            f'the robot heads {math.degrees(abs(offset)):.1f} deg off the contact normal and so '
+            'can turn to one side only: the planning cone has '
+            f'{_to_either_side(problem.planning_cone_angle)}')
+
+
+def _check_side(problem: PushProblem) -> None:
+    offset = problem.normal_offset
+    if abs(offset) > math.pi / 2:
+        raise PlanningFailed(PlanFailure.WRONG_SIDE, 'the robot would push from the wrong side: '
+                             f'the centre of friction is {math.degrees(abs(offset)):.0f} deg off '
+                             'the contact normal')
+
+
+def _check_steering(problem: PushProblem) -> None:
+    limit = problem.settings.angle_limit
+    if limit == 'none':
+        return
+    offset = problem.normal_offset
+    if problem.robot.drive == 'holonomic':
+        largest = problem.planning_cone_angle
+        if limit == 'angle':
+            largest = problem.settings.max_pushing_angle
+        if abs(offset) > largest - MIN_STEERING_ANGLE:
+            raise PlanningFailed(
+                PlanFailure.ONE_SIDED_STEERING,
+                'the contact cannot steer to both sides: its normal is '
+                f'{math.degrees(abs(offset)):.1f} deg off the centre of friction, and the '
+                f'planning cone has {_to_either_side(largest)}')
+        return
+    low, high = recoverable_offsets(problem)
+    if limit == 'cone' and not low <= offset <= high:
+        raise PlanningFailed(
+            PlanFailure.JACKKNIFED, 'the contact would jackknife: its normal is '
+            f'{math.degrees(offset):.1f} deg off the direction to the centre of friction, and a '
+            f'differential drive recovers from {math.degrees(low):.1f} to '
+            f'{math.degrees(high):.1f} deg')
+
+
+def _check_rotation(problem: PushProblem) -> None:
+    if problem.settings.heading_free:
+        return
+    low, high = rotation_range(problem)
+    rotation = problem.relative_goal.theta
+    # Without loops there is one way to rotate: a rolling contact that turned full circle is gone.
+    if not any(low <= rotation + 2.0 * math.pi * k <= high for k in (-1, 0, 1)):
+        raise PlanningFailed(
+            PlanFailure.LEAVES_CONTACT_FEATURE,
+            f'the goal is rotated by {math.degrees(wrap_angle(rotation)):.1f} deg, and the '
+            f'contact leaves its {problem.contact.kind} beyond {math.degrees(low):.1f} to '
+            f'{math.degrees(high):.1f} deg as it rolls: choose a smaller robot, another contact, '
+            'or let the robot rotate with the object')
+
+
+def _to_either_side(angle: float) -> str:
     return f'{math.degrees(angle):.1f} deg to either side'

@@ -1,26 +1,51 @@
-"""From problem to plan."""
+"""
+Planner of a single push: from a problem to a plan.
 
+Routes of the flat output are ranked by length. From each the nonlinear program is solved, until
+one leads to a push; others that may be as good are solved too, and the fastest one is refined
+until it reaches the goal exactly. Where none does, the relaxed program tells what stands in the
+way.
+"""
+
+from collections.abc import Callable, Sequence
 import dataclasses
 import math
-from typing import Any, Callable, NamedTuple, Optional
+from typing import NamedTuple, Optional
 
 import numpy as np
 from push_model.plan_request import PlanFailure
-from push_planner.collocation.formulation import formulate, Formulation, rotation_range
-from push_planner.collocation.nlp_solver import nlp_solver, Solution, UNSETTLED
-from push_planner.initial_guess.dubins_routes import Route, routes, tightest_turns
+from push_model.trajectory import PushTrajectory
+from push_planner.collocation.formulation import (
+    formulate, Formulation, InitialRoute, rotation_range,
+)
+from push_planner.collocation.nlp_solver import nlp_solver, Solution
+from push_planner.initial_guess.dubins_routes import routes, tightest_turns, TurnPair
+from push_planner.initial_guess.first_guess import Route
 from push_planner.initial_guess.previous_plan import previous_route
-from push_planner.integration.refinement import refine
+from push_planner.integration.refinement import refine, RefinedPush
+from push_planner.integration.rollout import Rollout
 from push_planner.integration.trajectory import build_report, find_switches, sample_trajectory
 from push_planner.plan import Plan
-from push_planner.problem import PlanningFailed
+from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.single_push.bounds import displacement_bound
 from push_planner.single_push.feasibility import check_feasibility
 
+# Routes that are tried at most, and of those the first with the relaxed program. Chosen: the six
+# Dubins words with two final straights; the relaxed program takes ten times as long.
+MAX_ROUTES = 12
+MAX_RELAXED_ROUTES = 4
+# A longer push than the shortest by this ratio is not looked at any further. Chosen: it will not
+# be the fastest.
+NEARLY_SHORTEST = 1.1
+# Difference of the object's rotations below which two routes lead to the same optimum [rad].
+SAME_ROTATION = 1.0
+# Steps back of a rollout that are rounding [m].
+ROUNDING = 1e-9
 
-def accept_any(trajectory):
+
+def accept_any(trajectory: PushTrajectory) -> str:
     """
-    Find no fault with any plan.
+    Accept every plan.
 
     :param trajectory: ``PushTrajectory``; not looked at.
     :return: an empty text.
@@ -30,69 +55,20 @@ def accept_any(trajectory):
 
 class PlanRequirements(NamedTuple):
     """
-    What is asked of a plan.
+    Further requirements on a plan.
 
     :param route: ``Route`` that is tried before all others; None for none.
-    :param violation: function of a ``PushTrajectory`` to what is wrong with it, empty if nothing is.
-    :param max_solves: programmes that are solved at most.
+    :param violation: function of a ``PushTrajectory`` that describes what is wrong with it; empty
+        where nothing is.
+    :param max_solves: number of programs that are solved at most.
     """
 
     route: Optional[Route] = None
-    violation: Callable = accept_any
+    violation: Callable[[PushTrajectory], str] = accept_any
     max_solves: float = math.inf
 
 
 NO_REQUIREMENTS = PlanRequirements()
-
-
-def assemble_plan(problem, formulation, rollout, way):
-    """
-    Make a plan.
-
-    :param problem: the ``PushProblem``.
-    :param formulation: its ``Formulation``.
-    :param rollout: the ``Rollout``.
-    :param way: S [m].
-    :return: ``Plan``.
-    """
-    trajectory = sample_trajectory(problem, rollout)
-    switches = find_switches(problem, rollout, formulation.shape.jumps)
-    begins = rollout.nodes[:-1, 1] + (rollout.changes if formulation.shape.jumps else 0.0)
-    grid = formulation.grid
-    report = build_report(problem, rollout, trajectory, switches)
-    report['displacement_bound'] = displacement_bound(problem)
-    report['over_displacement_bound'] = trajectory.duration / report['displacement_bound']
-    return Plan(problem, trajectory,
-                tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
-                tuple(np.cumsum(grid.steps(way)).tolist()),
-                tuple(zip(np.sqrt(grid.squares).tolist(), np.sqrt(grid.ends).tolist())),
-                switches, report)
-
-
-def acceptance_error(plan):
-    """
-    Tell what is wrong with a plan; empty where nothing is.
-
-    :param plan: the ``Plan``.
-    """
-    report, settings = plan.report, plan.problem.settings
-    if not report['position_error'] <= settings.position_tolerance:
-        return f're-integration misses the goal by {1e3 * report["position_error"]:.2f} mm'
-    if not report['heading_error'] <= settings.heading_tolerance:
-        return ('re-integration misses the goal by '
-                f'{math.degrees(report["heading_error"]):.2f} deg')
-    if settings.angle_limit == 'cone' and not report['friction_usage'] <= 1.0:
-        return ('the contact force leaves the friction cone by a factor '
-                f'{report["friction_usage"]:.2f}')
-    return ''
-
-
-ROUTES = 12
-RELAXED = 4
-NEARLY_BEST = 1.1
-ALIKE = 1.0
-# Of a way [m].
-ROUNDING = 1e-9
 
 
 class Attempt(NamedTuple):
@@ -118,28 +94,28 @@ class Attempt(NamedTuple):
 
     @property
     def explains(self) -> bool:
-        """Whether it tells why there is no plan: a relaxed program that converged does."""
+        """Whether it tells why there is no plan; a relaxed program without a result does not."""
         return not (self.relaxed and self.failure is PlanFailure.NOT_CONVERGED)
 
 
 @dataclasses.dataclass
 class AttemptLog:
     """
-    Attempts at one problem, and the budget that they have.
+    Attempts at one problem, and their budget.
 
-    :param requirements: ``PlanRequirements`` to be met.
-    :param solves: number of nonlinear programs solved so far.
-    :param attempts: the ``Attempt`` list, in order.
+    :param max_solves: number of programs that may be solved.
+    :param solves: number of programs that have been solved.
+    :param attempts: the attempts in order.
     """
 
-    requirements: PlanRequirements
+    max_solves: float
     solves: int = 0
-    attempts: list[Attempt] = dataclasses.field(default_factory=list)
+    attempts: list[Attempt] = dataclasses.field(default_factory=list[Attempt])
 
     @property
     def is_spent(self) -> bool:
         """Whether the budget is used up."""
-        return self.solves >= self.requirements.max_solves
+        return self.solves >= self.max_solves
 
     def lines(self) -> list[str]:
         """Describe all attempts, a line each."""
@@ -155,163 +131,240 @@ class AttemptLog:
         return next((attempt for attempt in latest if attempt.explains), latest[0])
 
 
-class _Candidate(NamedTuple):
-    """A route that has been solved."""
+class _Solved(NamedTuple):
+    """A route whose program has been solved."""
 
-    route: Any
+    route: InitialRoute
     formulation: Formulation
     solution: Solution
     iterations: int
+    relaxed: bool
 
     @property
-    def duration(self):
-        """Time of the push, about [s]."""
-        return float(self.formulation.grid.times(self.solution.way).sum())
+    def duration(self) -> float:
+        """Approximate time of the push [s]."""
+        return float(self.formulation.mesh.step_times(self.solution.free_length).sum())
 
     @property
-    def length(self):
-        """Way of the contact, about [m]."""
-        return self.solution.way + self.formulation.grid.fixed
+    def path_length(self) -> float:
+        """Approximate path length of the contact [m]."""
+        return self.solution.free_length + self.formulation.mesh.fixed_length
 
 
-def plan_push(problem, previous=None, requirements=NO_REQUIREMENTS):
+def plan_push(problem: PushProblem, previous: Optional[Plan] = None,
+              requirements: PlanRequirements = NO_REQUIREMENTS) -> Plan:
     """
-    Find the quickest push to the goal that keeps to the planning cone.
-
-    The programme is solved from the shortest ways of the flat point, and the best is integrated
-    finely and corrected until it reaches the goal.
+    Find the fastest push to the goal that keeps to the planning cone.
 
     :param problem: the ``PushProblem``.
     :param previous: ``Plan`` for much the same push, to start from; None for none.
-    :param requirements: ``PlanRequirements``, what else is asked.
-    :return: ``Plan``.
+    :param requirements: ``PlanRequirements``.
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
     check_feasibility(problem)
-    attempts = AttemptLog(requirements)
-    if requirements.route is not None:
-        candidate = _solve(problem, requirements.route, attempts, False)
-        found = candidate and _finish(problem, candidate, attempts)
-        if found is not None:
-            return found
-    left = _ways(problem)
-    if previous is not None:
-        again = _follow(problem, previous, left[0].path_length, attempts)
-        if again is not None:
-            return again
-    for relaxed in (False, True):
-        waiting = left[:RELAXED] if relaxed else left
-        while waiting:
-            if attempts.is_spent:
-                break
-            solved, waiting = _solve_some(problem, waiting, attempts, relaxed)
-            for candidate in sorted(solved, key=lambda candidate: candidate.duration):
-                found = _finish(problem, candidate, attempts) or _finish_finer(
-                    problem, candidate.route, attempts)
-                if found is not None:
-                    return found
-    # The relaxed programme comes last, and mostly says what stands in the way.
-    nearest = attempts.best_explanation(len(left[:RELAXED]))
-    raise PlanningFailed(nearest.failure or PlanFailure.NOT_CONVERGED,
-                         'no push within the friction cone and the limits of the robot was found '
-                         f'on {len(left)} ways that were tried, among them {nearest}',
-                         {'attempts': attempts.lines()})
+    return _Planner(problem, requirements).plan(previous)
 
 
-def _ways(problem):
-    """Routes that are worth a try, the most promising first."""
+def steering_limits(problem: PushProblem) -> TurnPair:
+    """
+    Find the tightest steady turns of a contact that steers to both sides.
+
+    :param problem: the ``PushProblem``.
+    :return: ``SteadyTurn`` (to the left, to the right).
+    :raises PlanningFailed: where it steers to one side only.
+    """
     turns = tightest_turns(problem)
     if turns is None:
         raise PlanningFailed(PlanFailure.ONE_SIDED_STEERING,
-                             'the contact cannot steer both ways: in steady turns to one side its '
-                             'force leaves the planning cone; another contact may do')
-    ranked, longest = routes(problem, turns), problem.settings.max_path_length
-    if ranked[0].path_length > longest:
+                             'the contact cannot steer to both sides: in steady turns to one side '
+                             'its force leaves the planning cone; another contact may do')
+    return turns
+
+
+def promising_routes(problem: PushProblem) -> list[Route]:
+    """
+    Find the routes that are worth a try, the most promising first.
+
+    :param problem: the ``PushProblem``.
+    :raises PlanningFailed: where the contact cannot steer, or all routes are too long.
+    """
+    ranked = routes(problem, steering_limits(problem))
+    longest = problem.settings.max_path_length
+    shortest = ranked[0].path_length
+    if shortest > longest:
         raise PlanningFailed(
             PlanFailure.PATH_TOO_LONG,
-            f'the shortest way to the goal is a push of {ranked[0].path_length:.1f} m, at most '
-            f'{longest:g} m is accepted; another contact may be nearer',
-            {'path_length': ranked[0].path_length})
+            f'the shortest path to the goal is a push of {shortest:.1f} m, at most {longest:g} m '
+            'is accepted; another contact may be nearer', {'path_length': shortest})
     low, high = rotation_range(problem)
-    fit = [route for route in ranked if route.path_length <= longest and low <= route.rotation <= high]
-    return (fit or ranked[:1])[:ROUTES]
+    fitting = [route for route in ranked
+               if route.path_length <= longest and low <= route.rotation <= high]
+    return (fitting or ranked[:1])[:MAX_ROUTES]
 
 
-def _follow(problem, previous, least, attempts):
-    route = previous_route(problem, previous)
-    candidate = None if route is None else _solve(problem, route, attempts, False)
-    if candidate is None or candidate.length > NEARLY_BEST * least:
+def assemble_plan(problem: PushProblem, formulation: Formulation, refined: RefinedPush) -> Plan:
+    """
+    Make a plan of a refined push.
+
+    :param problem: the ``PushProblem``.
+    :param formulation: its ``Formulation``.
+    :param refined: the ``RefinedPush``.
+    """
+    rollout, mesh = refined.rollout, formulation.mesh
+    jumps = formulation.dimensions.jumps
+    trajectory = sample_trajectory(problem, rollout)
+    switches = find_switches(problem, rollout, jumps)
+    begins = rollout.nodes[:-1, 1] + (rollout.changes if jumps else 0.0)
+    report = build_report(problem, rollout, trajectory, switches)
+    bound = displacement_bound(problem)
+    report['displacement_bound'] = bound
+    report['over_displacement_bound'] = trajectory.duration / bound
+    return Plan(problem, trajectory,
+                tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
+                tuple(np.cumsum(mesh.step_lengths(refined.free_length)).tolist()),
+                tuple(zip(np.sqrt(mesh.v_squared).tolist(), np.sqrt(mesh.end_v_squared).tolist())),
+                switches, report)
+
+
+def acceptance_error(plan: Plan) -> str:
+    """
+    Describe what is wrong with a plan; empty where nothing is.
+
+    :param plan: the ``Plan``.
+    """
+    report, settings = plan.report, plan.problem.settings
+    if not report['position_error'] <= settings.position_tolerance:
+        return f're-integration misses the goal by {1e3 * report["position_error"]:.2f} mm'
+    if not report['heading_error'] <= settings.heading_tolerance:
+        return ('re-integration misses the goal by '
+                f'{math.degrees(report["heading_error"]):.2f} deg')
+    if settings.angle_limit == 'cone' and not report['friction_usage'] <= 1.0:
+        return ('the contact force leaves the friction cone by a factor '
+                f'{report["friction_usage"]:.2f}')
+    return ''
+
+
+class _Planner:
+    """Attempts at one problem."""
+
+    def __init__(self, problem: PushProblem, requirements: PlanRequirements) -> None:
+        self._problem = problem
+        self._requirements = requirements
+        self._log = AttemptLog(requirements.max_solves)
+
+    def plan(self, previous: Optional[Plan]) -> Plan:
+        """Try the required route, the previous plan, all routes, and then the relaxed program."""
+        required = self._requirements.route
+        if required is not None:
+            found = self._finish(self._solve(required))
+            if found is not None:
+                return found
+        ranked = promising_routes(self._problem)
+        if previous is not None:
+            found = self._follow(previous, ranked[0].path_length)
+            if found is not None:
+                return found
+        relaxed_routes = ranked[:MAX_RELAXED_ROUTES]
+        found = self._best_of(ranked, False) or self._best_of(relaxed_routes, True)
+        if found is not None:
+            return found
+        # The relaxed program comes last, and mostly tells what stands in the way.
+        nearest = self._log.best_explanation(len(relaxed_routes))
+        raise PlanningFailed(
+            nearest.failure or PlanFailure.NOT_CONVERGED,
+            'found no push within the friction cone and the limits of the robot on '
+            f'{len(ranked)} routes, among them {nearest}', {'attempts': self._log.lines()})
+
+    def _follow(self, previous: Plan, shortest: float) -> Optional[Plan]:
+        """Start from the rest of a previous plan, where there is no much shorter path."""
+        route = previous_route(self._problem, previous)
+        solved = None if route is None else self._solve(route)
+        if solved is None or solved.path_length > NEARLY_SHORTEST * shortest:
+            return None
+        return self._finish(solved)
+
+    def _best_of(self, ranked: Sequence[Route], relaxed: bool) -> Optional[Plan]:
+        """Solve the routes in their order until one leads to a plan."""
+        waiting = ranked
+        while waiting and not self._log.is_spent:
+            solved, waiting = self._solve_some(waiting, relaxed)
+            for candidate in sorted(solved, key=lambda one: one.duration):
+                found = self._finish(candidate) or self._finish_refined(candidate.route)
+                if found is not None:
+                    return found
         return None
-    return _finish(problem, candidate, attempts)
+
+    def _solve_some(self, ranked: Sequence[Route],
+                    relaxed: bool) -> tuple[list[_Solved], list[Route]]:
+        """Solve until one is found, and then what may be as good; return the rest as well."""
+        solved: list[_Solved] = []
+        rest: list[Route] = []
+        for route in ranked:
+            if self._log.is_spent or solved and not _may_be_faster(route, solved):
+                rest.append(route)
+                continue
+            candidate = self._solve(route, relaxed)
+            if candidate is not None:
+                solved.append(candidate)
+        return solved, rest
+
+    def _solve(self, route: InitialRoute, relaxed: bool = False,
+               refined_mesh: bool = False) -> Optional[_Solved]:
+        self._log.solves += 1
+        formulation, guess = formulate(self._problem, route, refined_mesh)
+        solver = nlp_solver(formulation.dimensions)
+        solve = solver.solve_relaxed if relaxed else solver.solve
+        result = solve(formulation.parameters(), formulation.bounds, guess)
+        if result.solution is None:
+            self._log.attempts.append(Attempt(route.name, route.path_length, result.verdict,
+                                              result.failure, relaxed))
+            return None
+        return _Solved(route, formulation, result.solution, result.iterations, relaxed)
+
+    def _finish_refined(self, route: InitialRoute) -> Optional[Plan]:
+        """Where the rollout was too far from the program, take a mesh of twice the segments."""
+        if self._problem.settings.pushing_angles == 'constant' or self._log.is_spent:
+            return None
+        return self._finish(self._solve(route, refined_mesh=True))
+
+    def _finish(self, solved: Optional[_Solved]) -> Optional[Plan]:
+        """Refine a solved route, and accept the plan or not."""
+        if solved is None:
+            return None
+        plan = None
+        violation = 'the fine integration broke down'
+        refined = refine(self._problem, solved.formulation, solved.solution)
+        if refined is not None and _is_sound(refined.rollout):
+            plan = self._assemble(solved, refined)
+            violation = acceptance_error(plan) or self._requirements.violation(plan.trajectory)
+        self._log.attempts.append(Attempt(
+            solved.route.name, solved.route.path_length, violation or 'solved',
+            PlanFailure.NOT_ACCEPTED if violation else None, solved.relaxed))
+        if plan is None or violation:
+            return None
+        plan.report['attempts'] = self._log.lines()
+        return plan
+
+    def _assemble(self, solved: _Solved, refined: RefinedPush) -> Plan:
+        plan = assemble_plan(self._problem, solved.formulation, refined)
+        plan.report.update(route=solved.route.name,
+                           segments=solved.formulation.dimensions.step_count,
+                           final_straight=solved.route.final_straight,
+                           iterations=solved.iterations)
+        return plan
 
 
-def _solve_some(problem, ways, attempts, relaxed):
-    """Solve until one is found, and then what may be as good; return the rest as well."""
-    solved, rest = [], []
-    for route in ways:
-        if attempts.is_spent or solved and not _may_be_better(route, solved):
-            rest.append(route)
-            continue
-        candidate = _solve(problem, route, attempts, relaxed)
-        if candidate is not None:
-            solved.append(candidate)
-    return solved, rest
-
-
-def _may_be_better(route, solved):
-    """Whether a route turns otherwise than what is solved (alike: same optimum), at no detour."""
+def _may_be_faster(route: Route, solved: Sequence[_Solved]) -> bool:
+    """Whether a route is no detour, and rotates the object otherwise than what is solved."""
+    shortest = min(candidate.path_length for candidate in solved)
     return (route.final_straight >= solved[0].route.final_straight
-            and route.path_length <= NEARLY_BEST * min(candidate.length for candidate in solved)
-            and all(abs(route.rotation - other.route.rotation) > ALIKE for other in solved))
+            and route.path_length <= NEARLY_SHORTEST * shortest
+            and all(abs(route.rotation - other.route.rotation) > SAME_ROTATION
+                    for other in solved))
 
 
-def _solve(problem, route, attempts, relaxed, finer=False):
-    attempts.solves += 1
-    formulation, guess = formulate(problem, route, finer)
-    solver = nlp_solver(formulation.shape)
-    verdict, failure = 'not solved', PlanFailure.NOT_CONVERGED
-    if relaxed:
-        solution, verdict, count = solver.diagnose(formulation.parameters(), formulation.box,
-                                                   guess)
-        failure = (PlanFailure.NOT_CONVERGED if verdict == UNSETTLED else
-                   PlanFailure.LIMIT_EXCEEDED)
-    else:
-        solution, count = solver.solve(formulation.parameters(), formulation.box, guess)
-    if solution is None:
-        attempts.attempts.append(Attempt(route.name, route.path_length, verdict, failure, relaxed))
-        return None
-    return _Candidate(route, formulation, solution, count)
-
-
-def _goes_on(rollout):
-    """Whether all of a rollout is finite, and its way never goes back."""
-    steps = np.diff(rollout.ways)
-    return (np.isfinite(rollout.samples).all() and (steps > -ROUNDING).all()
-            and rollout.ways[-1] > 0.0
-            and (rollout.squares >= 0.0).all())
-
-
-def _finish_finer(problem, route, attempts):
-    """Where the fine integration was too far from the programme, take twice as many pieces."""
-    if problem.settings.pushing_angles == 'constant' or attempts.is_spent:
-        return None
-    candidate = _solve(problem, route, attempts, False, finer=True)
-    return candidate and _finish(problem, candidate, attempts)
-
-
-def _finish(problem, candidate, attempts):
-    route, formulation, solution, iterations = candidate
-    rollout, way = refine(problem, formulation, solution)
-    found, violation = None, 'the fine integration broke down'
-    if rollout is not None and _goes_on(rollout):
-        found = assemble_plan(problem, formulation, rollout, way)
-        found.report.update(route=route.name, segments=formulation.shape.steps,
-                            final_straight=route.final_straight, iterations=iterations)
-        violation = acceptance_error(found) or attempts.requirements.violation(found.trajectory)
-    attempts.attempts.append(Attempt(
-        route.name, route.path_length, violation or 'solved',
-        PlanFailure.NOT_ACCEPTED if violation else None, False))
-    if violation:
-        return None
-    found.report['attempts'] = attempts.lines()
-    return found
+def _is_sound(rollout: Rollout) -> bool:
+    """Whether all of a rollout is finite, and its path never goes back."""
+    steps = np.diff(rollout.s)
+    return bool(np.isfinite(rollout.samples).all() and (steps > -ROUNDING).all()
+                and rollout.s[-1] > 0.0 and (rollout.v_squared >= 0.0).all())

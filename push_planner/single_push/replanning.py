@@ -1,31 +1,44 @@
 """
-Planning from measurements: from rest, or from the push that is under way.
+Replanning: plans from measurements, from rest or from the push that is under way.
 
-The object's yaw rate is that of the model for the present pushing angle. Successive object poses
-would tell it late and badly: 0.3 degrees of noise over 0.2 s are 0.04 rad/s, a tenth of a turn as
-sharp as pushing allows, while the object follows the model within millimetres of way. Above about
-0.3 m/s inertia makes the model too quick.
+The object's yaw rate is that of the quasi-static model at the present pushing angle. Successive
+object poses would give it late and inaccurately: 0.3 degrees of noise over 0.2 s are 0.04 rad/s, a
+tenth of the tightest turn, while the object follows the model within millimetres of path. Above
+about 0.3 m/s inertia makes the model's yaw rate too high.
 """
 
 import dataclasses
 import math
+from typing import Optional
 
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import contact_velocity
-from push_planner.problem import InitialMotion, PlanningFailed, problem_from_placement
+from push_model.signals import ObjectPose, Odometry
+from push_planner.plan import Plan
+from push_planner.problem import (
+    InitialMotion, PlanningFailed, problem_from_placement, PushProblem,
+)
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.planner import plan_push
 from push_planner.single_push.site_selection import choose_site, SiteChoice
 
-SLOWEST = 0.01
-OLDEST = 0.5
-MUCH_THE_SAME, TURNED = 0.3, 0.3
+# Speed below which a robot does not push [m/s]. Chosen: above the noise of odometry at rest.
+MIN_SPEED = 0.01
+# Age beyond which an object pose is not predicted [s]. Chosen: at 0.15 m/s, 75 mm of path.
+MAX_AGE = 0.5
+# Distance and angle between two goals for which the previous plan is a good start [m, rad].
+SIMILAR_DISTANCE = 0.3
+SIMILAR_ANGLE = 0.3
 
 
-def plan_from_measurements(obj, robot, measured, odometry, goal, settings=None, previous=None):
+def plan_from_measurements(obj: PushedObject, robot: RoundRobot, measured: ObjectPose,
+                           odometry: Odometry, goal: Pose,
+                           settings: Optional[PlannerSettings] = None, *,
+                           previous: Optional[Plan] = None) -> SiteChoice:
     """
     Plan from the newest measurements, at the site that the settings ask for.
 
@@ -36,85 +49,93 @@ def plan_from_measurements(obj, robot, measured, odometry, goal, settings=None, 
     :param robot: the ``RoundRobot``.
     :param measured: ``ObjectPose``.
     :param odometry: ``Odometry``.
-    :param goal: ``Pose`` wanted for the object in the world.
+    :param goal: ``Pose`` of the object in the world at the end.
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param previous: the last ``Plan``, or None.
-    :return: ``push_planner.single_push.site_selection.SiteChoice``; its table is empty where no sites were compared.
     :raises PlanningFailed: with the reason.
     """
-    settings, here = settings or PlannerSettings(), None
+    settings = settings or PlannerSettings()
+    current: Optional[PushProblem] = None
     try:
-        here = problem_from_measurements(obj, robot, measured, odometry, goal, settings)
+        current = problem_from_measurements(obj, robot, measured, odometry, goal, settings)
     except PlanningFailed as failure:
         if settings.site == 'current' or failure.code is not PlanFailure.NOT_IN_CONTACT:
             raise
-    if here is not None and here.motion.speed > 0.0:
+    if current is not None and current.motion.speed > 0.0:
         try:
-            return SiteChoice(plan_push(here, previous if _is_alike(previous, goal) else None), ())
+            start_from = previous if _is_similar(previous, goal) else None
+            return SiteChoice(plan_push(current, start_from), ())
         except PlanningFailed:
-            here = dataclasses.replace(here, motion=InitialMotion())
-    if settings.site == 'current':
-        return SiteChoice(plan_push(here), ())
-    return choose_site(obj, robot, measured.pose, goal, settings, here)
+            current = dataclasses.replace(current, motion=InitialMotion())
+    if current is not None and settings.site == 'current':
+        return SiteChoice(plan_push(current), ())
+    return choose_site(obj, robot, measured.pose, goal, settings, current)
 
 
-def problem_from_measurements(obj, robot, measured, odometry, goal, settings):
+def problem_from_measurements(obj: PushedObject, robot: RoundRobot, measured: ObjectPose,
+                              odometry: Odometry, goal: Pose,
+                              settings: PlannerSettings) -> PushProblem:
     """
     Make the problem of pushing on.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
-    :param measured: ``ObjectPose``; while pushed it is carried on to the time of the odometry.
+    :param measured: ``ObjectPose``; while pushed it is predicted to the time of the odometry.
     :param odometry: ``Odometry``.
-    :param goal: ``Pose`` wanted for the object in the world.
+    :param goal: ``Pose`` of the object in the world at the end.
     :param settings: ``PlannerSettings``.
     :return: ``PushProblem``, with the present motion; from rest where the robot does not push.
     :raises PlanningFailed: where a pose is not finite or the robot is not at the object.
     """
     pose, age = measured.pose, max(0.0, odometry.time - measured.time)
-    if _pushes(robot, odometry) and age <= OLDEST:
-        pose = _carried(obj, robot, pose, odometry, age, settings.contact_tolerance)
+    is_pushing = _is_pushing(robot, odometry)
+    if is_pushing and age <= MAX_AGE:
+        pose = _predicted(obj, robot, pose, odometry, age, settings.contact_tolerance)
     problem = problem_from_placement(obj, robot, pose, odometry.pose, goal, settings)
     velocity = contact_velocity(problem.heading, problem.normal, robot.radius, odometry.twist)
     angle = wrap_angle(math.atan2(velocity[1], velocity[0]) - problem.normal)
-    if not _pushes(robot, odometry) or math.cos(angle) <= 0.0:
+    if not is_pushing or math.cos(angle) <= 0.0:
         return problem
     return dataclasses.replace(problem, motion=InitialMotion(
-        math.hypot(*velocity), _turning(obj, problem.contact, pose, velocity), angle))
+        math.hypot(*velocity), _yaw_rate(obj, problem.contact, pose, velocity), angle))
 
 
-def _pushes(robot, odometry):
-    return all(math.isfinite(value) for value in odometry.twist) and (
-        math.isfinite(robot.radius)) and math.hypot(*odometry.twist[:2]) > SLOWEST
+def _is_pushing(robot: RoundRobot, odometry: Odometry) -> bool:
+    return (all(math.isfinite(value) for value in odometry.twist)
+            and math.isfinite(robot.radius)
+            and math.hypot(*odometry.twist[:2]) > MIN_SPEED)
 
 
-def _carried(obj, robot, pose, odometry, age, reach):
-    """Carry an object's pose on by its age, at the robot's present velocity."""
+def _predicted(obj: PushedObject, robot: RoundRobot, pose: Pose, odometry: Odometry, age: float,
+               contact_tolerance: float) -> Pose:
+    """Predict an object's pose over its age, at the robot's present velocity."""
     x, y, phi = odometry.pose
     v_x, v_y = Pose(0.0, 0.0, phi).rotate(odometry.twist[:2])
-    then = Pose(x - age * v_x, y - age * v_y, phi - age * odometry.twist[2])
-    if not (Pose(*pose).is_finite() and then.is_finite()):
+    robot_then = Pose(x - age * v_x, y - age * v_y, phi - age * odometry.twist[2])
+    if not (Pose(*pose).is_finite() and robot_then.is_finite()):
         return pose
-    contact, normal, gap = find_contact(obj, pose, then[:2], robot.radius)
-    velocity = contact_velocity(then.theta, normal, robot.radius, odometry.twist)
-    ahead = velocity[0] * math.cos(normal) + velocity[1] * math.sin(normal)
-    if abs(gap) > reach or ahead <= 0.0:
+    contact, normal, gap = find_contact(obj, pose, robot_then[:2], robot.radius)
+    velocity = contact_velocity(robot_then.theta, normal, robot.radius, odometry.twist)
+    into_object = velocity[0] * math.cos(normal) + velocity[1] * math.sin(normal)
+    if abs(gap) > contact_tolerance or into_object <= 0.0:
         return pose
-    turn = age * _turning(obj, contact, pose, velocity)
+    rotation = age * _yaw_rate(obj, contact, pose, velocity)
     c_x, c_y = pose.transform(contact_point(obj, contact))
-    arm_x, arm_y = Pose(0.0, 0.0, turn).rotate((pose.x - c_x, pose.y - c_y))
+    arm_x, arm_y = Pose(0.0, 0.0, rotation).rotate((pose.x - c_x, pose.y - c_y))
     return Pose(c_x + age * velocity[0] + arm_x, c_y + age * velocity[1] + arm_y,
-                pose.theta + turn)
+                pose.theta + rotation)
 
 
-def _turning(obj, contact, pose, velocity):
+def _yaw_rate(obj: PushedObject, contact: Contact, pose: Pose,
+              velocity: tuple[float, float]) -> float:
+    """Quasi-static yaw rate of the object under a velocity imposed at a contact [rad/s]."""
     local = Pose(0.0, 0.0, -pose.theta).rotate(velocity)
     return quasi_static_yaw_rate(obj, contact_point(obj, contact), *local)
 
 
-def _is_alike(previous, goal):
+def _is_similar(previous: Optional[Plan], goal: Pose) -> bool:
     if previous is None:
         return False
     former = previous.problem.goal
-    return (distance(former, goal) <= MUCH_THE_SAME
-            and abs(wrap_angle(former.theta - goal.theta)) <= TURNED)
+    return (distance(former, goal) <= SIMILAR_DISTANCE
+            and abs(wrap_angle(former.theta - goal.theta)) <= SIMILAR_ANGLE)

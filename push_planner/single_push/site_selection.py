@@ -1,33 +1,34 @@
-"""Where to push: the quickest of all sites of an object."""
+"""Site selection: the contact site of an object from which a push is fastest."""
 
 import math
 from typing import NamedTuple, Optional
 
 from push_model.geometry import Pose
-from push_model.parameters import Contact
+from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
-from push_planner.initial_guess.dubins_routes import FASTEST_TIGHT, GENTLE, routes, tightest_turns
+from push_planner.initial_guess.dubins_routes import FAST_TURN_FRACTION, is_fast, routes
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.bounds import displacement_bound
 from push_planner.single_push.contact_sites import robot_start, site_problems
 from push_planner.single_push.feasibility import check_feasibility
-from push_planner.single_push.planner import plan_push
+from push_planner.single_push.planner import plan_push, steering_limits
 
-# Plans cut the corners of steady turns: by 7 % at most in 120 random pushes of a differential
-# drive, by 1 % with a contact that is held.
+# Ratio of a plan's path to its route that is never fallen below. Measured: plans cut the corners of
+# steady turns, by 7 % at most in 120 random pushes of a differential drive, by 1 % with a contact
+# that is held.
 ROUTE_SLACK = 0.9
 
 
 class SiteCandidate(NamedTuple):
     """
-    What comes of pushing at one site.
+    Result of pushing at one site.
 
     :param contact: the ``Contact``.
     :param robot_pose: ``Pose`` of the robot in the world at the start.
     :param duration: of the push [s]; None without a plan.
-    :param path_length: way of the contact [m]; None without a plan.
+    :param path_length: of the contact [m]; None without a plan.
     :param reason: why there is no plan, empty where there is one.
     """
 
@@ -37,8 +38,8 @@ class SiteCandidate(NamedTuple):
     path_length: Optional[float]
     reason: str
 
-    def __str__(self):
-        """Say it in one line."""
+    def __str__(self) -> str:
+        """Describe it in one line."""
         x, y, heading = self.robot_pose
         text = self.reason or f'{self.duration:.1f} s, {self.path_length:.2f} m'
         number = '' if self.contact.kind == 'round' else f' {self.contact.index}'
@@ -48,14 +49,15 @@ class SiteCandidate(NamedTuple):
 
 class SiteChoice(NamedTuple):
     """
-    The quickest push, and what else was considered.
+    The fastest push, and what else was considered.
 
     :param plan: the ``Plan``.
-    :param candidates: ``SiteCandidate`` of every site, the quickest first.
+    :param candidates: ``SiteCandidate`` of every site, the fastest first; empty where sites were
+        not compared.
     """
 
     plan: Plan
-    candidates: tuple
+    candidates: tuple[SiteCandidate, ...]
 
 
 class BoundedSite(NamedTuple):
@@ -63,7 +65,7 @@ class BoundedSite(NamedTuple):
     A site with a lower bound on its time.
 
     :param problem: the ``PushProblem``.
-    :param bound: time of the push at least [s]; infinite where it is refused.
+    :param bound: least time of the push [s]; infinite where it is refused.
     :param reason: why it is refused, else empty.
     """
 
@@ -72,72 +74,78 @@ class BoundedSite(NamedTuple):
     reason: str
 
 
-def choose_site(obj, robot, start, goal, settings=None, here=None):
+def choose_site(obj: PushedObject, robot: RoundRobot, start: Pose, goal: Pose,
+                settings: Optional[PlannerSettings] = None,
+                current: Optional[PushProblem] = None) -> SiteChoice:
     """
     Find the site from which the goal is reached in the shortest time.
 
-    A site is not solved where a lower bound on its time tells that it is not the quickest. The
-    way to the site does not count.
+    Sites are solved in the order of a lower bound on their time; one whose bound tells that it is
+    not the fastest is not solved. The robot's path to the site does not count.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param start: ``Pose`` of the object in the world.
-    :param goal: ``Pose`` wanted for the object in the world.
+    :param goal: ``Pose`` of the object in the world at the end.
     :param settings: ``PlannerSettings``, or None for the defaults.
-    :param here: ``PushProblem`` of a further site, such as the one where the robot stands.
-    :return: ``SiteChoice``.
-    :raises PlanningFailed: where all are refused; ``sites`` of the report is the table.
+    :param current: ``PushProblem`` of a further site, such as the one where the robot stands.
+    :raises PlanningFailed: where all are refused; ``sites`` of the report lists them.
     """
     problems = site_problems(obj, robot, start, goal, settings or PlannerSettings())
-    weighed = sorted((bound_site(problem) for problem in ([here] if here else []) + problems),
-                     key=lambda site: site.bound)
-    best, solved, rest = None, [], []
-    for problem, bound, reason in weighed:
-        if best is not None and bound >= best.trajectory.duration:
-            reason = reason or f'not quicker than {bound:.1f} s'
+    if current is not None:
+        problems.insert(0, current)
+    sites = sorted((bound_site(problem) for problem in problems), key=lambda site: site.bound)
+    best: Optional[Plan] = None
+    solved: list[tuple[float, SiteCandidate]] = []
+    refused: list[SiteCandidate] = []
+    for site in sites:
+        reason = site.reason or _reason_to_skip(site, best)
         if not reason:
             try:
-                found = plan_push(problem)
+                found = plan_push(site.problem)
             except PlanningFailed as failure:
                 reason = failure.reason
             else:
-                solved.append(_option(problem, '', found))
-                if best is None or found.trajectory.duration < best.trajectory.duration:
+                duration = found.trajectory.duration
+                solved.append((duration, _solved_candidate(site.problem, found)))
+                if best is None or duration < best.trajectory.duration:
                     best = found
         if reason:
-            rest.append(_option(problem, reason))
-    candidates = tuple(sorted(solved, key=lambda option: option.duration) + rest)
+            refused.append(SiteCandidate(site.problem.contact, robot_start(site.problem), None,
+                                         None, reason))
+    solved.sort(key=lambda one: one[0])
+    candidates = tuple([candidate for _, candidate in solved] + refused)
     if best is None:
         raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE,
-                             f'no site will do, the least bad is {candidates[0]}',
+                             f'no feasible contact site; best candidate: {candidates[0]}',
                              {'sites': candidates})
     return SiteChoice(best, candidates)
 
 
-def bound_site(problem):
+def bound_site(problem: PushProblem) -> BoundedSite:
     """
     Bound the time of a push from below, without solving it.
 
     :param problem: the ``PushProblem``.
-    :return: ``BoundedSite``.
     """
     try:
         check_feasibility(problem)
-        turns = tightest_turns(problem)
-        if turns is None:
-            plan_push(problem)
+        turns = steering_limits(problem)
     except PlanningFailed as failure:
         return BoundedSite(problem, math.inf, failure.reason)
-    settings = problem.settings
-    fast = settings.motion_model == 'dynamic' and settings.pushing_speed > FASTEST_TIGHT
-    share = ROUTE_SLACK * (GENTLE if fast else 1.0)
+    # Plans may use the reserve of curvature that the routes of fast pushes leave.
+    slack = ROUTE_SLACK * (FAST_TURN_FRACTION if is_fast(problem) else 1.0)
     shortest = min(route.path_length for route in routes(problem, turns))
-    bound = max(displacement_bound(problem), share * shortest / settings.pushing_speed)
+    bound = max(displacement_bound(problem), slack * shortest / problem.settings.pushing_speed)
     return BoundedSite(problem, bound, '')
 
 
-def _option(problem, reason, found=None):
-    duration = length = None
-    if found is not None:
-        duration, length = found.trajectory.duration, found.report['path_length']
-    return SiteCandidate(problem.contact, robot_start(problem), duration, length, reason)
+def _reason_to_skip(site: BoundedSite, best: Optional[Plan]) -> str:
+    if best is not None and site.bound >= best.trajectory.duration:
+        return f'not faster than {site.bound:.1f} s'
+    return ''
+
+
+def _solved_candidate(problem: PushProblem, plan: Plan) -> SiteCandidate:
+    return SiteCandidate(problem.contact, robot_start(problem), plan.trajectory.duration,
+                         plan.report['path_length'], '')

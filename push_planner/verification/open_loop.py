@@ -1,98 +1,158 @@
 """
-An object driven by the pieces of a plan, on ``push_model.dynamics`` as it stands.
+Open-loop simulation: an object driven by the segments of a plan, on ``push_model.dynamics``.
 
-The object frame of the start is that of the world.
+The equation of motion is the model's own, in time and with its own axes: nothing of it is shared
+with the nonlinear program. Integrated by scipy's LSODA.
 """
 
+from collections.abc import Callable
 import math
+from typing import NamedTuple, Optional
 
 import numpy as np
 from push_model.dynamics import equation_of_motion, impulse, Input, ObjectTerms, State
+from push_model.geometry import FloatArray
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import yaw_rate
+from push_planner.problem import PushProblem
 from scipy.integrate import solve_ivp
 
+# Relative tolerance of the integration; the absolute one is a hundredth of it. Chosen: far below
+# the errors that plans may have, and above rounding.
 TOLERANCE = 1e-9
 
 
-def integrate(rate, force, duration, start):
+class Segment(NamedTuple):
     """
-    Integrate over a piece.
+    A segment of a push: pushing angle and squared speed linear in the path length of the contact.
+
+    :param angles: pushing angle at its begin and its end [rad].
+    :param speeds: of the contact at its begin and its end [m/s].
+    :param length: path length of the contact [m].
+    """
+
+    angles: tuple[float, float]
+    speeds: tuple[float, float]
+    length: float
+
+    @property
+    def acceleration(self) -> float:
+        """Acceleration of the contact along the push [m/s^2]."""
+        return 0.5 * (self.speeds[1] ** 2 - self.speeds[0] ** 2) / self.length
+
+    @property
+    def duration(self) -> float:
+        """Time that it takes [s]."""
+        return 2.0 * self.length / (self.speeds[0] + self.speeds[1])
+
+    def at(self, time: float) -> tuple[float, float, float]:
+        """
+        Find the input after a time.
+
+        :param time: since its begin [s].
+        :return: (pushing angle [rad], its rate [rad/s], speed [m/s]).
+        """
+        speed = self.speeds[0] + self.acceleration * time
+        angle_slope = (self.angles[1] - self.angles[0]) / self.length
+        s = 0.5 * (self.speeds[0] + speed) * time
+        return self.angles[0] + angle_slope * s, angle_slope * speed, speed
+
+
+class SegmentEnd(NamedTuple):
+    """
+    Result of integrating over a segment.
+
+    :param state: at its end; nan where the integration failed.
+    :param force_angle: largest angle of the contact force from the normal [rad]; infinite there.
+    """
+
+    state: FloatArray
+    force_angle: float
+
+
+def integrate(rate: Callable[[float, FloatArray], FloatArray],
+              force: Callable[[float, FloatArray], FloatArray], duration: float,
+              start: FloatArray) -> SegmentEnd:
+    """
+    Integrate over a segment.
 
     :param rate: function of (time [s], state) that returns the rate of the state.
     :param force: function of the same that returns the contact force (F_n, F_t) [N].
-    :param duration: of the piece [s].
+    :param duration: of the segment [s].
     :param start: state at its begin.
-    :return: (state at its end, largest angle of the force from the normal [rad]); nan and
-        infinite where the integration fails.
     """
     answer = solve_ivp(rate, (0.0, duration), start, method='LSODA', rtol=TOLERANCE,
                        atol=1e-2 * TOLERANCE)
     if not answer.success:
-        return np.full(len(start), np.nan), math.inf
-    pressed = np.array([force(*sample).copy() for sample in zip(answer.t, answer.y.T)])
-    return answer.y[:, -1], float(np.abs(np.arctan2(pressed[:, 1], pressed[:, 0])).max())
+        return SegmentEnd(np.full(len(start), np.nan), math.inf)
+    forces = np.array([force(*sample).copy() for sample in zip(answer.t, answer.y.T)])
+    return SegmentEnd(answer.y[:, -1],
+                      float(np.abs(np.arctan2(forces[:, 1], forces[:, 0])).max()))
 
 
-def open_loop_simulation(problem):
+def open_loop_simulation(problem: PushProblem) -> 'OpenLoopSimulation':
     """
-    Make what drives the object of a problem, with inertia or without.
+    Make the simulation of a problem, with inertia or without.
 
     :param problem: the ``PushProblem``.
-    :return: ``OpenLoopSimulation``.
     """
-    slow = problem.settings.motion_model == 'quasi_static'
-    return (QuasiStaticSimulation if slow else OpenLoopSimulation)(problem)
+    if problem.settings.motion_model == 'quasi_static':
+        return QuasiStaticSimulation(problem)
+    return OpenLoopSimulation(problem)
 
 
 class OpenLoopSimulation:
     """
-    The equation of motion under the pieces of a plan.
+    The equation of motion under the segments of a plan.
 
-    States are arrays in the order of ``push_model.dynamics.STATE``.
+    States are arrays in the order of ``push_model.dynamics.STATE``. The object frame of the start
+    is that of the problem in the world.
 
     :param problem: the ``PushProblem`` with object, contact and robot.
     """
 
-    def __init__(self, problem):
+    def __init__(self, problem: PushProblem) -> None:
         """Build the equation of motion."""
         self.problem = problem
-        self.terms = ObjectTerms.of(problem.obj)
+        self.segment: Optional[Segment] = None
+        self._terms = ObjectTerms.of(problem.obj)
         function = equation_of_motion(problem.obj, problem.rolling)
-        self._state, self._input, self._rate, self._force = (np.zeros(n) for n in (7, 5, 7, 2))
+        self._state = np.zeros(7)
+        self._input = np.zeros(5)
+        self._rate = np.zeros(7)
+        self._force = np.zeros(2)
         self._buffer, self._evaluate = function.buffer()
         self._buffer.set_arg(0, memoryview(self._state))
         self._buffer.set_arg(1, memoryview(self._input))
         self._buffer.set_res(0, memoryview(self._rate))
         self._buffer.set_res(1, memoryview(self._force))
-        self.segment = None
 
-    def start(self):
+    def start(self) -> FloatArray:
         """Begin where the problem does, nothing imposed yet; return the state."""
         self.segment = None
         return np.array([*self.problem.start, 0.0, self.problem.normal,
                          *self.problem.contact_point])
 
-    def inputs(self, time, state):
+    def inputs(self, time: float, state: FloatArray) -> Input:
         """
-        Find what the present piece imposes.
+        Find what the present segment imposes.
 
         :param time: since its begin [s].
         :param state: of the object.
-        :return: ``Input``.
         """
-        angle, bend, speed = self.segment.at(time)
-        turn = self._robot_rate(state, angle, speed)
-        share = self.problem.rolling[0]
-        bend += share * state[3] + (1.0 - share) * turn
-        c, s, faster = math.cos(state[4] + angle), math.sin(state[4] + angle), (
-            self.segment.acceleration)
-        return Input(speed * c, speed * s, faster * c - speed * bend * s,
-                     faster * s + speed * bend * c, turn)
+        segment = self._present()
+        angle, direction_rate, speed = segment.at(time)
+        robot_omega = self._robot_yaw_rate(state, angle, speed)
+        lam = self.problem.rolling.normal_ratio
+        direction_rate += lam * state[3] + (1.0 - lam) * robot_omega
+        c, s = math.cos(state[4] + angle), math.sin(state[4] + angle)
+        acceleration = segment.acceleration
+        return Input(speed * c, speed * s, acceleration * c - speed * direction_rate * s,
+                     acceleration * s + speed * direction_rate * c, robot_omega)
 
-    def respond(self, state, inputs):
+    def respond(self, state: FloatArray, inputs: Input) -> tuple[FloatArray, FloatArray]:
         """
-        Find how the object answers.
+        Find how the object responds.
 
         :param state: of the object.
         :param inputs: ``Input``.
@@ -103,29 +163,37 @@ class OpenLoopSimulation:
         self._evaluate()
         return self._rate, self._force
 
-    def evaluate(self, time, state):
-        """Answer to the present piece; as ``respond``."""
+    def evaluate(self, time: float, state: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """
+        Respond to the present segment.
+
+        :param time: since its begin [s].
+        :param state: of the object.
+        :return: as of ``respond``.
+        """
         return self.respond(state, self.inputs(time, state))
 
-    def integrate_segment(self, state):
+    def integrate_segment(self, state: FloatArray) -> SegmentEnd:
         """
-        Drive the object to the end of the present piece.
+        Integrate to the end of the present segment.
 
         :param state: of the object.
-        :return: as ``integrate``.
         """
         return integrate(lambda time, at: self.evaluate(time, at)[0].copy(),
-                         lambda time, at: self.evaluate(time, at)[1], self.segment.duration, state)
+                         lambda time, at: self.evaluate(time, at)[1], self._present().duration,
+                         state)
 
-    def start_segment(self, state, segment):
+    def start_segment(self, state: FloatArray,
+                      segment: Segment) -> tuple[FloatArray, tuple[float, float]]:
         """
-        Begin a piece: the velocity imposed at the contact may jump.
+        Begin a segment: the velocity imposed at the contact may jump.
 
         :param state: of the object.
         :param segment: ``Segment``.
         :return: (state after the jump, (v_x, v_y) of the jump [m/s]).
         """
-        before, self.segment = self.segment, segment
+        before = self.segment
+        self.segment = segment
         if before is not None and before.angles[1] == segment.angles[0] and (
                 before.speeds[1] == segment.speeds[0]):
             return np.array(state), (0.0, 0.0)
@@ -136,11 +204,11 @@ class OpenLoopSimulation:
             return changed, (0.0, 0.0)
         v_x, v_y = _velocity(state[4] + segment.angles[0], segment.speeds[0])
         if before is not None:
-            was_x, was_y = _velocity(state[4] + before.angles[1], before.speeds[1])
-            v_x, v_y = v_x - was_x, v_y - was_y
+            before_x, before_y = _velocity(state[4] + before.angles[1], before.speeds[1])
+            v_x, v_y = v_x - before_x, v_y - before_y
         return self.apply_velocity_jump(state, (v_x, v_y)), (v_x, v_y)
 
-    def apply_velocity_jump(self, state, jump):
+    def apply_velocity_jump(self, state: FloatArray, jump: tuple[float, float]) -> FloatArray:
         """
         Return the state after a jump of the velocity imposed at the contact.
 
@@ -148,10 +216,15 @@ class OpenLoopSimulation:
         :param jump: (v_x, v_y) [m/s].
         """
         changed = np.array(state)
-        changed[3] += float(impulse(self.terms, State(*state), *jump)[0])
+        changed[3] += float(impulse(self._terms, State(*state), *jump)[0])
         return changed
 
-    def _robot_rate(self, state, angle, speed):
+    def _present(self) -> Segment:
+        if self.segment is None:
+            raise RuntimeError('segment: got none, expected a call of start_segment before')
+        return self.segment
+
+    def _robot_yaw_rate(self, state: FloatArray, angle: float, speed: float) -> float:
         problem = self.problem
         if problem.kind == 'rolling':
             return 0.0
@@ -162,13 +235,24 @@ class OpenLoopSimulation:
 class QuasiStaticSimulation(OpenLoopSimulation):
     """The same without inertia: omega follows from friction alone."""
 
-    def apply_velocity_jump(self, state, jump):
-        """Return the state as it is: nothing has inertia."""
+    def apply_velocity_jump(self, state: FloatArray, jump: tuple[float, float]) -> FloatArray:
+        """
+        Return the state as it is: nothing has inertia.
+
+        :param state: of the object.
+        :param jump: (v_x, v_y), not used [m/s].
+        """
         return np.array(state)
 
-    def evaluate(self, time, state):
-        """As in the base class, at the turning rate that friction has."""
-        angle, _, speed = self.segment.at(time)
+    def evaluate(self, time: float, state: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """
+        Respond to the present segment with the yaw rate that friction demands.
+
+        :param time: since its begin [s].
+        :param state: of the object.
+        :return: as of ``respond``.
+        """
+        angle, _, speed = self._present().at(time)
         direction = state[4] + angle - state[2]
         state = np.array(state)
         state[3] = quasi_static_yaw_rate(self.problem.obj, tuple(state[5:7]),
@@ -178,5 +262,5 @@ class QuasiStaticSimulation(OpenLoopSimulation):
         return self._rate, self._force
 
 
-def _velocity(angle, speed):
+def _velocity(angle: float, speed: float) -> tuple[float, float]:
     return speed * math.cos(angle), speed * math.sin(angle)

@@ -1,95 +1,36 @@
 """
-A plan integrated anew: in time, on ``push_model.dynamics`` as it stands, by scipy.
+Verification of a plan: integrated once more, independently of how it was found.
 
-A pushed object without feedback runs away from its path by ``exp(s / L)``, so that no integrator
-can follow 10 m of push from its begin: errors of 1e-12 grow to metres. Long plans are therefore
-integrated in stretches of ``STRETCH`` wheelbases, each from the plan's own state, and all their
-mismatches are added up.
+A push in open loop runs away from its path by ``exp(s / L)``, with L the wheelbase, so that no
+integrator can follow 10 m of push from the begin: errors of 1e-12 grow to metres. Long plans are
+therefore integrated in intervals, each from the plan's own state, and all their mismatches are
+added up.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import wrap_angle
-from push_planner.verification.open_loop import open_loop_simulation
+from push_model.geometry import FloatArray, wrap_angle
+from push_planner.plan import Plan
+from push_planner.verification.open_loop import open_loop_simulation, Segment
 
-
-class Segment(NamedTuple):
-    """
-    A piece of a push.
-
-    :param angles: pushing angle at its begin and its end, linear in the way [rad].
-    :param speeds: of the contact, its square linear in the way [m/s].
-    :param length: way of the contact [m].
-    """
-
-    angles: tuple
-    speeds: tuple
-    length: float
-
-    @property
-    def acceleration(self):
-        """Of the contact along the push [m/s^2]."""
-        return 0.5 * (self.speeds[1] ** 2 - self.speeds[0] ** 2) / self.length
-
-    @property
-    def duration(self):
-        """Time that it takes [s]."""
-        return 2.0 * self.length / (self.speeds[0] + self.speeds[1])
-
-    def at(self, time):
-        """Pushing angle [rad], its rate [rad/s], and speed [m/s] after a time [s]."""
-        speed = self.speeds[0] + self.acceleration * time
-        bend = (self.angles[1] - self.angles[0]) / self.length
-        way = 0.5 * (self.speeds[0] + speed) * time
-        return self.angles[0] + bend * way, bend * speed, speed
-
-
-def segments_of(plan, pace=1.0):
-    """
-    List the pieces of a plan.
-
-    :param plan: the ``Plan``.
-    :param pace: factor on all its speeds.
-    :return: list of ``Segment``.
-    """
-    lengths = np.diff(plan.segment_ends, prepend=0.0).tolist()
-    return [Segment(angles, (pace * speeds[0], pace * speeds[1]), length)
-            for angles, speeds, length in zip(plan.pushing_angles, plan.speeds, lengths)]
-
-
-def merge_steady_segments(segments):
-    """
-    Join neighbours that push on at the same angle and speed.
-
-    :param segments: list of ``Segment``.
-    :return: list of ``Segment``, as few as there can be.
-    """
-    found = []
-    for segment in segments:
-        steady = len({*segment.angles}) == len({*segment.speeds}) == 1
-        if found and steady and found[-1][:2] == segment[:2]:
-            found[-1] = found[-1]._replace(length=found[-1].length + segment.length)
-        else:
-            found.append(segment)
-    return found
-
-
-STRETCH = 8.0
+# Length of an interval in wheelbases. Derived: errors grow by exp(8) = 3000 over it, from the
+# tolerance of the integration to a few micrometres.
+INTERVAL_WHEELBASES = 8.0
 
 
 class Verification(NamedTuple):
     """
-    What a re-integration found.
+    Result of a verification.
 
-    :param position_error: distance from the goal at the end, mismatches between stretches
+    :param position_error: distance from the goal at the end, mismatches between intervals
         included [m].
-    :param heading_error: the same of the orientation, and of the contact normal between stretches
-        [rad]; 0 at a goal where the heading is free.
+    :param heading_error: the same of the orientation, and of the contact normal between intervals
+        [rad]; the goal does not count where its heading is free.
     :param cone_usage: largest angle of the contact force over the planning cone's half-angle.
-    :param friction_usage: the same over the believed friction cone's half-angle.
-    :param intervals: number of stretches; 1 is one integration from start to goal.
+    :param friction_usage: the same over the nominal friction cone's half-angle.
+    :param intervals: number of intervals; 1 is one integration from start to goal.
     """
 
     position_error: float
@@ -99,41 +40,79 @@ class Verification(NamedTuple):
     intervals: int
 
 
-def verify(plan):
+def verify(plan: Plan) -> Verification:
     """
     Integrate a plan from its start pose under its pushing angles and speeds.
 
     :param plan: the ``Plan``.
-    :return: ``Verification``.
     """
     problem, goal = plan.problem, plan.problem.goal
-    push = open_loop_simulation(problem)
-    state = push.start()
-    position, heading, steepest = 0.0, 0.0, 0.0
-    intervals, stretch_begin, begin, time = 1, 0.0, 0.0, 0.0
-    longest = STRETCH * problem.vehicle.wheelbase
-    for segment, end in zip(segments_of(plan), plan.segment_ends):
-        state, _ = push.start_segment(state, segment)
-        if begin > stretch_begin and end - stretch_begin > longest:
-            meant = _planned_state(plan, time)
-            position += math.hypot(*(state - meant)[:2])
-            heading += float(np.abs(state - meant)[[2, 4]].max())
-            state, stretch_begin, intervals = meant, begin, intervals + 1
-        state, angle = push.integrate_segment(state)
-        steepest = max(steepest, angle)
-        begin, time = end, time + segment.duration
-    position += math.hypot(state[0] - goal.x, state[1] - goal.y)
-    heading += 0.0 if problem.settings.heading_free else abs(wrap_angle(state[2] - goal.theta))
-    return Verification(position, heading, steepest / problem.planning_cone_angle,
-                        steepest / problem.friction_angle, intervals)
+    simulation = open_loop_simulation(problem)
+    state = simulation.start()
+    position_error = heading_error = largest_force_angle = 0.0
+    intervals = 1
+    interval_begin = segment_begin = time = 0.0
+    longest = INTERVAL_WHEELBASES * problem.vehicle.wheelbase
+    for segment, segment_end in zip(segments_of(plan), plan.segment_ends):
+        state, _ = simulation.start_segment(state, segment)
+        if segment_begin > interval_begin and segment_end - interval_begin > longest:
+            planned = _planned_state(plan, time)
+            position_error += math.hypot(*(state - planned)[:2])
+            heading_error += float(np.abs(state - planned)[[2, 4]].max())
+            state = planned
+            interval_begin = segment_begin
+            intervals += 1
+        state, force_angle = simulation.integrate_segment(state)
+        largest_force_angle = max(largest_force_angle, force_angle)
+        segment_begin = segment_end
+        time += segment.duration
+    position_error += math.hypot(state[0] - goal.x, state[1] - goal.y)
+    if not problem.settings.heading_free:
+        heading_error += abs(wrap_angle(state[2] - goal.theta))
+    return Verification(position_error, heading_error,
+                        largest_force_angle / problem.planning_cone_angle,
+                        largest_force_angle / problem.friction_angle, intervals)
 
 
-def _planned_state(plan, time):
+def segments_of(plan: Plan, speed_scale: float = 1.0) -> list[Segment]:
+    """
+    List the segments of a plan.
+
+    :param plan: the ``Plan``.
+    :param speed_scale: factor on all its speeds.
+    """
+    lengths = np.diff(plan.segment_ends, prepend=0.0).tolist()
+    return [Segment(angles, (speed_scale * speeds[0], speed_scale * speeds[1]), length)
+            for angles, speeds, length in zip(plan.pushing_angles, plan.speeds, lengths)]
+
+
+def merge_steady_segments(segments: list[Segment]) -> list[Segment]:
+    """
+    Merge neighbours that push on at the same constant angle and speed.
+
+    :param segments: list of ``Segment``.
+    :return: list of ``Segment``, as few as there can be.
+    """
+    found: list[Segment] = []
+    for segment in segments:
+        steady = (segment.angles[0] == segment.angles[1]
+                  and segment.speeds[0] == segment.speeds[1])
+        if found and steady and found[-1][:2] == segment[:2]:
+            found[-1] = found[-1]._replace(length=found[-1].length + segment.length)
+        else:
+            found.append(segment)
+    return found
+
+
+def _planned_state(plan: Plan, time: float) -> FloatArray:
+    """State of the plan's own trajectory, in the order of ``push_model.dynamics.STATE``."""
     sample = plan.trajectory.at(time)
     problem = plan.problem
     pose = sample['object_poses']
-    c_x, c_y = sample['contact_poses'][:2] - pose[:2]
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    place = problem.contact_point if problem.kind != 'rolling' else (c * c_x + s * c_y,
-                                                                     c * c_y - s * c_x)
-    return np.array([*pose, sample['object_twists'][2], sample['contact_poses'][2], *place])
+    contact_x, contact_y = problem.contact_point
+    if problem.kind == 'rolling':
+        c_x, c_y = sample['contact_poses'][:2] - pose[:2]
+        c, s = math.cos(pose[2]), math.sin(pose[2])
+        contact_x, contact_y = c * c_x + s * c_y, c * c_y - s * c_x
+    return np.array([*pose, sample['object_twists'][2], sample['contact_poses'][2], contact_x,
+                     contact_y])
