@@ -129,7 +129,7 @@ class PlannerNode(PushNode):
                 chain = self._chains.plan(measured.pose, odometry.pose, goal)
                 return True, self._publish_chain(chain, self._stamp())
             choice = plan_from_measurements(self._obj, self._robot, measured, odometry, goal,
-                                            self._planner, self._former)
+                                            self._planner, previous=self._former)
         except MessageRefused as error:
             return False, self._report(ERROR, str(error))
         except PlanningFailed as failure:

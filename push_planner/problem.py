@@ -138,7 +138,7 @@ class PushProblem:
 
     @property
     def center_direction(self) -> float:
-        """Angle psi in the world from the contact to the centre of friction, at the start [rad]."""
+        """World angle psi from the contact to the centre of friction at the start [rad]."""
         return self.start.theta + self.vehicle.angle
 
     @property

@@ -35,9 +35,9 @@ class PlannerSettings:
     robot_yaw: RobotYaw = quantity('yaw of a holonomic robot: with the object, so that the '
                                    'contact stays in place, or fixed, so that the contact rolls',
                                    choices=get_args(RobotYaw), default='with_object')
-    pushing_angles: AngleProfile = quantity('profile of the pushing angle: linear segments without '
-                                            'jumps, or constant segments with jumps',
-                                            choices=get_args(AngleProfile), default='linear')
+    pushing_angles: AngleProfile = quantity(
+        'profile of the pushing angle: linear segments without jumps, or constant segments with '
+        'jumps', choices=get_args(AngleProfile), default='linear')
     max_angle_rate: float = quantity('highest rate of a linear pushing angle; the acceleration '
                                      'limits of the robot count as well', 'rad/s', above=0.0,
                                      high=1000.0, default=5.0)
@@ -48,8 +48,8 @@ class PlannerSettings:
                                         above=0.0, high=1.3, default=0.3)
     segments: int = quantity('least number of segments of the pushing angle', '', 2, 200,
                              default=24)
-    segment_length: float = quantity('longest segment of the pushing angle; longer pushes get more '
-                                     'segments', 'm', 0.05, 20.0, default=0.3)
+    segment_length: float = quantity('longest segment of the pushing angle; longer pushes get '
+                                     'more segments', 'm', 0.05, 20.0, default=0.3)
     cone_margin: float = quantity('fraction of the contact friction angle that a plan may use', '',
                                   0.05, 1.0, default=0.65)
     friction_discount: float = quantity('factor on the nominal contact friction coefficient', '',

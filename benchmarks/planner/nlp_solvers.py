@@ -16,7 +16,9 @@ from push_model.dubins import dubins_paths, DubinsPath
 from push_model.geometry import Pose
 from push_planner.collocation.formulation import formulate
 from push_planner.collocation.nlp_solver import FATROP, IPOPT, nlp_solver, NlpSolver
-from push_planner.initial_guess.dubins_routes import Route, routes, SteadyTurn, tightest_turns
+from push_planner.initial_guess.dubins_routes import routes, tightest_turns
+from push_planner.initial_guess.first_guess import Route
+from push_planner.initial_guess.steady_turns import SteadyTurn
 
 PIECES, FINE_PIECES, ONE_SHAPE = 24, 48, 20.0
 SEED = 48
@@ -111,11 +113,14 @@ def solve(problem, route, solver=None):
         there is none.
     """
     asked, guess = formulate(problem, route)
-    made = (solver or nlp_solver)(asked.shape)
+    made = (solver or nlp_solver)(asked.dimensions)
     began = time.process_time()
-    found, count = made.solve(asked.parameters(), asked.box, guess)
+    found = made.solve(asked.parameters(), asked.bounds, guess)
     cpu = time.process_time() - began
-    return asked.grid.times(found.way).sum() if found else math.inf, cpu, count
+    duration = math.inf
+    if found.solution is not None:
+        duration = asked.mesh.step_times(found.solution.free_length).sum()
+    return duration, cpu, found.iterations
 
 
 def rivals(compiled):

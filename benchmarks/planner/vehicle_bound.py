@@ -3,17 +3,18 @@ Plans held against the vehicle bound, in the model where it is exact.
 
 Slow pushes on the ellipsoidal limit surface turn like ones on viscous friction: velocities and
 directions of forces are the same, with c^2 the mean square of the supports' distances from F. The
-planner's programme with friction that is viscous at all speeds is therefore that model.
+planner's program with friction that is viscous at all speeds is therefore that model.
 """
 
 import dataclasses
 import math
 
 from benchmarks.planner.nlp_solvers import solve
-from push_model.friction import c_squared
+from push_model.dubins import dubins_paths
+from push_model.friction import c_squared, ellipsoid_c_squared
+from push_model.geometry import Pose
 from push_planner.collocation.nlp_solver import NlpSolver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
-from push_planner.single_push.bounds import flat_paths
 
 VISCOUS = 30.0
 EXACT = {'fatrop': {'print_level': 0, 'tol': 1e-7, 'mu_init': 1e-3, 'max_iter': 200}}
@@ -38,11 +39,47 @@ def bounds(problem):
     return paths[0].length / speed, path_length / speed
 
 
+def vehicle_bound(problem):
+    """
+    Time of the shortest path of the flat output on the ellipsoidal limit surface [s].
+
+    It holds for slow pushes on that surface, at a contact that is held and stays in the planning
+    cone; for real supports and for inertia it is not exact.
+
+    :param problem: the ``PushProblem``.
+    :raises ValueError: where the contact is not held in the cone.
+    """
+    if problem.kind != 'held' or problem.settings.angle_limit != 'cone' or (
+            problem.settings.heading_free):
+        raise ValueError(f'problem: got a contact of kind {problem.kind!r}, limit '
+                         f'{problem.settings.angle_limit!r}, heading_free '
+                         f'{problem.settings.heading_free}, expected a held contact in the cone '
+                         'and a heading')
+    shortest = flat_paths(problem, ellipsoid_c_squared(problem.obj))[0]
+    return shortest.length / problem.settings.pushing_speed
+
+
+def flat_paths(problem, c_squared_value):
+    """
+    List the paths of the flat output to the goal in the tightest turns that the cone allows.
+
+    :param problem: the ``PushProblem``.
+    :param c_squared_value: c^2 of a limit surface on which an object is a vehicle exactly [m^2].
+    :return: list of ``DubinsPath`` in the object's start frame, shortest first.
+    """
+    flat, (x, y) = problem.vehicle, problem.friction_center
+    ahead = c_squared_value / flat.arm
+    local = Pose(x + ahead * math.cos(flat.angle), y + ahead * math.sin(flat.angle), flat.angle)
+    left, right = (ahead / math.tan(problem.planning_cone_angle + side * problem.normal_offset)
+                   for side in (-1.0, 1.0))
+    return dubins_paths(local, problem.relative_goal @ local, left, right)
+
+
 class Bounded:
-    """The planner's programme on the ellipsoidal limit surface, built once for each shape."""
+    """The planner's program on the ellipsoidal limit surface, built once for its dimensions."""
 
     def __init__(self):
-        """Begin with no programme."""
+        """Begin with no solver."""
         self._built = {}
 
     def __call__(self, problem):
@@ -59,7 +96,7 @@ class Bounded:
         quickest = min(solve(problem, route, self._nlp_solver)[0] for route in paths)
         return quickest / least, quickest / greatest
 
-    def _nlp_solver(self, shape):
-        if shape not in self._built:
-            self._built[shape] = NlpSolver(shape, options=EXACT, smoothing=VISCOUS)
-        return self._built[shape]
+    def _nlp_solver(self, dimensions):
+        if dimensions not in self._built:
+            self._built[dimensions] = NlpSolver(dimensions, options=EXACT, smoothing=VISCOUS)
+        return self._built[dimensions]

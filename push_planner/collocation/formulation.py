@@ -13,8 +13,8 @@ from push_planner.collocation.nlp_solver import Solution, VariableBounds
 from push_planner.problem import PushProblem
 from push_planner.push_parameters import UNLIMITED, VERTEX_MARGIN
 
-# Largest pushing angle that is searched [rad]. Chosen: 75 degrees, far outside every friction cone,
-# and off the singularity at a right angle.
+# Largest pushing angle that is searched [rad]. Chosen: 75 degrees, far outside every friction
+# cone, and off the singularity at a right angle.
 MAX_PUSHING_ANGLE = 1.3
 # How far a push under way may begin off its present pushing angle [rad]. Chosen: the solver wants
 # some freedom inside its bounds; 0.1 degrees cannot be measured.
@@ -125,7 +125,8 @@ def formulate(problem: PushProblem, route: InitialRoute,
     followed = guess.nodes[:, 3:5]
     bounds = bounds._replace(followed=(followed - route.max_deviation,
                                        followed + route.max_deviation))
-    return Formulation(dimensions, mesh, bounds, boundary, common, _step_data(problem, mesh)), guess
+    steps = _step_data(problem, mesh)
+    return Formulation(dimensions, mesh, bounds, boundary, common, steps), guess
 
 
 def max_angle_rate(problem: PushProblem) -> float:

@@ -2,8 +2,8 @@
 Mesh of a push: its collocation steps, and the speed over them.
 
 A push is divided into sections: acceleration, main section, deceleration, final straight. The
-sections have fixed lengths, but for the main one, whose free length S is a variable of the program.
-The steps of a section are equally long.
+sections have fixed lengths, but for the main one, whose free length S is a variable of the
+program. The steps of a section are equally long.
 """
 
 import dataclasses
@@ -25,8 +25,8 @@ MIN_CONSTANT_ANGLE_STEPS = 24
 # Numbers of segments above the least one are multiples of this. Chosen: a program is built for
 # each number, which takes longer than solving it.
 SEGMENT_COUNT_STEP = 8
-# Speed above which segments are shortened [m/s], and by which factor. Chosen: with inertia it takes
-# finer steering to follow the edge of the cone.
+# Speed above which segments are shortened [m/s], and by which factor. Chosen: with inertia it
+# takes finer steering to follow the edge of the cone.
 FAST = 0.4
 FAST_LENGTH_FACTOR = 0.8
 
@@ -139,7 +139,7 @@ def build_mesh(problem: PushProblem, path_length: float, final_straight: float,
 
 def _segment_count(problem: PushProblem, path_length: float, profile: SpeedProfile,
                    refined: bool) -> int:
-    """Number of segments of the pushing angle in the main section."""
+    """Count the segments of the pushing angle in the main section."""
     settings = problem.settings
     segments = settings.segments
     longest = settings.segment_length

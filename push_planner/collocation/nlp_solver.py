@@ -1,9 +1,9 @@
 """
 Solvers of the nonlinear program of a push.
 
-Fatrop solves the program. Where it fails, ipopt solves a relaxed one, whose inequalities may all be
-violated by a common excess e >= 0 at a price, ``g_i(x) + e >= 0``: slower and more robust, and an
-excess that remains at the optimum tells which limit cannot be kept.
+Fatrop solves the program. Where it fails, ipopt solves a relaxed one, whose inequalities may all
+be violated by a common excess e >= 0 at a price, ``g_i(x) + e >= 0``: slower and more robust, and
+an excess that remains at the optimum tells which limit cannot be kept.
 """
 
 import functools
@@ -17,8 +17,8 @@ from push_model.plan_request import PlanFailure
 from push_planner.collocation.dimensions import Dimensions, POINTS
 from push_planner.collocation.transcription import SMOOTHING, Transcription
 
-# Price of the excess in the relaxed program [m]. Chosen: dear against paths of some metres, so that
-# limits are violated only where no push keeps them.
+# Price of the excess in the relaxed program [m]. Chosen: dear against paths of some metres, so
+# that limits are violated only where no push keeps them.
 EXCESS_PRICE = 100.0
 # Excess that the relaxed program starts from, and up to which it counts as none. Chosen: a
 # noticeable violation; and the tolerance of the solver.

@@ -1,5 +1,5 @@
 """
-Dubins routes: the paths of the flat output to the goal in the tightest turns that a contact allows.
+Dubins routes: paths of the flat output to the goal, in the tightest turns allowed.
 
 Turns are steady ones: of a contact that is held, on the supports themselves and with inertia; of
 a differential drive, whose normal follows the turn, those of the object seen as a vehicle.
@@ -27,8 +27,8 @@ MIN_FINAL_STRAIGHT = 0.02
 # Ratio of path lengths beyond which one counts as a detour. Chosen: a straighter end is worth a
 # fifth of the path.
 DETOUR_RATIO = 1.2
-# Largest pushing angle of turns where the cone does not limit them [rad]. Chosen: 63 degrees, where
-# the object turns about one of its supports.
+# Largest pushing angle of turns where the cone does not limit them [rad]. Chosen: 63 degrees,
+# where the object turns about one of its supports.
 MAX_TURN_ANGLE = 1.1
 # Headings at the goal that are tried where any will do. Chosen: 22.5 degrees apart; the solver
 # finds the optimum in between.
@@ -139,7 +139,7 @@ def contact_length(lengths: Sequence[float], turns: Sequence[SteadyTurn]) -> flo
 
 
 def _differential_turns(problem: PushProblem) -> TurnPair:
-    """Turns at the edges of the cone, the heading of the robot settled on the push."""
+    """Find the turns at the edges of the cone, the robot's heading settled on the push."""
     vehicle = problem.vehicle
     reach = vehicle.arm + problem.robot.radius
     beta = MAX_TURN_ANGLE

@@ -7,7 +7,7 @@ alpha the steering angle of the turn.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from push_model.dubins import advance_along_arc, DubinsPath
@@ -136,8 +136,8 @@ def _differential_steering(problem: PushProblem, theta: FloatArray, steering: Fl
     return np.array(gammas), rho
 
 
-def _contact_positions(poses: _ObjectPoses, contact: tuple[float, float]) -> tuple[FloatArray,
-                                                                                 FloatArray]:
+def _contact_positions(poses: _ObjectPoses,
+                       contact: tuple[Any, Any]) -> tuple[FloatArray, FloatArray]:
     c_x, c_y = contact
     c, s = np.cos(poses.theta), np.sin(poses.theta)
     return poses.x + c * c_x - s * c_y, poses.y + s * c_x + c * c_y

@@ -226,7 +226,7 @@ def _size(miss: FloatArray) -> float:
 
 def _begin_nodes(problem: PushProblem, formulation: Formulation,
                  solution: Solution) -> FloatArray:
-    """Nodes at the begins of the steps, the first of them exact, shape (n, 6)."""
+    """Return nodes at the begins of the steps, the first one exact, shape (n, 6)."""
     nodes, boundary = solution.nodes[:-1].copy(), formulation.boundary
     rho = nodes[0, 1]
     w = boundary.w
@@ -239,7 +239,7 @@ def _begin_nodes(problem: PushProblem, formulation: Formulation,
 
 def _program_maps(problem: PushProblem, formulation: Formulation, solution: Solution,
                   may_steer: FloatArray) -> FloatArray:
-    """Derivatives (A_k, b_k) of the program's own steps, shape (n, 7, 8)."""
+    """Differentiate the program's own steps: (A_k, b_k), shape (n, 7, 8)."""
     mesh, steps = formulation.mesh, formulation.steps
     data = np.column_stack([mesh.lengths, mesh.free_fractions, steps[:, 2], steps[:, 3],
                             may_steer])

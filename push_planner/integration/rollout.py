@@ -37,8 +37,8 @@ GROWTH = 1.6
 FIRST_PART_RATIO = 0.3
 # Longest part of a coarse rollout [m]. Chosen: as fine as a first correction needs.
 COARSE_PART = 0.1
-# Difference for derivatives [m, rad, 1/m]. Chosen: about the square root of the rounding of float64
-# gives the best forward differences, and Newton's method leaves some more noise.
+# Difference for derivatives [m, rad, 1/m]. Chosen: about the square root of the rounding of
+# float64 gives the best forward differences, and Newton's method leaves some more noise.
 DIFFERENCE = 1e-6
 # Scalars of a step that the rollout needs: length, V, dV/ds, smoothing.
 STEP_SCALARS = 4

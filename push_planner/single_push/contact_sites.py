@@ -21,8 +21,8 @@ HEADING_OFFSET_FRACTIONS = (0.0, -0.3, 0.3, -0.6, 0.6)
 MAX_NORMAL_OFFSET_FRACTION = 0.6
 # Sites round a disc. Chosen: 30 degrees apart, besides the one opposite to the goal.
 ROUND_SITES = 12
-# Least distance between two sites on a face, and from its ends [m]. Chosen: the accuracy with which
-# a robot reaches a site.
+# Least distance between two sites on a face, and from its ends [m]. Chosen: the accuracy with
+# which a robot reaches a site.
 MIN_SITE_DISTANCE = 0.005
 
 

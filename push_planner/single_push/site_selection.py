@@ -15,9 +15,9 @@ from push_planner.single_push.contact_sites import robot_start, site_problems
 from push_planner.single_push.feasibility import check_feasibility
 from push_planner.single_push.planner import plan_push, steering_limits
 
-# Ratio of a plan's path to its route that is never fallen below. Measured: plans cut the corners of
-# steady turns, by 7 % at most in 120 random pushes of a differential drive, by 1 % with a contact
-# that is held.
+# Ratio of a plan's path to its route that is never fallen below. Measured: plans cut the corners
+# of steady turns, by 7 % at most in 120 random pushes of a differential drive, by 1 % with a
+# contact that is held.
 ROUTE_SLACK = 0.9
 
 

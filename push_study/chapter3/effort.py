@@ -18,9 +18,9 @@ def effort(answer):
     :param answer: the ``Plan``, in constant pushing angles.
     """
     problem = answer.problem
-    shape = Dimensions(problem.kind, len(problem.obj.supports), answer.report['segments'], True, False,
-                       problem.settings.heading_free)
-    return answer.report['iterations'] * (shape.width * shape.steps + shape.states)
+    dimensions = Dimensions(problem.kind, len(problem.obj.supports), answer.report['segments'],
+                            True, False, problem.settings.heading_free)
+    return answer.report['iterations'] * dimensions.variable_count
 
 
 def unevenness(answer):

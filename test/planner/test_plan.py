@@ -171,8 +171,8 @@ def test_impulses_turn_the_object_as_they_must(answer):
     assert len(answer.switches) == 1 + jumps
     assert len(answer.speeds) == len(answer.pushing_angles) == len(answer.segment_ends)
     for switch in answer.switches:
-        # After the switch; the way is that of the contact, which brakes near the end only.
-        sample = motion.at(switch.way / problem.settings.pushing_speed)
+        # After the switch; the path is that of the contact, which brakes near the end only.
+        sample = motion.at(switch.s / problem.settings.pushing_speed)
         x, y, gamma = sample['contact_poses']
         center = Pose(*sample['object_poses']).transform(problem.obj.center_of_mass)
         j_x, j_y = Pose(0.0, 0.0, gamma).rotate((switch.normal_impulse,

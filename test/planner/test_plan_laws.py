@@ -59,7 +59,8 @@ def test_the_place_of_the_scene_does_not_matter(robot, scene):
 @ROBOTS
 def test_mass_does_not_matter_if_inertia_goes_with_it(robot):
     """Loads scale with the mass, so every force does."""
-    light, heavy = (plan_push(vertex_problem(GOAL, robot, obj=box(mass=mass))) for mass in (0.5, 8.0))
+    light, heavy = (plan_push(vertex_problem(GOAL, robot, obj=box(mass=mass)))
+                    for mass in (0.5, 8.0))
     np.testing.assert_allclose(heavy.pushing_angles, light.pushing_angles, atol=1e-5)
     assert heavy.switches[0].normal_impulse == pytest.approx(
         16.0 * light.switches[0].normal_impulse, rel=1e-4)

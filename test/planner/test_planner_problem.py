@@ -1,17 +1,20 @@
-"""What the planner accepts, and what it says of the rest."""
+"""Problems that the planner accepts, and the reasons for which it refuses others."""
 
 import dataclasses
 import math
+import pickle
 
 from helpers.objects import bin_, box
 from helpers.push_problems import (
     DIFFERENTIAL, face_problem, HOLONOMIC, round_problem, vertex_problem,
 )
+import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
+from push_model.plan_request import PlanFailure
 from push_planner.integration.refinement import refine
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
-from push_planner.single_push import planner as solver
+from push_planner.single_push import planner
 from push_planner.single_push.planner import plan_push
 import pytest
 
@@ -79,37 +82,52 @@ def wrong_side():
 
 
 IMPOSSIBLE = {
-    'goal nan': (vertex_problem(Pose(math.nan, 0.0, 0.0)), 'goal is not finite'),
-    'goal infinite': (vertex_problem(Pose(0.0, math.inf, 0.0)), 'goal is not finite'),
-    'already there': (vertex_problem(Pose(0.001, 0.0, 2 * math.pi - math.pi / 4)),
-                      'at the goal already: 1.0 mm and 0.00 deg off'),
-    'slippery contact': (slippery(0.0), 'a frictionless contact cannot steer'),
-    'slippery floor': (frictionless_floor(), 'friction 0 under every support'),
-    'too fast': (vertex_problem(AHEAD, pushing_speed=0.6), '0.6 m/s is faster .* 0.5 m/s'),
-    'face': (face_problem(AHEAD, DIFFERENTIAL), 'on a face contact .* place the robot at a vert'),
-    'round': (round_problem(AHEAD, DIFFERENTIAL), 'on a round contact'),
-    'turned away': (vertex_problem(AHEAD, heading=2.0), 'points away from the object: .* 115 deg'),
-    'askew': (vertex_problem(AHEAD, heading=0.3), 'heads 17.2 deg off .* one way only'),
-    'folded': (vertex_problem(AHEAD, normal=0.5, heading=0.5), 'fold up: its normal is 28.6 deg'),
-    'off centre': (face_problem(AHEAD, offset=0.1), 'cannot steer both ways: .* 26.6 deg off'),
-    'wrong side': (wrong_side(), 'wrong side: .* 115 deg off'),
-    'too far': (vertex_problem(Pose(30.0, 0.0, 0.0)), r'a push of 3\d.\d m, at most 20 m'),
+    'goal nan': (vertex_problem(Pose(math.nan, 0.0, 0.0)), PlanFailure.INVALID_VALUE,
+                 'goal is not finite'),
+    'goal infinite': (vertex_problem(Pose(0.0, math.inf, 0.0)), PlanFailure.INVALID_VALUE,
+                      'goal is not finite'),
+    'at the goal': (vertex_problem(Pose(0.001, 0.0, 2 * math.pi - math.pi / 4)),
+                    PlanFailure.AT_GOAL, 'at the goal already: 1.0 mm and 0.00 deg off'),
+    'slippery contact': (slippery(0.0), PlanFailure.NO_CONTACT_FRICTION,
+                         'a frictionless contact cannot steer'),
+    'slippery floor': (frictionless_floor(), PlanFailure.NO_SUPPORT_FRICTION,
+                       'friction 0 under every support'),
+    'too fast': (vertex_problem(AHEAD, pushing_speed=0.6), PlanFailure.ROBOT_TOO_SLOW,
+                 '0.6 m/s is faster .* 0.5 m/s'),
+    'face': (face_problem(AHEAD, DIFFERENTIAL), PlanFailure.UNSUPPORTED_CONTACT,
+             'on a face contact .* place the robot at a vert'),
+    'round': (round_problem(AHEAD, DIFFERENTIAL), PlanFailure.UNSUPPORTED_CONTACT,
+              'on a round contact'),
+    'facing away': (vertex_problem(AHEAD, heading=2.0), PlanFailure.FACING_AWAY,
+                    'points away from the object: .* 115 deg'),
+    'askew': (vertex_problem(AHEAD, heading=0.3), PlanFailure.ONE_SIDED_STEERING,
+              'heads 17.2 deg off .* to one side only'),
+    'jackknifed': (vertex_problem(AHEAD, normal=0.5, heading=0.5), PlanFailure.JACKKNIFED,
+                   'jackknife: its normal is 28.6 deg'),
+    'off centre': (face_problem(AHEAD, offset=0.1), PlanFailure.ONE_SIDED_STEERING,
+                   'cannot steer to both sides: .* 26.6 deg off'),
+    'wrong side': (wrong_side(), PlanFailure.WRONG_SIDE, 'wrong side: .* 115 deg off'),
+    'too far': (vertex_problem(Pose(30.0, 0.0, 0.0)), PlanFailure.PATH_TOO_LONG,
+                r'a push of 3\d.\d m, at most 20 m'),
     'sideways': (vertex_problem(Pose(0.0, 0.05, -math.pi / 4), max_path_length=3.0),
-                 r'a push of \d+.\d m, at most 3 m'),
+                 PlanFailure.PATH_TOO_LONG, r'a push of \d+.\d m, at most 3 m'),
     'too sharp': (vertex_problem(AHEAD, robot=RoundRobot(radius=0.17, max_yaw_rate=1e-4)),
-                  r'on \d+ ways .* the yaw rate of the robot would be exceeded'),
-    'too wide': (face_problem(AHEAD, pushing_speed=0.5), 'the speed of the robot would be exc'),
+                  PlanFailure.LIMIT_EXCEEDED,
+                  r'on \d+ routes, .* the yaw rate of the robot would be exceeded'),
+    'too wide': (face_problem(AHEAD, pushing_speed=0.5), PlanFailure.LIMIT_EXCEEDED,
+                 'the speed of the robot would be exc'),
     'too tight': (vertex_problem(Pose(1.08, 0.06, -0.91), max_path_length=5.0),
-                  'the friction cone would be exceeded'),
+                  PlanFailure.LIMIT_EXCEEDED, 'the friction cone would be exceeded'),
 }
 
 
 @pytest.mark.parametrize('name', IMPOSSIBLE)
 def test_the_impossible_is_refused_with_its_reason(name):
-    """One sentence, with the numbers."""
-    problem, reason = IMPOSSIBLE[name]
+    """A code for programs, and one sentence with the numbers for people."""
+    problem, code, reason = IMPOSSIBLE[name]
     with pytest.raises(PlanningFailed, match=reason) as failure:
         plan_push(problem)
+    assert failure.value.code is code
     assert failure.value.reason == str(failure.value)
     assert '\n' not in failure.value.reason
 
@@ -124,17 +142,25 @@ def test_a_bin_has_no_vertices():
 
 
 @pytest.mark.parametrize('spoilt', [
-    lambda rollout: rollout._replace(ways=rollout.ways[::-1]),
-    lambda rollout: rollout._replace(ways=-rollout.ways),
-    lambda rollout: rollout._replace(squares=rollout.squares * math.nan),
-    lambda rollout: rollout._replace(samples=rollout.samples * math.inf)],
+    lambda rollout: rollout._replace(s=rollout.s[::-1]),
+    lambda rollout: rollout._replace(s=-rollout.s),
+    lambda rollout: rollout._replace(v_squared=np.full_like(rollout.v_squared, math.nan)),
+    lambda rollout: rollout._replace(samples=np.full_like(rollout.samples, math.inf))],
     ids=['back', 'backwards', 'no speed', 'infinite'])
 def test_an_integration_that_breaks_down_is_no_plan(monkeypatch, spoilt):
     """Refinement may run away; that is refused with a reason, not raised as another error."""
-    def astray(*arguments):
-        rollout, way = refine(*arguments)
-        return rollout and spoilt(rollout), way
+    def run_away(*arguments):
+        refined = refine(*arguments)
+        return refined and refined._replace(rollout=spoilt(refined.rollout))
 
-    monkeypatch.setattr(solver, 'refine', astray)
-    with pytest.raises(PlanningFailed, match='the fine integration broke down'):
+    monkeypatch.setattr(planner, 'refine', run_away)
+    with pytest.raises(PlanningFailed, match='the fine integration broke down') as failure:
         plan_push(vertex_problem(AHEAD))
+    assert failure.value.code is PlanFailure.NOT_ACCEPTED
+
+
+def test_a_failure_survives_pickling():
+    """As it comes back from another process: code, reason and report."""
+    failure = PlanningFailed(PlanFailure.PATH_TOO_LONG, 'too long', {'path_length': 3.0})
+    again = pickle.loads(pickle.dumps(failure))
+    assert (again.code, again.reason, again.report) == (failure.code, 'too long', failure.report)

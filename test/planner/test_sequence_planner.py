@@ -157,7 +157,7 @@ def test_what_cannot_be_says_why(poses, reason):
 
 def test_impossible_robots_and_objects_are_refused():
     """As for single pushes."""
-    with pytest.raises(PlanningFailed, match='not for fences'):
+    with pytest.raises(PlanningFailed, match='not for flat pushers'):
         plan_task(box(), RoundRobot(radius=math.inf), HOME, HERE, NEAR[0])
     with pytest.raises(PlanningFailed, match='no friction'):
         plan_task(box(contact_friction_coefficient=0.0), HOLONOMIC, HOME, HERE, NEAR[0])

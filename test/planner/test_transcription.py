@@ -1,4 +1,4 @@
-"""The programme's algebra: its integration against its own limit, its start, its optimum."""
+"""The nonlinear program's algebra: its integration, its start, its optimum, its derivatives."""
 
 import math
 
@@ -6,14 +6,15 @@ import casadi as ca
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure
 from push_planner.collocation.collocation import contact_impulse, Node, radau
-from push_planner.collocation.dimensions import Dimensions
+from push_planner.collocation.dimensions import Constraint, Dimensions
 from push_planner.collocation.formulation import formulate
 from push_planner.collocation.nlp_solver import nlp_solver
 from push_planner.collocation.transcription import Transcription
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
 from push_planner.integration.rollout import graded_fractions, one_step, settling_distance
-from push_planner.push_parameters import PUSH_KINDS, PushParameters
+from push_planner.push_parameters import PUSH_KINDS
 import pytest
 
 GOAL = Pose(1.5, 0.5, 0.0)
@@ -22,28 +23,28 @@ ROBOTS = pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=lambda 
 
 def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.12):
     """Return the node after one step from rest in equal parts, and the samples of w."""
-    push_parameters = PushParameters.of(problem)
+    parameters = problem.push_parameters
     x, y = problem.contact_point
     rest = Node(0.0, angle, 0.0, x, y)
-    begin = rest._replace(w=float(contact_impulse(problem.kind, push_parameters, rest)[0]))
+    begin = rest._replace(w=float(contact_impulse(problem.kind, parameters, rest).w_jump))
     step = one_step(problem.kind, len(problem.obj.supports), jumps, count)
-    square = problem.settings.pushing_speed ** 2
+    v_squared = problem.settings.pushing_speed ** 2
     end, _, _, samples, _ = step(list(begin), list(begin), change, np.zeros(6),
-                                 [length, square, 0.0, smoothing], np.full(count, 1.0 / count),
-                                 push_parameters.column())
+                                 [length, v_squared, 0.0, smoothing], np.full(count, 1.0 / count),
+                                 parameters.column())
     return np.array(end).ravel(), np.array(samples).reshape(-1, 6)
 
 
 @pytest.mark.parametrize('points', [2, 3])
 def test_radau_integrates_polynomials_exactly(points):
     """To the points for degree K - 1, to the end for 2 K - 2."""
-    places, matrix, inverse = radau(points)
+    c, matrix, inverse = radau(points)
     np.testing.assert_allclose(matrix @ inverse, np.eye(points), atol=1e-13)
     for degree in range(points):
-        np.testing.assert_allclose(matrix @ places ** degree,
-                                   places ** (degree + 1) / (degree + 1), atol=1e-14)
+        np.testing.assert_allclose(matrix @ c ** degree, c ** (degree + 1) / (degree + 1),
+                                   atol=1e-14)
         high = degree + points - 1
-        assert matrix[-1] @ places ** high == pytest.approx(1.0 / (high + 1))
+        assert matrix[-1] @ c ** high == pytest.approx(1.0 / (high + 1))
 
 
 @ROBOTS
@@ -58,24 +59,26 @@ def test_fine_integration_converges_fast(robot, change):
 
 
 def test_two_jumps_are_one():
-    """Impulses add up: a jump at once, or in two leaps with no way between, is the same."""
+    """Impulses add up: a jump at once, or in two with no path between, is the same."""
     problem = vertex_problem(GOAL, HOLONOMIC, pushing_speed=0.4)
-    push_parameters = PushParameters.of(problem)
     node = Node(0.3, 0.1, 0.2, *problem.contact_point)
-    half = contact_impulse('held', push_parameters, node, 0.1)[0]
-    rest = contact_impulse('held', push_parameters, node._replace(rho=0.2), 0.15)[0]
-    assert float(half + rest) == pytest.approx(float(contact_impulse('held', push_parameters, node, 0.25)[0]))
+
+    def w_jump(begin, change):
+        return float(contact_impulse('held', problem.push_parameters, begin, change).w_jump)
+
+    in_two = w_jump(node, 0.1) + w_jump(node._replace(rho=0.2), 0.15)
+    assert in_two == pytest.approx(w_jump(node, 0.25))
 
 
-def test_settling_way_is_that_of_the_integration():
-    """After the first touch w nears its steady value by a factor e per settling way."""
+def test_settling_distance_is_that_of_the_integration():
+    """After the first touch w nears its steady value by a factor e per settling distance."""
     problem = vertex_problem(GOAL, HOLONOMIC, pushing_speed=0.05)
     _, samples = drive(problem, 0.0, 0.01, 300, 1e-4, angle=1e-3)
-    w, ways = samples[2::3, 0], np.linspace(0.0, 0.01, 301)[1:]
-    begin = float(contact_impulse('held', PushParameters.of(problem), Node(
-        0.0, 1e-3, 0.0, *problem.contact_point))[0])
+    w, s = samples[2::3, 0], np.linspace(0.0, 0.01, 301)[1:]
+    begin = float(contact_impulse('held', problem.push_parameters, Node(
+        0.0, 1e-3, 0.0, *problem.contact_point)).w_jump)
     # Beyond the settling w grows slowly: the push is unstable.
-    left = np.interp(settling_distance(problem), ways, w) - w[-1]
+    left = np.interp(settling_distance(problem), s, w) - w[-1]
     assert left / (begin - w[-1]) == pytest.approx(math.exp(-1.0), abs=0.05)
 
 
@@ -92,43 +95,53 @@ def test_fractions_fill_the_step(length, first, longest):
 @pytest.mark.parametrize('problem', [vertex_problem(Pose(2.0, 0.5, -0.5), DIFFERENTIAL),
                                      vertex_problem(GOAL, HOLONOMIC)],
                          ids=lambda problem: problem.kind)
-def test_the_guess_nearly_follows_the_programme(problem):
-    """Its followed point and turn move as the solved push does, to 0.2 m and 0.2 rad."""
+def test_the_guess_nearly_follows_the_optimum(problem):
+    """Its followed point and rotation move as the solved push does, to 0.2 m and 0.2 rad."""
     route = routes(problem, tightest_turns(problem))[0]
     formulation, guess = formulate(problem, route)
-    solution, _ = nlp_solver(formulation.shape).solve(formulation.parameters(), formulation.box,
-                                                      guess)
-    assert solution.way == pytest.approx(guess.way, rel=0.1)
+    solution = nlp_solver(formulation.dimensions).solve(
+        formulation.parameters(), formulation.bounds, guess).solution
+    assert solution.free_length == pytest.approx(guess.free_length, rel=0.1)
     np.testing.assert_allclose(guess.nodes[:, 2:5], solution.nodes[:, 2:5], atol=0.2)
     np.testing.assert_allclose(guess.nodes[0, 2:], solution.nodes[0, 2:], atol=1e-3)
 
 
 def test_solvers_agree():
-    """The relaxed programme under ipopt has the optimum of fatrop's, without any excess."""
+    """The relaxed program under ipopt has the optimum of fatrop's, without any excess."""
     problem = face_problem(Pose(1.5, 0.4, 0.5))
     formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
-    made = nlp_solver(formulation.shape)
-    one, _ = made.solve(formulation.parameters(), formulation.box, guess)
-    other, fault, _ = made.diagnose(formulation.parameters(), formulation.box, guess)
-    assert not fault
-    assert other.way == pytest.approx(one.way, abs=5e-4)
+    solver = nlp_solver(formulation.dimensions)
+    one = solver.solve(formulation.parameters(), formulation.bounds, guess)
+    other = solver.solve_relaxed(formulation.parameters(), formulation.bounds, guess)
+    assert one.failure is None and other.failure is None
+    assert other.solution.free_length == pytest.approx(one.solution.free_length, abs=5e-4)
+
+
+def test_the_relaxed_program_names_the_limit_that_is_exceeded():
+    """A contact at the top speed of the robot, which drives on the outside of the turn."""
+    problem = face_problem(Pose(1.5, 0.3, -0.6), pushing_speed=HOLONOMIC.max_speed)
+    formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
+    found = nlp_solver(formulation.dimensions).solve_relaxed(
+        formulation.parameters(), formulation.bounds, guess)
+    assert found.solution is None and found.failure is PlanFailure.LIMIT_EXCEEDED
+    assert found.verdict.startswith(Constraint.SPEED.value + ' would be exceeded by')
 
 
 @pytest.mark.parametrize('kind', PUSH_KINDS)
 @pytest.mark.parametrize('jumps', [False, True])
-def test_derivatives_joined_from_stages_are_those_of_the_whole(kind, jumps):
-    """Jacobian and Hessian against casadi's own on one expression, at random places."""
+def test_derivatives_joined_from_blocks_are_those_of_the_whole(kind, jumps):
+    """Jacobian and Hessian against casadi's own on one expression, at random points."""
     nlp = Transcription(Dimensions(kind, 4, 5, jumps, True, False)).nlp
     joined = nlp.derivatives()
     x, p = (ca.SX.sym(name, column.numel()) for name, column in (('x', nlp.x),
                                                                  ('p', nlp.p)))
     cost, rows = ca.Function('whole', [nlp.x, nlp.p], [nlp.cost, nlp.rows])(x, p)
-    prices, factor = ca.SX.sym('prices', rows.numel()), ca.SX.sym('factor')
-    hessian, gradient = ca.hessian(factor * cost + ca.dot(prices, rows), x)
-    whole = ca.Function('derivatives', [x, p, factor, prices],
+    multipliers, factor = ca.SX.sym('multipliers', rows.numel()), ca.SX.sym('factor')
+    hessian, gradient = ca.hessian(factor * cost + ca.dot(multipliers, rows), x)
+    whole = ca.Function('derivatives', [x, p, factor, multipliers],
                         [rows, ca.jacobian(rows, x), gradient, hessian])
     rng = np.random.default_rng(5)
-    at, given, duals = (0.3 * rng.normal(size=column.numel()) for column in (x, p, prices))
+    at, given, duals = (0.3 * rng.normal(size=column.numel()) for column in (x, p, multipliers))
     found = [*joined['nlp_jac_g'](at, given), *joined['nlp_hess_l'](at, given, 0.7, duals)]
     for one, other in zip(found, whole(at, given, 0.7, duals)):
         np.testing.assert_allclose(np.array(one), np.array(other), rtol=1e-9, atol=1e-9)

@@ -38,8 +38,9 @@ def seen(former, time, late=0.0):
 def present(former, measured, odometry, goal=None, **settings):
     """Make the problem of pushing on."""
     problem = former.problem
-    return problem_from_measurements(problem.obj, problem.robot, measured, odometry, goal or problem.goal,
-                                     dataclasses.replace(problem.settings, **settings))
+    return problem_from_measurements(
+        problem.obj, problem.robot, measured, odometry, goal or problem.goal,
+        dataclasses.replace(problem.settings, **settings))
 
 
 @DRIVES
@@ -88,8 +89,9 @@ def test_the_rest_of_a_plan_is_planned_again(plans, drive, known):
     """It takes what was left, and begins with the present speed, angle and yaw rate."""
     former = plans[drive]
     problem, time = former.problem, 0.4 * former.trajectory.duration
-    choice = plan_from_measurements(problem.obj, problem.robot, *seen(former, time, LATE), problem.goal,
-                                    problem.settings, former if known else None)
+    choice = plan_from_measurements(
+        problem.obj, problem.robot, *seen(former, time, LATE), problem.goal, problem.settings,
+        previous=former if known else None)
     motion, begin = choice.plan.problem.motion, choice.plan.trajectory.at(0.0)
     assert choice.candidates == ()
     assert choice.plan.trajectory.duration == pytest.approx(former.trajectory.duration - time,
@@ -106,7 +108,7 @@ def test_another_goal_is_planned_from_the_present_motion(plans, drive):
     former, goal = plans[drive], Pose(3.2, -0.6, -1.0)
     problem = former.problem
     found = plan_from_measurements(problem.obj, problem.robot, *seen(former, 3.0, LATE), goal,
-                                   problem.settings, former).plan
+                                   problem.settings, previous=former).plan
     assert found.switches == () and found.problem.motion.speed > 0.1
     assert distance(found.trajectory.object_poses[-1], goal) < 1e-3
     check = verify(found)

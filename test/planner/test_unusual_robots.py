@@ -25,7 +25,7 @@ UNUSUAL = pytest.mark.parametrize('radius', [0.0, math.inf])
 
 def test_planner_refuses_a_fence_with_the_reason():
     robot = RoundRobot(math.inf, 'holonomic')
-    with pytest.raises(PlanningFailed, match='not for fences'):
+    with pytest.raises(PlanningFailed, match='not for flat pushers'):
         problem_from_placement(box(), robot, Pose(0.0, 0.0, 0.0), Pose(-0.2, 0.0, 0.0),
                                Pose(1.0, 0.0, 0.0))
 
@@ -33,11 +33,11 @@ def test_planner_refuses_a_fence_with_the_reason():
 def test_a_point_on_a_face_is_planned_for_and_at_a_vertex_refused():
     robot, here = RoundRobot(0.0, 'holonomic'), Pose(0.0, 0.0, 0.0)
     answer = plan_push(problem_from_placement(box(), robot, here, Pose(-0.2, 0.0, 0.0),
-                                         Pose(1.0, 0.3, 0.4)))
+                                              Pose(1.0, 0.3, 0.4)))
     assert verify(answer).position_error < 1e-3
     with pytest.raises(PlanningFailed, match='a point robot needs .* a face or a round'):
         plan_push(problem_from_placement(box(), robot, here, Pose(-0.2, -0.2, 0.0),
-                                    Pose(1.0, 0.3, 0.4)))
+                                         Pose(1.0, 0.3, 0.4)))
 
 
 @UNUSUAL
