@@ -37,7 +37,7 @@ def spun_up(obj, speed, angle, duration):
 
 @pytest.mark.parametrize('speed, ratio', [(0.05, 0.998), (0.25, 0.957), (0.5, 0.848),
                                           (1.0, 0.575), (2.0, 0.247)])
-def test_dynamic_over_quasi_static_turning_rate(speed, ratio):
+def test_dynamic_over_quasi_static_yaw_rate(speed, ratio):
     angle = math.radians(20)
     steady = spun_up(box(), speed, angle, 6.0 / speed)[-1]
     slow = quasi_static_yaw_rate(box(), MID_FACE, speed * math.cos(angle), speed * math.sin(angle))
@@ -63,7 +63,7 @@ def poles(obj, contact_point, rolling, speed):
 
 
 @pytest.mark.parametrize('speed, damping', [(0.5, 1.12), (1.5, 0.37), (2.5, 0.22)])
-def test_damping_ratio_of_a_curved_fence(speed, damping):
+def test_damping_ratio_of_a_round_robot(speed, damping):
     obj = box(foot=0.4 / math.sqrt(12))
     pair = poles(obj, MID_FACE, rolling_constants(0.3, math.inf), speed)
     natural = math.sqrt(abs(pair[0] * pair[1]))
@@ -72,11 +72,11 @@ def test_damping_ratio_of_a_curved_fence(speed, damping):
 
 @pytest.mark.parametrize('robot, surface', [(0.2, math.inf), (0.5, 0.5 / 1.5), (2.0, 2.0 / 9.0)])
 def test_stability_switches_where_the_friction_centre_passes_the_effective_radius(robot, surface):
-    share, effective = rolling_constants(robot, surface)
-    assert effective == pytest.approx(0.2)
+    rolling = rolling_constants(robot, surface)
+    assert rolling.effective_radius == pytest.approx(0.2)
     for factor in (0.99, 1.01):
         obj = box()
-        growth = max(p.real for p in poles(obj, (-0.2 * factor, 0.0), (share, effective), 0.5))
+        growth = max(p.real for p in poles(obj, (-0.2 * factor, 0.0), rolling, 0.5))
         assert (growth > 0.0) == (factor > 1.0)
 
 
@@ -127,7 +127,7 @@ def test_work_of_the_contact_is_kinetic_energy_and_friction_loss(seed):
 
 
 def rotated(angle, x, y):
-    """Return the vector turned by the angle."""
+    """Return the vector rotated by the angle."""
     return (math.cos(angle) * x - math.sin(angle) * y, math.sin(angle) * x + math.cos(angle) * y)
 
 
@@ -149,14 +149,14 @@ def test_impulse_at_the_contact_keeps_the_angular_momentum_about_it(seed):
 @pytest.mark.parametrize('seed', range(5))
 def test_isotropy(seed):
     obj, state, inputs, rolling = random_motion(seed)
-    turn = 0.7
-    turned_state = state._replace(theta=state.theta + turn, gamma=state.gamma + turn)
-    turned_input = Input(*rotated(turn, inputs.v_x, inputs.v_y),
-                         *rotated(turn, inputs.a_x, inputs.a_y), inputs.omega_p)
+    angle = 0.7
+    rotated_state = state._replace(theta=state.theta + angle, gamma=state.gamma + angle)
+    rotated_input = Input(*rotated(angle, inputs.v_x, inputs.v_y),
+                          *rotated(angle, inputs.a_x, inputs.a_y), inputs.omega_p)
     terms = ObjectTerms.of(obj)
     one = derivative(terms, state, inputs, rolling)
-    two = derivative(terms, turned_state, turned_input, rolling)
-    assert [two.x, two.y] == pytest.approx(rotated(turn, float(one.x), float(one.y)), abs=1e-9)
+    two = derivative(terms, rotated_state, rotated_input, rolling)
+    assert [two.x, two.y] == pytest.approx(rotated(angle, float(one.x), float(one.y)), abs=1e-9)
     assert [float(v) for v in two[2:]] == pytest.approx([float(v) for v in one[2:]], abs=1e-9)
 
 

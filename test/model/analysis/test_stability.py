@@ -44,6 +44,7 @@ def test_basin_of_a_round_object_ends_at_the_unstable_equilibria(robot, ahead, e
             (0.2 - ahead) * math.sin(tolerance.rho * (robot + 0.2) / 0.2), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('robot, ahead, edge', [(0.5, 0.1, 0.5103), (2.0, 0.15, 0.2013),
                                                 (2.0, 0.05, 0.2545)])
 def test_slow_push_returns_from_inside_the_basin_only(robot, ahead, edge):
@@ -114,7 +115,7 @@ def test_friction_centre_moves_as_the_contact_rolls():
     (dataclasses.replace(bin_(), center_of_mass=(0.03, 0.02)), ROUND, math.inf)])
 def test_sign_of_alpha_is_that_of_the_quasi_static_turn(obj, contact, robot, turn):
     location = pushing_location(obj, contact, robot)
-    effective, normal = location.rolling[1], sum(normal_range(obj, contact)) / 2.0
+    effective, normal = location.rolling.effective_radius, sum(normal_range(obj, contact)) / 2.0
     c_x, c_y = contact_point(obj, contact)
     if contact.kind == 'face':
         c_y += effective * turn
@@ -131,7 +132,8 @@ def test_tolerance_is_the_first_of_cone_end_and_equilibrium():
     location = pushing_location(wide, FACE, 0.5)
     below, above = tolerances(location, straight(location), 0.2)
     assert below.limit == above.limit == 'cone'
-    assert above.rho == pytest.approx(-math.atan(0.2)) and above.rotation == pytest.approx(-above.rho)
+    assert above.rho == pytest.approx(-math.atan(0.2))
+    assert above.rotation == pytest.approx(-above.rho)
     below, above = tolerances(location, straight(location), 5.0)
     assert below.limit == above.limit == 'end'
     assert above.rotation * 0.5 == pytest.approx(0.2)
@@ -145,7 +147,7 @@ def test_tolerance_is_the_first_of_cone_end_and_equilibrium():
 
 
 @pytest.mark.parametrize('speed, damping', [(0.5, 1.12), (1.5, 0.37), (2.5, 0.22)])
-def test_damping_ratio_of_a_curved_fence(speed, damping):
+def test_damping_ratio_of_a_round_robot(speed, damping):
     obj = box(foot=0.4 / math.sqrt(12))
     location = pushing_location(obj, FACE, 0.3)
     motion = linear_motion(obj, location, straight(location), speed)
@@ -225,7 +227,7 @@ def test_plant_switches_stability_within_a_percent_of_the_effective_radius(shape
         obj = shifted_bin(0.2 - 0.1 * (1.0 + off))
         location = pushing_location(obj, ROUND, 0.2)
     one = straight(location)
-    assert one.arm / location.rolling[1] - 1.0 == pytest.approx(off, abs=1e-9)
+    assert one.arm / location.rolling.effective_radius - 1.0 == pytest.approx(off, abs=1e-9)
     predicted = linear_motion(obj, location, one, 1.0).growth_rate
     assert (predicted > 0.0) == (off > 0.0)
     place = on_the_rim if shape == 'round' else (lambda travel: (-0.2, travel))

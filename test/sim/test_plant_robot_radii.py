@@ -1,13 +1,12 @@
-"""Robots from a point to a straight fence: limits, all modes of contact, ways round corners."""
+"""The plant with robots from a point to a flat pusher: limits, contact modes, corners."""
 
 import math
 
 from helpers.objects import bin_, box
 from helpers.plant_reference import ramp_robot
 import numpy as np
-from push_model.contact import contact_point, find_contact
+from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
-from push_model.parameters import Contact
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
@@ -44,14 +43,14 @@ def poses(truths):
 
 
 @pytest.mark.parametrize('name', OBJECTS)
-def test_very_large_radius_tends_to_the_fence(name):
+def test_very_large_radius_tends_to_the_flat_pusher(name):
     """The difference falls as 1 / R_p, down to nothing at 10 km."""
     obj, point, normal = OBJECTS[name]
     commands = [(0.3, 0.05, 0.0), (0.3, -0.3, 0.0), (0.1, 0.4, 0.0)]
-    fence = courses(obj, point, normal, FLAT_PUSHER, commands)
-    off = [np.abs(poses(courses(obj, point, normal, radius, commands)) - poses(fence)).max()
+    flat_pusher = courses(obj, point, normal, FLAT_PUSHER, commands)
+    off = [np.abs(poses(courses(obj, point, normal, radius, commands)) - poses(flat_pusher)).max()
            for radius in (10.0, 100.0, 1e4)]
-    assert np.abs(poses(fence)[-1]).max() > 0.1
+    assert np.abs(poses(flat_pusher)[-1]).max() > 0.1
     assert off[1] < 0.2 * off[0] and off[2] < 1e-4
 
 
@@ -115,22 +114,8 @@ def test_push_travels_from_a_face_round_the_corner_to_the_next_face(radius):
     assert min(gaps) > -2e-4 and max(gaps) < 2e-3
 
 
-def test_a_flat_pusher_meets_the_vertex_that_is_foremost():
-    obj, pose = box(), Pose(1.0, 2.0, 0.3)
-    contact, gamma, gap = find_contact(obj, pose, Pose(0.0, 0.0, 0.5), FLAT_PUSHER)
-    corners = [pose.transform(corner) for corner in obj.outline]
-    heights = [x * math.cos(0.5) + y * math.sin(0.5) for x, y in corners]
-    assert contact == Contact('vertex', int(np.argmin(heights))) and gamma == 0.5
-    assert gap == pytest.approx(min(heights))
-    contact, _, gap = find_contact(bin_(), pose, Pose(0.0, 0.0, 0.5), FLAT_PUSHER)
-    x, y = pose.transform(contact_point(bin_(), contact))
-    assert x * math.cos(0.5) + y * math.sin(0.5) == pytest.approx(gap)
-    with pytest.raises(ValueError, match='robot_pose: .* flat pusher'):
-        find_contact(obj, pose, (0.0, 0.0), FLAT_PUSHER)
-
-
-def test_fence_that_swings_sweeps_the_object_along():
-    """Far from its pivot the fence moves at omega times the distance, square to itself."""
+def test_flat_pusher_that_swings_sweeps_the_object_along():
+    """Far from its pivot it moves at omega times the distance, square to itself."""
     plant = Plant(bin_(), ramp_robot(FLAT_PUSHER), ORIGIN, Pose(-0.2, 1.0, 0.0), 1e-3)
     plant.advance(0.5, Twist(0.0, 0.0, 0.5))
     truth = plant.truth(0.0)
@@ -142,9 +127,10 @@ def test_fence_that_swings_sweeps_the_object_along():
 
 
 @pytest.mark.parametrize('tilt', [0.05, -0.1])
-def test_fence_turns_a_face_flush_and_keeps_it_so(tilt):
+def test_flat_pusher_turns_a_face_flush_and_keeps_it_so(tilt):
     """Two corners take turns in carrying; the sideways creep that this leaves is documented."""
-    plant = Plant(box(**UNEVEN), ramp_robot(FLAT_PUSHER), Pose(0.0, 0.0, tilt), Pose(-0.25, 0.0, 0.0))
+    plant = Plant(box(**UNEVEN), ramp_robot(FLAT_PUSHER), Pose(0.0, 0.0, tilt),
+                  Pose(-0.25, 0.0, 0.0))
     plant.advance(1.5, Twist(0.2, 0.0, 0.0))
     for _ in range(200):
         plant.advance(1e-2, Twist(0.2, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""What a drive can steer: closed forms for small angles, symmetry, and the contact simulation."""
+"""Steering ranges: closed forms for small angles, symmetry, and the contact simulation."""
 
 import dataclasses
 import math
@@ -53,7 +53,7 @@ def test_rolling_along_a_face_steers_as_far_as_the_radius_differs(radius):
 
 
 def test_no_authority_on_a_face_with_the_radius_of_the_friction_centre():
-    """The place decides: a turn of ``-zeta_0 / (R_p + L)`` wherever it rolls to."""
+    """The contact decides: a curvature of ``-zeta_0 / (R_p + L)`` wherever it rolls to."""
     obj, same = box(), dataclasses.replace(DIFFERENTIAL, radius=0.2)
     low, high = curvatures(obj, Contact('face', 3, 0.02), same, SLOW)
     assert low < -0.1 / 0.6 < high
@@ -113,7 +113,7 @@ def test_limits_of_the_drive(limit):
         assert abs(push.force_angle) < math.atan(0.5) - 0.01
 
 
-def test_places_where_it_turns_one_way_or_nothing_holds():
+def test_contacts_that_steer_to_one_side_or_not_at_all():
     slippery = box(contact_friction_coefficient=0.05)
     for robot in (HOLONOMIC, DIFFERENTIAL):
         low, high = curvatures(slippery, Contact('face', 3, 0.05), robot, 0.1)
@@ -127,6 +127,7 @@ def test_places_where_it_turns_one_way_or_nothing_holds():
             steering_range(box(), FACE, robot, 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('offset', [0.1, 0.62, 2.0, 4.4])
 def test_round_object_steers_alike_all_round(offset):
     """On feet all round, and with its friction centre in the middle but for rounding."""
