@@ -32,8 +32,8 @@ SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', Sens
 # wall clock it paces measurements of 50 Hz.
 LOCKSTEP_TICK = 0.05
 WALL_CLOCK_TICK = 0.002
-# Wall time that a command has after its measurement before the next is computed [s], chosen: most
-# answers come within it.
+# Wall time that a command has after its measurement before the next is computed [s], chosen: the
+# controller answers in a few milliseconds.
 COMMAND_GRACE = 0.005
 
 

@@ -23,7 +23,7 @@ MARGIN_FRACTIONS = (1.0, 0.5, 0.0)
 # Poses on each segment, for a coarse look and a fine one.
 COARSE_SAMPLES = 4
 FINE_SAMPLES = 8
-# Time per clearance that is missing [s/m], chosen: 1 cm counts as 5 s, the time of a whole push of
+# Time per clearance that is missing [s/m], chosen: 1 cm counts as 5 s, about the time of a push of
 # half a metre.
 PENALTY_RATE = 500.0
 

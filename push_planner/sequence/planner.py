@@ -36,8 +36,7 @@ from push_planner.single_push.contact_sites import robot_start, site_problems
 from push_planner.single_push.feasibility import check_not_at_goal
 from push_planner.single_push.site_selection import bound_site
 
-# Single pushes that are candidates, the most promising, chosen: solving one takes as long as the
-# search for sequences.
+# Single pushes that are candidates, the most promising, chosen to bound the time of planning.
 MAX_SINGLE_PUSHES = 3
 # Sequences are searched for up to the time of the best single push times this: its time is known
 # about only.

@@ -28,8 +28,8 @@ CHUNK_SIZE = 8000
 # many of them turn out not to be free.
 REFINED = 24
 REFINED_IN_MAP = 32
-# Steps of the pattern search on open floor: the last changes a rotation by a thousandth of a grid
-# step. In a map, where the step is halved only after a failure, twice as many.
+# Steps of the pattern search on open floor, chosen: the last changes a rotation by 1/2048 of a
+# grid step. In a map, where the step is halved only after a failure, twice as many.
 REFINEMENT_STEPS = 11
 # Gain of time that counts as one [s]: above rounding errors.
 MIN_GAIN = 1e-9

@@ -89,7 +89,7 @@ def add_energies(state: Any, body: Any, contact: ContactGeometry, surface: Surfa
     """
     Add the energies of a step: work of the robot = kinetic energy + losses, exactly.
 
-    The impact loss is ``|M (v - v_0)^2| / 2``, what an inelastic change of velocity takes.
+    The impact loss is ``(v - v_0)^T M (v - v_0) / 2``: what an inelastic change costs.
     """
     n_x, n_y, arm_n, arm_t = contact
     v_x, v_y, omega = solution.velocity

@@ -57,10 +57,10 @@ def driven(twist, command, durations, drive=(0.1, 1.0, 6.0)):
 
 def test_pieces_of_time_add_up():
     start, command = (0.1, -0.2, 1.0), np.array([0.4, 0.3, -1.5])
-    one, way = driven(start, command, [0.5])
-    many, ways = driven(start, command, [0.01, 0.2, 0.09, 0.15, 0.05])
+    one, distance = driven(start, command, [0.5])
+    many, distances = driven(start, command, [0.01, 0.2, 0.09, 0.15, 0.05])
     assert many == pytest.approx(one, abs=1e-12)
-    assert ways == pytest.approx(way, abs=1e-12)
+    assert distances == pytest.approx(distance, abs=1e-12)
 
 
 def test_step_response():

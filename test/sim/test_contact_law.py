@@ -105,7 +105,8 @@ def test_violation_is_that_of_the_mode():
     """Of unilaterality in any mode, of the cone where it sticks, of the side where it slides."""
     assert law_violation(ContactImpulse(0.0, 0.0, SEPARATE), 0.2, 1.0, 0.5, 2.0) == 0.2
     assert law_violation(ContactImpulse(-1.0, 0.0, SEPARATE), -0.2, 1.0, 0.5, 2.0) == 0.5
-    assert law_violation(ContactImpulse(1.0, -0.9, STICK), 0.0, 1.0, 0.5, 2.0) == pytest.approx(0.2)
+    assert law_violation(ContactImpulse(1.0, -0.9, STICK), 0.0, 1.0, 0.5, 2.0) == (
+        pytest.approx(0.2))
     assert law_violation(ContactImpulse(1.0, 0.5, SLIDE_LEFT), 0.0, -0.3, 0.5, 2.0) == 0.0
     assert law_violation(ContactImpulse(1.0, 0.5, SLIDE_LEFT), 0.0, 0.3, 0.5, 2.0) == 0.3
     assert law_violation(ContactImpulse(1.0, -0.5, SLIDE_RIGHT), 0.0, -0.3, 0.5, 2.0) == 0.3
@@ -128,7 +129,7 @@ def test_nearest_points_are_the_nearest_of_a_sampled_outline(outline, disc_radiu
         heading, bearing = rng.uniform(-3.0, 3.0, 2)
         robot = Pose(pose.x + 0.6 * math.cos(bearing), pose.y + 0.6 * math.sin(bearing), heading)
         found = nearest_points(kernel_array(outline), disc_radius, robot_radius, *pose, *robot)
-        points = np.array([pose.transform(point) for point in local])
+        points = np.column_stack(pose.transform(local.T))
         normal = np.array([found.n_x, found.n_y])
         assert np.hypot(*normal) == pytest.approx(1.0)
         away = points - robot[:2]

@@ -1,4 +1,4 @@
-"""Support friction that changes with time, and an object that is shoved."""
+"""Support friction that changes with time, and an object that is displaced."""
 
 from helpers.objects import box
 from push_model.geometry import Pose
@@ -30,12 +30,12 @@ def test_friction_change_acts_while_it_lasts():
     sim = pushed([FrictionChange(0.6, 1.1, 0.5)])
     times, force = column(sim, 'time'), column(sim, 'force_n')
     full = 2.0 * 9.81 * 0.3
-    for begin, end, share in ((0.45, 0.6, 1.0), (0.64, 1.1, 0.5), (1.14, 1.4, 1.0)):
+    for begin, end, ratio in ((0.45, 0.6, 1.0), (0.64, 1.1, 0.5), (1.14, 1.4, 1.0)):
         inside = (times > begin) & (times <= end)
-        assert force[inside] == pytest.approx(share * full, rel=0.03)
+        assert force[inside] == pytest.approx(ratio * full, rel=0.03)
 
 
-def test_friction_change_under_one_foot_turns_the_object():
+def test_friction_change_under_one_support_rotates_the_object():
     ends = []
     for support in (0, 3):
         sim = pushed([FrictionChange(0.0, 9.0, 3.0, support)])
@@ -62,16 +62,16 @@ def test_malformed_friction_changes_are_refused():
         SimulationSettings(friction_changes=[1.0])
 
 
-def shoved(object_displacements, robot=Pose(-1.0, 0.0, 0.0)):
-    """Return a simulation of a box that somebody shoves while the robot stands."""
+def displaced(object_displacements, robot=Pose(-1.0, 0.0, 0.0)):
+    """Return a simulation of a box that a person moves while the robot stands."""
     return Simulation(box(), RoundRobot(0.17), Pose(1.0, 2.0, 0.5), robot,
                       SimulationSettings(object_displacements=object_displacements))
 
 
-def test_shoves_are_displacements_in_the_frame_of_the_object():
+def test_displacements_are_in_the_frame_of_the_object():
     """Whatever their order in the list, at their times, one after the other, and again."""
     one, two = ObjectDisplacement(0.3, 0.2, -0.1, 0.4), ObjectDisplacement(0.6, 0.0, 0.3, -1.0)
-    sim = shoved((two, one))
+    sim = displaced((two, one))
     ends = (Pose(1.0, 2.0, 0.5) @ one.relative_pose,
             Pose(1.0, 2.0, 0.5) @ one.relative_pose @ two.relative_pose)
     for _ in range(2):
@@ -86,8 +86,8 @@ def test_shoves_are_displacements_in_the_frame_of_the_object():
         sim.reset()
 
 
-def test_a_shove_into_the_robot_is_refused_by_name():
-    sim = shoved((ObjectDisplacement(0.5, -1.0),), Pose(1.0, 2.0, 0.5) @ Pose(-1.0, 0.1, 0.0))
+def test_a_displacement_into_the_robot_is_refused_by_name():
+    sim = displaced((ObjectDisplacement(0.5, -1.0),), Pose(1.0, 2.0, 0.5) @ Pose(-1.0, 0.1, 0.0))
     with pytest.raises(ValueError, match='object_displacements: at 0.5 s'):
         while sim.time < 1.0:
             sim.next_measurement()

@@ -20,10 +20,10 @@ UNEVEN = {'friction': (0.2, 0.4, 0.3, 0.25), 'center_of_mass': (0.02, -0.03)}
 COMMANDS = [Twist(0.3, 0.0, 0.0), Twist(0.3, 0.1, 0.3), Twist(0.2, -0.1, 0.0)]
 
 
-def course(floor=(), turn=ORIGIN, scale=1.0, obj=None, step=1e-3):
+def course(floor=(), frame=ORIGIN, scale=1.0, obj=None, step=1e-3):
     """Push across a floor; return the truths, and the plant."""
     obj = obj or box(**UNEVEN)
-    plant = Plant(obj, ramp_robot(0.17), turn @ ORIGIN, turn @ START, step, floor=floor)
+    plant = Plant(obj, ramp_robot(0.17), frame @ ORIGIN, frame @ START, step, floor=floor)
     plant.set_friction_factors([scale] * len(obj.supports))
     truths = []
     for command, _ in itertools.product(COMMANDS, range(10)):
@@ -51,7 +51,7 @@ def test_patch_elsewhere_changes_nothing():
 
 
 @pytest.mark.parametrize('side, factor', [(1, 0.3), (-1, 0.3), (1, 3.0), (-1, 3.0)])
-def test_half_floor_turns_the_object_towards_the_rougher_side(side, factor):
+def test_half_floor_rotates_the_object_towards_the_rougher_side(side, factor):
     patch = FloorPatch(0.0, side * 5.0, 20.0, 10.0, factor)
     plant = Plant(box(contact_friction_coefficient=2.0), ramp_robot(0.17), ORIGIN,
                   Pose(-0.37, 0.0, 0.0), floor=[patch])
@@ -71,13 +71,13 @@ def test_mirrored_floor_gives_the_mirrored_push():
     assert ends[1] == pytest.approx((ends[0].x, -ends[0].y, -ends[0].theta), abs=1e-9)
 
 
-def test_turned_floor_gives_the_turned_push():
-    turn = Pose(0.3, -0.7, 2.1)
+def test_rotated_floor_gives_the_rotated_push():
+    frame = Pose(0.3, -0.7, 2.1)
     place = Pose(0.3, 0.1, 0.4)
-    moved = turn @ place
-    one, two = (course([FloorPatch(p.x, p.y, 0.4, 0.3, 0.2, p.theta, edge=0.05)], frame)[0]
-                for p, frame in ((place, ORIGIN), (moved, turn)))
-    expected = [turn @ truth.object_pose for truth in one]
+    moved = frame @ place
+    one, two = (course([FloorPatch(p.x, p.y, 0.4, 0.3, 0.2, p.theta, edge=0.05)], moving)[0]
+                for p, moving in ((place, ORIGIN), (moved, frame)))
+    expected = [frame @ truth.object_pose for truth in one]
     assert poses(two) == pytest.approx(np.array(expected), abs=1e-9)
     assert np.abs(poses(one) - poses(course()[0])).max() > 1e-2
 
@@ -93,8 +93,8 @@ def test_energy_closes_and_supports_rub_as_the_floor_under_them_does(obj, edge):
     assert losses.min() >= 0.0
     seen, rows = set(), kernel_array(floor_rows(patches))
     for truth in truths[5:]:
-        for foot, force, capacity in zip(obj.supports, truth.support_forces, obj.capacities):
-            place = truth.object_pose.transform((foot.x, foot.y))
+        for support, force, capacity in zip(obj.supports, truth.support_forces, obj.capacities):
+            place = truth.object_pose.transform((support.x, support.y))
             factor = friction_factor_at(rows, *place)
             near = [friction_factor_at(rows, place[0] + x, place[1] + y)
                     for x in (-1e-3, 1e-3) for y in (-1e-3, 1e-3)]
@@ -115,15 +115,15 @@ def test_smooth_edges_tend_to_the_sharp_one_and_the_step_to_0():
 
 def test_simulation_has_the_floor_of_its_settings():
     patch = FloorPatch(0.0, 5.0, 20.0, 10.0, 0.3)
-    turned = []
+    rotations = []
     for patches in ((), (patch,)):
         settings = SimulationSettings(floor_patches=patches)
         sim = Simulation(box(), ramp_robot(0.17), ORIGIN, Pose(-0.37, 0.0, 0.0), settings)
         while sim.time < 1.0:
             sim.next_measurement()
             sim.command(Twist(0.3, 0.0, 0.0))
-        turned.append(sim.truth.object_pose.theta)
-    assert turned[0] == pytest.approx(0.0, abs=1e-9) and turned[1] < -0.05
+        rotations.append(sim.truth.object_pose.theta)
+    assert rotations[0] == pytest.approx(0.0, abs=1e-9) and rotations[1] < -0.05
     with pytest.raises(ValueError, match='floor_patches: got 3.0, expected a FloorPatch'):
         SimulationSettings(floor_patches=(3,))
     with pytest.raises(ValueError, match='FloorPatch.length'):

@@ -104,10 +104,10 @@ def test_momentum_is_what_contact_and_supports_give(obj):
         step(*kernel.arguments(), STEP)
         change = (kernel.velocity - before) * (obj.mass, obj.mass, obj.inertia)
         # Arms are those in the middle of the step.
-        turned = Pose(0.0, 0.0, pose.theta + 0.5 * STEP * before[2])
+        rotation = Pose(0.0, 0.0, pose.theta + 0.5 * STEP * before[2])
         total = np.zeros(3)
         for support, force in zip(kernel.supports, np.reshape(kernel.forces, (-1, 2))):
-            x, y = turned.rotate((support[0], support[1]))
+            x, y = rotation.rotate((support[0], support[1]))
             total += STEP * np.array([*force, x * force[1] - y * force[0]])
         contact = change - total
         size = kernel.numbers(layout.NORMAL_FORCE, layout.TANGENTIAL_FORCE) * STEP

@@ -40,12 +40,12 @@ ROLLING = {
                    1.0),
     'vertex, 100 m': (box(**GRIPPY, **UNEVEN), 100.0, (-0.2, -0.2), 0.7, VERTEX, 0.7,
                       (0.2, 0.02, 0.0), 1.5),
-    'round, fence': (bin_(**GRIPPY, center_of_mass=(0.02, -0.03)), math.inf, (-0.2, 0.0), 0.0,
-                     DISC, 0.0, (0.2, 0.05, 0.0), 3.0),
-    'round, fence that turns': (bin_(**GRIPPY), math.inf, (-0.2, 0.0), 0.0, DISC, 0.0,
-                                (0.3, 0.0, 0.3), 2.0),
-    'vertex, fence': (box(**GRIPPY, **UNEVEN), math.inf, (-0.2, -0.2), 0.7, VERTEX, 0.7,
-                      (0.2, 0.02, 0.2), 1.0),
+    'round, flat pusher': (bin_(**GRIPPY, center_of_mass=(0.02, -0.03)), math.inf, (-0.2, 0.0),
+                           0.0, DISC, 0.0, (0.2, 0.05, 0.0), 3.0),
+    'round, flat pusher that rotates': (bin_(**GRIPPY), math.inf, (-0.2, 0.0), 0.0, DISC,
+                                        0.0, (0.3, 0.0, 0.3), 2.0),
+    'vertex, flat pusher': (box(**GRIPPY, **UNEVEN), math.inf, (-0.2, -0.2), 0.7, VERTEX, 0.7,
+                            (0.2, 0.02, 0.2), 1.0),
 }
 
 
@@ -83,6 +83,7 @@ def errors_of(obj, robot, start, command, times, course, modes):
     return errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('scene', ROLLING)
 def test_rolling_push_converges_to_the_rolling_equations(scene):
     obj, radius, point, normal, surface, heading, command, seconds = ROLLING[scene]
@@ -113,6 +114,7 @@ def test_sliding_push_converges_to_the_sliding_equations(side, command):
     assert coarse / middle > 3.0 and middle / fine > 3.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('scene', ['face, rolling off centre', 'vertex', 'face, fast'])
 def test_contact_slides_where_the_rolling_force_leaves_the_cone(scene):
     obj, radius, point, normal, surface, heading, command, seconds = ROLLING[scene]

@@ -92,16 +92,16 @@ def test_rolling_on_a_face_conserves_offset_and_angle(radius):
     """The offset plus R_p times (robot heading - object orientation) stays."""
     obj, robot = box(contact_friction_coefficient=5.0), ramp_robot(radius, 'differential')
     plant = Plant(obj, robot, ORIGIN, Pose(-0.2 - radius, 0.01, 0.1))
-    conserved, turned = [], []
+    conserved, rotations = [], []
     for i in range(20):
         plant.advance(0.1, Twist(0.25, 0.0, 0.3 * math.cos(i)))
         truth = plant.truth(0.0)
         assert truth.mode is ContactMode.STICK
         contact, _, _ = find_contact(obj, truth.object_pose, truth.robot_pose[:2], radius)
         assert contact.kind == 'face'
-        turned.append(truth.robot_pose.theta - truth.object_pose.theta)
-        conserved.append(contact.offset + radius * turned[-1])
-    assert np.ptp(turned) > 0.02
+        rotations.append(truth.robot_pose.theta - truth.object_pose.theta)
+        conserved.append(contact.offset + radius * rotations[-1])
+    assert np.ptp(rotations) > 0.02
     assert np.ptp(conserved) < 2e-6
 
 
@@ -139,8 +139,8 @@ def tilts(radius, seconds):
 
 def test_straight_push_grows_unstable_with_a_narrow_robot():
     """The friction centre is farther from the face than the effective radius."""
-    turned = np.diff(tilts(0.17, 5))
-    assert (turned < 0.0).all() and (np.diff(turned) < 0.0).all()
+    rotations = np.diff(tilts(0.17, 5))
+    assert (rotations < 0.0).all() and (np.diff(rotations) < 0.0).all()
 
 
 def test_straight_push_settles_at_the_equilibrium_with_a_wide_robot():

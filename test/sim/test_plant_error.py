@@ -6,7 +6,7 @@ from benchmarks.plant.scenes import apart, extrapolated, SCENES
 from push_sim_node.truth import ContactMode
 import pytest
 
-pytestmark = pytest.mark.physics
+pytestmark = [pytest.mark.physics, pytest.mark.slow]
 
 
 @pytest.fixture(scope='module')

@@ -19,13 +19,13 @@ pytestmark = pytest.mark.physics
 
 @pytest.mark.parametrize('obj', [box(**UNEVEN), bin_()], ids=['box', 'bin'])
 def test_isotropy(obj):
-    turn = Pose(0.3, -0.7, 2.1)
+    frame = Pose(0.3, -0.7, 2.1)
     places = Pose(0.0, 0.0, 0.2), Pose(-0.41, 0.02, -0.1)
     one = course(plant_of(obj, *places))
-    two = course(plant_of(obj, *(turn @ place for place in places)))
+    two = course(plant_of(obj, *(frame @ place for place in places)))
     assert {ContactMode.STICK, ContactMode.SLIDE_LEFT} <= {truth.mode for truth in one}
-    expected = [truth._replace(object_pose=turn @ truth.object_pose,
-                               robot_pose=turn @ truth.robot_pose) for truth in one]
+    expected = [truth._replace(object_pose=frame @ truth.object_pose,
+                               robot_pose=frame @ truth.robot_pose) for truth in one]
     assert poses(two) == pytest.approx(poses(expected), abs=1e-9)
     assert forces(two) == pytest.approx(forces(one), abs=1e-6)
 
@@ -70,8 +70,8 @@ def test_support_friction_opposes_motion_and_fills_its_capacity():
     moving = [t for t in truths if math.hypot(*t.object_twist[:2]) > 0.05]
     assert len(moving) > 10
     for truth, (i, capacity) in itertools.product(moving, enumerate(obj.capacities)):
-        foot = obj.supports[i]
-        x, y = Pose(0, 0, truth.object_pose.theta).rotate((foot.x, foot.y))
+        support = obj.supports[i]
+        x, y = Pose(0, 0, truth.object_pose.theta).rotate((support.x, support.y))
         v_x, v_y, omega = truth.object_twist
         v = np.array([v_x - omega * y, v_y + omega * x])
         if np.linalg.norm(v) < 0.02:
@@ -148,12 +148,13 @@ for obj in (box(**UNEVEN), bin_()):
 """
 
 
+@pytest.mark.slow
 def test_compiled_and_interpreted_plant_agree():
     here = os.path.dirname(__file__)
     tests = os.path.dirname(here)
     path = os.pathsep.join([tests, os.path.dirname(tests), os.environ.get('PYTHONPATH', '')])
     done = subprocess.run([sys.executable, '-c', SCRIPT], check=True, capture_output=True,
-                          text=True, timeout=120,
+                          text=True,
                           env={**os.environ, 'PUSH_SIM_INTERPRET': '1', 'PYTHONPATH': path})
     interpreted = np.array([[float(v) for v in line.split()] for line in
                             done.stdout.splitlines()])

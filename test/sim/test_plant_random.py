@@ -16,15 +16,15 @@ ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
 def random_object(rng):
-    """Return a disc or polygon on one to five very different feet."""
+    """Return a disc or polygon on one to five very different supports."""
     radius, mass, corners = rng.uniform(0.1, 0.4), rng.uniform(0.5, 10.0), rng.integers(2, 9)
     supports = [Support(*rng.uniform(-0.55, 0.55, 2) * radius, rng.uniform(0.02, 0.8),
                         rng.uniform(0.2, 2.0)) for _ in range(rng.integers(1, 6))]
     angles = (np.arange(corners) + rng.uniform(-0.3, 0.3, corners)) * 2.0 * math.pi / corners
     shape = {'radius': radius} if corners == 2 else {
         'outline': [(radius * math.cos(a), radius * math.sin(a)) for a in np.sort(angles)]}
-    shares = np.array([foot.load_fraction for foot in supports])
-    balance = shares @ [(foot.x, foot.y) for foot in supports] / shares.sum()
+    loads = np.array([support.load_fraction for support in supports])
+    balance = loads @ [(support.x, support.y) for support in supports] / loads.sum()
     return PushedObject(mass, 0.5 * mass * radius ** 2, supports, center_of_mass=balance,
                         contact_friction_coefficient=rng.choice([0.0, 0.1, 0.3, 0.5, 1.0, 3.0]),
                         **shape)

@@ -28,9 +28,12 @@ def travelled(settings, twist, seconds=2.0, seed=1):
     sensor, pose = odometer(settings, seed=seed), Pose(0.0, 0.0, 0.0)
     for i in range(1, 101):
         time = seconds * i / 100
-        turn = twist.omega * time
-        share = (math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn) if turn else (1.0, 0.0)
-        pose = Pose(twist.v_x * time * share[0], twist.v_x * time * share[1], turn)
+        rotation = twist.omega * time
+        along, across = 1.0, 0.0
+        if rotation:
+            along = math.sin(rotation) / rotation
+            across = (1.0 - math.cos(rotation)) / rotation
+        pose = Pose(twist.v_x * time * along, twist.v_x * time * across, rotation)
         odometry = sensor.measure(time, pose, twist)
     return odometry, pose
 
@@ -51,7 +54,7 @@ def test_pose_noise_has_its_deviation_and_no_bias():
     assert np.abs(np.corrcoef(errors.T) - np.eye(3)).max() < 0.08
 
 
-def test_poses_are_dropped_at_random_and_in_spells():
+def test_poses_are_dropped_at_random_and_in_intervals():
     settings = SensorSettings(pose_drop_probability=0.2, pose_dropouts=[[5.0, 6.0], [8.0, 8.5]])
     poses = measured(settings)
     lost = [0.1 * i for i, pose in enumerate(poses) if pose is None]
@@ -67,20 +70,21 @@ def test_losses_leave_the_noise_of_other_measurements_alone():
 
 
 def test_headings_are_wrapped():
-    turned = Pose(0.0, 0.0, 100.0)
+    rotated = Pose(0.0, 0.0, 100.0)
     sensor = PoseSensor(SensorSettings(), np.random.default_rng(1), np.random.default_rng(2))
-    assert sensor.measure(0.0, turned).pose.theta == pytest.approx(math.remainder(100.0, math.tau))
-    heading = odometer(SensorSettings(), turned).measure(0.0, turned, Twist()).pose.theta
+    measured_heading = sensor.measure(0.0, rotated).pose.theta
+    assert measured_heading == pytest.approx(math.remainder(100.0, math.tau))
+    heading = odometer(SensorSettings(), rotated).measure(0.0, rotated, Twist()).pose.theta
     assert heading == pytest.approx(math.remainder(100.0, math.tau))
 
 
-def test_scale_error_stretches_the_way():
+def test_scale_error_stretches_the_path():
     odometry, pose = travelled(SensorSettings(odometry_scale=0.02), Twist(0.3, 0.0, 0.0))
     assert odometry.pose == pytest.approx((1.02 * pose.x, 0.0, 0.0))
     assert odometry.twist.v_x == pytest.approx(1.02 * 0.3)
 
 
-def test_yaw_scale_error_stretches_the_turn():
+def test_yaw_scale_error_stretches_the_rotation():
     odometry, pose = travelled(SensorSettings(odometry_yaw_scale=0.05), Twist(0.0, 0.0, 0.9))
     assert odometry.pose == pytest.approx((0.0, 0.0, 1.05 * 1.8))
 
@@ -118,7 +122,7 @@ def test_velocity_noise():
     assert twists.mean(axis=0) == pytest.approx([0.2, 0.0, 0.5], abs=2e-3)
 
 
-@pytest.mark.parametrize('spells', [((2.0, 1.0),), ((1.0,),), (1.0, 2.0)])
-def test_malformed_spells_are_refused(spells):
+@pytest.mark.parametrize('intervals', [((2.0, 1.0),), ((1.0,),), (1.0, 2.0)])
+def test_malformed_intervals_are_refused(intervals):
     with pytest.raises(ValueError, match='pose_dropouts'):
-        SensorSettings(pose_dropouts=spells)
+        SensorSettings(pose_dropouts=intervals)
