@@ -1,76 +1,70 @@
 """All studies, in the order of the thesis."""
 
-import importlib
+from typing import Iterable
+
+from push_study.chapter2 import stable_regions
+from push_study.chapter2.corner_push import (
+    motion, quasi_static_limit, steady_rates, support_patterns, transients,
+)
+from push_study.chapter2.rolling import flat_object, flat_pusher, rho_over_time, round_object
+from push_study.chapter2.side_push import friction_center_distance
+from push_study.chapter2.sketches import (
+    case_studies, curved_pusher, load_balance, rest_positions, sliding_object, steady_state,
+    wheel_analogy,
+)
+from push_study.chapter3 import (
+    friction_cone, pose_to_pose, robot_radii, rolling_contact, segments, solver_effort,
+    speed_mismatch, speeds, unlimited_angle,
+)
+from push_study.chapter3.errors import studies as goal_errors
+from push_study.chapter4 import disturbances, goals, random_friction
+from push_study.framework.study import Study
 
 MODULES = (
-    'chapter2.sketches.model',
-    'chapter2.sketches.rest_positions',
-    'chapter2.sketches.steady_state',
-    'chapter2.sketches.wheel',
-    'chapter2.sketches.curved_fence',
-    'chapter2.sketches.box',
-    'chapter2.sketches.loads',
-    'chapter2.rolling.flat_object',
-    'chapter2.side_push.friction_center_distance',
-    'chapter2.rolling.flat_fence',
-    'chapter2.rolling.round_on_round',
-    'chapter2.rolling.rho_over_time',
-    'chapter2.corner_push.quasi_static_limit',
-    'chapter2.corner_push.rates',
-    'chapter2.corner_push.transients',
-    'chapter2.corner_push.motion',
-    'chapter2.corner_push.support_patterns',
-    'chapter2.stable_regions',
-    'chapter3.sketches',
-    'chapter3.segments',
-    'chapter3.speeds',
-    'chapter3.friction_cone',
-    'chapter3.raised_speed',
-    'chapter3.rolling',
-    'chapter3.radii',
-    'chapter3.drift',
-    'chapter3.effort',
-    'chapter3.errors.studies',
-    'chapter4.goals',
-    'chapter4.noise',
-    'chapter4.intervals',
+    # Chapter 2
+    sliding_object, rest_positions, steady_state, wheel_analogy, curved_pusher, case_studies,
+    load_balance, flat_object, flat_pusher, round_object, rho_over_time,
+    quasi_static_limit, motion, steady_rates, transients, support_patterns,
+    stable_regions, friction_center_distance,
+    # Chapter 3
+    pose_to_pose, segments, speeds, friction_cone, unlimited_angle, rolling_contact, robot_radii,
+    speed_mismatch, solver_effort, goal_errors,
+    # Chapter 4
+    goals, random_friction, disturbances,
 )
 
 
-def studies():
+def studies() -> tuple[Study, ...]:
     """
     List all studies.
 
-    :return: tuple of ``Study``, by number of the figure.
+    :return: studies by chapter and number, in each chapter the figures before the tables.
     """
-    found = [study for name in MODULES
-             for study in importlib.import_module(f'push_study.{name}').STUDIES]
-    return tuple(sorted(found, key=_order))
+    return tuple(sorted((study for module in MODULES for study in module.STUDIES), key=_order))
 
 
-def select(words):
+def select(words: Iterable[str]) -> tuple[Study, ...]:
     """
     Find studies by number or chapter.
 
     :param words: numbers such as ``2.11``, chapters such as ``chapter2``, or ``all``.
-    :return: tuple of ``Study`` in the order of the thesis.
-    :raises ValueError: for a word that means no study.
+    :return: the studies in the order of the thesis.
+    :raises ValueError: for a word that matches no study.
     """
     everything = studies()
-    chosen = set()
+    selected: set[str] = set()
     for word in words:
-        hits = {study.figure for study in everything if word in (study.figure, study.chapter,
-                                                                 'all')}
+        hits = {study.figure for study in everything
+                if word in (study.figure, study.chapter, 'all')}
         if not hits:
-            raise ValueError(f'study: got {word!r}, expected all, '
-                             + ', '.join(sorted({study.chapter for study in everything}))
-                             + ' or one of ' + ', '.join(study.figure for study in everything))
-        chosen |= hits
-    return tuple(study for study in everything if study.figure in chosen)
+            chapters = sorted({study.chapter for study in everything})
+            raise ValueError(f'study: got {word!r}, expected all, {", ".join(chapters)} or one of '
+                             + ', '.join(study.figure for study in everything))
+        selected |= hits
+    return tuple(study for study in everything if study.figure in selected)
 
 
-def _order(study):
-    figure = study.figure.lstrip('T')
-    # The tables of a chapter come after its figures.
-    return study.chapter, figure != study.figure, [(len(part), part)
-                                                   for part in figure.split('.')]
+def _order(study: Study) -> tuple[str, bool, int]:
+    number = study.figure.lstrip('T')
+    is_table = number != study.figure
+    return study.chapter, is_table, int(number.split('.')[1])

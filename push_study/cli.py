@@ -3,42 +3,53 @@
 import argparse
 from pathlib import Path
 import sys
+from typing import Any, Sequence
 
 from push_scenario.batch.interrupts import Interrupts
 from push_study import catalogue, gallery
-from push_study.framework.run import Runner
-from push_study.framework.values import read_overrides, read_table, refuse_unknown, values_of
-from push_study.maps import cli_drive, cli_regions
+from push_study.framework.parameters import (
+    check_known, ChosenValues, Overrides, read_chosen_values, read_overrides,
+)
+from push_study.framework.runner import StudyResult, StudyRunner
+from push_study.framework.study import Study
+from push_study.maps import commands
 from tqdm import tqdm
 
-DONE, MISUSE, INTERRUPTED = 0, 2, 130
-BAR = '{desc} {percentage:3.0f}% |{bar:30}| {elapsed}, {remaining} left'
+EXIT_DONE = 0
+EXIT_MISUSE = 2
+# As of a shell: 128 plus the number of SIGINT.
+EXIT_INTERRUPTED = 130
+BAR_FORMAT = '{desc} {percentage:3.0f}% |{bar:30}| {elapsed}, {remaining} left'
+# Chosen: a batch fills the bar of its study up to here; the rest is for drawing.
+BATCH_FRACTION = 0.9
 
 
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     """
     Run the command line.
 
     :param arguments: words after the command's name; None for those of the process.
-    :return: exit status: 0 where all is made, 2 on an error, 130 when interrupted.
+    :return: exit status: 0 when everything is done, 2 on an error, 130 when interrupted.
     """
     options = _parser().parse_args(arguments)
     try:
-        return options.action(options)
+        options.action(options)
     except KeyboardInterrupt:
-        return _complain('interrupted; the same command goes on', INTERRUPTED)
+        return _complain('interrupted; the same command continues', EXIT_INTERRUPTED)
     except (ValueError, OSError, RuntimeError) as error:
-        return _complain(error, MISUSE)
+        return _complain(str(error), EXIT_MISUSE)
+    return EXIT_DONE
 
 
-def _parser():
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='push-study', description='Compute and draw how pushed objects behave: the figures '
         'of the thesis, and maps beyond it.')
     actions = parser.add_subparsers(required=True, metavar='ACTION')
     listing = actions.add_parser('list', help='list the studies and their parameters')
     listing.set_defaults(action=_list)
-    listing.add_argument('study', nargs='*', metavar='STUDY', help='with all parameters of these')
+    listing.add_argument('study', nargs='*', metavar='STUDY',
+                         help='list these only, with all their parameters')
     run = actions.add_parser('run', help='compute and draw studies, as PNG, SVG and CSV')
     run.set_defaults(action=_run)
     run.add_argument('study', nargs='+', metavar='STUDY',
@@ -46,15 +57,13 @@ def _parser():
     run.add_argument('--set', action='append', default=[], metavar='NAME=VALUE',
                      help='another value for a parameter; may be given more than once')
     run.add_argument('--page', type=Path, metavar='FILE',
-                     help='Markdown page in which to fill the gallery in')
-    regions = cli_regions.register(actions, run_studies)
-    drive = cli_drive.register(actions, run_studies)
-    for each in (run, regions, drive):
-        _add_common(each)
+                     help='Markdown page in which to insert the gallery')
+    for subparser in (run, *commands.register(actions, _run_map)):
+        _add_common_options(subparser)
     return parser
 
 
-def _add_common(parser):
+def _add_common_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--out', type=Path, default=Path('out') / 'studies', metavar='DIR',
                         help='where files go (default: out/studies)')
     parser.add_argument('--jobs', type=_count, metavar='N',
@@ -62,74 +71,80 @@ def _add_common(parser):
     parser.add_argument('--scheduler', metavar='ADDRESS', help='Dask cluster to run on instead')
 
 
-def _count(text):
+def _count(text: str) -> int:
     if not text.isdigit() or int(text) < 1:
         raise argparse.ArgumentTypeError(f'got {text!r}, expected a whole number of at least 1')
     return int(text)
 
 
-def _complain(text, status):
+def _complain(text: str, status: int) -> int:
     print(f'push-study: {text}', file=sys.stderr)
     return status
 
 
-def _list(options):
-    table = read_table()
+def _list(options: argparse.Namespace) -> None:
     if not options.study:
         for study in catalogue.studies():
             print(f'{study.figure:<6} {study.title}')
-        return DONE
+        return
+    chosen = read_chosen_values()
     for study in catalogue.select(options.study):
         print(f'{study.figure:<6} {study.title}')
-        for value in values_of(study, table):
-            print(f'         {value.text()} ({value.source}): {value.parameter.meaning}')
-    return DONE
+        for value in study.values(chosen):
+            print(f'         {value.text()} ({value.source.value}): {value.parameter.meaning}')
 
 
-def _run(options):
-    chosen = catalogue.select(options.study)
+def _run(options: argparse.Namespace) -> None:
+    studies = catalogue.select(options.study)
     overrides = read_overrides(options.set)
-    refuse_unknown(overrides, chosen)
-    return run_studies(chosen, overrides, options)
-
-
-def run_studies(chosen, overrides, options, table=None):
-    """
-    Run studies with a bar, and tell what they found.
-
-    :param chosen: sequence of ``Study``.
-    :param overrides: dict of parameter names to values.
-    :param options: with ``out``, ``jobs``, ``scheduler``, and ``page`` or None.
-    :param table: values as of ``read_table``; None for those of ``config/studies.yaml``.
-    :return: exit status.
-    """
-    done = []
-    with _bar(len(chosen)) as bar, Interrupts() as interrupts:
-        def progress(jobs, total):
-            # A batch is a part of its study; the study itself counts when it is drawn.
-            bar.update(len(done) + 0.9 * jobs / total - bar.n if jobs else 0.0)
-
-        runner = Runner(options.out, table or read_table(), overrides, options.jobs,
-                        options.scheduler, progress)
-        for study in chosen:
-            bar.set_description(study.figure)
-            done.append(runner(study))
-            bar.update(len(done) - bar.n)
-            interrupts.check()
-    for one in done:
-        print(f'{one.files.png}{" (kept)" if one.kept else ""}: {one.study.title}')
-        for found in one.findings.values():
-            print(f'    {found.meaning}: {found.value:.4g} {found.unit}'.rstrip())
+    check_known(overrides, [parameter for study in studies for parameter in study.parameters])
+    results = _run_studies(studies, read_chosen_values(), overrides, options)
     if options.page is not None:
-        text = gallery.fill(options.page.read_text(encoding='utf-8'),
-                            gallery.page(done, options.page.parent))
+        text = gallery.insert(options.page.read_text(encoding='utf-8'),
+                              gallery.page(results, options.page.parent))
         options.page.write_text(text, encoding='utf-8')
-    return DONE
 
 
-def _bar(count):
+def _run_map(study: Study, chosen: ChosenValues, overrides: Overrides,
+             options: argparse.Namespace) -> None:
+    _run_studies([study], chosen, overrides, options)
+
+
+def _run_studies(studies: Sequence[Study], chosen: ChosenValues, overrides: Overrides,
+                 options: argparse.Namespace) -> list[StudyResult]:
+    """Run studies with a progress bar, and print what they found."""
+    results: list[StudyResult] = []
+    with _progress_bar(len(studies)) as bar, Interrupts() as interrupts:
+        def on_progress(finished: int, total: int) -> None:
+            if finished:
+                bar.update(len(results) + BATCH_FRACTION * finished / total - bar.n)
+            else:
+                bar.update(0.0)
+
+        runner = StudyRunner(options.out, chosen, overrides, workers=options.jobs,
+                             scheduler=options.scheduler, on_progress=on_progress)
+        for study in studies:
+            bar.set_description(study.figure)
+            results.append(runner.run(study))
+            bar.update(len(results) - bar.n)
+            interrupts.check()
+    for result in results:
+        _print(result)
+    return results
+
+
+def _print(result: StudyResult) -> None:
+    note = ' (up to date)' if result.is_cached else ''
+    print(f'{result.files.png}{note}: {result.study.title}')
+    for finding in result.findings.values():
+        print(f'    {finding.meaning}: {finding.value:.4g} {finding.unit}'.rstrip())
+
+
+def _progress_bar(count: int) -> 'tqdm[Any]':
+    # Every 5 s into a file, so that a log stays short.
     period = 0.1 if sys.stderr.isatty() else 5.0
-    return tqdm(total=count, file=sys.stderr, miniters=0, mininterval=period, bar_format=BAR)
+    return tqdm(total=count, file=sys.stderr, miniters=0, mininterval=period,
+                bar_format=BAR_FORMAT)
 
 
 if __name__ == '__main__':

@@ -1,37 +1,43 @@
-"""The gallery: a page with every picture, what one sees on it, and why."""
+"""The gallery: a page with every figure, what it shows, and why."""
 
 import os
+from pathlib import Path
+from typing import Sequence
+
+from push_study.framework.runner import StudyResult
+
+BEGIN = '<!-- gallery -->'
+END = '<!-- end -->'
 
 
-def page(done, folder):
+def page(results: Sequence[StudyResult], folder: Path) -> str:
     """
     Write the gallery as Markdown.
 
-    :param done: list of ``push_study.framework.run.Done``.
-    :param folder: in which the page will lie, for the links.
+    :param results: of the studies.
+    :param folder: where the page will be, for relative links.
     :return: text.
     """
-    lines = []
-    for one in done:
-        study = one.study
-        link = os.path.relpath(one.files.png, folder).replace(os.sep, '/')
+    lines: list[str] = []
+    for result in results:
+        study = result.study
+        link = os.path.relpath(result.files.png, folder).replace(os.sep, '/')
         lines += [f'### {study.figure} {study.title}', '', f'![{study.title}]({link})', '',
-                  study.sentences(one.findings), '']
+                  study.caption(result.findings), '']
     return '\n'.join(lines).rstrip() + '\n'
 
 
-def fill(text, gallery):
+def insert(text: str, gallery: str) -> str:
     """
-    Put a gallery between the marks of a page.
+    Insert a gallery between the marks of a page.
 
-    :param text: page with the lines ``<!-- gallery -->`` and ``<!-- end -->``.
+    :param text: page with the lines ``BEGIN`` and ``END``.
     :param gallery: of ``page``.
-    :return: the page with what stood between the marks replaced.
-    :raises ValueError: where the marks are missing.
+    :return: the page, with the gallery in place of what was between the marks.
+    :raises ValueError: where a mark is missing.
     """
-    begin, end = '<!-- gallery -->', '<!-- end -->'
-    head, found, rest = text.partition(begin)
-    _, closed, tail = rest.partition(end)
-    if not (found and closed):
-        raise ValueError(f'gallery: got a page without the lines {begin} and {end}')
-    return f'{head}{begin}\n\n{gallery}\n{end}{tail}'
+    head, begin, rest = text.partition(BEGIN)
+    _, end, tail = rest.partition(END)
+    if not (begin and end):
+        raise ValueError(f'gallery: got a page without the lines {BEGIN} and {END}')
+    return f'{head}{BEGIN}\n\n{gallery}\n{END}{tail}'

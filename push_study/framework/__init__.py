@@ -1,1 +1,1 @@
-"""Framework of the studies: parameters, runs, files, plot style and sketches."""
+"""Framework of the studies: parameters, runs, output files, plot style and drawing primitives."""

@@ -1,32 +1,29 @@
-"""What a study is: which figure, with which parameters, what it computes, how it is drawn."""
+"""
+A study: one figure or table of the thesis, computed and drawn.
+
+A study module holds functions of two kinds, which follow the protocols ``Compute`` and ``Draw``,
+and lists its studies as ``STUDIES``. What is computed goes into tables and findings; the figure
+is drawn from those alone, and the two sentences of its caption quote the findings.
+"""
 
 import dataclasses
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, Mapping, NamedTuple, Protocol, Sequence
 
+from matplotlib.figure import Figure
+from push_study.framework.parameters import ChosenValues, Overrides, Parameter, resolve, Values
 
-class Parameter(NamedTuple):
-    """
-    A parameter of a study.
-
-    :param name: as ``--set`` takes it.
-    :param unit: SI, empty for a pure number.
-    :param meaning: in words.
-    :param caption: value that the figure's caption gives; None where it leaves the value open, so
-        that ``config/studies.yaml`` states it.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    caption: Any = None
+# Column name with its unit, such as ``rho_rad`` -> values; all columns have one length.
+Table = dict[str, Any]
+# Column name -> number or text: what one job of a batch returns.
+Record = dict[str, Any]
 
 
 class Finding(NamedTuple):
     """
-    What a study found, as a number.
+    A result of a study as one number.
 
     :param value: number; 1 or 0 for a yes or no.
-    :param unit: SI, empty for a pure number.
+    :param unit: SI or a usual multiple, empty for a pure number.
     :param meaning: in words.
     """
 
@@ -37,55 +34,107 @@ class Finding(NamedTuple):
 
 class Outcome(NamedTuple):
     """
-    Numbers that a study computed.
+    Everything that a study computed.
 
-    :param tables: dict of table names to tables; a table is a dict of column names (with their
-        unit, such as ``rho_rad``) to arrays of one length.
-    :param findings: dict of names to ``Finding``.
+    :param tables: table name -> ``Table``.
+    :param findings: name -> ``Finding``.
     """
 
-    tables: dict
-    findings: dict
+    tables: dict[str, Table]
+    findings: dict[str, Finding]
+
+
+class RunJobs(Protocol):
+    """Runs a function on many jobs, on all workers and resumably."""
+
+    def __call__(self, function: Callable[[Any], Record], jobs: Sequence[Any],
+                 /) -> Sequence[Record]:
+        """
+        Run all jobs.
+
+        :param function: as ``push_scenario.batch.batch.run_batch`` takes it.
+        :param jobs: plain values.
+        :return: the record of each job, in their order.
+        """
+        ...
+
+
+class Compute(Protocol):
+    """Computes a study."""
+
+    def __call__(self, values: Values, run_jobs: RunJobs, /) -> Outcome:
+        """
+        Compute tables and findings.
+
+        :param values: the parameters of the study as attributes.
+        :param run_jobs: for studies with many independent simulations.
+        :return: the outcome.
+        :raises ValueError: where the values do not describe a push.
+        """
+        ...
+
+
+class Draw(Protocol):
+    """Draws a study."""
+
+    def __call__(self, figure: Figure, outcome: Outcome, values: Values, /) -> None:
+        """
+        Draw the outcome.
+
+        :param figure: matplotlib figure without axes.
+        :param outcome: of the study's ``compute``.
+        :param values: with which it was computed.
+        """
+        ...
 
 
 @dataclasses.dataclass(frozen=True)
 class Study:
     """
-    One figure.
+    One figure or table.
 
-    :param figure: its number in the thesis, ``T`` before that of a table; or its name.
+    :param figure: its number in the thesis, with ``T`` in front for a table; or its name.
     :param title: in a few words.
-    :param parameters: tuple of ``Parameter``.
-    :param compute: function of (values, batch) that returns the ``Outcome``; values has the
-        parameters as attributes, ``batch(function, jobs)`` runs a function of a module on plain
-        jobs, on all workers and resumably, and returns its records (see
-        ``push_scenario.batch.batch.run_batch``).
-    :param draw: function of (figure, outcome, values) that draws on a matplotlib figure.
-    :param seen: one sentence on what the picture shows; ``{name}`` is a finding, ``{name:.2f}``
-        its format.
-    :param why: one sentence on why it is so, likewise.
-    :param size: width and height of the picture [inch].
+    :param parameters: what ``compute`` and ``draw`` find in their ``values``.
+    :param compute: computes the outcome.
+    :param draw: draws the outcome.
+    :param observation: one sentence on what the figure shows; ``{name}`` is replaced by a finding,
+        ``{name:.2f}`` formats it.
+    :param explanation: one sentence on why that is so, likewise.
+    :param size: width and height of the figure [inch].
     """
 
     figure: str
     title: str
-    parameters: tuple
-    compute: Callable
-    draw: Callable
-    seen: str
-    why: str
-    size: tuple = (6.4, 4.2)
+    parameters: tuple[Parameter, ...]
+    compute: Compute
+    draw: Draw
+    observation: str
+    explanation: str
+    size: tuple[float, float] = (6.4, 4.2)
 
     @property
-    def chapter(self):
+    def chapter(self) -> str:
         """Chapter of the thesis, such as ``chapter2``."""
         return f'chapter{self.figure.lstrip("T").split(".")[0]}'
 
-    def sentences(self, findings):
+    def values(self, chosen: ChosenValues, overrides: Overrides | None = None) -> Values:
         """
-        Say what one sees and why.
+        Find the values of all parameters.
+
+        :param chosen: values of what the captions leave open, as of ``read_chosen_values``.
+        :param overrides: parameter name -> value that counts before all others.
+        :return: the values.
+        :raises ValueError: where no value is chosen, or an override is of another type.
+        """
+        return resolve(self.figure, self.parameters, chosen, overrides or {})
+
+    def caption(self, findings: Mapping[str, Finding]) -> str:
+        """
+        Write what the figure shows, and why.
 
         :param findings: of the outcome.
+        :return: two sentences.
         """
         values = {name: finding.value for name, finding in findings.items()}
-        return f'{self.seen.format(**values)} {self.why.format(**values)}'
+        return f'{self.observation.format(**values)} {self.explanation.format(**values)}'

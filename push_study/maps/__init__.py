@@ -1,1 +1,1 @@
-"""Maps round the perimeter of an object: stable pushing and steering."""
+"""Maps round the perimeter of an object: where pushing is stable, and what can be steered."""

@@ -3,41 +3,48 @@
 import dataclasses
 import functools
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from push_model.analysis.steering import steering_range
 from push_model.contact import contact_point
+from push_model.geometry import FloatArray
 from push_model.parameters import Contact, PushedObject, RoundRobot
-from push_study.framework.study import Finding, Outcome, Parameter, Study
-from push_study.maps import drive_picture
-from push_study.maps.perimeter import places
+from push_study.framework.parameters import Parameter, Values
+from push_study.framework.study import Finding, Outcome, Record, RunJobs, Study, Table
+from push_study.maps import drive_map_figure
+from push_study.maps.perimeter import perimeter_locations
 
 NAME = 'drive-map'
 PARAMETERS = (
-    Parameter('object', '', 'file of the object, with a digest of its content'),
-    Parameter('robot', '', 'file of the robot, with a digest of its content'),
+    Parameter('object', '', 'name and digest of the object'),
+    Parameter('robot', '', 'name and digest of the robot'),
     Parameter('speed', 'm/s', 'speed of the contact'),
     Parameter('heading_offset', 'rad', 'from the heading of a differential drive to the contact '
               'normal, where the push starts'),
-    Parameter('contacts', '', 'number of contacts round the perimeter, about, and the vertices'))
-SEEN = ('A {drive} drive steers both ways at {{both_percent:.0f}} % of the contacts on {sides}, '
-        'on a radius of {{side_radius:.2f}} m at best')
-AT_VERTEX = ', and on {vertex_radius:.2f} m at a vertex'
-WHY = {
-    'differential': 'The arcs rolled off robot and object are equal, so that the place where the '
-                    'push starts decides much of the turn; a face leaves nothing to choose where '
-                    'the radius of the robot is the distance to the friction centre.',
+    Parameter('contacts', '', 'approximate number of contacts round the perimeter, besides the '
+              'vertices'))
+# Fields of the robot and the object in single braces, findings in double ones.
+OBSERVATION = ('A {drive} drive steers both ways at {{both_percent:.0f}} % of the contacts on '
+               '{sides}, with a radius of {{side_radius:.2f}} m at best')
+AT_VERTEX = ', and with {vertex_radius:.2f} m at a vertex'
+EXPLANATIONS = {
+    'differential': 'The arcs rolled on robot and object are equal, so that the contact where '
+                    'the push starts largely determines the rotation; a face leaves no choice '
+                    'where the radius of the robot equals the distance to the centre of '
+                    'friction.',
     'holonomic': 'It holds the normal, so that only the friction cone bounds the direction of '
-                 'the force; where the friction centre lies outside the cone, one side is lost.'}
+                 'the force; where the centre of friction lies outside the cone, one side is '
+                 'lost.'}
 
 
 @dataclasses.dataclass(frozen=True)
-class Steer:
+class SteeringLimits:
     """
-    Job of a batch: how sharply a drive can steer from a contact.
+    How sharply a drive can steer from a contact, as the function of a batch.
 
-    :param object: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
+    :param object: the pushed object.
+    :param robot: the robot.
     :param speed: of the contact [m/s].
     :param heading_offset: of a differential drive at the start [rad].
     """
@@ -47,101 +54,118 @@ class Steer:
     speed: float
     heading_offset: float
 
-    def __call__(self, job):
+    def __call__(self, job: dict[str, Any]) -> Record:
         """
         Find the limits at one contact.
 
-        :param job: fields of the ``Contact``.
-        :return: dict of ``right`` and ``left`` [1/m], empty where no push holds.
+        :param job: fields of the contact.
+        :return: curvatures ``right`` and ``left`` [1/m]; empty where no push holds.
         """
-        found = steering_range(self.object, Contact(**job), self.robot, self.speed,
-                               self.heading_offset)
-        return dict(zip(('right', 'left'), (push.curvature for push in found or ())))
+        limits = steering_range(self.object, Contact(**job), self.robot, self.speed,
+                                self.heading_offset)
+        if limits is None:
+            return {}
+        right, left = limits
+        return {'right': right.curvature, 'left': left.curvature}
 
 
-def study_of(object_name, obj, robot_name, robot):
+class PerimeterContact(NamedTuple):
+    """
+    A contact of the map.
+
+    :param contact: the contact.
+    :param s: arc length along the outline from vertex 0 [m].
+    """
+
+    contact: Contact
+    s: float
+
+
+def drive_study(object_name: str, obj: PushedObject, robot_name: str,
+                robot: RoundRobot) -> Study:
     """
     Make the study of an object and a robot.
 
     :param object_name: of the object.
-    :param obj: the ``PushedObject``.
+    :param obj: the object.
     :param robot_name: of the robot.
-    :param robot: the ``RoundRobot``.
-    :return: ``Study``; its figure is named after both.
+    :param robot: the robot.
+    :return: study; its figure is named after both.
     """
-    seen = SEEN.format(drive=robot.drive, sides='faces' if obj.outline else 'the rim')
+    observation = OBSERVATION.format(drive=robot.drive,
+                                     sides='faces' if obj.outline else 'the rim')
+    if obj.outline:
+        observation += AT_VERTEX
     return Study(f'{NAME}-{object_name}-{robot_name}',
                  f'What a {robot.drive} drive can steer, contact by contact', PARAMETERS,
-                 functools.partial(compute, obj, robot),
-                 functools.partial(drive_picture.draw, obj),
-                 seen + (AT_VERTEX if obj.outline else '') + '.', WHY[robot.drive], (8.8, 4.8))
+                 functools.partial(_compute, obj, robot),
+                 functools.partial(drive_map_figure.draw, obj), f'{observation}.',
+                 EXPLANATIONS[robot.drive], (8.8, 4.8))
 
 
-def contacts(obj, count):
+def perimeter_contacts(obj: PushedObject, count: int) -> list[PerimeterContact]:
     """
-    List contacts round an object.
+    List contacts round an object, by arc length.
 
-    :param obj: the ``PushedObject``.
-    :param count: of those on faces, about.
-    :return: list of (``Contact``, way along the outline from vertex 0 [m]).
+    :param obj: the object.
+    :param count: approximate number of those on faces.
+    :return: contacts on faces or on the rim, and the vertices.
     """
-    found = [(place.contact, place.along) for place in places(obj, count)]
+    contacts = [PerimeterContact(location.contact, location.s)
+                for location in perimeter_locations(obj, count)]
     begin = 0.0
     for index, (x, y) in enumerate(obj.outline):
-        found.append((Contact('vertex', index), begin))
+        contacts.append(PerimeterContact(Contact('vertex', index), begin))
         next_x, next_y = obj.outline[(index + 1) % len(obj.outline)]
         begin += math.hypot(next_x - x, next_y - y)
-    return sorted(found, key=lambda pair: pair[1])
+    return sorted(contacts, key=lambda found: found.s)
 
 
-def compute(obj, robot, values, batch):
+def _compute(obj: PushedObject, robot: RoundRobot, values: Values, run_jobs: RunJobs) -> Outcome:
     """
     Find the limits of every contact.
 
-    :param obj: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
-    :param values: ``Values``.
-    :param batch: of the study.
-    :return: ``Outcome``.
-    :raises ValueError: for a speed that is out of the robot's reach.
+    :raises ValueError: for a speed that the robot cannot reach.
     """
     if not 0.0 < values.speed <= robot.max_speed:
         raise ValueError(f'speed: got {values.speed:g}, expected above 0 and at most '
                          f'{robot.max_speed:g}, the limit of the robot [m/s]')
-    spots = contacts(obj, values.contacts)
-    records = batch(Steer(obj, robot, values.speed, values.heading_offset),
-                    [dataclasses.asdict(contact) for contact, _ in spots])
+    found = perimeter_contacts(obj, int(values.contacts))
+    contacts = [perimeter_contact.contact for perimeter_contact in found]
+    records = run_jobs(SteeringLimits(obj, robot, values.speed, values.heading_offset),
+                       [dataclasses.asdict(contact) for contact in contacts])
     right, left = (np.array([record.get(side, math.nan) for record in records])
                    for side in ('right', 'left'))
-    points = np.array([contact_point(obj, contact) for contact, _ in spots])
+    points = np.array([contact_point(obj, contact) for contact in contacts])
     sharpest = np.fmax(np.abs(right), np.abs(left))
-    table = {'kind': [contact.kind for contact, _ in spots],
-             'index': [contact.index for contact, _ in spots],
-             'offset_m' if obj.outline else 'offset_rad': [one.offset for one, _ in spots],
-             'along_m': np.array([along for _, along in spots]), 'x_m': points[:, 0],
-             'y_m': points[:, 1], 'right_per_m': right, 'left_per_m': left,
+    table = {'kind': [contact.kind for contact in contacts],
+             'index': [contact.index for contact in contacts],
+             'offset_m' if obj.outline else 'offset_rad': [contact.offset
+                                                           for contact in contacts],
+             'along_m': np.array([perimeter_contact.s for perimeter_contact in found]),
+             'x_m': points[:, 0], 'y_m': points[:, 1], 'right_per_m': right, 'left_per_m': left,
              'smallest_radius_m': 1.0 / np.where(sharpest > 0.0, sharpest, math.nan)}
     return Outcome({'contacts': table}, _findings(table))
 
 
-def _findings(table):
-    corner = np.equal(table['kind'], 'vertex')
-    # As sharp as to either side; below 0 where it turns to one side only.
-    both = np.nan_to_num(np.fmin(table['left_per_m'], -table['right_per_m']), nan=-1.0)
-    one_sided = ~np.isnan(table['left_per_m']) & (both <= 0.0)
+def _findings(table: Table) -> dict[str, Finding]:
+    at_vertex = np.equal(table['kind'], 'vertex')
+    # Curvature to the weaker side; below 0 where it turns to one side only, or to none.
+    to_both = np.nan_to_num(np.fmin(table['left_per_m'], -table['right_per_m']), nan=-1.0)
+    one_sided = ~np.isnan(table['left_per_m']) & (to_both <= 0.0)
     findings = {
-        'both_percent': Finding(100.0 * float(np.mean(both[~corner] > 0.0)), '%',
+        'both_percent': Finding(100.0 * float(np.mean(to_both[~at_vertex] > 0.0)), '%',
                                 'contacts between vertices where it steers both ways'),
-        'one_percent': Finding(100.0 * float(np.mean(one_sided[~corner])), '%',
-                               'contacts between vertices where it turns one way only'),
-        'side_radius': Finding(_radius(both[~corner]), 'm',
+        'one_percent': Finding(100.0 * float(np.mean(one_sided[~at_vertex])), '%',
+                               'contacts between vertices where it steers one way only'),
+        'side_radius': Finding(_smallest_radius(to_both[~at_vertex]), 'm',
                                'smallest radius to either side, between vertices')}
-    if corner.any():
-        findings['vertex_radius'] = Finding(_radius(both[corner]), 'm',
+    if at_vertex.any():
+        findings['vertex_radius'] = Finding(_smallest_radius(to_both[at_vertex]), 'm',
                                             'smallest radius to either side, at a vertex')
     return findings
 
 
-def _radius(both):
-    best = both.max(initial=0.0)
-    return 1.0 / float(best) if best > 0.0 else math.inf
+def _smallest_radius(curvatures: FloatArray) -> float:
+    sharpest = curvatures.max(initial=0.0)
+    return 1.0 / float(sharpest) if sharpest > 0.0 else math.inf

@@ -9,8 +9,7 @@ from push_scenario.definition.scenario import Placement, Start
 from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
-from push_scenario.simulation.start import place_robot
-from push_study.chapter4.floor import gaussian
+from push_study.chapter4.support_friction import gaussian_friction
 import pytest
 
 
@@ -61,7 +60,7 @@ def test_open_loop_misses_where_friction_changes_during_the_push(name):
 
 def test_random_friction_is_that_of_the_study():
     changes = scenario('friction_noise').simulation.friction_changes
-    drawn = gaussian(seed=0, deviation=0.2, period=0.5, duration=12.0)
+    drawn = gaussian_friction(seed=0, deviation=0.2, period=0.5, duration=12.0)
     assert [dataclasses.replace(change, factor=round(change.factor, 2)) for change in drawn] == [
         *changes]
 

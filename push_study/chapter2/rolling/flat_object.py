@@ -1,69 +1,60 @@
-"""A flat face on a round robot: alpha over rho for three places of the friction centre."""
+"""A flat face on a round robot: alpha over rho for three positions of the centre of friction."""
 
 import math
 
+from matplotlib.figure import Figure
 import numpy as np
 from push_model.analysis.pushing_location import PushingLocation
-from push_study.chapter2.rolling import alpha_plot
-from push_study.framework.study import Finding, Outcome, Parameter, Study
+from push_study.chapter2.rolling import alpha_curve
+from push_study.framework.parameters import Parameter, Values
+from push_study.framework.study import Finding, Outcome, RunJobs, Study
 
+# Chosen: smooth curves; odd, so that rho = 0 is among the samples.
 SAMPLES = 401
-WHERE = (('2.11', 0.3, 'stable',
-          'Left of the middle alpha is above 0 and the object turns clockwise, which makes rho '
-          'grow; right of it, the other way: it comes back to rho = 0 from as far as '
-          '{basin:.2f} rad.',
-          'The friction centre is nearer to the contact than the centre of the robot, by '
-          '{margin:.2f} m: as the face rolls, the contact overtakes it.'),
-         ('2.12', 0.5, 'marginal',
-          'Alpha passes 0 at rho = 0 without slope (stability margin {margin:.2f} m), and '
-          'further out the arrows lead away.',
-          'The friction centre is as far from the contact as the centre of the robot, so that '
-          'for small turns the contact rolls just as far as the friction centre swings; for '
-          'larger ones it falls behind.'),
-         ('2.13', 0.7, 'unstable',
-          'The slope at rho = 0 has changed its sign: the arrows lead away from it.',
-          'The friction centre lies further away than the centre of the robot, by '
-          '{lack:.2f} m, and swings out further than the contact rolls.'))
 
 
-def compute(values, batch):
-    """
-    Alpha over the pushing angle.
-
-    :param values: ``Values``.
-    :param batch: not used.
-    :return: ``Outcome``.
-    """
+def compute(values: Values, _: RunJobs) -> Outcome:
+    """Compute alpha over the pushing angle."""
     location = PushingLocation(values.robot_radius, math.inf, values.ahead, values.aside)
-    rho = np.linspace(-values.largest_rho, values.largest_rho, SAMPLES)
-    tables = alpha_plot.tables(location, 'rho_rad', rho, location.rotation_at(rho), location.rho,
-                               math.inf)
-    margin = alpha_plot.middle(location).margin
+    rho = np.linspace(-values.max_rho, values.max_rho, SAMPLES)
+    tables = alpha_curve.compute_tables(location, 'rho_rad', rho, location.rotation_at(rho),
+                                        location.rho, math.inf)
+    margin = alpha_curve.middle_equilibrium(location).margin
     basin = min(map(abs, tables['basin']['rho_rad']), default=0.0)
     return Outcome(tables, {
         'margin': Finding(margin, 'm', 'stability margin R_e cos(rho) - h'),
-        'lack': Finding(max(0.0, -margin), 'm', 'friction centre beyond the robot centre'),
+        'beyond': Finding(max(0.0, -margin), 'm', 'centre of friction beyond the robot centre'),
         'basin': Finding(basin, 'rad', 'largest pushing angle from which the object returns')})
 
 
-def draw(figure, outcome, values):
-    """
-    Draw alpha over rho.
-
-    :param figure: matplotlib figure.
-    :param outcome: the ``Outcome``.
-    :param values: ``Values``.
-    """
-    alpha_plot.draw(figure.subplots(), outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
+def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
+    """Draw alpha over rho."""
+    alpha_curve.draw(figure.subplots(), outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
 
 
-def _study(figure, ahead, kind, seen, why):
-    return Study(figure, f'Flat object on a curved fence: {kind}', (
-        Parameter('robot_radius', 'm', 'radius of the fence, r_pc', 0.5),
-        Parameter('aside', 'm', 'friction centre beside the contact, t_fc', 0.0),
-        Parameter('ahead', 'm', 'friction centre ahead of the contact, n_fc', ahead),
-        Parameter('largest_rho', 'rad', 'range of the pushing angle that is drawn')),
-        compute, draw, seen, why)
+def _study(figure: str, kind: str, ahead: float, observation: str, explanation: str) -> Study:
+    return Study(figure, f'Flat object on a curved pusher: {kind}', (
+        Parameter('robot_radius', 'm', 'radius of the pusher, r_pc', 0.5),
+        Parameter('aside', 'm', 'centre of friction to the left of the contact, t_fc', 0.0),
+        Parameter('ahead', 'm', 'centre of friction ahead of the contact, n_fc', ahead),
+        Parameter('max_rho', 'rad', 'range of the pushing angle that is drawn')),
+        compute, draw, observation, explanation)
 
 
-STUDIES = tuple(_study(*row) for row in WHERE)
+STUDIES = (
+    _study('2.11', 'stable', 0.3,
+           'Left of the middle, alpha is above 0 and the object rotates clockwise, which '
+           'increases rho; on the right it is the other way round: the object returns to rho = 0 '
+           'from up to {basin:.2f} rad.',
+           'The centre of friction is nearer to the contact than the centre of the robot, by '
+           '{margin:.2f} m: as the face rolls, the contact overtakes it.'),
+    _study('2.12', 'marginal', 0.5,
+           'Alpha passes 0 at rho = 0 without slope (stability margin {margin:.2f} m), and '
+           'further out the arrows lead away.',
+           'The centre of friction is as far from the contact as the centre of the robot, so that '
+           'for small rotations the contact rolls just as far as the centre of friction swings; '
+           'for larger ones it falls behind.'),
+    _study('2.13', 'unstable', 0.7,
+           'The slope at rho = 0 has changed its sign: the arrows lead away from it.',
+           'The centre of friction lies further away than the centre of the robot, by '
+           '{beyond:.2f} m, and swings out further than the contact rolls.'))

@@ -1,90 +1,99 @@
-"""Case study 3: how far from the contact may the friction centre of a pushed box be."""
+"""Case study 3: how far from the contact may the centre of friction of a pushed box be."""
 
+from matplotlib.figure import Figure
 import numpy as np
-from push_study.chapter2.side_push.scene import (
-    equations, measured_rate, predicted_rate, SCENE, simulate, switch,
+from push_study.chapter2.side_push.setup import (
+    EXACT_START, integrate_rolling, predicted_growth_rate, SETUP, simulate, simulated_growth_rate,
+    stability_limit, Start,
 )
-from push_study.framework import paper
-from push_study.framework.study import Finding, Outcome, Parameter, Study
+from push_study.framework import plot_style
+from push_study.framework.parameters import Parameter, Values
+from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 
-PARAMETERS = (Parameter('distances', 'm', 'friction centre ahead of the contact',
+PARAMETERS = (Parameter('distances', 'm', 'centre of friction ahead of the contact',
                         [0.05, 0.1, 0.15, 0.2]),
-              Parameter('turned', 'rad', 'turn of the box at the start, rolled on the robot'),
-              Parameter('aside', 'm', 'robot to the left of the centre line of the box')) + SCENE
+              Parameter('initial_rotation', 'rad',
+                        'rotation of the box at the start, rolled on the robot'),
+              Parameter('lateral_offset', 'm', 'robot to the left of the centre line of the box'),
+              *SETUP)
+MILLIMETRES = 1e3
+RATE_COLUMNS = ('distance_m', 'predicted_rate_per_s', 'simulated_rate_per_s',
+                'final_rotation_rad')
 
 
-def compute(values, batch):
-    """
-    Turn of the box over time for each distance, growth rates, and where they change their sign.
-
-    :param values: ``Values``.
-    :param batch: not used.
-    :return: ``Outcome``.
-    """
-    turns, rates, off, findings = {}, [], 0.0, {}
+def compute(values: Values, _: RunJobs) -> Outcome:
+    """Compute the rotation of the box over time, growth rates, and where they change sign."""
+    start = Start(values.initial_rotation, values.lateral_offset)
+    curves: Table = {}
+    rates: list[tuple[float, ...]] = []
+    findings: dict[str, Finding] = {}
+    difference = 0.0
+    times = None
     for distance in values.distances:
-        times, found, holds = simulate(values, distance, values.turned, values.aside)
-        model = equations(values, distance, values.turned, values.aside, times[holds])
-        off = max(off, float(np.abs(model - found[holds]).max()))
-        name = f'{1e3 * distance:.0f}_mm'
-        turns[f'turn_{name}_rad'] = found
-        rates.append((distance, predicted_rate(values, distance),
-                      measured_rate(values, distance), found[-1]))
-        turns[f'held_{name}'] = holds.astype(int)
-        findings[f'final_{name}'] = Finding(float(found[-1]), 'rad', 'turn at the end, friction '
-                                            f'centre at {1e3 * distance:.0f} mm')
-    exact = [simulate(values, distance, 0.0, 0.0)[1] for distance in values.distances]
-    last, rate = values.distances[-1], rates[-1][2]
+        times, rotations, holds = simulate(values, distance, start)
+        integrated = integrate_rolling(values, distance, start, times[holds])
+        difference = max(difference, float(np.abs(integrated - rotations[holds]).max()))
+        name = _column(distance)
+        curves[f'rotation_{name}_rad'] = rotations
+        rates.append((distance, predicted_growth_rate(values, distance),
+                      simulated_growth_rate(values, distance), rotations[-1]))
+        curves[f'holds_{name}'] = holds.astype(int)
+        findings[f'final_{name}'] = Finding(
+            float(rotations[-1]), 'rad',
+            f'rotation at the end, centre of friction at {MILLIMETRES * distance:.0f} mm')
+    exact = [simulate(values, distance, EXACT_START).rotations for distance in values.distances]
+    last, last_rate = values.distances[-1], rates[-1][2]
     findings |= {
-        'switch': Finding(switch(values), 'm', 'distance at which a turn begins to grow'),
+        'limit': Finding(stability_limit(values), 'm',
+                         'distance at which a rotation begins to grow'),
         'radius': Finding(values.robot_radius, 'm', 'radius of the robot'),
         'last': Finding(last, 'm', 'last of the distances'),
-        'last_rate': Finding(rate, '1/s', 'rate at which a turn grows at the last distance'),
-        'exact': Finding(float(np.abs(exact).max()), 'rad', 'largest turn from an exact start'),
-        'difference': Finding(off, 'rad', 'contact simulation against equations of motion')}
-    columns = ('distance_m', 'predicted_rate_per_s', 'measured_rate_per_s', 'final_turn_rad')
-    return Outcome({'turn': {'time_s': times, **turns},
-                    'rates': dict(zip(columns, map(list, zip(*rates))))}, findings)
+        'last_rate': Finding(last_rate, '1/s', 'growth rate of a rotation at the last distance'),
+        'exact': Finding(float(np.abs(exact).max()), 'rad', 'largest rotation from an exact '
+                         'start'),
+        'difference': Finding(difference, 'rad', 'contact simulation against equations of '
+                              'motion')}
+    return Outcome({'rotation': {'time_s': times, **curves},
+                    'rates': dict(zip(RATE_COLUMNS, map(list, zip(*rates))))}, findings)
 
 
-def draw(figure, outcome, values):
-    """
-    Draw the turn over time.
-
-    :param figure: matplotlib figure.
-    :param outcome: the ``Outcome``.
-    :param values: ``Values``.
-    """
+def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
+    """Draw the rotation over time."""
     axes = figure.subplots()
-    table = outcome.tables['turn']
+    table = outcome.tables['rotation']
     for number, distance in enumerate(values.distances):
-        name, style = f'{1e3 * distance:.0f}_mm', paper.series(number)
-        turns, held = table[f'turn_{name}_rad'], sum(table[f'held_{name}'])
-        axes.plot(table['time_s'], turns, label=f'{1e3 * distance:.0f} mm', **style)
-        if held < len(turns):
-            axes.plot(table['time_s'][held], turns[held], 'o', color=style['color'])
-            axes.annotate('contact slips', (table['time_s'][held], turns[held]),
-                          (-8, 4), textcoords='offset points', ha='right')
+        name, style = _column(distance), plot_style.series(number)
+        times, rotations = table['time_s'], table[f'rotation_{name}_rad']
+        held = sum(table[f'holds_{name}'])
+        axes.plot(times, rotations, label=f'{MILLIMETRES * distance:.0f} mm', **style)
+        if held < len(rotations):
+            axes.plot(times[held], rotations[held], 'o', color=style['color'])
+            axes.annotate('contact slips', (times[held], rotations[held]), (-8, 4),
+                          textcoords='offset points', ha='right')
     axes.set_xlim(0.0, values.duration)
     axes.set_xlabel('time [s]')
-    axes.set_ylabel('turn of the box from straight ahead [rad]')
-    axes.legend(title='friction centre at', loc='best')
+    axes.set_ylabel('rotation of the box from straight ahead [rad]')
+    axes.legend(title='centre of friction at', loc='best')
 
 
-def _study(figure, title, seen, why):
-    return Study(figure, title, PARAMETERS, compute, draw, seen, why)
+def _column(distance: float) -> str:
+    return f'{MILLIMETRES * distance:.0f}_mm'
 
 
 STUDIES = (
-    _study('2.32', 'A robot pushes a box: turn from an undisturbed start',
-           'With the robot placed as well as a robot can be, boxes settle at a small turn, '
-           'except the one with its friction centre at {last:.2f} m: its turn grows at '
-           '{last_rate:.2f} 1/s. Placed exactly on the line, even that one goes straight.',
-           'Rolling moves the contact by the radius of the robot for each radian of turn, so that '
-           'a friction centre nearer than {switch:.3f} m is brought back before the contact '
-           '(radius of the robot: {radius:.3f} m).'),
-    _study('2.33', 'A robot pushes a box: turn from a disturbed start',
-           'A box that starts turned swings back, the slower the further away its friction centre '
-           'is; at {last:.2f} m the turn grows until the box has slipped off.',
-           'The switch lies at {switch:.3f} m, the radius of the robot ({radius:.3f} m), whatever '
-           'the mass: beyond it the friction centre swings out further than the contact rolls.'))
+    Study('2.32', 'A robot pushes a box: rotation from an undisturbed start', PARAMETERS, compute,
+          draw,
+          'With the robot placed as accurately as a robot can be, boxes settle at a small '
+          'rotation, except the one with its centre of friction at {last:.2f} m, whose rotation '
+          'grows at {last_rate:.2f} 1/s; placed exactly on the line, even that one moves '
+          'straight.',
+          'Rolling moves the contact by the radius of the robot for each radian of rotation, so '
+          'that a centre of friction nearer than {limit:.3f} m is brought back in front of the '
+          'contact (radius of the robot: {radius:.3f} m).'),
+    Study('2.33', 'A robot pushes a box: rotation from a disturbed start', PARAMETERS, compute,
+          draw,
+          'A box that starts rotated swings back, the more slowly the further away its centre of '
+          'friction is; at {last:.2f} m the rotation grows until the box has slipped off.',
+          'The stability limit is at {limit:.3f} m, the radius of the robot ({radius:.3f} m), '
+          'whatever the mass: beyond it the centre of friction swings out further than the '
+          'contact rolls.'))

@@ -1,154 +1,186 @@
-"""What a wrong belief costs at the goal: speed, friction, mass, inertia, feet, friction centre."""
+"""What a model mismatch costs at the goal: speed, friction, mass, inertia, support points."""
 
-import functools
+import dataclasses
 import math
+from typing import Callable
 
-from push_study.chapter3.errors import picture as plan_errors_picture
-from push_study.chapter3.errors.mismatch_rollout import replay
-from push_study.chapter3.errors.played_push import (
-    BLIND, error_table, FELT, PARAMETERS, PlayedPush, WIDE, worst,
+from matplotlib.figure import Figure
+from push_study.chapter3.errors import error_figure
+from push_study.chapter3.errors.mismatch_rollout import rollout
+from push_study.chapter3.errors.mismatched_push import (
+    error_table, MismatchedPush, OPEN_LOOP_POINT, OPEN_LOOP_WIDE, PARAMETERS, SENSING_POINT, worst,
 )
-from push_study.chapter3.errors.truth import truth
-from push_study.framework.study import Finding, Outcome, Study
+from push_study.chapter3.errors.true_object import true_push
+from push_study.framework.parameters import Values
+from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 
-MILLI = 1000.0
-
-
-def _millimetres(length, meaning):
-    return Finding(MILLI * length, 'mm', meaning)
+MILLIMETRES = 1000.0
+Findings = dict[str, Finding]
 
 
-def findings(table, kind, values):
+def _in_millimetres(length: float, meaning: str) -> Finding:
+    return Finding(MILLIMETRES * length, 'mm', meaning)
+
+
+def findings(table: Table, kind: str, values: Values) -> Findings:
     """
-    Say what the errors of one kind do.
+    Summarize what the errors of one kind do.
 
     :param table: of ``error_table``.
     :param kind: of the errors.
-    :param values: ``Values`` with ``PARAMETERS``.
-    :return: dict of ``Finding``.
+    :param values: with the parameters ``PARAMETERS``.
+    :return: findings by name.
     """
     sizes = sorted(set(map(abs, values.errors)))
-    most, text = [sizes[-1]], f'largest position error of the point for {sizes[-1]:.0%}'
-    first, second = (worst(table, [size], kind=kind, robot=FELT, speed_m_s=values.blind_speed)
-                     for size in sizes[:2])
+    least, most = sizes[0], sizes[-1]
+    first, second = (worst(table, [size], kind=kind, robot=SENSING_POINT,
+                           speed_m_s=values.open_loop_speed) for size in sizes[:2])
     found = {
-        'none': _millimetres(worst(table, [0.0]), 'largest position error without any'),
-        'growth': Finding(math.log(second / first) / math.log(sizes[1] / sizes[0]), '',
-                          'power of the error with which the position error begins to grow')}
+        'none': _in_millimetres(worst(table, [0.0]), 'largest position error without mismatch'),
+        'power': Finding(math.log(second / first) / math.log(sizes[1] / least), '',
+                         'power of the error with which the position error begins to grow')}
     for name, speed in (('slow', values.speeds[0]), ('fast', values.speeds[-1])):
-        found[name] = _millimetres(worst(table, most, kind=kind, robot=FELT, speed_m_s=speed),
-                                   f'{text} at {speed:g} m/s')
-    for name, robot in (('felt', FELT), ('blind', BLIND), ('wide', WIDE)):
-        rows = {'kind': kind, 'robot': robot, 'speed_m_s': values.blind_speed}
-        found[name] = _millimetres(worst(table, sizes[:1], **rows),
-                                   f'largest position error for {sizes[0]:.0%}, {robot}, at '
-                                   f'{values.blind_speed:g} m/s')
-        found[f'{name}_friction'] = Finding(worst(table, sizes[:1], 'friction_usage', **rows), '',
-                                            'share of the friction angle that this takes')
-    for name, value, meaning in (('least', sizes[0], 'smallest error'),
-                                 ('most', sizes[-1], 'largest error')):
-        found[name] = Finding(value, '', f'{meaning} that is played')
-    for name, value, meaning in (('low', values.speeds[0], 'first speed'),
-                                 ('high', values.speeds[-1], 'last speed'),
-                                 ('middle', values.blind_speed, 'speed of the blind robots')):
-        found[name] = Finding(value, 'm/s', meaning)
-    return found
+        found[name] = _in_millimetres(
+            worst(table, [most], kind=kind, robot=SENSING_POINT, speed_m_s=speed),
+            f'largest position error of the point for {most:.0%} at {speed:g} m/s')
+    for name, robot in (('sensing', SENSING_POINT), ('open_loop', OPEN_LOOP_POINT),
+                        ('wide', OPEN_LOOP_WIDE)):
+        rows = {'kind': kind, 'robot': robot, 'speed_m_s': values.open_loop_speed}
+        found[name] = _in_millimetres(
+            worst(table, [least], **rows),
+            f'largest position error for {least:.0%}, {robot}, at {values.open_loop_speed:g} m/s')
+        found[f'{name}_friction'] = Finding(worst(table, [least], 'friction_usage', **rows), '',
+                                            'fraction of the friction angle that this needs')
+    return {
+        **found,
+        'least': Finding(least, '', 'smallest error'),
+        'most': Finding(most, '', 'largest error'),
+        'low': Finding(values.speeds[0], 'm/s', 'first speed'),
+        'high': Finding(values.speeds[-1], 'm/s', 'last speed'),
+        'middle': Finding(values.open_loop_speed, 'm/s', 'speed of the open-loop robots')}
 
 
-def _compute(kind, more, values, batch):
-    kinds, add = more
-    table = error_table(values, batch, [kind])
-    extra = error_table(values, batch, kinds, [FELT]) if kinds else {}
-    found = findings(table, kind, values)
-    found.update(add(table, extra, values))
-    return Outcome({'errors': table, **({'others': extra} if kinds else {})}, found)
-
-
-def _nothing(table, others, values):
+def _no_findings(table: Table, others: Table, values: Values) -> Findings:
     return {}
 
 
-def _same_as_speed(table, others, values):
-    """Play the opposite change of the speed: what is left is the distance of the ends."""
-    push, distances = PlayedPush.of(values), []
+def _same_as_speed(table: Table, others: Table, values: Values) -> Findings:
+    """Compare an error of the friction with the change of the speed that is equivalent to it."""
+    push = MismatchedPush.of(values)
+    distances: list[float] = []
     for error in values.errors:
-        answer = push.plan(values.speeds[-1], FELT)
-        rough = replay(answer, truth(push.object, 'friction', error)[0])
-        slow = replay(answer, pace=1.0 / math.sqrt(1.0 + error))
+        plan = push.plan(values.speeds[-1], SENSING_POINT)
+        rough = rollout(plan, true_push(push.object, 'friction', error).obj)
+        slow = rollout(plan, speed_scale=1.0 / math.sqrt(1.0 + error))
         distances.append(math.dist(rough.pose[:2], slow.pose[:2]))
-    return {'law': _millimetres(max(distances), 'largest distance between the ends with friction '
-                                'k times as high and with speed less by the root of k')}
+    return {'law': _in_millimetres(max(distances), 'largest distance between the ends with k '
+                                   'times the friction and with the speed over the root of k')}
 
 
-def _load(table, others, values):
-    return {'load': _millimetres(worst(others), 'largest position error where mass and inertia '
-                                 'are wrong alike')}
+def _load(table: Table, others: Table, values: Values) -> Findings:
+    return {'load': _in_millimetres(worst(others), 'largest position error where mass and '
+                                    'inertia are wrong alike')}
 
 
-def _moved_feet(table, others, values):
-    return {name: _millimetres(worst(others, kind=f'feet_{name}'), 'largest position error where '
-                               f'all feet are moved {name}') for name in ('ahead', 'aside')}
+def _moved_supports(table: Table, others: Table, values: Values) -> Findings:
+    return {name: _in_millimetres(worst(others, kind=f'supports_{name}'), 'largest position error '
+                                  f'where all support points are moved {name}')
+            for name in ('ahead', 'aside')}
 
 
-def _against_mass(table, others, values):
+def _against_mass(table: Table, others: Table, values: Values) -> Findings:
+    """Compare the errors of an imbalance with those of a wrong mass."""
     sizes = sorted(set(map(abs, values.errors)))
-    times = [worst(table, sizes[:1], kind='imbalance', robot=FELT, speed_m_s=speed)
-             / worst(others, kind='mass', speed_m_s=speed) for speed in values.speeds]
-    return {'times': Finding(min(times), '', f'position error for {sizes[0]:.0%} of imbalance '
+    ratios = [worst(table, sizes[:1], kind='imbalance', robot=SENSING_POINT, speed_m_s=speed)
+              / worst(others, kind='mass', speed_m_s=speed) for speed in values.speeds]
+    return {'ratio': Finding(min(ratios), '', f'position error for {sizes[0]:.0%} of imbalance '
                              f'over that for {sizes[-1]:.0%} of mass, least over the speeds'),
-            'shift': _millimetres(sizes[0] * values.feet * 0.5 * values.box_width,
-                                  f'shift of the friction centre by {sizes[0]:.0%} of imbalance')}
+            'shift': _in_millimetres(
+                sizes[0] * values.support_spread * 0.5 * values.box_width,
+                f'shift of the centre of friction by {sizes[0]:.0%} of imbalance')}
 
 
-WHICH = (
-    ('T3.2', 'speed', 'the pushing velocity', ((), _nothing),
-     'Pushed {most:.0%} too fast or too slow, a plan for {high} m/s misses the goal by up to '
-     '{fast:.0f} mm, one for {low} m/s by {slow:.1f} mm.',
-     'Over the same way friction does the same at any speed, and only inertia grows, with the '
-     'square of the speed: slow plans hold at any slow speed.'),
-    ('T3.3', 'friction', 'the friction under the box', ((), _same_as_speed),
-     'Friction that is {most:.0%} wrong under all feet costs {fast:.0f} mm at {high} m/s and '
-     '{slow:.1f} mm at {low} m/s; at {middle} m/s a blind point misses by {blind:.0f} mm already '
-     'for {least:.0%}, a blind wide robot by {wide:.1f} mm.',
-     'Slowly, friction in proportion everywhere gives the same motion; fast, friction k times as '
-     'high is the same as speed less by the root of k: both end {law:.3f} mm apart.'),
-    ('T3.4', 'mass', 'the mass', (('load',), _load),
-     'A mass that is {most:.0%} wrong costs {fast:.1f} mm at {high} m/s, {slow:.2f} mm at {low} '
-     'm/s, and nothing ({load:.3f} mm) where the moment of inertia is wrong alike.',
-     'Friction grows with the mass as inertia does, so that only the share of the moment of '
-     'inertia to the mass is left, and that counts only until the turn is steady.'),
-    ('T3.5', 'inertia', 'the moment of inertia', ((), _nothing),
-     'A moment of inertia that is {most:.0%} wrong costs {fast:.1f} mm at {high} m/s and '
-     '{slow:.2f} mm at {low} m/s.',
-     'The steady turn does not depend on it; only the turn after the first touch and after each '
-     'change of the pushing angle settles over a longer or shorter way.'),
-    ('T3.6', 'feet', 'the places of the feet', (('feet_ahead', 'feet_aside'), _moved_feet),
-     'Feet {most:.0%} further apart or closer than believed cost {slow:.0f} mm at {low} m/s and '
-     '{fast:.0f} mm at {high} m/s; all moved ahead by as much {ahead:.0f} mm, all moved aside '
-     '{aside:.2f} mm.',
-     'The spread of the feet along the push sets how much the box turns at a pushing angle, at '
-     'any speed; feet that are moved as a whole carry other loads, which keep the friction centre '
-     'under the mass centre.'),
-    ('T3.7', 'imbalance', 'the friction centre (rough on the left, smooth on the right)',
-     (('mass',), _against_mass),
-     'With {least:.0%} more friction on the left and less on the right, which moves the friction '
-     'centre by {shift:.0f} mm, a point that feels the object misses by {felt:.0f} mm at {middle} '
-     'm/s, and at any speed by at least {times:.0f} times as much as for {most:.0%} of mass; a '
-     'blind wide robot misses by {wide:.0f} mm, and a blind point loses the box.',
-     'A push beside the friction centre turns the box all the way, whatever the speed; on a wide '
-     'robot the box rolls only until the push leads through the friction centre again.'))
-LABELS = {'speed': 'error of the pushing velocity [%]', 'friction': 'error of the friction [%]',
-          'mass': 'error of the mass [%]', 'inertia': 'error of the moment of inertia [%]',
-          'feet': 'feet further apart [%]',
-          'imbalance': 'more friction left, less right [%]'}
+@dataclasses.dataclass(frozen=True)
+class Mismatch:
+    """
+    One table of the thesis.
+
+    :param figure: its number.
+    :param kind: of the errors, of ``true_object.KINDS``.
+    :param subject: what is wrong, for the title.
+    :param label: of the abscissa.
+    :param other_kinds: of errors that the sensing point executes for comparison.
+    :param more_findings: function of (table of the errors, of the other ones, values).
+    """
+
+    figure: str
+    kind: str
+    subject: str
+    label: str
+    other_kinds: tuple[str, ...] = ()
+    more_findings: Callable[[Table, Table, Values], Findings] = _no_findings
+
+    def compute(self, values: Values, run_jobs: RunJobs) -> Outcome:
+        """Execute the plans with every error of the kind."""
+        tables = {'errors': error_table(values, run_jobs, [self.kind])}
+        if self.other_kinds:
+            tables['others'] = error_table(values, run_jobs, self.other_kinds, [SENSING_POINT])
+        found = findings(tables['errors'], self.kind, values)
+        found.update(self.more_findings(tables['errors'], tables.get('others', {}), values))
+        return Outcome(tables, found)
+
+    def draw(self, figure: Figure, outcome: Outcome, values: Values) -> None:
+        """Draw the errors at the goal."""
+        error_figure.draw(figure, outcome.tables['errors'], self.kind, self.label, values)
 
 
-def _study(figure, kind, what, more, seen, why):
-    def draw(picture, outcome, values):
-        plan_errors_picture.draw(picture, outcome.tables['errors'], kind, LABELS[kind], values)
-
-    return Study(figure, f'Plans played with a wrong belief: {what}', PARAMETERS,
-                 functools.partial(_compute, kind, more), draw, seen, why, (7.6, 4.0))
+def _study(mismatch: Mismatch, observation: str, explanation: str) -> Study:
+    return Study(mismatch.figure, f'Plans with a model mismatch: {mismatch.subject}', PARAMETERS,
+                 mismatch.compute, mismatch.draw, observation, explanation, (7.6, 4.0))
 
 
-STUDIES = tuple(_study(*row) for row in WHICH)
+STUDIES = (
+    _study(Mismatch('T3.2', 'speed', 'the pushing velocity',
+                    'error of the pushing velocity [%]'),
+           'Executed {most:.0%} too fast or too slow, a plan for {high} m/s misses the goal by up '
+           'to {fast:.0f} mm, one for {low} m/s by {slow:.1f} mm.',
+           'Over the same distance friction has the same effect at any speed, and only inertia '
+           'grows, with the square of the speed: slow plans hold at any slow speed.'),
+    _study(Mismatch('T3.3', 'friction', 'the friction under the box',
+                    'error of the friction [%]', (), _same_as_speed),
+           'Friction that is {most:.0%} wrong at all support points costs {fast:.0f} mm at {high} '
+           'm/s and {slow:.1f} mm at {low} m/s; at {middle} m/s an open-loop point misses by '
+           '{open_loop:.0f} mm for {least:.0%}, an open-loop wide robot by {wide:.1f} mm.',
+           'In slow pushes proportional friction everywhere gives the same motion; in fast ones, '
+           'k times the friction is equivalent to the speed divided by the root of k: both end '
+           '{law:.3f} mm apart.'),
+    _study(Mismatch('T3.4', 'mass', 'the mass', 'error of the mass [%]', ('load',), _load),
+           'A mass that is {most:.0%} wrong costs {fast:.1f} mm at {high} m/s, {slow:.2f} mm at '
+           '{low} m/s, and nothing ({load:.3f} mm) where the moment of inertia is wrong alike.',
+           'Friction grows with the mass as inertia does, so that only the ratio of the moment of '
+           'inertia to the mass matters, and only until the turn is steady.'),
+    _study(Mismatch('T3.5', 'inertia', 'the moment of inertia',
+                    'error of the moment of inertia [%]'),
+           'A moment of inertia that is {most:.0%} wrong costs {fast:.1f} mm at {high} m/s and '
+           '{slow:.2f} mm at {low} m/s.',
+           'The steady turn does not depend on it; only the rotation after the first touch and '
+           'after each change of the pushing angle settles over a longer or shorter distance.'),
+    _study(Mismatch('T3.6', 'supports', 'the positions of the support points',
+                    'support points further apart [%]', ('supports_ahead', 'supports_aside'),
+                    _moved_supports),
+           'Support points {most:.0%} further apart or closer than planned cost {slow:.0f} mm at '
+           '{low} m/s and {fast:.0f} mm at {high} m/s; all moved ahead by as much cost '
+           '{ahead:.0f} mm, all moved aside {aside:.2f} mm.',
+           'The spread of the support points along the push determines how much the box rotates '
+           'at a pushing angle, at any speed; support points that are moved as a whole carry '
+           'other loads, which keep the centre of friction under the centre of mass.'),
+    _study(Mismatch('T3.7', 'imbalance', 'the centre of friction (rough on the left, smooth on '
+                    'the right)', 'more friction left, less right [%]', ('mass',), _against_mass),
+           'With {least:.0%} more friction on the left and less on the right, which moves the '
+           'centre of friction by {shift:.0f} mm, a point that senses the contact normal misses '
+           'by {sensing:.0f} mm at {middle} m/s, and at any speed by at least {ratio:.0f} times '
+           'as much as for {most:.0%} of mass; an open-loop wide robot misses by {wide:.0f} mm, '
+           'and an open-loop point loses the box.',
+           'A push beside the centre of friction rotates the box all the way, whatever the speed; '
+           'on a wide robot the box rolls only until the push passes through the centre of '
+           'friction again.'))

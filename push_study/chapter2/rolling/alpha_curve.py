@@ -1,0 +1,134 @@
+"""Alpha over a pushing location: computed and drawn with equilibria and basin of attraction."""
+
+import math
+from typing import Any, Callable
+
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+import numpy as np
+from push_model.analysis.pushing_location import force_alpha, PushingLocation
+from push_model.analysis.stability import equilibria, Equilibrium, tolerances
+from push_model.geometry import FloatArray
+from push_study.framework import plot_style
+from push_study.framework.study import Table
+
+# Chosen: number of arrows along a curve.
+ARROWS = 11
+# Chosen: a stability margin below this is rounding [m]; likewise an alpha [rad].
+NO_MARGIN = 1e-9
+# Name, marker fill and margin [m] of the kinds of equilibria.
+EquilibriumKind = tuple[str, Any, Callable[[float], bool]]
+KINDS: tuple[EquilibriumKind, ...] = (
+    ('stable', 'full', lambda margin: margin > NO_MARGIN),
+    ('marginal', 'left', lambda margin: abs(margin) <= NO_MARGIN),
+    ('unstable', 'none', lambda margin: margin < -NO_MARGIN))
+
+
+def middle_equilibrium(location: PushingLocation) -> Equilibrium:
+    """
+    Find the equilibrium that is nearest to the reference.
+
+    :param location: where the object is pushed.
+    :return: the equilibrium.
+    """
+    return min(equilibria(location), key=lambda equilibrium: abs(equilibrium.rotation))
+
+
+def compute_tables(location: PushingLocation, column: str, abscissa: FloatArray,
+                   rotations: FloatArray, abscissa_at: Callable[[Any], Any],
+                   contact_friction: float) -> dict[str, Table]:
+    """
+    Compute alpha, the equilibria, and the basin of attraction of the middle one.
+
+    :param location: where the object is pushed.
+    :param column: name of the abscissa, with its unit.
+    :param abscissa: values over which alpha is drawn, ascending, shape (n,).
+    :param rotations: of the object there, from the reference [rad], shape (n,).
+    :param abscissa_at: maps a rotation to the abscissa.
+    :param contact_friction: mu_c; infinite for a contact that never slides.
+    :return: tables ``alpha``, ``equilibria`` and ``basin``, as in ``Outcome``.
+    """
+    cone = math.atan(contact_friction)
+    # Where the contact slides, the push is no longer imposed at C and alpha = 0 means nothing.
+    shown = [equilibrium for equilibrium in equilibria(location)
+             if abscissa[0] <= abscissa_at(equilibrium.rotation) <= abscissa[-1]
+             and abs(equilibrium.rho) <= cone]
+    middle = middle_equilibrium(location)
+    edges = sorted((float(abscissa_at(middle.rotation + tolerance.rotation)), tolerance.limit)
+                   for tolerance in tolerances(location, middle, contact_friction)
+                   if tolerance.rotation)
+    force = force_alpha(location, rotations, contact_friction)
+    alpha = location.alpha(rotations)
+    return {'alpha': {column: abscissa, 'alpha_rad': alpha, 'force_alpha_rad': force,
+                      'rolls': (force == alpha).astype(int)},
+            'equilibria': {column: [float(abscissa_at(equilibrium.rotation))
+                                    for equilibrium in shown],
+                           'margin_m': [equilibrium.margin for equilibrium in shown]},
+            'basin': {column: [edge for edge, _ in edges],
+                      'limit': [limit for _, limit in edges]}}
+
+
+def draw(axes: Axes, tables: dict[str, Table], column: str, label: str) -> None:
+    """
+    Draw alpha with arrows for the sense of rotation, the equilibria and the basin.
+
+    The curve is solid where the contact rolls, dashed where it slides.
+
+    :param axes: to draw on.
+    :param tables: of ``compute_tables``.
+    :param column: name of the abscissa.
+    :param label: of the abscissa.
+    """
+    table, edges = tables['alpha'], tables['basin'][column]
+    abscissa, alpha, rolls = table[column], table['alpha_rad'], table['rolls'] == 1
+    handles: list[Any] = []
+    if edges:
+        axes.axvspan(*edges, color=plot_style.REGION, linewidth=0.0, zorder=0.5)
+        handles.append(Patch(color=plot_style.REGION, label='returns from here'))
+    axes.axhline(0.0, color=plot_style.GREY, linewidth=0.8)
+    for where, dashes, name in ((rolls, '-', 'rolls'), (~rolls, plot_style.DASHED, 'slides')):
+        line, = axes.plot(abscissa, plot_style.split_where(where, alpha),
+                          color=plot_style.STABLE, linestyle=dashes, label=f'contact {name}')
+        if not rolls.all():
+            handles.append(line)
+    handles += _draw_equilibria(axes, tables['equilibria'], column)
+    axes.set_xlabel(label)
+    axes.set_ylabel('$\\alpha$ [rad]; above 0: clockwise'
+                    + ('' if rolls.all() else ' while rolling'))
+    axes.set_xlim(abscissa[0], abscissa[-1])
+    _draw_arrows(axes, table, column, tables['equilibria'][column])
+    axes.legend(handles=handles, loc='lower left', bbox_to_anchor=(0.0, 1.0), ncols=4,
+                borderaxespad=0.2, columnspacing=1.4, handletextpad=0.6)
+
+
+def _draw_equilibria(axes: Axes, table: Table, column: str) -> list[Line2D]:
+    """Mark the equilibria on the axis; return the legend entries."""
+    handles: list[Line2D] = []
+    for name, fill, belongs in KINDS:
+        places = [place for place, margin in zip(table[column], table['margin_m'])
+                  if belongs(margin)]
+        style: dict[str, Any] = {'marker': 'o', 'markersize': 7.0, 'fillstyle': fill,
+                                 'linestyle': 'none',
+                                 'color': (plot_style.UNSTABLE if fill == 'none'
+                                           else plot_style.STABLE),
+                                 'markerfacecoloralt': 'white', 'markeredgewidth': 1.5}
+        if places:
+            axes.plot(places, np.zeros(len(places)), zorder=4, clip_on=False, **style)
+            handles.append(Line2D([], [], label=f'{name} equilibrium', **style))
+    return handles
+
+
+def _draw_arrows(axes: Axes, table: Table, column: str, marks: list[float]) -> None:
+    """Draw the sense of rotation along the curve, except at rest and near the marks."""
+    abscissa, alpha, force = table[column], table['alpha_rad'], table['force_alpha_rad']
+    height, width = np.ptp(alpha), abscissa[-1] - abscissa[0]
+    axes.set_ylim(alpha.min() - 0.2 * height, alpha.max() + 0.2 * height)
+    steepness = np.hypot(1.0, np.gradient(alpha, abscissa) * width / height)
+    for index in np.linspace(0, len(abscissa) - 1, 2 * ARROWS + 1).astype(int)[1::2]:
+        near = any(abs(abscissa[index] - mark) < 0.035 * width for mark in marks)
+        if not near and abs(force[index]) > NO_MARGIN:
+            # Beside the curve, away from the axis, so that they hide neither.
+            beside = math.copysign(min(0.12, 0.065 * steepness[index]) * height, alpha[index])
+            plot_style.rotation_arrow(axes, abscissa[index], alpha[index] + beside,
+                                      clockwise=bool(force[index] > 0.0), size=8.0)

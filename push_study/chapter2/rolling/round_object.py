@@ -1,0 +1,143 @@
+"""A round object on a round robot: alpha over rho, the centre of friction on its axis or not."""
+
+import math
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+import numpy as np
+from push_model.analysis.pushing_location import PushingLocation
+from push_study.chapter2.rolling import alpha_curve
+from push_study.framework.parameters import Parameter, Values
+from push_study.framework.study import Compute, Finding, Outcome, RunJobs, Study
+
+# Chosen: smooth curves; odd, so that rho = 0 is among the samples.
+SAMPLES = 601
+ORIGINS = ('centre', 'contact')
+DISTANCE_ORIGIN = Parameter('distance_from', '', 'point from which r_fc is measured: centre (of '
+                            'curvature of the object) or contact')
+RETURNS = ('Inside the shaded band the arrows rotate the object back to rho = 0; the band ends at '
+           '{edge:.3f} rad on either side, at the unstable equilibria.')
+ROLLS = ('At rho = 0 the centre of friction is {arm:.2f} m ahead of the contact, less than the '
+         'effective radius of {effective:.2f} m, so that the contact rolls further than the '
+         'centre of friction swings')
+
+
+class FromContact(NamedTuple):
+    """
+    Position of the centre of friction, seen from the contact.
+
+    :param ahead: along the normal [m].
+    :param aside: along the tangent, to the left [m].
+    """
+
+    ahead: float
+    aside: float
+
+
+def friction_center_from_contact(values: Values) -> FromContact:
+    """
+    Find the centre of friction at the reference, where the push is along the normal.
+
+    The captions leave open from where r_fc is measured; for beta = pi the centre of friction is on
+    the line from the contact to the centre of curvature either way, and beta below pi moves it to
+    the left.
+
+    :param values: with object_radius, center_distance, beta and distance_from.
+    :return: its position.
+    :raises ValueError: for another origin.
+    """
+    if values.distance_from not in ORIGINS:
+        raise ValueError(f'distance_from: got {values.distance_from!r}, expected one of '
+                         f'{", ".join(ORIGINS)}')
+    along = values.center_distance * math.cos(values.beta)
+    aside = values.center_distance * math.sin(values.beta)
+    if values.distance_from == 'centre':
+        return FromContact(values.object_radius + along, aside)
+    return FromContact(-along, aside)
+
+
+def compute(values: Values, _: RunJobs) -> Outcome:
+    """Compute alpha over the pushing angle for a contact that never slides."""
+    return _compute(values, math.inf)
+
+
+def compute_with_sliding(values: Values, _: RunJobs) -> Outcome:
+    """Compute alpha over the pushing angle with the friction of the contact."""
+    return _compute(values, values.contact_friction)
+
+
+def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
+    """Draw alpha over rho."""
+    alpha_curve.draw(figure.subplots(), outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
+
+
+def _compute(values: Values, contact_friction: float) -> Outcome:
+    location = PushingLocation(values.robot_radius, values.object_radius,
+                               *friction_center_from_contact(values))
+    rho = np.linspace(-values.max_rho, values.max_rho, SAMPLES)
+    tables = alpha_curve.compute_tables(location, 'rho_rad', rho, location.rotation_at(rho),
+                                        location.rho, contact_friction)
+    middle = alpha_curve.middle_equilibrium(location)
+    low, high = tables['basin']['rho_rad'] or (middle.rho, middle.rho)
+    force = tables['alpha']['force_alpha_rad']
+    turns_away = rho[(rho > high) & (force > 0.0)]
+    return Outcome(tables, {
+        'equilibrium': Finding(middle.rho, 'rad', 'pushing angle of the middle equilibrium'),
+        'margin': Finding(middle.margin, 'm', 'stability margin R_e cos(rho) - h'),
+        'low': Finding(low, 'rad', 'lower end of the basin'),
+        'edge': Finding(high, 'rad', 'upper end of the basin'),
+        'back': Finding(turns_away.min(initial=rho[-1]), 'rad', 'pushing angle from which the '
+                        'object rotates away'),
+        'arm': Finding(middle.arm, 'm', 'distance from contact to centre of friction there'),
+        'effective': Finding(location.rolling[1], 'm', 'effective radius')})
+
+
+class Geometry(NamedTuple):
+    """
+    What the caption of a figure states.
+
+    :param robot_radius: r_pc [m].
+    :param center_distance: r_fc [m].
+    :param beta: direction of the centre of friction from the normal [rad].
+    """
+
+    robot_radius: float
+    center_distance: float
+    beta: float
+
+
+def _study(figure: str, title: str, geometry: Geometry, observation: str, explanation: str, *,
+           more_parameters: tuple[Parameter, ...] = (), function: Compute = compute) -> Study:
+    return Study(figure, title, (
+        Parameter('robot_radius', 'm', 'radius of the robot, r_pc', geometry.robot_radius),
+        Parameter('object_radius', 'm', 'radius of the object at the contact, r_sc', 0.2),
+        Parameter('center_distance', 'm', 'distance of the centre of friction, r_fc',
+                  geometry.center_distance),
+        Parameter('beta', 'rad', 'direction of the centre of friction from the normal',
+                  geometry.beta),
+        *more_parameters, DISTANCE_ORIGIN,
+        Parameter('max_rho', 'rad', 'range of the pushing angle that is drawn')),
+        function, draw, observation, explanation)
+
+
+STUDIES = (
+    _study('2.6', 'Round object on a round robot', Geometry(0.5, 0.1, math.pi), RETURNS,
+           ROLLS + '.'),
+    _study('2.7', 'Round object on a large round robot', Geometry(2.0, 0.15, math.pi), RETURNS,
+           ROLLS + '; rho changes little, as the normal of a large robot hardly rotates with '
+           'the object.'),
+    _study('2.8', 'Round object on a round robot, with sliding', Geometry(0.5, 0.1, math.pi),
+           'The push leaves the friction cone at {edge:.3f} rad, where rolling ends and sliding '
+           'begins (dashed); the arrows still rotate the object back up to {back:.2f} rad, long '
+           'after alpha has changed its sign.',
+           'The force cannot leave the cone: it stays on the edge of the cone, and passes the '
+           'centre of friction on the side that rotates the object back.',
+           more_parameters=(Parameter('contact_friction', '',
+                                      'friction coefficient at the contact', 0.5),),
+           function=compute_with_sliding),
+    _study('2.14', 'Centre of friction off the axis', Geometry(0.5, 0.085, 2.9),
+           'The stable equilibrium has moved to rho = {equilibrium:.2f} rad, and its basin is '
+           'asymmetric: from {low:.2f} to {edge:.2f} rad.',
+           'The centre of friction lies to the left of the normal, so that a push along the '
+           'normal rotates the object counter-clockwise until the push passes through the centre '
+           'of friction.'))

@@ -1,0 +1,100 @@
+"""What a higher speed does to the push and the contact force where nothing limits them."""
+
+import math
+from typing import Any
+
+from matplotlib.figure import Figure
+import numpy as np
+from push_planner.plan import Plan
+from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
+from push_study.chapter3.friction_cone import PARAMETERS
+from push_study.chapter3.setup import draw_inputs, input_table, push_problem
+from push_study.framework import plot_style
+from push_study.framework.parameters import Parameter, Values
+from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
+from scipy.optimize import brentq
+
+# Chosen: resolution of the speed at which the push leaves the cone [m/s].
+SPEED_RESOLUTION = 1e-3
+COLUMNS = ('speed_m_s', 'push_rad', 'force_rad', 'first_touch_rad')
+
+
+def compute(values: Values, _: RunJobs) -> Outcome:
+    """Plan the push at each speed without any limit on its angle."""
+    cone = math.atan(values.contact_friction)
+    tables: dict[str, Table] = {}
+    rows: list[tuple[float, ...]] = []
+    for speed in values.speeds:
+        found = _unlimited_plan(values, speed)
+        inputs, first_touch = input_table(found), found.switches[0]
+        tables[f'inputs_{speed:g}'] = inputs
+        impulse_angle = math.atan2(first_touch.tangential_impulse, first_touch.normal_impulse)
+        rows.append((speed, float(np.abs(inputs['rho_rad']).max()),
+                     cone * verify(found).friction_usage, abs(impulse_angle)))
+    table = tables['steepest'] = dict(zip(COLUMNS, map(np.array, zip(*rows))))
+    return Outcome(tables, {
+        'cone': Finding(cone, 'rad', 'half-angle of the friction cone'),
+        'leaves': Finding(_leaving_speed(values, cone), 'm/s', 'speed above which the push leaves '
+                          'the cone'),
+        'slowest': Finding(float(table['push_rad'][0]), 'rad', 'greatest pushing angle at the '
+                           'lowest speed'),
+        'fastest': Finding(float(table['push_rad'][-1]), 'rad', 'the same at the highest speed'),
+        'friction_slowest': Finding(math.tan(table['force_rad'][0]), '', 'contact friction that '
+                                    'the force needs at the lowest speed'),
+        'friction_fastest': Finding(math.tan(table['force_rad'][-1]), '', 'the same at the '
+                                    'highest speed')})
+
+
+def _unlimited_plan(values: Values, speed: float) -> Plan:
+    return plan_push(push_problem(values, speed, values.segments, angle_limit='none',
+                                  cone_margin=1.0))
+
+
+def _leaving_speed(values: Values, cone: float) -> float:
+    """Find the speed at which the greatest angle is that of the cone [m/s]; 0 where none is."""
+    def excess(speed: float) -> float:
+        angles = np.array(_unlimited_plan(values, speed).pushing_angles)
+        return float(np.abs(angles).max()) - cone
+
+    low, high = values.speeds[0], values.speeds[-1]
+    if excess(low) * excess(high) > 0.0:
+        return 0.0
+    speed: Any = brentq(excess, low, high, xtol=SPEED_RESOLUTION)
+    return float(speed)
+
+
+def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
+    """Draw inputs, and the steepest angles over the speed."""
+    left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
+    cone = outcome.findings['cone'].value
+    left.axhspan(-cone, cone, color=plot_style.REGION, linewidth=0.0, zorder=0.5)
+    # Every second one, as neighbours hide one another.
+    for number, speed in enumerate(values.speeds[::2]):
+        draw_inputs(left, outcome.tables[f'inputs_{speed:g}'], label=f'{speed:g} m/s',
+                    **plot_style.series(number))
+    left.legend(loc='lower right')
+    table = outcome.tables['steepest']
+    right.axhspan(0.0, cone, color=plot_style.REGION, linewidth=0.0, zorder=0.5,
+                  label='friction cone')
+    for number, (name, label) in enumerate((('push', 'push'), ('force', 'contact force'),
+                                            ('first_touch', 'impulse of first touch'))):
+        right.plot(table['speed_m_s'], table[f'{name}_rad'], label=label,
+                   **plot_style.series(number))
+    right.set_xlim(0.0, values.speeds[-1])
+    right.set_ylim(0.0, 1.15 * max(table['push_rad']))
+    right.set_xlabel('speed [m/s]')
+    right.set_ylabel('greatest angle to the normal [rad]')
+    right.legend(loc='upper left')
+
+
+STUDIES = (
+    Study('3.7', 'Raising the velocity where the pushing angle is not limited',
+          (*PARAMETERS, Parameter('speeds', 'm/s', 'speeds of the contact')),
+          compute, draw,
+          'The greatest pushing angle grows from {slowest:.2f} rad to {fastest:.2f} rad and '
+          'leaves the friction cone above {leaves:.2f} m/s; the force stays in it, but the '
+          'friction that it needs grows from {friction_slowest:.2f} to {friction_fastest:.2f}.',
+          'The faster the push, the more inertia resists the rotation, and the further from the '
+          'centre of friction it must aim; the force is less inclined, as the centre of friction '
+          'does not move sideways as much as the contact.'),)

@@ -1,0 +1,145 @@
+"""Run studies: compute what is not there yet, draw it, write its files."""
+
+from pathlib import Path
+from typing import Any, Callable, NamedTuple, Sequence
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from push_scenario.batch.batch import run_batch
+from push_study.framework import plot_style
+from push_study.framework.files import stamp_of, StudyFiles
+from push_study.framework.parameters import ChosenValues, Overrides, Values
+from push_study.framework.study import Finding, Outcome, Record, Study
+
+# Chosen: fewer jobs than this are done before other processes have started (about a second).
+MIN_JOBS_FOR_WORKERS = 200
+
+
+class StudyResult(NamedTuple):
+    """
+    A finished study.
+
+    :param study: which.
+    :param findings: name -> ``Finding``.
+    :param files: where its files are.
+    :param is_cached: whether it had been computed before, with the same parameters and source.
+    """
+
+    study: Study
+    findings: dict[str, Finding]
+    files: StudyFiles
+    is_cached: bool
+
+
+class StudyRunner:
+    """
+    Runs studies into a folder.
+
+    :param folder: where files go; made if need be.
+    :param chosen: values that captions leave open, as of ``read_chosen_values``.
+    :param overrides: parameter name -> value that counts before all others.
+    :param workers: number of processes; None for one per core.
+    :param scheduler: address of a Dask cluster to run on instead, or None.
+    :param on_progress: called with (finished jobs, all jobs) while a study runs a batch.
+    """
+
+    def __init__(self, folder: Path, chosen: ChosenValues, overrides: Overrides | None = None, *,
+                 workers: int | None = None, scheduler: str | None = None,
+                 on_progress: Callable[[int, int], None] | None = None) -> None:
+        self._folder = folder
+        self._chosen = chosen
+        self._overrides = overrides or {}
+        self._workers = workers
+        self._scheduler = scheduler
+        self._on_progress = on_progress
+
+    def run(self, study: Study) -> StudyResult:
+        """
+        Run one study, unless its files are there for the same parameters and source.
+
+        A batch that was interrupted goes on where it was.
+
+        :param study: which.
+        :return: its result.
+        :raises ValueError: where a parameter does not fit.
+        :raises RuntimeError: where a job of its batch fails.
+        """
+        values = study.values(self._chosen, self._overrides)
+        stamp = stamp_of(study, values)
+        files = StudyFiles(study, self._folder)
+        findings = files.read_findings(stamp)
+        if findings is not None:
+            return StudyResult(study, findings, files, is_cached=True)
+        self._folder.mkdir(parents=True, exist_ok=True)
+        batches: list[Path] = []
+
+        def run_jobs(function: Callable[[Any], Record], jobs: Sequence[Any]) -> Sequence[Record]:
+            batches.append(files.batch_path(stamp, len(batches)))
+            return self._run_batch(function, jobs, batches[-1])
+
+        outcome = study.compute(values, run_jobs)
+        save_figure(study, outcome, values, files)
+        files.write(stamp, outcome)
+        _remove_batches(batches)
+        return StudyResult(study, outcome.findings, files, is_cached=False)
+
+    def _run_batch(self, function: Callable[[Any], Record], jobs: Sequence[Any],
+                   path: Path) -> Sequence[Record]:
+        workers = 1 if len(jobs) < MIN_JOBS_FOR_WORKERS else self._workers
+        result = run_batch(function, jobs, path, workers, self._scheduler, self._on_progress)
+        if result.errors:
+            number, error = next(iter(result.errors.items()))
+            raise RuntimeError(f'job {number}, {jobs[number]}: {error}')
+        return result.records
+
+
+def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any]) -> Sequence[Record]:
+    """
+    Run jobs one after the other, in memory; for ``compute`` without a runner.
+
+    :param function: of one job.
+    :param jobs: plain values.
+    :return: the record of each job.
+    """
+    return [function(job) for job in jobs]
+
+
+def draw_figure(study: Study, outcome: Outcome, values: Values) -> Figure:
+    """
+    Draw a study; to be called within ``plot_style.applied``.
+
+    :param study: which.
+    :param outcome: what it computed.
+    :param values: of its parameters.
+    :return: figure with an Agg canvas.
+    """
+    figure = Figure(figsize=study.size, layout='constrained')
+    FigureCanvasAgg(figure)
+    study.draw(figure, outcome, values)
+    plot_style.annotate(figure, study, values)
+    return figure
+
+
+def save_figure(study: Study, outcome: Outcome, values: Values, files: StudyFiles) -> None:
+    """
+    Draw a study and save the figure as PNG and SVG.
+
+    :param study: which.
+    :param outcome: what it computed.
+    :param values: of its parameters.
+    :param files: where it goes.
+    """
+    with plot_style.applied():
+        figure = draw_figure(study, outcome, values)
+        # Without date and software, so that the same study gives the same bytes.
+        figure.savefig(files.svg, metadata={'Date': None})
+        figure.savefig(files.png, dpi=plot_style.DPI, metadata={'Software': None})
+
+
+def _remove_batches(batches: Sequence[Path]) -> None:
+    """Remove the files of finished batches, and their folder if nothing else is in it."""
+    for path in batches:
+        path.unlink()
+        path.with_suffix('.csv').unlink()
+    if batches and not any(batches[0].parent.iterdir()):
+        batches[0].parent.rmdir()

@@ -1,0 +1,39 @@
+"""The catalogue lists every study once, in the order of the thesis."""
+
+from push_study import catalogue
+from push_study.framework.parameters import read_chosen_values
+from push_study.maps import drive_map, object_map, stable_regions
+import pytest
+
+
+def test_studies_are_in_the_order_of_the_thesis():
+    figures = [study.figure for study in catalogue.studies()]
+    assert len(set(figures)) == len(figures)
+    # The tables of a chapter come after its figures.
+    assert figures == sorted(figures, key=lambda text: (
+        int(text.lstrip('T').split('.')[0]), text[0] == 'T', int(text.split('.')[1])))
+
+
+def test_studies_are_selected_by_number_chapter_or_all_of_them():
+    assert [study.figure for study in catalogue.select(['2.13', '2.11'])] == ['2.11', '2.13']
+    assert {study.chapter for study in catalogue.select(['chapter4'])} == {'chapter4'}
+    assert catalogue.select(['all']) == catalogue.studies()
+    with pytest.raises(ValueError, match='2.99.*expected all, chapter2'):
+        catalogue.select(['2.99'])
+
+
+def test_every_value_of_the_table_is_used():
+    """Nothing in config/studies.yaml is for a figure or a parameter that does not exist."""
+    known = {study.figure: {parameter.name for parameter in study.parameters
+                            if parameter.captioned is None} for study in catalogue.studies()}
+    known[object_map.NAME] = {parameter.name for parameter in stable_regions.PARAMETERS}
+    known[drive_map.NAME] = {parameter.name for parameter in drive_map.PARAMETERS}
+    for figure, section in read_chosen_values().items():
+        names = set().union(*known.values()) if figure == 'all' else known[figure]
+        assert set(section) <= names, figure
+
+
+@pytest.mark.parametrize('study', catalogue.studies(), ids=lambda study: study.figure)
+def test_every_parameter_of_a_study_has_a_value(study):
+    values = study.values(read_chosen_values())
+    assert [value.parameter for value in values] == list(study.parameters)
