@@ -46,5 +46,5 @@ STUDIES = (Study('2.9', 'Round object on a flat pusher', (
     'The object rolls back from any displacement below {edge:.2f} m, which is half a revolution: '
     'there, with the centre of friction furthest ahead, is the only unstable equilibrium.',
     'The normal of a flat pusher does not rotate; the centre of friction, {arm:.2f} m ahead of '
-    'the contact, lies in front of the centre of curvature and behaves like the weight of a '
-    'roly-poly toy.'),)
+    'the contact, lies between the contact and the centre of curvature and behaves like the '
+    'weight of a roly-poly toy.'),)
