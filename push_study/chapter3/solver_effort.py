@@ -29,8 +29,7 @@ def solver_work(found: Plan) -> int:
     problem, steps = found.problem, found.report['segments']
     dimensions = Dimensions(problem.kind, len(problem.obj.supports), steps, True, False,
                             problem.settings.heading_free)
-    unknowns = dimensions.width * dimensions.steps + dimensions.states
-    return found.report['iterations'] * unknowns
+    return found.report['iterations'] * dimensions.variable_count
 
 
 def asymmetry(found: Plan) -> float:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from push_scenario.batch.store import software_digest
+from push_scenario.batch.identity import software_digest
 from push_scenario.definition import data
 from push_study.framework.parameters import Values
 from push_study.framework.study import Finding, Outcome, Study, Table

@@ -86,7 +86,8 @@ class StudyRunner:
     def _run_batch(self, function: Callable[[Any], Record], jobs: Sequence[Any],
                    path: Path) -> Sequence[Record]:
         workers = 1 if len(jobs) < MIN_JOBS_FOR_WORKERS else self._workers
-        result = run_batch(function, jobs, path, workers, self._scheduler, self._on_progress)
+        result = run_batch(function, jobs, path, workers=workers, scheduler=self._scheduler,
+                           progress=self._on_progress)
         if result.errors:
             number, error = next(iter(result.errors.items()))
             raise RuntimeError(f'job {number}, {jobs[number]}: {error}')

@@ -83,8 +83,8 @@ def test_an_interrupted_study_continues(tmp_path, monkeypatch):
     """What a batch has done is not done again; at the end nothing unfinished is left."""
     progress = []
 
-    def interrupted(function, jobs, out, *rest):
-        run_batch(function, jobs, out, *rest)
+    def interrupted(function, jobs, out, **options):
+        run_batch(function, jobs, out, **options)
         lines = out.read_text().splitlines(keepends=True)
         out.write_text(''.join(lines[:-1]))
         raise KeyboardInterrupt
