@@ -1,12 +1,20 @@
-"""Diagnostics: what a node does, said when it changes and once a second."""
+"""Diagnostics: what a node does, published when it changes and once a second."""
+
+from typing import Any, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
 
-OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+OK = DiagnosticStatus.OK
+WARN = DiagnosticStatus.WARN
+ERROR = DiagnosticStatus.ERROR
+# Time after which a status is published again [s], as diagnostic tools expect it.
 PERIOD = 1.0
-# Key of the value that tells that a node has a map.
+# Keys of values that programs read: whether a node has a map, and the ``PlanFailure`` for which
+# there is no plan.
 HAS_MAP = 'has_map'
+FAILURE = 'failure'
 
 
 class Reporter:
@@ -17,21 +25,24 @@ class Reporter:
     :param publisher: its publisher of ``DiagnosticArray``.
     """
 
-    def __init__(self, node, publisher):
-        self._name, self._publisher, self._logger = node.get_name(), publisher, node.get_logger()
-        self._last = None
-        # On the wall clock, so that whoever listens late hears of it, even while time is held.
+    def __init__(self, node: Node, publisher: Any) -> None:
+        self._name = node.get_name()
+        self._logger = node.get_logger()
+        self._publisher = publisher
+        self._last: tuple[bytes, str] | None = None
+        self._message: DiagnosticArray | None = None
+        # On the wall clock, so that late subscribers receive it, even while time is held.
         node.create_timer(PERIOD, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        self._message = None
 
-    def report(self, level, text, stamp, values=None, always=False):
+    def report(self, level: bytes, text: str, stamp: Any,
+               values: Mapping[str, Any] | None = None, always: bool = False) -> None:
         """
-        Say what the node does; published at once where level or text differ from the last.
+        Report what the node does; published at once where level or text differ from the last.
 
         :param level: ``OK``, ``WARN`` or ``ERROR``.
         :param text: one sentence.
         :param stamp: ``builtin_interfaces/Time`` to which it applies.
-        :param values: dict of names to anything that has a text.
+        :param values: names to anything that has a text.
         :param always: whether it is published at once in any case.
         """
         status = DiagnosticStatus(level=level, name=self._name, message=text)
@@ -44,12 +55,12 @@ class Reporter:
             self._log(level, text)
             self.publish()
 
-    def publish(self):
+    def publish(self) -> None:
         """Publish the last status again."""
         if self._message is not None:
             self._publisher.publish(self._message)
 
-    def _log(self, level, text):
+    def _log(self, level: bytes, text: str) -> None:
         # One call site each: rclpy ties a severity to the line that logs.
         if level == ERROR:
             self._logger.error(text)

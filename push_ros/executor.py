@@ -1,16 +1,53 @@
-"""Run a node until a signal comes, and end it cleanly."""
+"""
+Run a node until a signal comes, and end it cleanly.
+
+In lockstep, simulator and controller answer each other some thousand times a second, and every
+message through the rclpy executor costs more than the answer to it. So there are two groups of
+callbacks, and real-time subscriptions are polled while messages come thick and fast:
+
+    spin:  every BACKGROUND_PERIOD (BUSY_BACKGROUND_PERIOD while busy)
+             open the background group (services, plans, maps, clock) and spin the executor
+           else, a real-time message was polled     handle it; busy for BUSY_TIME
+           else, while busy                         poll again after POLL_PAUSE
+           else                                     wait in the executor for the next message
+                                                    or the next background period
+
+The periods are compared by ``python -m benchmarks.controller`` (timing of the exchange over DDS).
+"""
 
 import gc
 import signal
 import sys
 import time
+from types import FrameType
+from typing import Any, Callable, Sequence, TYPE_CHECKING
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
+
+if TYPE_CHECKING:
+    from push_ros.node import PushNode
+
+# Longest wait of background callbacks [s]: half a period of 10 to 50 Hz, at which a user or a
+# plan does not notice it.
+BACKGROUND_PERIOD = 0.02
+# The same while real-time messages come [s]: one opening costs about 1 ms, 1 % of this.
+BUSY_BACKGROUND_PERIOD = 0.1
+# Callbacks that are run at one opening: one of each kind that may be waiting.
+BACKGROUND_CALLBACKS = 4
+# Time after a real-time message during which the next one is polled for [s]: the period of
+# odometry at 50 Hz.
+BUSY_TIME = 0.02
+# Pauses after a message was handled, and between polls [s]: the other node needs about 0.3 ms for
+# its answer, and a sleep of 20 us takes about 80 us.
+FIRST_PAUSE = 1e-4
+POLL_PAUSE = 2e-5
+BAD_PARAMETER = 2
 
 
-def take_message(subscription):
+def take_message(subscription: Subscription) -> Any:
     """
     Take the next message of a subscription, as an executor would.
 
@@ -23,14 +60,7 @@ def take_message(subscription):
     return None if taken is None else taken[0]
 
 
-PATIENCE, BUSY_PATIENCE = 0.02, 0.1
-PATIENT_CALLBACKS = 4
-BUSY = 0.02
-FIRST_PAUSE, POLL_PAUSE = 1e-4, 2e-5
-BAD_PARAMETER = 2
-
-
-def run(make_node, arguments=None):
+def run(make_node: Callable[[], 'PushNode'], arguments: Sequence[str] | None = None) -> int:
     """
     Make a node, run it until SIGINT or SIGTERM, close it.
 
@@ -38,7 +68,7 @@ def run(make_node, arguments=None):
     :param arguments: command line; None for that of the process.
     :return: exit status: 0 after a signal, 2 where the node refuses a parameter.
     """
-    stop = _Stop()
+    stop = _StopSignal()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     try:
         try:
@@ -47,7 +77,7 @@ def run(make_node, arguments=None):
             print(f'refused to start: {error} (give parameters with --params-file; '
                   'config/push.yaml is an example)', file=sys.stderr)
             return BAD_PARAMETER
-        # What is there now stays: a full collection in the middle of a push takes 50 ms.
+        # Nothing of what exists now will be collected: a full collection takes 50 ms.
         gc.collect()
         gc.freeze()
         try:
@@ -61,53 +91,56 @@ def run(make_node, arguments=None):
     return 0
 
 
-def spin(node, stopped):
+def spin(node: 'PushNode', is_stopped: Callable[[], bool]) -> None:
     """
-    Run a node's callbacks: urgent ones at once, patient ones 10 to 50 times a second.
-
-    While urgent messages come thick and fast they are polled for; then the executor waits.
+    Run a node's callbacks: real-time ones at once, the others 10 to 50 times a second.
 
     :param node: the ``PushNode``.
-    :param stopped: takes nothing, tells whether to end.
+    :param is_stopped: takes nothing, tells whether to end.
     """
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    patient_due = busy_until = 0.0
-    while not stopped():
+    background_due = 0.0
+    busy_until = 0.0
+    while not is_stopped():
         now = time.monotonic()
-        if now >= patient_due:
-            node.background.opened = True
-            for _ in range(PATIENT_CALLBACKS):
-                executor.spin_once(timeout_sec=0.0)
-            node.background.opened = False
-            busy = now < busy_until
-            patient_due = time.monotonic() + (BUSY_PATIENCE if busy else PATIENCE)
+        if now >= background_due:
+            _run_background(node, executor)
+            period = BUSY_BACKGROUND_PERIOD if now < busy_until else BACKGROUND_PERIOD
+            background_due = time.monotonic() + period
         elif node.poll():
-            busy_until = now + BUSY
+            busy_until = now + BUSY_TIME
             time.sleep(FIRST_PAUSE)
         elif now < busy_until:
             time.sleep(POLL_PAUSE)
         else:
-            executor.spin_once(timeout_sec=max(0.0, min(PATIENCE, patient_due - now)))
+            executor.spin_once(timeout_sec=max(0.0, min(BACKGROUND_PERIOD, background_due - now)))
     executor.remove_node(node)
     executor.shutdown()
 
 
-class _Stop:
+def _run_background(node: 'PushNode', executor: SingleThreadedExecutor) -> None:
+    node.background.is_open = True
+    for _ in range(BACKGROUND_CALLBACKS):
+        executor.spin_once(timeout_sec=0.0)
+    node.background.is_open = False
+
+
+class _StopSignal:
     """Remembers that SIGINT or SIGTERM came."""
 
-    def __init__(self):
-        self._came = False
-        self._before = {number: signal.signal(number, self._remember)
-                        for number in (signal.SIGINT, signal.SIGTERM)}
+    def __init__(self) -> None:
+        self._has_come = False
+        self._former_handlers = {number: signal.signal(number, self._remember)
+                                 for number in (signal.SIGINT, signal.SIGTERM)}
 
-    def _remember(self, *_):
-        self._came = True
+    def _remember(self, number: int, frame: FrameType | None) -> None:
+        self._has_come = True
 
-    def __call__(self):
-        return self._came
+    def __call__(self) -> bool:
+        return self._has_come
 
-    def release(self):
+    def release(self) -> None:
         """Put the former handlers back."""
-        for number, handler in self._before.items():
+        for number, handler in self._former_handlers.items():
             signal.signal(number, handler)

@@ -1,45 +1,66 @@
-"""What the nodes share: parameters, topics by name, diagnostics, and two kinds of callbacks."""
+"""What the nodes share: parameters, topics by name, diagnostics, two groups of callbacks."""
+
+from typing import Any, Callable, NamedTuple, Sequence
 
 from push_ros.diagnostics import Reporter
 from push_ros.executor import take_message
-from push_ros.parameters import declare_parameters
+from push_ros.parameters import declare_parameters, Section
 from push_ros.topics import SERVICES, TOPICS
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.client import Client
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.service import Service
+from rclpy.subscription import Subscription
+
+
+class ServiceAnswer(NamedTuple):
+    """Answer to a Trigger service: whether it was done, and one sentence."""
+
+    success: bool
+    message: str
 
 
 class BackgroundGroup(MutuallyExclusiveCallbackGroup):
     """
     Callbacks that can wait a little: services, plans, the clock.
 
-    Every entity that an executor waits for costs time at every message, so ``run.spin`` opens
-    this group only now and then, and an exchange in lockstep takes half as long.
+    Every entity that an executor waits for costs time at every message, so that ``executor.spin``
+    opens this group only now and then.
     """
 
-    opened = True
+    is_open = True
 
-    def can_execute(self, entity):
+    def can_execute(self, entity: Any) -> bool:
         """
         Tell whether a callback may be run now.
 
         :param entity: the subscription, timer or service.
         """
-        return self.opened and super().can_execute(entity)
+        return self.is_open and super().can_execute(entity)
+
+
+class PolledSubscription(NamedTuple):
+    """A real-time subscription and its callback."""
+
+    subscription: Subscription
+    callback: Callable[[Any], None]
 
 
 class PushNode(Node):
     """
     A node with parameters from dataclasses, whose topics and services are those of the list.
 
-    Callbacks belong to ``background`` unless they are made with ``real_time=True``.
+    Callbacks belong to the group ``background`` unless they are made with ``real_time=True``.
 
     :param name: of the node.
     :param sections: (prefix with its dot, dataclass) sequence; the instances are ``settings``.
     :raises ValueError: naming the parameter that is unknown, missing or wrong.
     """
 
-    def __init__(self, name, sections):
-        self._polled = []
+    def __init__(self, name: str, sections: Sequence[Section]) -> None:
+        self._polled: list[PolledSubscription] = []
         self.background = BackgroundGroup()
         self.real_time = MutuallyExclusiveCallbackGroup()
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
@@ -47,11 +68,11 @@ class PushNode(Node):
         self.reporter = Reporter(self, self.publisher('diagnostics'))
 
     @property
-    def default_callback_group(self):
-        """Group of everything that rclpy makes for itself, and of what may wait."""
+    def default_callback_group(self) -> BackgroundGroup:
+        """Group of everything that rclpy makes by itself, and of what may wait."""
         return self.background
 
-    def publisher(self, topic, stamped=True):
+    def publisher(self, topic: str, stamped: bool = True) -> Publisher:
         """
         Make the publisher of a topic of the list.
 
@@ -61,7 +82,8 @@ class PushNode(Node):
         entry = TOPICS[topic]
         return self.create_publisher(entry.message_type(stamped), topic, entry.publish_qos)
 
-    def subscribe(self, topic, callback, real_time=False, stamped=True, qos=None):
+    def subscribe(self, topic: str, callback: Callable[[Any], None], *, real_time: bool = False,
+                  stamped: bool = True, qos: QoSProfile | None = None) -> Subscription:
         """
         Subscribe to a topic of the list.
 
@@ -77,59 +99,63 @@ class PushNode(Node):
             entry.message_type(stamped), topic, callback, qos or entry.subscribe_qos,
             callback_group=group)
         if real_time:
-            self._polled.append((subscription, callback))
+            self._polled.append(PolledSubscription(subscription, callback))
         return subscription
 
-    def poll(self):
-        """Handle an urgent message of each topic that has one; tell whether there was any."""
+    def poll(self) -> bool:
+        """Handle a message of each real-time topic that has one; tell whether there was any."""
         found = False
-        for subscription, callback in self._polled:
-            message = take_message(subscription)
+        for polled in self._polled:
+            message = take_message(polled.subscription)
             if message is not None:
                 found = True
-                callback(message)
+                polled.callback(message)
         return found
 
-    def serve_trigger(self, service, action):
+    def serve_trigger(self, service: str, action: Callable[[], ServiceAnswer]) -> Service:
         """
         Offer a Trigger service of the list.
 
         :param service: its name.
         :param action: takes nothing, returns (success, sentence).
         """
-        def answer(_, response):
+        def answer(_: Any, response: Any) -> Any:
             response.success, response.message = action()
             return response
-        return self.create_service(SERVICES[service][0], service, answer)
+        return self.create_service(SERVICES[service].type, service, answer)
 
-    def trigger_client(self, service):
+    def trigger_client(self, service: str) -> Callable[[], None]:
         """
-        Make what calls a Trigger service of another node, and does not wait for its answer.
+        Make a function that calls a Trigger service of another node without waiting for it.
 
         :param service: its name.
         :return: function of nothing.
         """
-        client = self.create_client(SERVICES[service][0], service)
-        return lambda: client.call_async(SERVICES[service][0].Request())
+        kind = SERVICES[service].type
+        client: Client = self.create_client(kind, service)
 
-    def close(self):
-        """Say good-bye: called once, while publishers still work."""
+        def call() -> None:
+            client.call_async(kind.Request())
+        return call
+
+    def close(self) -> None:
+        """Shut down: called once, while publishers are still valid."""
 
 
 class RateLimiter:
     """
-    Lets something happen at most so often in simulated or measured time.
+    Limits how often something happens, in simulated or measured time.
 
-    :param frequency: [Hz].
+    :param frequency: at most so often [Hz].
     """
 
-    def __init__(self, frequency):
+    def __init__(self, frequency: float) -> None:
         self._period = 1.0 / frequency
-        self._next = None
+        self._next: float | None = None
 
-    def due(self, time):
+    def due(self, time: float) -> bool:
         """
-        Tell whether it is time again, and if so count it as done.
+        Tell whether it is time, and if so count it as done.
 
         :param time: now [s]; where it runs backwards, it is time.
         """

@@ -1,12 +1,34 @@
-"""Parameter dataclasses as ROS parameters of a node, with descriptions and ranges."""
+"""
+Parameter dataclasses as ROS parameters of a node, with descriptions and ranges.
+
+Nested dataclasses become dotted names, tuples of dataclasses one list for each of their fields,
+and tuples of numbers flat lists:
+
+    PushedObject.mass                   object.mass                     3.0
+    PushedObject.supports[i].x          object.supports.x               [-0.1, 0.1]
+    PushedObject.outline[i] = (x, y)    object.outline                  [x_0, y_0, x_1, y_1, ...]
+"""
 
 import dataclasses
 import math
-import typing
+from typing import Any, get_args, get_origin, Mapping, Sequence, TypeVar
 
 from push_model.quantity import expectation, field_types, range_text
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.node import Node
 from rclpy.parameter import Parameter
+
+# Prefix of the names, with its dot, and the dataclass.
+Section = tuple[str, type[Any]]
+T = TypeVar('T')
+# What rclpy itself declares or understands.
+RCLPY_NAMES = ('use_sim_time', 'start_type_description_service')
+RCLPY_PREFIX = 'qos_overrides.'
+# That of int64, the type of ROS integers.
+LARGEST_INTEGER = 2 ** 63 - 1
+SCALARS = {bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parameter.Type.DOUBLE,
+           str: Parameter.Type.STRING}
+ARRAYS = {int: Parameter.Type.INTEGER_ARRAY, float: Parameter.Type.DOUBLE_ARRAY}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -17,21 +39,21 @@ class ParameterSpec:
     :param name: with dots.
     :param kind: bool, int, float, str, or a list of one of them, as ``list[float]``.
     :param default: its value where none is given; None where one must be given.
-    :param metadata: what ``quantity`` says of the field: description, unit, range.
+    :param metadata: of ``quantity``: description, unit, range.
     """
 
     name: str
-    kind: object
-    default: object
-    metadata: typing.Mapping
+    kind: Any
+    default: Any
+    metadata: Mapping[str, Any]
 
     @property
-    def expectation(self):
+    def expectation(self) -> str:
         """What the parameter accepts, in words."""
         return expectation(self.kind, self.metadata)
 
 
-def parameter_specs(cls, prefix=''):
+def parameter_specs(cls: type[Any], prefix: str = '') -> list[ParameterSpec]:
     """
     List the parameters of a dataclass.
 
@@ -40,26 +62,24 @@ def parameter_specs(cls, prefix=''):
     :return: ``ParameterSpec`` list.
     """
     hints = field_types(cls)
-    specs = []
+    specs: list[ParameterSpec] = []
     for field in dataclasses.fields(cls):
         kind, name, default = hints[field.name], prefix + field.name, _default(field)
-        item = _item(kind)
+        item = _item_type(kind)
         if dataclasses.is_dataclass(kind):
             specs += parameter_specs(kind, f'{name}.')
-        elif dataclasses.is_dataclass(item):
-            optional = default == ()
-            for spec in parameter_specs(item, f'{name}.'):
-                given = () if optional or spec.default is not None else None
-                specs.append(dataclasses.replace(spec, kind=list[spec.kind], default=given))
-        elif kind in (bool, int, float, str):
+        elif item is not None and dataclasses.is_dataclass(item):
+            specs += [_as_list(spec, is_optional=default == ())
+                      for spec in parameter_specs(item, f'{name}.')]
+        elif kind in SCALARS:
             specs.append(ParameterSpec(name, kind, default, field.metadata))
         else:
-            default = default if default is None else tuple(_flat(default))
-            specs.append(ParameterSpec(name, list[float], default, field.metadata))
+            numbers = None if default is None else tuple(_flattened(default))
+            specs.append(ParameterSpec(name, list[float], numbers, field.metadata))
     return specs
 
 
-def to_parameter_values(instance, prefix=''):
+def to_parameter_values(instance: Any, prefix: str = '') -> dict[str, Any]:
     """
     Flatten a dataclass instance; empty lists are left out.
 
@@ -67,101 +87,51 @@ def to_parameter_values(instance, prefix=''):
     :param prefix: put before the names, with its dot.
     :return: dict of names to numbers, texts and lists.
     """
-    values = {}
+    values: dict[str, Any] = {}
     for field in dataclasses.fields(instance):
         name, value = prefix + field.name, getattr(instance, field.name)
         if dataclasses.is_dataclass(value):
             values.update(to_parameter_values(value, f'{name}.'))
-        elif isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0]):
+        elif not isinstance(value, tuple):
+            values[name] = value
+        elif value and dataclasses.is_dataclass(value[0]):
             for part in dataclasses.fields(value[0]):
                 values[f'{name}.{part.name}'] = [getattr(item, part.name) for item in value]
-        elif isinstance(value, tuple):
-            values.update({name: _flat(value)} if value else {})
-        else:
-            values[name] = value
+        elif value:
+            values[name] = _flattened(value)
     return values
 
 
-def from_parameter_values(cls, values, prefix=''):
+def from_parameter_values(cls: type[T], values: Mapping[str, Any], prefix: str = '') -> T:
     """
     Make a dataclass instance of flat values.
 
     :param cls: the dataclass.
-    :param values: dict of names to values; others than its own are overlooked.
+    :param values: names to values; others than its own are ignored.
     :param prefix: put before the names, with its dot.
     :raises ValueError: naming the parameter, what came and what was expected.
     """
     hints = field_types(cls)
-    arguments = {}
+    arguments: dict[str, Any] = {}
     for field in dataclasses.fields(cls):
         kind, name = hints[field.name], prefix + field.name
+        item = _item_type(kind)
         if dataclasses.is_dataclass(kind):
             arguments[field.name] = from_parameter_values(kind, values, f'{name}.')
-        elif dataclasses.is_dataclass(_item(kind)):
-            arguments[field.name] = _items(_item(kind), values, f'{name}.')
+        elif item is not None and dataclasses.is_dataclass(item):
+            arguments[field.name] = _items(item, values, f'{name}.')
         elif name in values:
-            pairs = kind is tuple or typing.get_origin(_item(kind)) is tuple
-            arguments[field.name] = _pairs(name, values[name]) if pairs else values[name]
+            holds_pairs = kind is tuple or get_origin(item) is tuple
+            arguments[field.name] = _pairs(name, values[name]) if holds_pairs else values[name]
         elif _default(field) is None:
             raise ValueError(f'{name}: got nothing, expected {expectation(kind, field.metadata)}')
     try:
         return cls(**arguments)
     except ValueError as error:
-        raise ValueError(_renamed(str(error), cls, prefix)) from error
+        raise ValueError(_with_parameter_name(str(error), cls, prefix)) from error
 
 
-def _items(cls, values, prefix):
-    given = {field.name: values[prefix + field.name] for field in dataclasses.fields(cls)
-             if len(values.get(prefix + field.name, ()))}
-    counts = {prefix + name: len(column) for name, column in given.items()}
-    if len(set(counts.values())) > 1:
-        raise ValueError(', '.join(counts) + f': got lists of {list(counts.values())} numbers, '
-                         'expected lists of one length')
-    rows = [dict(zip(given, row)) for row in zip(*given.values())]
-    return tuple(from_parameter_values(cls, {prefix + name: value for name, value in row.items()}, prefix)
-                 for row in rows)
-
-
-def _pairs(name, numbers):
-    numbers = list(numbers) if hasattr(numbers, '__iter__') else [numbers]
-    if len(numbers) % 2:
-        raise ValueError(f'{name}: got {len(numbers)} numbers, expected pairs in a row')
-    return tuple(zip(numbers[::2], numbers[1::2]))
-
-
-def _renamed(text, cls, prefix):
-    start = f'{cls.__name__}.'
-    return prefix + text[len(start):] if text.startswith(start) else text
-
-
-def _default(field):
-    if field.default_factory is not dataclasses.MISSING:
-        return field.default_factory()
-    return None if field.default is dataclasses.MISSING else field.default
-
-
-def _item(kind):
-    arguments = typing.get_args(kind)
-    is_tuple = typing.get_origin(kind) is tuple
-    return arguments[0] if is_tuple and arguments and arguments[-1] is Ellipsis else None
-
-
-def _flat(value):
-    if isinstance(value, tuple):
-        return [number for item in value for number in _flat(item)]
-    return [value]
-
-
-# What rclpy itself declares or understands.
-OWN_NAMES = ('use_sim_time', 'start_type_description_service')
-OWN_PREFIX = 'qos_overrides.'
-LARGEST_INTEGER = 2 ** 63 - 1
-SCALARS = {bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parameter.Type.DOUBLE,
-           str: Parameter.Type.STRING}
-ARRAYS = {int: Parameter.Type.INTEGER_ARRAY, float: Parameter.Type.DOUBLE_ARRAY}
-
-
-def declare_parameters(node, sections):
+def declare_parameters(node: Node, sections: Sequence[Section]) -> list[Any]:
     """
     Declare the parameters of a node, read-only, and read them.
 
@@ -175,7 +145,7 @@ def declare_parameters(node, sections):
     """
     specs = [spec for prefix, cls in sections for spec in parameter_specs(cls, prefix)]
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
-             if parameter.type_ != Parameter.Type.NOT_SET and not _is_own(name)}
+             if parameter.type_ != Parameter.Type.NOT_SET and not _is_of_rclpy(name)}
     unknown = sorted(set(given) - {spec.name for spec in specs})
     if unknown:
         raise ValueError(f'{", ".join(unknown)}: got a parameter that {node.get_name()} does not '
@@ -186,7 +156,7 @@ def declare_parameters(node, sections):
     return instances
 
 
-def descriptor(spec):
+def descriptor(spec: ParameterSpec) -> ParameterDescriptor:
     """
     Make the ROS descriptor of a parameter.
 
@@ -209,11 +179,65 @@ def descriptor(spec):
     return result
 
 
-def _is_own(name):
-    return name in OWN_NAMES or name.startswith(OWN_PREFIX)
+def _as_list(spec: ParameterSpec, is_optional: bool) -> ParameterSpec:
+    """Turn the parameter of one item into that of all; without a default one must be given."""
+    default = () if is_optional or spec.default is not None else None
+    return dataclasses.replace(spec, kind=list[spec.kind], default=default)
 
 
-def _declare(node, spec, value):
+def _items(cls: type[T], values: Mapping[str, Any], prefix: str) -> tuple[T, ...]:
+    """Make a tuple of dataclass instances of lists, one list for each field."""
+    columns = {field.name: values[prefix + field.name] for field in dataclasses.fields(cls)
+               if len(values.get(prefix + field.name, ()))}
+    counts = {prefix + name: len(column) for name, column in columns.items()}
+    if len(set(counts.values())) > 1:
+        raise ValueError(', '.join(counts) + f': got lists of {list(counts.values())} numbers, '
+                         'expected lists of one length')
+    rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
+    return tuple(
+        from_parameter_values(cls, {prefix + name: value for name, value in row.items()}, prefix)
+        for row in rows)
+
+
+def _pairs(name: str, numbers: Any) -> tuple[tuple[float, float], ...]:
+    numbers = list(numbers) if hasattr(numbers, '__iter__') else [numbers]
+    if len(numbers) % 2:
+        raise ValueError(f'{name}: got {len(numbers)} numbers, expected pairs in a row')
+    return tuple(zip(numbers[::2], numbers[1::2]))
+
+
+def _with_parameter_name(text: str, cls: type[Any], prefix: str) -> str:
+    """Put the prefix of the parameters in place of the name of the dataclass in an error."""
+    start = f'{cls.__name__}.'
+    return prefix + text[len(start):] if text.startswith(start) else text
+
+
+def _default(field: 'dataclasses.Field[Any]') -> Any:
+    """Return the default of a field; None where there is none."""
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return None if field.default is dataclasses.MISSING else field.default
+
+
+def _item_type(kind: Any) -> Any:
+    """Return T of ``tuple[T, ...]``; None for all other types."""
+    arguments = get_args(kind)
+    if get_origin(kind) is tuple and arguments and arguments[-1] is Ellipsis:
+        return arguments[0]
+    return None
+
+
+def _flattened(value: Any) -> list[Any]:
+    if isinstance(value, tuple):
+        return [number for item in value for number in _flattened(item)]
+    return [value]
+
+
+def _is_of_rclpy(name: str) -> bool:
+    return name in RCLPY_NAMES or name.startswith(RCLPY_PREFIX)
+
+
+def _declare(node: Node, spec: ParameterSpec, value: Any) -> None:
     free = ParameterDescriptor(dynamic_typing=True)
     if node.has_parameter(spec.name):
         node.set_descriptor(spec.name, free)
@@ -226,8 +250,8 @@ def _declare(node, spec, value):
     node.set_descriptor(spec.name, descriptor(spec))
 
 
-def _parameter(spec, value):
-    item = (typing.get_args(spec.kind) or (None,))[0]
+def _parameter(spec: ParameterSpec, value: Any) -> Parameter:
+    item = (get_args(spec.kind) or (None,))[0]
     if item is not None:
         return Parameter(spec.name, ARRAYS[item], [item(number) for number in value])
     return Parameter(spec.name, SCALARS[spec.kind], spec.kind(value))

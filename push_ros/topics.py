@@ -1,6 +1,6 @@
-"""Topics and services of the nodes: the one list from which nodes and README are made."""
+"""Topics and services of the nodes: the one list from which nodes and documentation are made."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import (
@@ -8,12 +8,15 @@ from geometry_msgs.msg import (
 )
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from push_ros import qos
+from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-PLANNER, CONTROLLER, SIM = 'push_planner', 'push_controller', 'push_sim'
+PLANNER = 'push_planner'
+CONTROLLER = 'push_controller'
+SIM = 'push_sim'
 
 
 class Topic(NamedTuple):
@@ -28,20 +31,34 @@ class Topic(NamedTuple):
     :param description: what it carries.
     """
 
-    type: type
-    publishers: tuple
-    subscribers: tuple
-    publish_qos: object
-    subscribe_qos: object
+    type: type[Any]
+    publishers: tuple[str, ...]
+    subscribers: tuple[str, ...]
+    publish_qos: QoSProfile
+    subscribe_qos: QoSProfile
     description: str
 
-    def message_type(self, stamped=True):
+    def message_type(self, stamped: bool = True) -> 'type[Any]':
         """
-        Type of the messages.
+        Return the type of the messages.
 
-        :param stamped: what ``stamped_cmd_vel`` says; only commands have two types.
+        :param stamped: value of ``stamped_cmd_vel``; only commands have two types.
         """
         return Twist if self.type is TwistStamped and not stamped else self.type
+
+
+class Service(NamedTuple):
+    """
+    A service.
+
+    :param type: service type.
+    :param node: name of the node that offers it.
+    :param description: what it does.
+    """
+
+    type: type[Any]
+    node: str
+    description: str
 
 
 TOPICS = {
@@ -50,10 +67,10 @@ TOPICS = {
     'object_pose': Topic(PoseStamped, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
                          'measured object pose in the world frame'),
     'goal_pose': Topic(PoseStamped, (), (PLANNER, CONTROLLER), qos.EVENT, qos.EVENT,
-                       "wanted object pose; RViz's 2D Goal Pose"),
+                       "goal pose of the object; RViz's 2D Goal Pose"),
     'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
-                 'floor that object and robot keep to in a task; unknown cells and those of 50 or '
-                 'more are obstacles, as is all outside; latched'),
+                 'free floor for object and robot in a task; unknown cells and those of 50 or '
+                 'more are obstacles, as is everything outside; latched'),
     'push_request': Topic(
         JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
         'in a task: request for a plan, one point whose joint names say what each number is: x, y '
@@ -62,11 +79,11 @@ TOPICS = {
         'of the friction cone that the plan should use (cone_fraction); latched'),
     'push_plan': Topic(MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED,
                        qos.LATCHED, 'plan: joints object, contact and robot over time; the answer '
-                       'to a request has its stamp, and no points where there is no plan; '
-                       'latched'),
+                       'to a request has its stamp; where there is no plan it has no points, and '
+                       'the code of the reason for its only joint name; latched'),
     'planned_path': Topic(Path, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
-                          'way of the object in the plan, through all pushes of a chain, for '
-                          'viewers; latched'),
+                          'path of the object in the plan, through all pushes of a sequence, '
+                          'for viewers; latched'),
     'cmd_vel': Topic(TwistStamped, (CONTROLLER,), (SIM,), qos.COMMAND, qos.LATEST_COMMAND,
                      'velocity command in the axes of the robot, stamped with the measurement '
                      'that it answers; Twist where stamped_cmd_vel is false'),
@@ -83,12 +100,13 @@ TOPICS = {
 }
 
 SERVICES = {
-    'planner/replan': (Trigger, PLANNER, 'plan anew to the last goal, from the present '
-                       'motion'),
-    'controller/start': (Trigger, CONTROLLER, 'follow the plan, or begin the task, from now on'),
-    'controller/stop': (Trigger, CONTROLLER, 'stop the robot and stay stopped'),
-    'controller/pause': (Trigger, CONTROLLER, 'in a task: stand until controller/resume'),
-    'controller/resume': (Trigger, CONTROLLER, 'go on with the task'),
-    'sim/start': (Trigger, SIM, 'let simulated time run'),
-    'sim/reset': (Trigger, SIM, 'put everything back to the start and hold time there'),
+    'planner/replan': Service(Trigger, PLANNER,
+                              'plan again to the last goal, from the present motion'),
+    'controller/start': Service(Trigger, CONTROLLER,
+                                'follow the plan, or start the task, from now on'),
+    'controller/stop': Service(Trigger, CONTROLLER, 'stop the robot, until controller/start'),
+    'controller/pause': Service(Trigger, CONTROLLER, 'in a task: stand until controller/resume'),
+    'controller/resume': Service(Trigger, CONTROLLER, 'go on with the task'),
+    'sim/start': Service(Trigger, SIM, 'let simulated time run'),
+    'sim/reset': Service(Trigger, SIM, 'put everything back to the start and hold time there'),
 }

@@ -1,71 +1,88 @@
-"""One push: the controller's node follows the plan that there is."""
+"""Single push: the controller's node follows the newest plan."""
 
+from typing import Any
+
+from push_control.observation import Observation
 from push_control.push.controller import Controller
-from push_control.push.status import Phase
-from push_model.signals import STOP
-from push_ros.conversions.markers import GREY, plan_markers, scene_markers
+from push_control.push.status import ControllerStatus, Phase
+from push_control.ros.mode import ControllerParameters, Mode
+from push_model.geometry import Pose
+from push_model.signals import STOP, Twist
+from push_model.trajectory import PushTrajectory
+from push_ros.conversions.markers import GREY, MarkerHeader, plan_markers, scene_markers
 from push_ros.conversions.plan import from_plan_message
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
-from push_ros.node import RateLimiter
+from push_ros.node import PushNode, RateLimiter, ServiceAnswer
 
 LEVELS = {Phase.WAITING: WARN, Phase.FAILED: ERROR}
+# Most diagnostics and markers per second of measured time without a change [Hz]; chosen: enough to
+# follow a push by eye.
+REPORT_RATE = 1.0
+MARKER_RATE = 2.0
 
 
-class SinglePushMode:
-    """
-    What the controller's node does with one plan at a time.
+class SinglePushMode(Mode):
+    """Follows one plan at a time; goals and maps are those of the planner."""
 
-    ``awaits_plan``: never, a plan is taken when it comes.
-    """
+    required_topic = 'push_plan'
+    awaited = 'a plan'
+    stops_on_refused_plan = True
+    reports_events = False
+    awaits_plan = False
 
-    needs, awaited, awaits_plan = 'push_plan', 'a plan', False
-
-    def __init__(self, node, parts, frame, running):
+    def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
+                 autostart: bool) -> None:
         """
         Wait for a plan.
 
         :param node: the ``PushNode``.
-        :param parts: ``PushedObject`` as believed, ``RoundRobot``, ``ControlSettings``; what comes
-            behind is for tasks.
+        :param parameters: ``ControllerParameters``.
         :param frame: id of the world frame.
-        :param running: whether to follow a plan as soon as it comes.
+        :param autostart: whether to follow a plan as soon as it comes.
         """
-        self._parts, self._frame, self._reporter = parts[:2], frame, node.reporter
-        self._controller = Controller(*parts[:3])
-        self._running, self._target = running, None
-        self._markers, self._marker_rate = node.publisher('markers'), RateLimiter(2.0)
-        self._replan = node.trigger_client('planner/replan')
-        self._robot_pose, self._said, self._report_rate = None, None, RateLimiter(1.0)
+        self._object = parameters.object
+        self._robot = parameters.robot
+        self._frame = frame
+        self._reporter = node.reporter
+        # Unused here: a node has the topics of the list in every mode.
+        node.publisher('push_request')
+        self._markers = node.publisher('markers')
+        self._marker_rate = RateLimiter(MARKER_RATE)
+        self._request_replan = node.trigger_client('planner/replan')
+        self._controller = Controller(parameters.object, parameters.robot, parameters.control)
+        self._is_started = autostart
+        self._forget_plan()
 
     @property
-    def is_set(self):
+    def is_set(self) -> bool:
         """Whether there is a plan."""
         return self._target is not None
 
     @property
-    def is_active(self):
+    def is_active(self) -> bool:
         """Whether it follows a plan."""
-        return self._running and self.is_set
+        return self._is_started and self.is_set
 
-    def repeat(self):
-        """Say at the next measurement what it does, changed or not."""
-        self._said = None
-
-    def forget(self):
-        """Begin anew."""
+    def reset(self) -> None:
+        """Forget the plan and everything measured."""
         self._controller.reset()
-        self._target = self._robot_pose = self._said = None
-        self._report_rate = RateLimiter(1.0)
+        self._forget_plan()
 
-    def on_plan(self, message):
+    def _forget_plan(self) -> None:
+        self._target: PushTrajectory | None = None
+        self._robot_pose: Pose | None = None
+        self._reported: tuple[Phase, str] | None = None
+        self._report_rate = RateLimiter(REPORT_RATE)
+
+    def on_plan(self, message: Any) -> None:
         """
-        Take a plan.
+        Set the plan.
 
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
         :raises MessageRefused: where it cannot be used; there is none then.
         """
-        self._said = None
+        self.report_again()
         try:
             self._target = from_plan_message(message, self._frame)
         except MessageRefused:
@@ -73,33 +90,46 @@ class SinglePushMode:
             self._controller.reset()
             raise
         stamp = message.header.stamp
-        self._markers.publish(plan_markers(stamp, self._frame, self._target))
-        self._reporter.report(OK, 'has a plan' + ('' if self._running else
-                                                  ' and waits for controller/start'), stamp)
+        self._markers.publish(plan_markers(
+            MarkerHeader(stamp, self._frame, 'plan'), self._target))
+        waits = '' if self._is_started else ' and waits for controller/start'
+        self._reporter.report(OK, f'has a plan{waits}', stamp)
 
-    def on_goal(self, _):
-        """Leave a goal to the planner."""
+    def on_goal(self, message: Any) -> None:
+        """
+        Leave a goal to the planner.
 
-    def on_map(self, _):
-        """Leave obstacles to whoever gives the goal."""
+        :param message: not read.
+        """
 
-    def start(self):
-        """Begin to push."""
+    def on_map(self, message: Any) -> None:
+        """
+        Leave a map to the planner.
+
+        :param message: not read.
+        """
+
+    def start(self) -> None:
+        """Start to push."""
         self._controller.reset()
-        self._running, self._said = True, None
+        self._is_started = True
+        self.report_again()
 
-    def stop(self):
-        """Stay stopped."""
-        self._running, self._said = False, None
+    def stop(self) -> None:
+        """Stop, until ``start``."""
+        self._is_started = False
+        self.report_again()
         self._controller.reset()
 
-    def pause(self):
-        """Tell that only a task can be paused, as (success, sentence)."""
-        return False, 'is not at a task: the parameter task is false'
+    def pause(self) -> ServiceAnswer:
+        """Refuse: only a task can be paused."""
+        return ServiceAnswer(False, 'no task to pause: the parameter task is false')
 
-    resume = pause
+    def resume(self) -> ServiceAnswer:
+        """Refuse: only a task can be resumed."""
+        return ServiceAnswer(False, 'no task to resume: the parameter task is false')
 
-    def step(self, observation, dt):
+    def step(self, observation: Observation, dt: float) -> Twist:
         """
         Answer a measurement.
 
@@ -108,30 +138,35 @@ class SinglePushMode:
         :return: ``Twist``.
         """
         self._robot_pose = observation.odometry.pose
-        return self._controller.step(self._target, observation, dt) if self.is_active else STOP
+        if not self.is_active:
+            return STOP
+        return self._controller.step(self._target, observation, dt)
 
-    def report(self, stamp, time):
+    def report(self, stamp: Any, time: float) -> None:
         """
-        Report what has changed, and draw now and then.
+        Report what has changed, and draw markers now and then.
 
-        :param stamp: of the measurement.
+        :param stamp: ``builtin_interfaces/Time`` of the measurement.
         :param time: of the newest measurement [s].
         """
         status = self._controller.status
-        changed = (status.phase, status.reason) != self._said
-        due = self._report_rate.due(time)
-        if changed or due:
-            self._said = status.phase, status.reason
-            if changed and status.replan_requested:
-                self._replan()
+        has_changed = (status.phase, status.reason) != self._reported
+        if self._report_rate.due(time) or has_changed:
+            self._reported = status.phase, status.reason
+            if has_changed and status.replan_requested:
+                self._request_replan()
             text = status.reason or f'is {status.phase.value}'
             level = LEVELS.get(status.phase, OK if status.event is None else WARN)
             self._reporter.report(level, text, stamp, {'time': time, **status.values()})
         if self._marker_rate.due(time) and self._markers.get_subscription_count():
             self._draw(status, stamp)
 
-    def _draw(self, status, stamp):
+    def report_again(self) -> None:
+        """Report at the next measurement, changed or not."""
+        self._reported = None
+
+    def _draw(self, status: ControllerStatus, stamp: Any) -> None:
         if self._robot_pose is not None and status.phase in (Phase.PUSHING, Phase.WAITING):
             self._markers.publish(scene_markers(
-                stamp, self._frame, 'controller', *self._parts, status.object_pose,
-                self._robot_pose, GREY))
+                MarkerHeader(stamp, self._frame, 'controller'), self._object, self._robot,
+                status.object_pose, self._robot_pose, color=GREY))

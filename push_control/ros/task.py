@@ -1,179 +1,253 @@
-"""A task: the controller's node brings the object to its goal, with as many pushes as it takes."""
+"""Task: the controller's node pushes repeatedly until the object is at its goal."""
 
+from typing import Any
+
+from push_control.observation import Observation
+from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.task_report import TaskReporter
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
+from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.signals import ObjectPose, Twist
+from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import from_map_message
 from push_ros.conversions.measurements import from_object_pose_message
-from push_ros.conversions.plan import from_plan_message
+from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import exact_stamp, MessageRefused, NANOSECONDS, nanoseconds
+from push_ros.node import PushNode, ServiceAnswer
 
-NO_PLAN = 'the planner has found none, and says why on diagnostics'
-# A stamp farther ahead is of another clock [s].
+# A stamp farther ahead is of another clock [s]; chosen: longer than any task.
 LONGEST_AHEAD = 3600.0
 
 
-class TaskMode:
+class PlanRequester:
     """
-    What the controller's node does in a task; a ``Supervisor`` decides.
+    Publishes plan requests, each with a stamp of its own, and recognizes their answers.
 
-    A goal whose stamp is ahead of the measurements waits until then. ``awaits_plan``: whether a
-    plan is wanted.
+    :param publisher: of ``push_request``.
+    :param frame: id of the world frame.
     """
 
-    needs, awaited = 'goal_pose', 'a goal'
+    def __init__(self, publisher: Any, frame: str) -> None:
+        self._publisher = publisher
+        self._frame = frame
+        self.reset()
 
-    def __init__(self, node, parts, frame, running):
+    def reset(self) -> None:
+        """Forget the request."""
+        self._request: PlanRequest | None = None
+        self._stamp = 0
+
+    def update(self, request: PlanRequest | None, time: float) -> None:
+        """
+        Publish a request that is new.
+
+        :param request: the present ``PlanRequest``, or None.
+        :param time: of the newest measurement [s].
+        """
+        if request is not None and request is not self._request:
+            self._stamp = max(round(time * NANOSECONDS), self._stamp + 1)
+            self._publisher.publish(to_request_message(request, exact_stamp(self._stamp),
+                                                       self._frame))
+        self._request = request
+
+    def is_answered_by(self, message: Any) -> bool:
+        """
+        Tell whether a plan answers the last request.
+
+        :param message: message with a header.
+        """
+        return nanoseconds(message.header.stamp) == self._stamp
+
+
+class GoalSchedule:
+    """Goals whose stamps are ahead of the measurements; they hold from that time on."""
+
+    def __init__(self) -> None:
+        self._goals: list[ObjectPose] = []
+
+    def add(self, goal: ObjectPose, now: float) -> bool:
+        """
+        Keep a goal until its time has come.
+
+        :param goal: ``ObjectPose``, with the time from which on it holds.
+        :param now: time of the newest measurement [s].
+        :return: whether it is kept; else it holds now.
+        """
+        is_ahead = 0.0 < goal.time - now <= LONGEST_AHEAD
+        if is_ahead:
+            self._goals = sorted([*self._goals, goal])
+        return is_ahead
+
+    def take_due(self, now: float) -> list[Pose]:
+        """
+        Take the goals whose time has come.
+
+        :param now: time of the newest measurement [s].
+        :return: goal poses, the oldest first.
+        """
+        due = [goal.pose for goal in self._goals if goal.time <= now]
+        self._goals = self._goals[len(due):]
+        return due
+
+
+class TaskMode(Mode):
+    """Lets a ``Supervisor`` bring the object to its goal, with as many pushes as it takes."""
+
+    required_topic = 'goal_pose'
+    awaited = 'a goal'
+    stops_on_refused_plan = False
+    reports_events = True
+
+    def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
+                 autostart: bool) -> None:
         """
         Wait for a goal.
 
-        :param node: the ``ControllerNode``.
-        :param parts: what a ``Supervisor`` is made of: ``PushedObject``, ``RoundRobot``,
-            ``ControlSettings``, ``DriveSettings``, ``SupervisionSettings``.
+        :param node: the ``PushNode``.
+        :param parameters: ``ControllerParameters``.
         :param frame: id of the world frame.
-        :param running: whether to begin as soon as a goal comes.
+        :param autostart: whether to start as soon as a goal comes.
         """
-        self._parts, self._frame = parts, frame
-        self._running, self._workspace = running, None
-        self._requests = node.requests
-        self._report = TaskReporter(node, *parts[:2], frame)
-        self.forget()
+        self._parameters = parameters
+        self._frame = frame
+        self._is_started = autostart
+        self._occupancy_map: OccupancyMap | None = None
+        self._requester = PlanRequester(node.publisher('push_request'), frame)
+        self._reporter = TaskReporter(node, parameters.object, parameters.robot, frame)
+        self.reset()
 
     @property
-    def is_set(self):
+    def is_set(self) -> bool:
         """Whether there is a goal."""
         return self._goal is not None
 
     @property
-    def is_active(self):
-        """Whether it is at a task."""
-        return self._running and self.is_set
+    def is_active(self) -> bool:
+        """Whether a task is under way."""
+        return self._is_started and self.is_set
 
     @property
-    def awaits_plan(self):
-        """Whether a plan is wanted."""
+    def awaits_plan(self) -> bool:
+        """Whether a plan was requested and has not come yet."""
         return self._supervisor.plan_request is not None
 
-    def repeat(self):
-        """Say at the next measurement what it does, changed or not."""
-        self._report.repeat()
+    def reset(self) -> None:
+        """Forget everything but the map."""
+        self._supervisor = Supervisor(*self._parameters)
+        self._supervisor.set_map(self._occupancy_map)
+        self._goal: Pose | None = None
+        self._later_goals = GoalSchedule()
+        self._observation: Observation | None = None
+        self._requester.reset()
+        self.report_again()
 
-    def forget(self):
-        """Begin anew."""
-        self._supervisor = Supervisor(*self._parts)
-        self._supervisor.set_map(self._workspace)
-        self._goal = self._asked = self._observation = None
-        self._later, self._request_stamp = [], 0
-        self.repeat()
-
-    def on_goal(self, message):
+    def on_goal(self, message: Any) -> None:
         """
-        Take a goal, or keep it until its time has come.
+        Set a goal, or keep it until its time has come.
 
         :param message: ``geometry_msgs/PoseStamped``.
         :raises MessageRefused: where it cannot be used; the former one stays.
         """
         goal = from_object_pose_message(message, self._frame, 'goal_pose')
-        now = self._observation.time if self._observation is not None else 0.0
-        if 0.0 < goal.time - now <= LONGEST_AHEAD:
-            self._later = sorted([*self._later, goal])
-        else:
+        now = 0.0 if self._observation is None else self._observation.time
+        if not self._later_goals.add(goal, now):
             self._set_goal(goal.pose)
 
-    def on_map(self, message):
+    def on_map(self, message: Any) -> None:
         """
-        Take a map, for the next way.
+        Set the map for the next path.
 
         :param message: ``nav_msgs/OccupancyGrid``.
         :raises MessageRefused: where it cannot be used; the former one stays.
         """
-        self._workspace = from_map_message(message, self._frame)
-        self._supervisor.set_map(self._workspace)
-        self._report.has_map(message)
+        self._occupancy_map = from_map_message(message, self._frame)
+        self._supervisor.set_map(self._occupancy_map)
+        self._reporter.report_map(message)
 
-    def on_plan(self, message):
+    def on_plan(self, message: Any) -> None:
         """
-        Take the plan that was asked for; one that was not is ignored.
+        Set the plan that was requested; one that was not is ignored.
 
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
-        :raises MessageRefused: where it cannot be used; another one is asked for.
+        :raises MessageRefused: where it cannot be used; another one is requested.
         """
-        stamp = message.header.stamp
-        if not self.awaits_plan or nanoseconds(stamp) != self._request_stamp:
+        if not self.awaits_plan or not self._requester.is_answered_by(message):
             return
-        if not message.points:
-            self._supervisor.on_planning_failed(NO_PLAN)
+        failure = plan_failure(message)
+        if failure is not None:
+            self._supervisor.on_planning_failed(
+                failure, f'{failure.value} (details in the diagnostics of the planner)')
             return
         try:
-            target = from_plan_message(message, self._frame)
+            plan = from_plan_message(message, self._frame)
         except MessageRefused as error:
-            self._supervisor.on_planning_failed(str(error))
+            self._supervisor.on_planning_failed(PlanFailure.INVALID_PLAN, str(error))
             raise
-        self._supervisor.take(target)
-        self._report.draw_plan(target, stamp)
+        self._supervisor.set_plan(plan)
+        self._reporter.draw_plan(plan, message.header.stamp)
 
-    def start(self):
-        """Begin the task, anew where it was begun before."""
-        self._running = True
+    def start(self) -> None:
+        """Start the task; over again where it was started before."""
+        self._is_started = True
         self._supervisor.set_goal(self._goal)
         self._supervisor.resume()
 
-    def stop(self):
-        """Give up the task; another start begins it anew."""
-        self._running = False
-        self._supervisor.stop('was stopped')
+    def stop(self) -> None:
+        """Abandon the task, until ``start`` starts it over."""
+        self._is_started = False
+        self._supervisor.stop('stopped')
 
-    def pause(self):
-        """Stand until told to go on; return (success, sentence)."""
+    def pause(self) -> ServiceAnswer:
+        """Stand until ``resume``."""
         state = self._supervisor.status.state
         if state.is_standing:
-            return False, f'does not move: is {state.value}'
+            return ServiceAnswer(False, f'nothing to pause: the task is {state.value}')
         self._supervisor.pause()
-        return True, 'paused'
+        return ServiceAnswer(True, 'paused')
 
-    def resume(self):
-        """Go on after a pause; return (success, sentence)."""
+    def resume(self) -> ServiceAnswer:
+        """Go on after a pause."""
         state = self._supervisor.status.state
         if state is not TaskState.PAUSED:
-            return False, f'is not paused: is {state.value}'
+            return ServiceAnswer(False, f'nothing to resume: the task is {state.value}')
         self._supervisor.resume()
-        return True, 'goes on'
+        return ServiceAnswer(True, 'resumed')
 
-    def step(self, observation, dt):
+    def step(self, observation: Observation, dt: float) -> Twist:
         """
-        Answer a measurement, and ask for a plan where one is wanted.
+        Answer a measurement, and request a plan where the supervisor needs one.
 
         :param observation: ``Observation``.
         :param dt: time since the last one [s].
         :return: ``Twist``.
         """
         self._observation = observation
-        while self._later and self._later[0].time <= observation.time:
-            self._set_goal(self._later.pop(0).pose)
+        for goal in self._later_goals.take_due(observation.time):
+            self._set_goal(goal)
         command = self._supervisor.step(observation, dt)
-        wanted = self._supervisor.plan_request
-        if wanted is not self._asked and wanted is not None:
-            # Of its own, so that answers can be told apart.
-            newest = round(observation.time * NANOSECONDS)
-            self._request_stamp = max(newest, self._request_stamp + 1)
-            self._requests.publish(to_request_message(
-                wanted, exact_stamp(self._request_stamp), self._frame))
-        self._asked = wanted
+        self._requester.update(self._supervisor.plan_request, observation.time)
         return command
 
-    def report(self, stamp, time):
+    def report(self, stamp: Any, time: float) -> None:
         """
-        Report what has changed, and draw now and then.
+        Report what has changed, and draw markers now and then.
 
-        :param stamp: of the measurement.
+        :param stamp: ``builtin_interfaces/Time`` of the measurement.
         :param time: of the newest measurement [s].
         """
-        self._report.report(self._supervisor.status, stamp, time)
+        status = self._supervisor.status
+        self._reporter.report(status, stamp, time)
         if self._observation is not None:
-            self._report.draw(self._supervisor.status, self._observation, stamp)
+            self._reporter.draw(status, self._observation, stamp)
 
-    def _set_goal(self, pose):
+    def report_again(self) -> None:
+        """Report at the next measurement, changed or not."""
+        self._reporter.report_again()
+
+    def _set_goal(self, pose: Pose) -> None:
         self._goal = pose
-        if self._running:
+        if self._is_started:
             self._supervisor.set_goal(pose)

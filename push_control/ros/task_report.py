@@ -1,97 +1,119 @@
-"""What the controller's node says and shows of a task."""
+"""Diagnostics and markers of a task."""
 
-from push_control.task.status import StateChange, TaskState
+from typing import Any
+
+from push_control.observation import Observation
+from push_control.task.status import StateChange, SupervisorStatus, TaskState
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.trajectory import PushTrajectory
 from push_ros.conversions.map import map_text
-from push_ros.conversions.markers import GREY, plan_markers, scene_markers, text_markers
+from push_ros.conversions.markers import (
+    GREY, MarkerHeader, plan_markers, scene_markers, text_markers,
+)
 from push_ros.diagnostics import ERROR, HAS_MAP, OK, WARN
-from push_ros.node import RateLimiter
+from push_ros.node import PushNode, RateLimiter
 
 LEVELS = {TaskState.FAILED: ERROR, TaskState.PAUSED: WARN}
+# Most diagnostics and markers per second of measured time without a change [Hz]; chosen: enough to
+# follow a task by eye.
+REPORT_RATE = 1.0
+MARKER_RATE = 2.0
 
 
 class TaskReporter:
     """Reports every change of state, and draws object, robot, plan and state."""
 
-    def __init__(self, node, obj, robot, frame):
+    def __init__(self, node: PushNode, obj: PushedObject, robot: RoundRobot, frame: str) -> None:
         """
-        Begin with nothing said.
+        Start without reports.
 
         :param node: the ``PushNode``.
-        :param obj: the ``PushedObject`` as believed.
+        :param obj: the nominal ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param frame: id of the world frame.
         """
-        self._parts, self._frame, self._reporter = (obj, robot), frame, node.reporter
-        self._markers, self._marker_rate = node.publisher('markers'), RateLimiter(2.0)
-        self._history = ()
-        self.repeat()
+        self._object = obj
+        self._robot = robot
+        self._frame = frame
+        self._reporter = node.reporter
+        self._markers = node.publisher('markers')
+        self._marker_rate = RateLimiter(MARKER_RATE)
+        self._history: tuple[StateChange, ...] = ()
+        self.report_again()
 
-    def repeat(self):
-        """Say the present state next time, changed or not."""
-        self._said, self._rate = None, RateLimiter(1.0)
+    def report_again(self) -> None:
+        """Report the present state next time, changed or not."""
+        self._reported: tuple[TaskState, str] | None = None
+        self._report_rate = RateLimiter(REPORT_RATE)
 
-    def report(self, status, stamp, time):
+    def report(self, status: SupervisorStatus, stamp: Any, time: float) -> None:
         """
-        Report every change of state, and what is waited for.
+        Report every change of state, and what the robot waits for.
 
         :param status: ``SupervisorStatus``.
-        :param stamp: of the measurement.
+        :param stamp: ``builtin_interfaces/Time`` of the measurement.
         :param time: of the newest measurement [s].
         """
         known, self._history = self._history, status.history
-        goes_on = status.history[:len(known)] == known
-        for change in status.history[len(known) if goes_on else 0:]:
+        is_continued = status.history[:len(known)] == known
+        for change in status.history[len(known) if is_continued else 0:]:
             self._report(status, change, stamp, time, always=True)
-        due = self._rate.due(time)
-        if due or (status.state, status.reason) != self._said:
-            self._report(status, StateChange(status.since, status.state, status.reason), stamp, time)
+        is_due = self._report_rate.due(time)
+        if is_due or (status.state, status.reason) != self._reported:
+            present = StateChange(status.since, status.state, status.reason)
+            self._report(status, present, stamp, time, always=False)
 
-    def draw(self, status, observation, stamp):
+    def draw(self, status: SupervisorStatus, observation: Observation, stamp: Any) -> None:
         """
-        Draw object, robot and state now and then, where somebody looks.
+        Draw object, robot and state now and then, for subscribers.
 
         :param status: ``SupervisorStatus``.
         :param observation: ``Observation``.
-        :param stamp: of the measurement.
+        :param stamp: ``builtin_interfaces/Time`` of the measurement.
         """
-        due = self._marker_rate.due(observation.time)
-        if not due or observation.object_pose is None \
-                or not self._markers.get_subscription_count():
+        is_due = self._marker_rate.due(observation.time)
+        if (not is_due or observation.object_pose is None or status.robot_pose is None
+                or not self._markers.get_subscription_count()):
             return
-        pushes = status.state is TaskState.PUSH
-        pose = status.push.object_pose if pushes else observation.object_pose.pose
-        self._markers.publish(scene_markers(
-            stamp, self._frame, 'controller', *self._parts, pose, status.robot_pose, GREY))
-        self._markers.publish(text_markers(
-            stamp, self._frame, 'controller', status.robot_pose,
-            _sentence(status.state, status.reason)))
+        object_pose = observation.object_pose.pose
+        if status.state is TaskState.PUSH:
+            object_pose = status.push.object_pose
+        header = MarkerHeader(stamp, self._frame, 'controller')
+        self._markers.publish(scene_markers(header, self._object, self._robot, object_pose,
+                                            status.robot_pose, color=GREY))
+        self._markers.publish(text_markers(header, status.robot_pose,
+                                           _sentence(status.state, status.reason)))
 
-    def has_map(self, message):
+    def report_map(self, message: Any) -> None:
         """
-        Say that there is a map.
+        Report a map.
 
         :param message: ``nav_msgs/OccupancyGrid``.
         """
-        self._reporter.report(OK, map_text(message), message.header.stamp, {HAS_MAP: True})
+        self._reporter.report(OK, map_text(message), message.header.stamp,
+                              {HAS_MAP: True})
 
-    def draw_plan(self, target, stamp):
+    def draw_plan(self, plan: PushTrajectory, stamp: Any) -> None:
         """
         Draw a plan.
 
-        :param target: ``PushTrajectory``.
-        :param stamp: of the plan.
+        :param plan: ``PushTrajectory``.
+        :param stamp: ``builtin_interfaces/Time`` of the plan.
         """
-        self._markers.publish(plan_markers(stamp, self._frame, target))
+        self._markers.publish(plan_markers(MarkerHeader(stamp, self._frame, 'plan'), plan))
 
-    def _report(self, status, now, stamp, time, always=False):
-        self._said = now.state, now.reason
-        values = {'time': time, 'state': now.state.value, 'reason': now.reason, 'since': now.time,
-                  'pushes': status.pushes, 'recoveries': status.recoveries,
-                  'robot_pose': status.robot_pose and tuple(status.robot_pose)}
+    def _report(self, status: SupervisorStatus, change: StateChange, stamp: Any, time: float, *,
+                always: bool) -> None:
+        self._reported = change.state, change.reason
+        values = {
+            'time': time, 'state': change.state.value, 'reason': change.reason,
+            'since': change.time, 'pushes': status.pushes, 'recoveries': status.recoveries,
+            'robot_pose': None if status.robot_pose is None else tuple(status.robot_pose)}
         values.update({f'push.{key}': value for key, value in status.push.values().items()})
-        self._reporter.report(LEVELS.get(now.state, WARN if now.reason else OK),
-                              f'task: {_sentence(now.state, now.reason)}', stamp, values, always)
+        level = LEVELS.get(change.state, WARN if change.reason else OK)
+        self._reporter.report(level, f'task: {_sentence(change.state, change.reason)}', stamp,
+                              values, always)
 
 
-def _sentence(state, reason):
+def _sentence(state: TaskState, reason: str) -> str:
     return f'{state.value}, {reason}' if reason else state.value

@@ -1,101 +1,132 @@
-"""The soft touch: straight in, slowly, until the object is seen to move."""
+"""
+Guarded approach: go straight to the contact, slowly, until the object is seen to move.
+
+The pose of the robot drifts, and so the contact comes earlier or later than expected. A CUSUM
+test of the object's motion along the contact normal detects it, which tells where the robot is.
+"""
 
 import math
+from typing import NamedTuple
 
 from push_control.estimation.contact_detection import CusumTest
 from push_control.events import sentence
 from push_control.laws.command import holonomic_command, limit_command
 from push_control.push.start import contact_start_point, robot_start_pose, start_fault
 from push_control.task.approach import approach_direction
-from push_control.task.perception import has_moved
+from push_control.task.behavior import Behavior, BehaviorContext
+from push_control.task.perception import has_moved, ObjectAtRest, TaskPerception
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
-from push_model.signals import STOP
+from push_model.signals import STOP, Twist
+from push_model.trajectory import PushTrajectory
+
+# Standard deviations of the robot's position by which the search for the contact is extended;
+# chosen: one contact in forty is then beyond it.
+SEARCH_SIGMAS = 2.0
 
 
-class GuardedApproach:
-    """Feels for the object, and tells where the robot stands when it has it."""
+class _Search(NamedTuple):
+    """Where the search for the contact began, and how far it goes [m]."""
 
-    def __init__(self, obj, robot, control, drive, supervision, target, rest):
+    start: Pose
+    length: float
+
+
+class GuardedApproach(Behavior):
+    """Probes for the object, and localizes the robot by the contact."""
+
+    def __init__(self, context: BehaviorContext, target: PushTrajectory,
+                 object_at_rest: ObjectAtRest) -> None:
         """
-        Prepare.
+        Start.
 
-        :param obj: the ``PushedObject``.
-        :param robot: the ``RoundRobot``.
-        :param control: ``ControlSettings``.
-        :param drive: ``DriveSettings``.
-        :param supervision: ``SupervisionSettings``.
+        :param context: the ``BehaviorContext``.
         :param target: the ``PushTrajectory``.
-        :param rest: ``push_control.task.perception.ObjectAtRest`` of the object.
+        :param object_at_rest: the ``ObjectAtRest``.
         """
-        self._parts, self._settings = (obj, robot, control, drive.limited_to(robot)), supervision
-        self._rest, self._speed, self._time = rest.pose, 0.0, -math.inf
-        self._target, self._begin, self._way, self._time_left = target, None, 0.0, 0.0
-        self._angle = approach_direction(robot, target, robot_start_pose(target, rest.pose))
-        self._place = contact_start_point(target)
-        self._normal = float(target.contact_poses[0][2] - target.object_poses[0][2])
-        self._noise = math.hypot(control.pose_noise,
-                                 control.heading_noise * math.hypot(*self._place))
-        self._alarm = CusumTest(control.cusum_threshold)
-        self.finished, self.failure_reason = False, ''
+        super().__init__()
+        self._context = context
+        self._drive = context.drive.limited_to(context.robot)
+        self._target = target
+        self._object_pose = object_at_rest.pose
+        # Standard deviation of the measured position of the contact along its normal [m].
+        lever_arm = math.hypot(*contact_start_point(target))
+        self._noise = math.hypot(context.control.pose_noise,
+                                 context.control.heading_noise * lever_arm)
+        self._contact_test = CusumTest(context.control.cusum_threshold)
+        self._search: _Search | None = None
+        self._time_left = 0.0
+        self._speed = 0.0
+        self._pose_time = -math.inf
 
-    def pause(self):
-        """Stand; the next step sets out anew."""
+    def pause(self) -> None:
+        """Accelerate again from rest at the next step."""
         self._speed = 0.0
 
-    def step(self, perception, dt):
+    def step(self, perception: TaskPerception, dt: float) -> Twist:
         """
-        Compute the command; learn where the robot stands once it touches.
+        Compute the command; localize the robot once it touches the object.
 
         :param perception: ``TaskPerception`` of robot and object.
         :param dt: time since the last call [s].
         :return: ``Twist``.
         """
-        obj, robot, control, drive = self._parts
-        localization, measured = perception.localization, perception.observation.object_pose
-        if measured.time > self._time:
-            self._time = measured.time
-            self._look(perception, measured.pose)
-        pose, unsure = localization.pose, float(localization.standard_deviations[:2].max())
-        gap = find_contact(obj, self._rest, pose[:2], robot.radius)[2]
-        if self._begin is None:
-            self._set_limits(pose, gap, unsure)
+        localization, measured = perception.localization, perception.object_pose
+        if measured.time > self._pose_time:
+            self._pose_time = measured.time
+            self._test_contact(perception, measured.pose)
+        pose, deviation = localization.pose, localization.position_deviation
+        gap = find_contact(self._context.obj, self._object_pose, pose[:2],
+                           self._context.robot.radius).gap
+        if self._search is None:
+            self._search = self._start_search(pose, gap, deviation)
         self._time_left -= dt
-        if self._is_beyond(pose) and not self.finished:
-            localization.inflate_covariance(self._settings.probe_distance)
-            self.failure_reason = self.failure_reason or f'the object is not felt within {self._way:.2f} m'
+        is_over = self._time_left < 0.0 or distance(self._search.start, pose) > self._search.length
+        if is_over and not self.finished:
+            localization.inflate_covariance(self._context.supervision.probe_distance)
+            self.failure_reason = self.failure_reason or (
+                f'no contact with the object within {self._search.length:.2f} m')
         if self.failure_reason:
             return STOP
-        braking = math.sqrt(control.start_speed ** 2 + 2.0 * drive.acceleration
-                            * max(0.0, gap - max(unsure, self._noise)))
-        self._speed = min(self._speed + drive.acceleration * dt, braking, drive.speed)
-        return limit_command(holonomic_command(self._speed, 0.0, self._angle_ahead(pose), 0.0, 0.0),
-                             robot)
+        return self._command(pose, gap - max(deviation, self._noise), dt)
 
-    def _set_limits(self, pose, gap, unsure):
-        settings, slowest = self._settings, self._parts[2].start_speed
-        self._begin, self._way = pose, max(0.0, gap) + settings.probe_distance + 2.0 * unsure
-        self._time_left = self._way / slowest + settings.stall_timeout
+    def _start_search(self, pose: Pose, gap: float, deviation: float) -> _Search:
+        settings = self._context.supervision
+        length = max(0.0, gap) + settings.probe_distance + SEARCH_SIGMAS * deviation
+        self._time_left = length / self._context.control.start_speed + settings.stall_timeout
+        return _Search(pose, length)
 
-    def _is_beyond(self, pose):
-        return self._time_left < 0.0 or distance(self._begin, pose) > self._way
+    def _command(self, pose: Pose, safe_gap: float, dt: float) -> Twist:
+        """Brake so that the robot reaches the earliest contact at its start speed."""
+        acceleration = self._drive.acceleration
+        braking = math.sqrt(self._context.control.start_speed ** 2
+                            + 2.0 * acceleration * max(0.0, safe_gap))
+        self._speed = min(self._speed + acceleration * dt, braking, self._drive.speed)
+        command = holonomic_command(self._speed, 0.0, self._angle_ahead(pose), 0.0, 0.0)
+        return limit_command(command, self._context.robot)
 
-    def _angle_ahead(self, pose):
-        robot = self._parts[1]
-        return 0.0 if robot.drive == 'differential' else self._angle - pose.theta
+    def _angle_ahead(self, pose: Pose) -> float:
+        """Direction of motion in the robot's axes [rad]."""
+        robot = self._context.robot
+        if robot.drive == 'differential':
+            return 0.0
+        return approach_direction(robot, self._target, robot_start_pose(
+            self._target, self._object_pose)) - pose.theta
 
-    def _look(self, perception, pose):
-        rest = self._rest
-        if has_moved(rest, pose, self._settings):
-            perception.on_object_moved(*self._parts[:2], rest)
+    def _test_contact(self, perception: TaskPerception, pose: Pose) -> None:
+        """Test whether the contact point of the object has moved along the contact normal."""
+        context, before = self._context, self._object_pose
+        if has_moved(before, pose, context.supervision):
+            perception.on_object_moved(context.obj, context.robot, before)
             self.failure_reason = 'the object has been moved'
             return
-        before, now = rest.transform(self._place), pose.transform(self._place)
-        n_x, n_y = Pose(0.0, 0.0, rest.theta).rotate((math.cos(self._normal),
-                                                      math.sin(self._normal)))
-        moved = (now[0] - before[0]) * n_x + (now[1] - before[1]) * n_y
-        if self._alarm.update(moved / self._noise) > 0:
-            perception.update_from_contact(*self._parts[:2], self._noise)
+        contact = contact_start_point(self._target)
+        (x_before, y_before), (x, y) = before.transform(contact), pose.transform(contact)
+        normal = float(self._target.contact_poses[0][2] - self._target.object_poses[0][2])
+        n_x, n_y = Pose(0.0, 0.0, before.theta).rotate((math.cos(normal), math.sin(normal)))
+        motion = (x - x_before) * n_x + (y - y_before) * n_y
+        if self._contact_test.update(motion / self._noise) > 0:
+            perception.update_from_contact(context.obj, context.robot, self._noise)
             self.failure_reason = sentence(start_fault(
-                *self._parts[1:3], self._target, perception.corrected_observation))
+                context.robot, context.control, self._target, perception.corrected_observation))
             self.finished = not self.failure_reason

@@ -1,140 +1,186 @@
 """
-Where the robot stands in the world, although its odometry drifts.
+Localization of the robot from odometry that drifts, and from contacts with the object.
 
-A Kalman filter of the robot's pose and of what is lastingly wrong with its odometry: the relative
-error of distances, and the heading error per distance. It learns where the robot must be whenever
-the object is touched.
+An extended Kalman filter with the state (x, y, theta, s, d): the pose of the robot in the world,
+the relative error s of distances measured by odometry, and its heading error d per distance. A
+step (dx, dy, dtheta) of odometry in the robot's axes, of length l, moves the robot by
+
+    (x, y) += R(theta) (dx, dy) / (1 + s),    theta += dtheta - d l,
+
+and a random walk adds to the covariance in proportion to l. Contacts and pushes tell errors of
+the pose, from which the filter learns s and d as well.
 """
 
 from collections import deque
 import math
+from typing import Sequence
 
 import numpy as np
-from push_model.geometry import Pose, wrap_angle
+from push_control.task.settings import SupervisionSettings
+from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_model.signals import Odometry
 
-MEMORY = 1.0
-GATE = 4.0
+# Time for which former poses are kept [s]; chosen: four times the age at which an object pose is
+# stale by default.
+HISTORY_TIME = 1.0
+# Mahalanobis distance, per root of the dimension, beyond which no drift explains an error;
+# chosen: an error of four standard deviations is one in 16 000.
+GATE_SIGMAS = 4.0
+POSE_SIZE, STATE_SIZE = 3, 5
 
 
 class RobotLocalization:
-    """Pose of the robot in the world, from odometry and touches."""
+    """Estimates the pose of the robot in the world."""
 
-    def __init__(self, settings):
+    def __init__(self, settings: SupervisionSettings) -> None:
         """
-        Begin anywhere; the first odometry is believed.
+        Start without a pose; the first odometry gives it.
 
         :param settings: ``SupervisionSettings``.
         """
-        self._scale_spread, self._drift_spread = settings.odometry_scale, settings.odometry_drift
-        self._walk = settings.odometry_walk, settings.odometry_heading_walk
-        self._last = self._pose = None
-
-    def predict(self, odometry):
-        """
-        Take in the robot's motion.
-
-        :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
-        """
-        if self._last is None:
-            self._pose, self._wrong = odometry.pose, (0.0, 0.0)
-            self._covariance = np.diag(np.square((0.0, 0.0, 0.0, self._scale_spread,
-                                                  self._drift_spread)))
-            self._seen = deque([(odometry.time, odometry.pose)])
-        elif odometry.time > self._last.time:
-            self._move(self._last.pose.inverse() @ odometry.pose)
-            self._seen.append((odometry.time, self._pose))
-            while odometry.time - self._seen[0][0] > MEMORY:
-                self._seen.popleft()
-        else:
-            return
-        self._last = odometry
+        self._settings = settings
+        self._odometry: Odometry | None = None
+        self._pose = Pose(0.0, 0.0, 0.0)
+        self._scale_error = 0.0
+        self._drift = 0.0
+        self._covariance: FloatArray = np.diag(np.square(
+            (0.0, 0.0, 0.0, settings.odometry_scale, settings.odometry_drift)))
+        self._history: deque[tuple[float, Pose]] = deque()
 
     @property
-    def pose(self):
-        """``Pose`` of the robot at the last odometry; None before the first."""
+    def is_initialized(self) -> bool:
+        """Whether there was any odometry yet."""
+        return self._odometry is not None
+
+    @property
+    def pose(self) -> Pose:
+        """
+        ``Pose`` of the robot at the last odometry.
+
+        :raises RuntimeError: before the first odometry.
+        """
+        if self._odometry is None:
+            raise RuntimeError('localization: got no odometry, expected some before its pose')
         return self._pose
 
     @property
-    def standard_deviations(self):
-        """Standard deviations of x, y [m] and heading [rad]."""
-        return np.sqrt(np.diag(self._covariance)[:3])
+    def standard_deviations(self) -> FloatArray:
+        """Standard deviations of x, y [m] and heading [rad], shape (3,)."""
+        return np.sqrt(np.diag(self._covariance)[:POSE_SIZE])
 
-    def at(self, time):
+    @property
+    def position_deviation(self) -> float:
+        """Standard deviation of x or y, the greater one [m]."""
+        return float(self.standard_deviations[:2].max())
+
+    def pose_at(self, time: float) -> Pose:
         """
-        Look up where the robot was.
+        Look up where the robot was, by linear interpolation.
 
         :param time: not more than about a second ago [s].
-        :return: its ``Pose`` as now known.
+        :return: its ``Pose``, as estimated by now.
         """
-        after = next((i for i, (t, _) in enumerate(self._seen) if t >= time), None)
-        if after is None or after == 0:
-            return self._seen[-1 if after is None else 0][1]
-        (begin, a), (end, b) = self._seen[after - 1], self._seen[after]
-        share = (time - begin) / (end - begin)
-        return Pose(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y),
-                    a.theta + share * wrap_angle(b.theta - a.theta))
+        history = self._history
+        after = next((i for i, (t, _) in enumerate(history) if t >= time), None)
+        if after is None:
+            return history[-1][1]
+        if after == 0:
+            return history[0][1]
+        (begin, a), (end, b) = history[after - 1], history[after]
+        ratio = (time - begin) / (end - begin)
+        return Pose(a.x + ratio * (b.x - a.x), a.y + ratio * (b.y - a.y),
+                    a.theta + ratio * wrap_angle(b.theta - a.theta))
 
-    def update_pose(self, error, covariance, sure=True):
+    def predict(self, odometry: Odometry) -> None:
         """
-        Learn from a robot that is seen to be elsewhere.
+        Move the robot by its odometry.
 
-        :param error: true pose less that believed, (x, y, heading) [m, m, rad].
-        :param covariance: of these, shape (3, 3).
-        :param sure: whether it is; else an error that no drift explains tells nothing.
+        :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
         """
-        rows, error = np.eye(3, 5), np.array([*error[:2], wrap_angle(error[2])])
-        if sure or not self._is_odd(rows, error, covariance):
-            self._learn(rows, error, covariance)
+        if self._odometry is None:
+            self._pose = odometry.pose
+            self._history.append((odometry.time, odometry.pose))
+        elif odometry.time > self._odometry.time:
+            self._move(self._odometry.pose.inverse() @ odometry.pose)
+            self._history.append((odometry.time, self._pose))
+            while odometry.time - self._history[0][0] > HISTORY_TIME:
+                self._history.popleft()
+        else:
+            return
+        self._odometry = odometry
 
-    def update_along(self, direction, error, deviation, sure=True):
+    def update_pose(self, error: Sequence[float], covariance: FloatArray,
+                    is_certain: bool = True) -> None:
         """
-        Learn from a robot that is seen to be elsewhere along one direction, as where it touches.
+        Correct the pose by a measured error.
+
+        :param error: true minus estimated pose, (x, y, heading) [m, m, rad].
+        :param covariance: of that measurement, shape (3, 3).
+        :param is_certain: whether the measurement holds even where no drift explains the error;
+            else it is rejected then.
+        """
+        rows = np.eye(POSE_SIZE, STATE_SIZE)
+        innovation = np.array([*error[:2], wrap_angle(error[2])])
+        if is_certain or not self._is_outlier(rows, innovation, covariance):
+            self._update(rows, innovation, covariance)
+
+    def update_along(self, direction: float, error: float, deviation: float,
+                     is_certain: bool = True) -> None:
+        """
+        Correct the pose by an error that was measured along one direction, as by a contact.
 
         :param direction: world angle [rad].
-        :param error: true place less that believed, along it [m].
-        :param deviation: standard deviation of that [m].
-        :param sure: as of ``update_pose``.
+        :param error: true minus estimated position along it [m].
+        :param deviation: standard deviation of that measurement [m].
+        :param is_certain: as of ``update_pose``.
         """
-        row = np.array([[math.cos(direction), math.sin(direction), 0.0, 0.0, 0.0]])
-        error, noise = np.array([error]), np.array([[deviation ** 2]])
-        if sure or not self._is_odd(row, error, noise):
-            self._learn(row, error, noise)
+        rows = np.array([[math.cos(direction), math.sin(direction), 0.0, 0.0, 0.0]])
+        innovation, noise = np.array([error]), np.array([[deviation ** 2]])
+        if is_certain or not self._is_outlier(rows, innovation, noise):
+            self._update(rows, innovation, noise)
 
-    def inflate_covariance(self, distance):
+    def inflate_covariance(self, deviation: float) -> None:
         """
-        Reckon with a robot that is elsewhere, after it has looked for the object in vain.
+        Add to the covariance of the position, as after a search in vain.
 
-        :param distance: standard deviation of that, along x and y [m].
+        :param deviation: standard deviation of x and of y that is added [m].
         """
-        self._covariance[range(2), range(2)] += distance ** 2
+        self._covariance[range(2), range(2)] += deviation ** 2
 
-    def _move(self, step):
-        """Carry pose and covariance on by a motion as odometry tells it, in its own axes."""
-        scale, drift = self._wrong
-        way = math.hypot(step.x, step.y)
-        x, y = Pose(0.0, 0.0, self._pose.theta).rotate((step.x / (1.0 + scale),
-                                                        step.y / (1.0 + scale)))
-        jacobian = np.eye(5)
-        jacobian[:3, 2:] = [(-y, -x, 0.0), (x, -y, 0.0), (1.0, 0.0, -way)]
+    def _move(self, step: Pose) -> None:
+        """Move pose and covariance by a step of odometry, in the robot's axes."""
+        length = math.hypot(step.x, step.y)
+        x, y = Pose(0.0, 0.0, self._pose.theta).rotate((step.x / (1.0 + self._scale_error),
+                                                        step.y / (1.0 + self._scale_error)))
+        # Rows x, y, theta; columns theta, s, d; with 1 / (1 + s) taken as 1.
+        jacobian = np.eye(STATE_SIZE)
+        jacobian[:POSE_SIZE, 2:] = [(-y, -x, 0.0), (x, -y, 0.0), (1.0, 0.0, -length)]
         self._covariance = jacobian @ self._covariance @ jacobian.T
-        position, heading = self._walk
-        self._covariance[range(3), range(3)] += way * np.square((position, position, heading))
+        position = self._settings.odometry_walk
+        heading = self._settings.odometry_heading_walk
+        diagonal = range(POSE_SIZE)
+        self._covariance[diagonal, diagonal] += length * np.square((position, position, heading))
         self._pose = Pose(self._pose.x + x, self._pose.y + y,
-                          self._pose.theta + wrap_angle(step.theta) - drift * way)
+                          self._pose.theta + wrap_angle(step.theta) - self._drift * length)
 
-    def _is_odd(self, rows, error, noise):
+    def _is_outlier(self, rows: FloatArray, innovation: FloatArray, noise: FloatArray) -> bool:
         """Whether no drift explains an error: the wheels have spun, or the robot was moved."""
         spread = rows @ self._covariance @ rows.T + noise
-        return error @ np.linalg.solve(spread, error) > GATE ** 2 * len(error)
+        return bool(innovation @ np.linalg.solve(spread, innovation)
+                    > GATE_SIGMAS ** 2 * len(innovation))
 
-    def _learn(self, rows, error, noise):
-        if self._is_odd(rows, error, noise):
-            jump = rows.T @ error
+    def _update(self, rows: FloatArray, innovation: FloatArray, noise: FloatArray) -> None:
+        if self._is_outlier(rows, innovation, noise):
+            # The pose has jumped: the covariance takes the jump, so that the update follows it.
+            jump = rows.T @ innovation
             self._covariance += np.outer(jump, jump)
         spread = rows @ self._covariance @ rows.T + noise
         gain = self._covariance @ rows.T @ np.linalg.inv(spread)
-        change = (gain @ error).tolist()
+        x, y, theta, scale_error, drift = (gain @ innovation).tolist()
         self._covariance -= gain @ rows @ self._covariance
-        self._pose = Pose(*(a + b for a, b in zip(self._pose, change[:3])))
-        self._wrong = tuple(a + b for a, b in zip(self._wrong, change[3:]))
-        self._seen = deque([(self._last.time, self._pose)])
+        self._pose = Pose(self._pose.x + x, self._pose.y + y, self._pose.theta + theta)
+        self._scale_error += scale_error
+        self._drift += drift
+        # Former poses are those of the former estimate.
+        assert self._odometry is not None
+        self._history = deque([(self._odometry.time, self._pose)])

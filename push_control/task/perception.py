@@ -1,4 +1,4 @@
-"""What the supervisor of a task sees: the robot's place, and the object at rest."""
+"""Perception of a task: pose of the robot, and pose of the object at rest."""
 
 from collections import deque
 import math
@@ -7,9 +7,27 @@ from typing import NamedTuple
 import numpy as np
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
 from push_control.events import sentence
+from push_control.observation import Observation
+from push_control.settings import ControlSettings
 from push_control.task.localization import RobotLocalization
-from push_model.contact import find_contact
+from push_control.task.settings import SupervisionSettings
+from push_model.contact import find_contact, FoundContact
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose
+
+# Moves of an object that nothing explains, of which the last one relocalizes the robot; chosen:
+# the first one may have been somebody else.
+UNEXPLAINED_MOVES = 2
+# Standard deviations (x, y, heading) of a robot that is localized by such a move [m, m, rad];
+# chosen: about a radius, and a heading about which it says nothing.
+BEHIND_OBJECT_STD = (0.15, 0.15, 1.0)
+# Standard deviation of the position before it [m]: beyond the size of a room, so that the former
+# estimate has no weight.
+LOST_STD = 10.0
+# Steps of the search for the contact behind an object; chosen: each one leaves less than half of
+# the distance, so that 12 leave below a millimetre.
+TRACE_STEPS = 12
 
 
 class ObjectAtRest(NamedTuple):
@@ -29,97 +47,101 @@ class ObjectAtRest(NamedTuple):
 
 
 class StationarityWindow:
-    """Averages measured poses, and begins anew where one tells that the object has moved."""
+    """Averages measured poses while the object is at rest; starts over when it has moved."""
 
-    def __init__(self, control, supervision):
+    def __init__(self, control: ControlSettings, supervision: SupervisionSettings) -> None:
         """
-        Begin with nothing seen.
+        Start without measurements.
 
         :param control: ``ControlSettings``, for the noise of the poses.
         :param supervision: ``SupervisionSettings``.
         """
-        self._noise = control.pose_noise, control.heading_noise
-        self._gate, self._longest = supervision.motion_gate_sigmas, supervision.max_averaging_time
+        self._control = control
+        self._supervision = supervision
         self.clear()
 
-    def clear(self):
-        """Forget everything seen."""
-        self._seen, self._rest = deque(), None
+    def clear(self) -> None:
+        """Forget all measurements."""
+        self._measured: deque[ObjectPose] = deque()
+        self._average: ObjectAtRest | None = None
 
-    def add(self, measured):
+    def add(self, measured: ObjectPose) -> None:
         """
         Take in a measurement.
 
         :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
         """
-        if self._seen and measured.time <= self._seen[-1].time:
+        if self._measured and measured.time <= self._measured[-1].time:
             return
-        if self._rest is not None and self._has_moved(measured.pose):
-            self._seen.clear()
-        self._seen.append(measured)
-        while measured.time - self._seen[0].time > self._longest:
-            self._seen.popleft()
-        self._rest = self._averaged()
+        if self._average is not None and self._has_left(self._average.pose, measured.pose):
+            self._measured.clear()
+        self._measured.append(measured)
+        while measured.time - self._measured[0].time > self._supervision.max_averaging_time:
+            self._measured.popleft()
+        self._average = self._averaged()
 
     @property
-    def object_at_rest(self):
-        """What is known as ``ObjectAtRest``, or None before the first measurement."""
-        return self._rest
+    def object_at_rest(self) -> ObjectAtRest | None:
+        """The ``ObjectAtRest``; None before the first measurement."""
+        return self._average
 
-    def _has_moved(self, pose):
-        position, heading = self._noise
-        before = self._rest.pose
-        return (distance(pose, before) > self._gate * position
-                or abs(wrap_angle(pose.theta - before.theta)) > self._gate * heading)
+    def _has_left(self, before: Pose, pose: Pose) -> bool:
+        gate, control = self._supervision.motion_gate_sigmas, self._control
+        return (distance(pose, before) > gate * control.pose_noise
+                or abs(wrap_angle(pose.theta - before.theta)) > gate * control.heading_noise)
 
-    def _averaged(self):
-        first = self._seen[0].pose.theta
+    def _averaged(self) -> ObjectAtRest:
+        # Headings are averaged relative to the first, clear of the seam of angles.
+        first = self._measured[0].pose.theta
         rows = np.array([(pose.x, pose.y, wrap_angle(pose.theta - first))
-                         for _, pose in self._seen])
-        x, y, turn = rows.mean(axis=0).tolist()
-        share = 1.0 / math.sqrt(len(rows))
-        return ObjectAtRest(Pose(x, y, wrap_angle(first + turn)), self._seen[-1].time - self._seen[0].time,
-                            share * self._noise[0], share * self._noise[1])
+                         for _, pose in self._measured])
+        x, y, rotation = rows.mean(axis=0).tolist()
+        factor = 1.0 / math.sqrt(len(rows))
+        return ObjectAtRest(
+            Pose(x, y, wrap_angle(first + rotation)),
+            self._measured[-1].time - self._measured[0].time,
+            factor * self._control.pose_noise, factor * self._control.heading_noise)
 
 
-def has_moved(before, now, settings):
+def has_moved(before: Pose, pose: Pose, settings: SupervisionSettings) -> bool:
     """
-    Tell whether an object has been moved too far for its plan.
+    Tell whether an object has moved too far for its plan.
 
     :param before: ``Pose`` that it had.
-    :param now: ``Pose`` that it has.
+    :param pose: ``Pose`` that it has.
     :param settings: ``SupervisionSettings``.
     """
-    return (distance(now, before) > settings.moved_distance
-            or abs(wrap_angle(now.theta - before.theta)) > settings.moved_angle)
-
-
-# Where the robot is found by the motion of the object alone: standard deviations [m, m, rad].
-BEHIND, LOST = (0.15, 0.15, 1.0), 10.0
-ENOUGH, TRACINGS = 2, 12
+    return (distance(pose, before) > settings.moved_distance
+            or abs(wrap_angle(pose.theta - before.theta)) > settings.moved_angle)
 
 
 class TaskPerception:
-    """Takes in every measurement once."""
+    """
+    Estimates where robot and object are.
 
-    def __init__(self, control, supervision):
+    ``localization``: the ``RobotLocalization``.
+    """
+
+    def __init__(self, control: ControlSettings, supervision: SupervisionSettings) -> None:
         """
-        Begin with nothing seen.
+        Start without measurements.
 
         :param control: ``ControlSettings``.
         :param supervision: ``SupervisionSettings``.
         """
-        self._settings = control
+        self._control = control
         self.localization = RobotLocalization(supervision)
         self._window = StationarityWindow(control, supervision)
-        self._from, self._pose_time, self._observation = 0.0, None, None
-        self._moved = 0
+        self._rest_from = 0.0
+        self._pose_time: float | None = None
+        self._observation: Observation | None = None
+        self._unexplained_moves = 0
 
-    def take(self, observation):
+    def update(self, observation: Observation) -> None:
         """
-        Take in what is new.
+        Take in measurements.
 
-        :param observation: ``Observation``, odometry as it comes.
+        :param observation: ``Observation``, with odometry as it comes.
         """
         odometry, measured = observation.odometry, observation.object_pose
         if is_finite_odometry(odometry):
@@ -127,117 +149,153 @@ class TaskPerception:
             odometry = odometry._replace(pose=self.localization.pose)
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
-            if measured.time >= self._from:
+            if measured.time >= self._rest_from:
                 self._window.add(measured)
         self._observation = observation._replace(odometry=odometry)
 
-    def gap(self, obj, robot):
+    @property
+    def time(self) -> float:
+        """Time of the newest measurement [s]; 0 before the first."""
+        return 0.0 if self._observation is None else self._observation.time
+
+    @property
+    def observation(self) -> Observation:
         """
-        Tell how far the robot seems to be from the object at rest.
+        The newest ``Observation``, its odometry corrected for drift.
+
+        :raises RuntimeError: before the first one.
+        """
+        if self._observation is None:
+            raise RuntimeError('perception: got no observation, expected one')
+        return self._observation
+
+    @property
+    def corrected_observation(self) -> Observation:
+        """The same, with the robot as localized since."""
+        odometry = self.observation.odometry._replace(pose=self.localization.pose)
+        return self.observation._replace(odometry=odometry)
+
+    @property
+    def object_pose(self) -> ObjectPose:
+        """
+        The newest measured ``ObjectPose``.
+
+        :raises RuntimeError: before the first one.
+        """
+        measured = self.observation.object_pose
+        if measured is None:
+            raise RuntimeError('perception: got no object pose, expected one')
+        return measured
+
+    @property
+    def robot_pose(self) -> Pose:
+        """``Pose`` of the robot in the world."""
+        return self.localization.pose
+
+    @property
+    def has_object_at_rest(self) -> bool:
+        """Whether the object was measured since it may be at rest."""
+        return self._window.object_at_rest is not None
+
+    @property
+    def object_at_rest(self) -> ObjectAtRest:
+        """
+        The ``ObjectAtRest``.
+
+        :raises RuntimeError: where it was not measured since it may be at rest.
+        """
+        found = self._window.object_at_rest
+        if found is None:
+            raise RuntimeError('perception: got no pose of the object at rest, expected one')
+        return found
+
+    def measurement_fault(self, needs_object: bool) -> str:
+        """
+        Tell why the measurements cannot be used.
+
+        :param needs_object: whether the object pose must be fresh.
+        :return: one sentence, empty where they can.
+        """
+        observation = self.observation
+        pose_time = self._pose_time if needs_object else observation.time
+        return sentence(measurement_fault(observation, pose_time, self._control))
+
+    def restart_averaging(self, time: float) -> None:
+        """
+        Forget where the object was at rest.
+
+        :param time: from which on it may be at rest again [s].
+        """
+        self._window.clear()
+        self._rest_from = time
+
+    def gap(self, obj: PushedObject, robot: RoundRobot) -> float:
+        """
+        Compute the gap between the robot and the object at rest.
 
         :param obj: the ``PushedObject``.
         :param robot: the ``RoundRobot``.
-        :return: the gap [m], negative on overlap.
+        :return: gap [m], negative on overlap.
         """
-        return find_contact(obj, self.object_at_rest.pose, self.robot_pose[:2], robot.radius)[2]
+        return find_contact(obj, self.object_at_rest.pose, self.robot_pose[:2], robot.radius).gap
 
-    def update_from_contact(self, obj, robot, deviation, sure=True):
+    def update_from_contact(self, obj: PushedObject, robot: RoundRobot, deviation: float,
+                            is_certain: bool = True) -> None:
         """
-        Learn where the robot stands from its touching the object, when that was last measured.
+        Localize the robot by its contact with the object, at the time of the last object pose.
 
         :param obj: the ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param deviation: standard deviation of the gap [m].
-        :param sure: whether it touches for certain.
+        :param is_certain: whether they are in contact for certain.
         """
-        measured = self._observation.object_pose
-        there = self.localization.at(measured.time)
-        _, normal, gap = find_contact(obj, measured.pose, there[:2], robot.radius)
-        self.localization.update_along(normal, gap, deviation, sure)
+        _, normal, gap = self._measured_contact(obj, robot)
+        self.localization.update_along(normal, gap, deviation, is_certain)
 
-    def correct_overlap(self, obj, robot, deviation):
+    def correct_overlap(self, obj: PushedObject, robot: RoundRobot, deviation: float) -> None:
         """
-        Learn from a robot that seems to stand inside the object, as it stands beside it.
+        Correct a robot pose that overlaps the object.
 
         :param obj: the ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param deviation: standard deviation of the gap [m].
         """
-        measured = self._observation.object_pose
-        there = self.localization.at(measured.time)
-        if find_contact(obj, measured.pose, there[:2], robot.radius)[2] < 0.0:
+        if self._measured_contact(obj, robot).gap < 0.0:
             self.update_from_contact(obj, robot, deviation)
 
-    def on_push_succeeded(self):
-        """Note that a push went well: the robot is where it is believed to be."""
-        self._moved = 0
+    def on_push_succeeded(self) -> None:
+        """Note that a push went well, so that the robot is where it is estimated to be."""
+        self._unexplained_moves = 0
 
-    def on_object_moved(self, obj, robot, before):
+    def on_object_moved(self, obj: PushedObject, robot: RoundRobot, before: Pose) -> None:
         """
         Note that the object has moved while it was not pushed.
 
-        Once it may have been somebody else; at the second time it is the robot that pushes it,
-        from behind as the object moves, and not where it is believed to be.
+        The first time it may have been somebody else. The second time it is the robot, which is
+        not where it is estimated to be: it touches the object from behind, as that has moved.
 
         :param obj: the ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param before: ``Pose`` that the object had.
         """
-        self._moved += 1
-        pose, here = self.object_at_rest.pose, self.localization.pose
-        way = distance(pose, before)
-        if self._moved < ENOUGH or way == 0.0:
+        self._unexplained_moves += 1
+        pose, estimate = self.object_at_rest.pose, self.localization.pose
+        moved = distance(pose, before)
+        if self._unexplained_moves < UNEXPLAINED_MOVES or moved == 0.0:
             return
-        x, y = (pose.x - before.x) / way, (pose.y - before.y) / way
-        away = 0.0
-        for _ in range(TRACINGS):
-            place = pose.x - away * x, pose.y - away * y
-            away += abs(find_contact(obj, pose, place, robot.radius)[2])
-        self.localization.inflate_covariance(LOST)
-        error = place[0] - here.x, place[1] - here.y, 0.0
-        self.localization.update_pose(error, np.diag(np.square(BEHIND)))
+        x, y = (pose.x - before.x) / moved, (pose.y - before.y) / moved
+        # Sphere tracing: from the inside out, against the motion, by the gap each time.
+        offset = 0.0
+        behind = pose.x, pose.y
+        for _ in range(TRACE_STEPS):
+            behind = pose.x - offset * x, pose.y - offset * y
+            offset += abs(find_contact(obj, pose, behind, robot.radius).gap)
+        self.localization.inflate_covariance(LOST_STD)
+        error = behind[0] - estimate.x, behind[1] - estimate.y, 0.0
+        self.localization.update_pose(error, np.diag(np.square(BEHIND_OBJECT_STD)))
 
-    def look_anew(self, time):
-        """
-        Forget where the object was.
-
-        :param time: from which on it may be at rest [s].
-        """
-        self._window.clear()
-        self._from = time
-
-    def failure_reason(self, blind=False):
-        """
-        Say why the measurements cannot be used.
-
-        :param blind: whether the object need not be seen.
-        :return: the reason, or an empty text.
-        """
-        seen = self._observation.time if blind else self._pose_time
-        return sentence(measurement_fault(self._observation, seen, self._settings))
-
-    @property
-    def observation(self):
-        """The newest ``Observation``, drift of its odometry taken off."""
-        return self._observation
-
-    @property
-    def corrected_observation(self):
-        """The same, with what was learnt of the robot's place since."""
-        odometry = self._observation.odometry._replace(pose=self.localization.pose)
-        return self._observation._replace(odometry=odometry)
-
-    @property
-    def time(self):
-        """Time of the newest measurement [s]; 0 before the first."""
-        return 0.0 if self._observation is None else self._observation.time
-
-    @property
-    def robot_pose(self):
-        """``Pose`` of the robot in the world."""
-        return self.localization.pose
-
-    @property
-    def object_at_rest(self):
-        """``push_control.task.perception.ObjectAtRest`` of the object, or None before it was seen at rest."""
-        return self._window.object_at_rest
+    def _measured_contact(self, obj: PushedObject, robot: RoundRobot) -> FoundContact:
+        """Find the contact at the time of the last object pose."""
+        measured = self.object_pose
+        robot_pose = self.localization.pose_at(measured.time)
+        return find_contact(obj, measured.pose, robot_pose[:2], robot.radius)

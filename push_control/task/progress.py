@@ -1,89 +1,123 @@
-"""How often it has been tried without getting nearer."""
+"""Progress of a task: attempts since the object last came nearer to its goal."""
 
+import enum
 import math
-import re
+from typing import NamedTuple
 
-from push_control.task.perception import has_moved
-from push_model.geometry import distance, wrap_angle
+from push_control.task.perception import has_moved, ObjectAtRest
+from push_control.task.settings import SupervisionSettings
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.plan_request import PlanFailure, PlanRequest
 
-SHYER, SHYEST = 0.8, 0.4
+# Every other attempt without progress reduces the fraction of the friction cone that a plan may
+# use by this factor, down to the minimum; chosen: 0.64 after four attempts, 0.4 after ten.
+CAUTION_FACTOR = 0.8
+MIN_CONE_FRACTION = 0.4
+ATTEMPTS_PER_REDUCTION = 2
+
+
+class GoalCheck(enum.Enum):
+    """Whether an object at rest is at its goal."""
+
+    REACHED = 'reached'
+    MISSED = 'missed'
+    # More measurements may tell.
+    UNCERTAIN = 'uncertain'
+
+
+class _FailedRequest(NamedTuple):
+    """A request without a plan, and the ``PlanFailure``."""
+
+    request: PlanRequest
+    code: PlanFailure
 
 
 class ProgressMonitor:
     """Counts pushes and recoveries since the object last came nearer to its goal."""
 
-    def __init__(self, settings):
+    def __init__(self, settings: SupervisionSettings) -> None:
         """
-        Begin with nothing tried.
+        Start without attempts.
 
         :param settings: ``SupervisionSettings``.
         """
         self._settings = settings
-        self._least, self._count, self._trouble = math.inf, 0, ''
-        self._refusal, self._hopeless = None, ''
+        self._least_error = math.inf
+        self._attempts = 0
+        self._last_failure = ''
+        self._failed_request: _FailedRequest | None = None
+        self._planning_failure = ''
 
-    def count(self, failure_reason=''):
+    def count_attempt(self, failure_reason: str = '') -> None:
         """
-        Count one more.
+        Count a push or a recovery.
 
         :param failure_reason: what went wrong, empty where nothing did.
         """
-        self._count += 1
-        self._trouble = failure_reason or self._trouble
+        self._attempts += 1
+        self._last_failure = failure_reason or self._last_failure
 
-    def on_planning_failed(self, wanted, reason):
+    def on_planning_failed(self, request: PlanRequest, code: PlanFailure, reason: str) -> None:
         """
-        Hear that there is no plan: no use to ask again where all is as it was.
+        Note that there is no plan; twice for the same reason from the same poses is once too many.
 
-        :param wanted: the plan that was ``push_model.plan_request.PlanRequest``.
-        :param reason: why there is none.
+        :param request: the ``PlanRequest``.
+        :param code: ``PlanFailure``.
+        :param reason: the same in one sentence.
         """
-        # Noise of the poses shows in the numbers.
-        text = re.sub(r'\d+', '', reason)
-        if self._refusal is not None:
-            before, text_before = self._refusal
-            if text == text_before and not any(
-                    has_moved(then, now, self._settings)
-                    for then, now in ((before.object_pose, wanted.object_pose),
-                                      (before.robot_pose, wanted.robot_pose))):
-                self._hopeless = f'gave up: twice no plan from here: {reason}'
-        self._refusal = wanted, text
+        last = self._failed_request
+        if last is not None and last.code is code and not self._have_moved(last.request, request):
+            self._planning_failure = f'aborted: planning failed twice from here: {reason}'
+        self._failed_request = _FailedRequest(request, code)
 
-    def look_anew(self):
-        """Forget what was refused, as there may be a plan now."""
-        self._refusal, self._hopeless = None, ''
+    def forget_planning_failures(self) -> None:
+        """Forget requests without a plan, as there may be one now."""
+        self._failed_request = None
+        self._planning_failure = ''
 
-    def check_goal(self, object_at_rest, goal):
+    def check_goal(self, object_at_rest: ObjectAtRest, goal: Pose) -> GoalCheck:
         """
-        Look where the object has come to rest.
+        Check whether an object is at its goal, and whether it has come nearer.
 
-        :param object_at_rest: ``push_control.task.perception.ObjectAtRest``.
-        :param goal: ``Pose`` wanted.
-        :return: ``'reached'``, ``'off'``, or ``'unsure'`` where a longer look may tell.
+        :param object_at_rest: the ``ObjectAtRest``.
+        :param goal: goal ``Pose``.
+        :return: ``GoalCheck``.
         """
-        settings = self._settings
-        away, turned = distance(object_at_rest.pose, goal), abs(wrap_angle(object_at_rest.pose.theta - goal.theta))
-        error = max(away / settings.position_tolerance, turned / settings.heading_tolerance)
-        if error < settings.improvement_ratio * self._least:
-            self._least, self._count, self._trouble = error, 0, ''
-        slack = (settings.confidence_sigmas * object_at_rest.position_error,
-                 settings.confidence_sigmas * object_at_rest.heading_error)
-        if (away <= settings.position_tolerance - slack[0]
-                and turned <= settings.heading_tolerance - slack[1]):
-            return 'reached'
-        certain = (away > settings.position_tolerance + slack[0]
-                   or turned > settings.heading_tolerance + slack[1])
-        return 'off' if certain or object_at_rest.duration >= settings.max_averaging_time else 'unsure'
+        settings, pose = self._settings, object_at_rest.pose
+        position_error = distance(pose, goal)
+        heading_error = abs(wrap_angle(pose.theta - goal.theta))
+        error = max(position_error / settings.position_tolerance,
+                    heading_error / settings.heading_tolerance)
+        if error < settings.improvement_ratio * self._least_error:
+            self._least_error = error
+            self._attempts = 0
+            self._last_failure = ''
+        position_margin = settings.confidence_sigmas * object_at_rest.position_error
+        heading_margin = settings.confidence_sigmas * object_at_rest.heading_error
+        if (position_error <= settings.position_tolerance - position_margin
+                and heading_error <= settings.heading_tolerance - heading_margin):
+            return GoalCheck.REACHED
+        is_certain = (position_error > settings.position_tolerance + position_margin
+                      or heading_error > settings.heading_tolerance + heading_margin)
+        if is_certain or object_at_rest.duration >= settings.max_averaging_time:
+            return GoalCheck.MISSED
+        return GoalCheck.UNCERTAIN
 
     @property
-    def cone_fraction(self):
-        """Share of what friction allows that the next plan should use: less every other try."""
-        return max(SHYEST, SHYER ** (self._count // 2))
+    def cone_fraction(self) -> float:
+        """Fraction of the friction cone that the next plan may use."""
+        reductions = self._attempts // ATTEMPTS_PER_REDUCTION
+        return max(MIN_CONE_FRACTION, CAUTION_FACTOR ** reductions)
 
     @property
-    def abort_reason(self):
-        """Why it is to give up, empty while it is not."""
-        if self._count < self._settings.max_attempts:
-            return self._hopeless
-        last = f'; last: {self._trouble}' if self._trouble else ''
-        return f'gave up: {self._count} tries brought the object no nearer{last}'
+    def abort_reason(self) -> str:
+        """Why the task is to be aborted, empty while it is not."""
+        if self._attempts < self._settings.max_attempts:
+            return self._planning_failure
+        last = f'; last failure: {self._last_failure}' if self._last_failure else ''
+        return f'aborted: no progress in {self._attempts} attempts{last}'
+
+    def _have_moved(self, before: PlanRequest, request: PlanRequest) -> bool:
+        """Whether object or robot are elsewhere than in a former request."""
+        return (has_moved(before.object_pose, request.object_pose, self._settings)
+                or has_moved(before.robot_pose, request.robot_pose, self._settings))

@@ -1,85 +1,86 @@
-"""The way off the object after a push."""
+"""Retreat: drive straight off the object after a push."""
 
 import math
 
-from push_control.task.approach import PathExecution
+from push_control.task.behavior import Behavior, BehaviorContext
+from push_control.task.path_execution import PathExecution
+from push_control.task.perception import TaskPerception
 from push_model.contact import find_contact
 from push_model.geometry import Pose
-from push_model.signals import STOP
+from push_model.signals import STOP, Twist
 from push_navigation.path import Path, sample_path
 
+# Spacing at which a path is checked against the map [m]; chosen: below the cells of a map.
 SPACING = 0.02
+# Part of its length by which a retreat must widen the gap, to lead off the object; chosen: it is
+# then within 60 degrees of the contact normal.
+MIN_GAP_RATIO = 0.5
 
 
-class Retreat:
-    """Goes straight off the object, where drive and map allow it."""
+class Retreat(Behavior):
+    """Drives straight off the object, where drive and map allow it."""
 
-    def __init__(self, obj, robot, drive, supervision, occupancy_map=None):
+    def __init__(self, context: BehaviorContext) -> None:
         """
-        Prepare.
+        Start.
 
-        :param obj: the ``PushedObject``.
-        :param robot: the ``RoundRobot``.
-        :param drive: ``DriveSettings``.
-        :param supervision: ``SupervisionSettings``.
-        :param occupancy_map: the ``OccupancyMap``, or None.
+        :param context: the ``BehaviorContext``.
         """
-        self._parts, self._workspace = (obj, robot, drive), occupancy_map
-        self._patience, self._travel = supervision.stall_timeout, None
-        self.finished, self.failure_reason = False, ''
+        super().__init__()
+        self._context = context
+        self._execution: PathExecution | None = None
 
-    def pause(self):
-        """Stand; the next step sets out anew."""
-        self._travel = None
+    def pause(self) -> None:
+        """Forget the path; the next step plans another one."""
+        self._execution = None
 
-    def step(self, perception, dt):
+    def step(self, perception: TaskPerception, dt: float) -> Twist:
         """
         Compute the command.
 
         :param perception: ``TaskPerception`` of the robot, and of where the object was seen last.
         :param dt: time since the last call [s].
-        :return: ``Twist``; STOP once there is ``failure_reason``.
+        :return: ``Twist``; STOP once there is a ``failure_reason``.
         """
-        _, robot, drive = self._parts
-        if self._travel is None:
-            way = retreat_path(*self._parts, perception.robot_pose,
-                               perception.observation.object_pose.pose, self._workspace)
-            if way is None:
+        if self._execution is None:
+            path = retreat_path(self._context, perception.robot_pose, perception.object_pose.pose)
+            if path is None:
                 self.finished = True
                 return STOP
-            self._travel = PathExecution(robot, drive, way, self._patience)
-        command = self._travel.step(perception.robot_pose, dt)
-        self.finished, self.failure_reason = self._travel.finished, self._travel.failure_reason
+            self._execution = PathExecution(self._context.robot, self._context.drive, path,
+                                            self._context.supervision.stall_timeout)
+        command = self._execution.step(perception.robot_pose, dt)
+        self.finished = self._execution.finished
+        self.failure_reason = self._execution.failure_reason
         return command
 
 
-def retreat_path(obj, robot, drive, robot_pose, object_pose, occupancy_map=None):
+def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose) -> Path | None:
     """
-    Find the straight way off an object.
+    Find the straight path off an object; half the length where the whole one is not free.
 
-    :param obj: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
-    :param drive: ``DriveSettings``.
+    :param context: the ``BehaviorContext``.
     :param robot_pose: ``Pose`` of the robot, at the object.
     :param object_pose: ``Pose`` of the object.
-    :param occupancy_map: the ``OccupancyMap``, or None.
-    :return: ``Path``, or None where the drive or the map allow none that leads away.
+    :return: ``Path``, or None where drive or map allow none that leads away.
     """
-    _, normal, gap = find_contact(obj, object_pose, robot_pose[:2], robot.radius)
+    robot, retreat_distance = context.robot, context.drive.retreat_distance
+    _, normal, gap = find_contact(context.obj, object_pose, robot_pose[:2], robot.radius)
     x, y, heading = robot_pose
-    angles = (heading + math.pi, heading) if robot.drive == 'differential' else (
-        normal + math.pi,)
-    found = None
-    for length in (drive.retreat_distance, 0.5 * drive.retreat_distance):
-        for angle in angles:
-            end = Pose(x + length * math.cos(angle), y + length * math.sin(angle), heading)
-            way = Path((robot_pose, end))
-            gain = find_contact(obj, object_pose, end[:2], robot.radius)[2] - gap
-            if gain > 0.5 * length and _is_free(way, robot, drive, occupancy_map):
-                found = found or way
-    return found
+    directions = [normal + math.pi]
+    if robot.drive == 'differential':
+        directions = [heading + math.pi, heading]
+    for length in (retreat_distance, 0.5 * retreat_distance):
+        for direction in directions:
+            end = Pose(x + length * math.cos(direction), y + length * math.sin(direction), heading)
+            path = Path((robot_pose, end))
+            gain = find_contact(context.obj, object_pose, end[:2], robot.radius).gap - gap
+            if gain > MIN_GAP_RATIO * length and _is_free(path, context):
+                return path
+    return None
 
 
-def _is_free(way, robot, drive, occupancy_map):
+def _is_free(path: Path, context: BehaviorContext) -> bool:
+    occupancy_map, robot = context.occupancy_map, context.robot
     return occupancy_map is None or occupancy_map.robot_is_free(
-        robot, sample_path(way, robot, SPACING), drive.map_clearance)
+        robot, sample_path(path, robot, SPACING), context.drive.map_clearance)

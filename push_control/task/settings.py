@@ -1,4 +1,4 @@
-"""When a task is done, when to try again, and when to give up."""
+"""Settings of the supervisor: when a task is done, and when an attempt has failed."""
 
 import dataclasses
 
@@ -7,50 +7,64 @@ from push_model.quantity import check, quantity
 
 @dataclasses.dataclass(frozen=True)
 class SupervisionSettings:
-    """What the supervisor of a task asks for and bears with."""
+    """Tolerances, time-outs and attempt limits of the supervisor."""
 
-    position_tolerance: float = quantity('distance from the goal with which a task is done', 'm',
-                                         above=0.0, high=1.0, default=0.01)
-    heading_tolerance: float = quantity('heading error with which a task is done', 'rad',
-                                        above=0.0, high=1.0, default=0.0175)
-    confidence_sigmas: float = quantity('standard errors of the measured pose that are kept off the '
-                                        'tolerances', '', 0.0, 10.0, default=2.0)
-    min_averaging_time: float = quantity('time over which poses at rest are averaged at least', 's',
-                                         above=0.0, high=10.0, default=0.5)
-    max_averaging_time: float = quantity('time over which they are averaged while it is not certain '
-                                         'that the task is done', 's', above=0.0, high=60.0, default=2.0)
-    motion_gate_sigmas: float = quantity('standard deviations from the average that tell that the object '
-                                         'has moved', '', above=0.0, high=100.0, default=5.0)
+    position_tolerance: float = quantity(
+        'distance from the goal at which a task is done', 'm', above=0.0, high=1.0, default=0.01)
+    heading_tolerance: float = quantity(
+        'heading error at which a task is done', 'rad', above=0.0, high=1.0, default=0.0175)
+    confidence_sigmas: float = quantity(
+        'standard errors of the averaged object pose by which it must be within the tolerances',
+        '', 0.0, 10.0, default=2.0)
+    min_averaging_time: float = quantity(
+        'time over which poses of the object at rest are averaged', 's', above=0.0, high=10.0,
+        default=0.5)
+    max_averaging_time: float = quantity(
+        'longest time over which they are averaged while it is uncertain whether the task is done',
+        's', above=0.0, high=60.0, default=2.0)
+    motion_gate_sigmas: float = quantity(
+        'standard deviations from the average at which a pose means that the object has moved', '',
+        above=0.0, high=100.0, default=5.0)
 
-    max_attempts: int = quantity('pushes and recoveries without getting nearer before it gives up', '',
-                                 1, 100, default=12)
-    improvement_ratio: float = quantity('share of the least error so far that counts as nearer', '',
-                                        above=0.0, high=1.0, default=0.9)
+    max_attempts: int = quantity(
+        'pushes and recoveries without progress after which the task is aborted', '', 1, 100,
+        default=12)
+    improvement_ratio: float = quantity(
+        'part of the least error so far below which an error counts as progress', '', above=0.0,
+        high=1.0, default=0.9)
     plan_timeout: float = quantity('time to wait for a plan', 's', above=0.0, high=600.0,
                                    default=20.0)
-    stall_timeout: float = quantity('time without motion on a way after which it is given up', 's',
-                                    above=0.0, high=60.0, default=4.0)
+    stall_timeout: float = quantity(
+        'time without motion after which a robot on its path is stalled', 's', above=0.0,
+        high=60.0, default=4.0)
 
-    moved_distance: float = quantity('move of the object, not pushed, after which a plan no '
-                                     'longer holds', 'm', above=0.0, high=1.0, default=0.05)
-    moved_angle: float = quantity('turn of the object, likewise', 'rad', above=0.0, high=1.0,
-                                  default=0.1)
-    max_path_deviation: float = quantity('distance of the object from the path of its plan at which a push '
-                                         'ends', 'm', above=0.0, high=10.0, default=0.2)
-    pre_push_tolerance: float = quantity('error with which the robot may stand before the last '
-                                         'straight way to the object', 'm', above=0.0, high=0.5,
-                                         default=0.01)
-    odometry_scale: float = quantity('standard deviation of the relative error of the distance '
-                                     'that odometry tells', '', 0.0, 0.5, default=0.02)
-    odometry_drift: float = quantity('standard deviation of the heading error of odometry per '
-                                     'distance', 'rad/m', 0.0, 1.0, default=0.02)
-    odometry_walk: float = quantity('random walk of the robot beside its odometry per way',
-                                    'm/sqrt(m)', 0.0, 1.0, default=0.003)
-    odometry_heading_walk: float = quantity('random walk of its heading, likewise', 'rad/sqrt(m)',
-                                            0.0, 1.0, default=0.01)
-    probe_distance: float = quantity('way beyond the expected place on which it feels for the object', 'm',
-                                     above=0.0, high=1.0, default=0.1)
+    moved_distance: float = quantity(
+        'distance by which the object may move between pushes before its plan is invalid', 'm',
+        above=0.0, high=1.0, default=0.05)
+    moved_angle: float = quantity(
+        'angle by which the object may rotate between pushes before its plan is invalid', 'rad',
+        above=0.0, high=1.0, default=0.1)
+    max_path_deviation: float = quantity(
+        'distance of the object from its planned path at which a push is aborted', 'm', above=0.0,
+        high=10.0, default=0.2)
+    pre_push_tolerance: float = quantity(
+        'position error of the robot at the pre-push pose; rotation counts at its rim', 'm',
+        above=0.0, high=0.5, default=0.01)
+    probe_distance: float = quantity(
+        'distance beyond the expected contact within which the robot probes for the object', 'm',
+        above=0.0, high=1.0, default=0.1)
 
-    def __post_init__(self):
+    odometry_scale: float = quantity(
+        'standard deviation of the relative error of distances measured by odometry', '', 0.0, 0.5,
+        default=0.02)
+    odometry_drift: float = quantity(
+        'standard deviation of the heading error of odometry per distance', 'rad/m', 0.0, 1.0,
+        default=0.02)
+    odometry_walk: float = quantity(
+        'random walk of the position relative to odometry', 'm/sqrt(m)', 0.0, 1.0, default=0.003)
+    odometry_heading_walk: float = quantity(
+        'random walk of the heading relative to odometry', 'rad/sqrt(m)', 0.0, 1.0, default=0.01)
+
+    def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)

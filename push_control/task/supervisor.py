@@ -1,202 +1,301 @@
-"""The supervisor of a task: approach, touch, push, retreat, until the object is at its goal."""
+"""
+Supervisor of a task: plan, approach, align, push, retreat, until the object is at its goal.
+
+States, and where they lead when all goes well (``Transitions`` says the rest):
+
+    PLAN -> APPROACH -> ALIGN -> PUSH -> RETREAT -> PLAN -> ... -> DONE
+
+In PLAN the robot stands and the object is measured at rest; there the task is done, aborted, or a
+plan of the next push requested. In every other state a ``Behavior`` commands the robot.
+"""
 
 import dataclasses
+import math
+from typing import NamedTuple
 
-from push_control.task.behaviors import BehaviorFactory
+from push_control.observation import Observation
+from push_control.push.status import ControllerStatus
+from push_control.settings import ControlSettings
+from push_control.task.behavior import Behavior
+from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.perception import TaskPerception
-from push_control.task.progress import ProgressMonitor
+from push_control.task.progress import GoalCheck, ProgressMonitor
+from push_control.task.settings import SupervisionSettings
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import Pose
-from push_model.plan_request import PlanRequest
-from push_model.signals import STOP
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.signals import STOP, Twist
+from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import DriveSettings
 
-AT_OBJECT = (TaskState.ALIGN, TaskState.PUSH, TaskState.RETREAT)
-FOLLOWING = {TaskState.APPROACH: TaskState.ALIGN, TaskState.ALIGN: TaskState.PUSH,
-             TaskState.PUSH: TaskState.RETREAT, TaskState.RETREAT: TaskState.PLAN}
-SETTLING = 0.3
+# Time after the end of a push from which on the object may be at rest [s]; chosen: longer than the
+# latency of its poses (0.08 s in the scenarios), and than it slides on.
+SETTLING_TIME = 0.3
+
+
+class Transitions(NamedTuple):
+    """
+    Where a state leads.
+
+    :param success: state after the end of its behaviour.
+    :param failure: state after its failure.
+    :param restart: state from which another plan is sought, as for a new goal.
+    """
+
+    success: TaskState
+    failure: TaskState
+    restart: TaskState
+
+
+# A robot in contact backs off first. A retreat that fails is not repeated: the path to the next
+# pre-push pose may lead off the object.
+TRANSITIONS = {
+    TaskState.PLAN: Transitions(TaskState.APPROACH, TaskState.PLAN, TaskState.PLAN),
+    TaskState.APPROACH: Transitions(TaskState.ALIGN, TaskState.PLAN, TaskState.PLAN),
+    TaskState.ALIGN: Transitions(TaskState.PUSH, TaskState.RETREAT, TaskState.RETREAT),
+    TaskState.PUSH: Transitions(TaskState.RETREAT, TaskState.RETREAT, TaskState.RETREAT),
+    TaskState.RETREAT: Transitions(TaskState.PLAN, TaskState.PLAN, TaskState.RETREAT)}
+
+
+class _PendingRequest(NamedTuple):
+    """A ``PlanRequest`` that waits for its plan, and since when [s]."""
+
+    request: PlanRequest
+    since: float
+
+
+class _Answer(NamedTuple):
+    """The last command, and the times of the measurements that it answers."""
+
+    stamps: tuple[float, float, float | None] | None = None
+    command: Twist = STOP
 
 
 class Supervisor:
-    """Answers measurements with commands, and says where from a plan is wanted."""
+    """Answers measurements with commands, and requests plans."""
 
-    def __init__(self, obj, robot, control, drive, supervision):
+    def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                 drive: DriveSettings, supervision: SupervisionSettings) -> None:
         """
         Stand idle.
 
-        :param obj: the ``PushedObject`` as believed.
+        :param obj: the nominal ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param control: ``ControlSettings``.
         :param drive: ``DriveSettings``.
         :param supervision: ``SupervisionSettings``.
         """
-        self._settings, self._tries = supervision, ProgressMonitor(supervision)
-        self._legs = BehaviorFactory(obj, robot, control, drive, supervision)
-        self._sight = TaskPerception(control, supervision)
-        self._goal = self._target = self._leg = self._resume = None
-        self._wants, self._asked, self._waiting = None, 0.0, ''
-        self._stamps, self._command, self._status = None, STOP, SupervisorStatus()
+        self._settings = supervision
+        self._progress = ProgressMonitor(supervision)
+        self._behaviors = BehaviorFactory(obj, robot, control, drive, supervision)
+        self._perception = TaskPerception(control, supervision)
+        self._goal: Pose | None = None
+        self._plan: PushTrajectory | None = None
+        self._behavior: Behavior | None = None
+        self._pending: _PendingRequest | None = None
+        self._paused_state = TaskState.IDLE
+        self._answer = _Answer()
+        # As of the last change of state; ``status`` adds what is measured since.
+        self._entered = SupervisorStatus()
+        self._status = self._entered
 
     @property
-    def plan_request(self):
-        """The plan that is ``PlanRequest``, or None."""
-        return self._wants
+    def plan_request(self) -> PlanRequest | None:
+        """``PlanRequest`` that waits for its plan, or None."""
+        return None if self._pending is None else self._pending.request
 
     @property
-    def status(self):
+    def status(self) -> SupervisorStatus:
         """The present ``SupervisorStatus``."""
-        push = self._leg.status if self._status.state == TaskState.PUSH else self._status.push
-        return dataclasses.replace(
-            self._status, reason=self._waiting or self._status.reason or (
-                push.reason if self._status.state == TaskState.PUSH else ''),
-            robot_pose=self._sight.robot_pose, push=push)
+        return self._status
 
-    def set_goal(self, pose):
+    def set_goal(self, pose: Pose | None) -> None:
         """
-        Begin a task, whatever is under way.
+        Start a task, whatever is under way; while paused it waits for ``resume``.
 
-        :param pose: ``Pose`` wanted for the object; None for no task.
+        :param pose: goal ``Pose`` of the object; None for no task.
         :raises ValueError: where it is not finite.
         """
         if pose is None:
-            return self.stop('has no goal')
+            self.stop('no goal')
+            return
         if not Pose(*pose).is_finite():
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
-        self._goal, self._tries = Pose(*pose), ProgressMonitor(self._settings)
-        self._status = dataclasses.replace(self._status, pushes=0, recoveries=0, history=())
-        if self._status.state != TaskState.PAUSED:
-            self._begin_anew('has a new goal')
+        self._goal = Pose(*pose)
+        self._progress = ProgressMonitor(self._settings)
+        self._entered = dataclasses.replace(self._entered, pushes=0, recoveries=0, history=())
+        if self._entered.state is not TaskState.PAUSED:
+            self._restart(self._entered.state, 'new goal')
+        self._update_status()
 
-    def set_map(self, occupancy_map):
+    def set_map(self, occupancy_map: OccupancyMap | None) -> None:
         """
-        Take a map, for the next way.
+        Set the map for the next path.
 
-        :param occupancy_map: the ``OccupancyMap``, or None.
+        :param occupancy_map: the ``OccupancyMap``, or None for open floor.
         """
-        self._legs.occupancy_map = occupancy_map
-        self._tries.look_anew()
+        self._behaviors.occupancy_map = occupancy_map
+        self._progress.forget_planning_failures()
 
-    def take(self, trajectory):
+    def set_plan(self, trajectory: PushTrajectory) -> None:
         """
-        Take the plan that was wanted; one that was not is ignored.
+        Set the plan that was requested; one that was not is ignored.
 
         :param trajectory: ``PushTrajectory``; the robot may stand anywhere.
         """
-        if self._wants is None:
+        if self._pending is None:
             return
-        self._target = trajectory
-        self._tries.look_anew()
-        self._enter(TaskState.APPROACH)
+        self._plan = trajectory
+        self._progress.forget_planning_failures()
+        self._enter(TRANSITIONS[TaskState.PLAN].success)
+        self._update_status()
 
-    def on_planning_failed(self, reason):
+    def on_planning_failed(self, code: PlanFailure, reason: str) -> None:
         """
-        Hear that there is no plan.
+        Note that there is no plan for the request.
 
-        :param reason: one sentence.
+        :param code: ``PlanFailure``.
+        :param reason: the same in one sentence.
         """
-        if self._wants is not None:
-            self._sight.look_anew(self._sight.time)
-            self._tries.on_planning_failed(self._wants, reason)
-            self._recover(f'no plan: {reason}')
+        if self._pending is None:
+            return
+        self._perception.restart_averaging(self._perception.time)
+        self._progress.on_planning_failed(self._pending.request, code, reason)
+        self._recover(f'no plan: {reason}')
+        self._update_status()
 
-    def pause(self):
-        """Stand until told to resume."""
-        if not self._status.state.is_standing:
-            self._resume = self._status.state
+    def pause(self) -> None:
+        """Stand until ``resume``."""
+        if not self._entered.state.is_standing:
+            self._paused_state = self._entered.state
             self._enter(TaskState.PAUSED)
+            self._update_status()
 
-    def resume(self):
-        """Go on after a pause: what was planned is planned anew."""
-        if self._status.state == TaskState.PAUSED:
-            self._begin_anew('goes on')
+    def resume(self) -> None:
+        """Go on after a pause, with another plan."""
+        if self._entered.state is TaskState.PAUSED:
+            self._restart(self._paused_state, 'resumed')
+            self._update_status()
 
-    def stop(self, reason):
+    def stop(self, reason: str) -> None:
         """
-        Give up the task and stand.
+        Abandon the task and stand.
 
         :param reason: one sentence.
         """
         self._goal = None
         self._enter(TaskState.IDLE, reason)
+        self._update_status()
 
-    def step(self, observation, dt):
+    def step(self, observation: Observation, dt: float) -> Twist:
         """
         Answer a measurement; the same observation again gets the same answer.
 
-        :param observation: ``Observation``, odometry as it comes.
+        :param observation: ``Observation``, with odometry as it comes.
         :param dt: time since the last step [s].
         :return: ``Twist`` in the robot's axes.
         :raises ValueError: where dt is negative or not finite.
         """
-        if not 0.0 <= dt < float('inf'):
+        if not 0.0 <= dt < math.inf:
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
-        if observation.stamps != self._stamps:
-            self._stamps = observation.stamps
-            self._sight.take(observation)
-            self._command = self._answer(dt)
-        return self._command
+        if observation.stamps != self._answer.stamps:
+            self._perception.update(observation)
+            waiting_reason = self._waiting_reason()
+            self._answer = _Answer(observation.stamps, self._command(waiting_reason, dt))
+            self._update_status(waiting_reason)
+        return self._answer.command
 
-    def _answer(self, dt):
-        state = self._status.state
-        self._waiting = ''
-        if state.is_standing:
+    def _waiting_reason(self) -> str:
+        """Why the robot has to wait for better measurements; a push decides that by itself."""
+        state = self._entered.state
+        if state.is_standing or state is TaskState.PUSH:
+            return ''
+        return self._perception.measurement_fault(needs_object=state is not TaskState.RETREAT)
+
+    def _command(self, waiting_reason: str, dt: float) -> Twist:
+        if self._entered.state.is_standing:
             return STOP
-        if state != TaskState.PUSH:
-            self._waiting = self._sight.failure_reason(blind=state == TaskState.RETREAT)
-        if self._waiting or state == TaskState.PLAN:
-            if self._leg is not None:
-                self._leg.pause()
-            return STOP if self._waiting else self._plan()
-        command = self._leg.step(self._sight, dt)
-        if self._leg.failure_reason:
-            self._recover(self._leg.failure_reason)
+        if waiting_reason:
+            if self._behavior is not None:
+                self._behavior.pause()
             return STOP
-        if self._leg.finished:
-            self._next(state)
+        if self._behavior is None:
+            self._check_goal()
+            return STOP
+        command = self._behavior.step(self._perception, dt)
+        if self._behavior.failure_reason:
+            self._recover(self._behavior.failure_reason)
+            return STOP
+        if self._behavior.finished:
+            self._advance()
         return command
 
-    def _plan(self):
-        object_at_rest, now = self._sight.object_at_rest, self._sight.time
-        if object_at_rest is None or object_at_rest.duration < self._settings.min_averaging_time:
-            return STOP
-        if self._wants is not None:
-            if now - self._asked > self._settings.plan_timeout:
-                self._recover(f'no plan came within {self._settings.plan_timeout:g} s')
-            return STOP
-        verdict = self._tries.check_goal(object_at_rest, self._goal)
-        if verdict == 'reached':
+    def _check_goal(self) -> None:
+        """Measure the object at rest, then end the task or request a plan."""
+        perception, settings, now = self._perception, self._settings, self._perception.time
+        if (not perception.has_object_at_rest
+                or perception.object_at_rest.duration < settings.min_averaging_time):
+            return
+        if self._pending is not None:
+            if now - self._pending.since > settings.plan_timeout:
+                self._recover(f'no plan within {settings.plan_timeout:g} s')
+            return
+        if self._goal is None:
+            return
+        object_at_rest = perception.object_at_rest
+        check = self._progress.check_goal(object_at_rest, self._goal)
+        if check is GoalCheck.REACHED:
             self._enter(TaskState.DONE)
-        elif verdict == 'off' and self._tries.abort_reason:
-            self._enter(TaskState.FAILED, self._tries.abort_reason)
-        elif verdict == 'off':
-            self._legs.correct_overlap(self._sight)
-            self._wants = PlanRequest(object_at_rest.pose, self._sight.robot_pose, self._goal,
-                                      self._legs.object_model.obj, self._tries.cone_fraction)
-            self._asked = now
-        return STOP
+        elif check is GoalCheck.MISSED and self._progress.abort_reason:
+            self._enter(TaskState.FAILED, self._progress.abort_reason)
+        elif check is GoalCheck.MISSED:
+            self._behaviors.correct_overlap(perception)
+            request = PlanRequest(object_at_rest.pose, perception.robot_pose, self._goal,
+                                  self._behaviors.object_model.obj, self._progress.cone_fraction)
+            self._pending = _PendingRequest(request, now)
 
-    def _next(self, state):
-        if state == TaskState.PUSH:
-            self._tries.count()
-        self._enter(FOLLOWING[state])
+    def _advance(self) -> None:
+        state = self._entered.state
+        if state is TaskState.PUSH:
+            self._progress.count_attempt()
+        self._enter(TRANSITIONS[state].success)
 
-    def _recover(self, failure_reason):
-        self._tries.count(failure_reason)
-        self._status = dataclasses.replace(self._status, recoveries=self._status.recoveries + 1)
-        # A retreat that fails is not tried again: a way to elsewhere may lead off the object.
-        at_contact = self._status.state in (TaskState.ALIGN, TaskState.PUSH)
-        self._enter(TaskState.RETREAT if at_contact else TaskState.PLAN, failure_reason)
+    def _recover(self, failure_reason: str) -> None:
+        self._progress.count_attempt(failure_reason)
+        self._entered = dataclasses.replace(self._entered,
+                                            recoveries=self._entered.recoveries + 1)
+        self._enter(TRANSITIONS[self._entered.state].failure, failure_reason)
 
-    def _begin_anew(self, reason):
-        state = self._resume if self._status.state == TaskState.PAUSED else self._status.state
-        self._enter(TaskState.RETREAT if state in AT_OBJECT else TaskState.PLAN, reason)
+    def _restart(self, state: TaskState, reason: str) -> None:
+        """Seek another plan, from a state in which the robot was."""
+        self._enter(TaskState.PLAN if state.is_standing else TRANSITIONS[state].restart, reason)
 
-    def _enter(self, state, reason=''):
-        status, time = self.status, self._sight.time
-        self._wants, self._waiting = None, ''
-        self._leg = self._legs.create(state, self._target, self._sight)
-        if state == TaskState.RETREAT:
-            self._sight.look_anew(time + SETTLING)
+    def _enter(self, state: TaskState, reason: str = '') -> None:
+        push, now = self._push_status(), self._perception.time
+        self._pending = None
+        self._behavior = self._behaviors.create(state, self._plan, self._perception)
+        if state is TaskState.RETREAT:
+            self._perception.restart_averaging(now + SETTLING_TIME)
+        pushes = self._entered.pushes
+        if state is TaskState.PUSH:
+            pushes += 1
+        self._entered = dataclasses.replace(
+            self._entered, state=state, reason=reason, since=now, push=push, pushes=pushes,
+            history=(*self._entered.history, StateChange(now, state, reason)))
+
+    def _push_status(self) -> ControllerStatus:
+        """Status of the present push, or of the last one."""
+        push = None if self._behavior is None else self._behavior.push_status
+        return self._entered.push if push is None else push
+
+    def _update_status(self, waiting_reason: str = '') -> None:
+        entered, push = self._entered, self._push_status()
+        reason = waiting_reason or entered.reason
+        if entered.state is TaskState.PUSH:
+            reason = reason or push.reason
+        localization = self._perception.localization
         self._status = dataclasses.replace(
-            self._status, state=state, reason=reason, since=time, push=status.push,
-            pushes=status.pushes + (state == TaskState.PUSH),
-            history=(*status.history, StateChange(time, state, reason)))
+            entered, reason=reason, push=push,
+            robot_pose=localization.pose if localization.is_initialized else None)

@@ -1,86 +1,134 @@
-"""Chains of pushes: the planner's node asks for them here, and says here what came of it."""
+"""Push sequences over ROS 2: from requests and maps to plans, and the words for diagnostics."""
 
+from typing import Any, Mapping, NamedTuple
+
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanRequest
-from push_planner.sequence.planner import plan_for_request
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import DriveSettings
+from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.sequence.steps import sequence_poses
-from push_ros.conversions.map import from_map_message, map_text
+from push_planner.settings import PlannerSettings, TaskSettings
+from push_ros.conversions.map import from_map_message
 from push_ros.conversions.plan import to_path_message, to_plan_message
 from push_ros.conversions.plan_request import from_request_message
 
+# Spacing of the poses in ``planned_path`` [m]; chosen: a smooth line in a display.
 PATH_SPACING = 0.05
 
 
+class PlannerParameters(NamedTuple):
+    """
+    Parameters of the planner, by section.
+
+    :param object: the nominal ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param planner: ``PlannerSettings``.
+    :param drive: ``DriveSettings``; for sequences.
+    :param task: ``TaskSettings``; for sequences.
+    """
+
+    object: PushedObject
+    robot: RoundRobot
+    planner: PlannerSettings
+    drive: DriveSettings
+    task: TaskSettings
+
+
+class SequencePlanMessages(NamedTuple):
+    """
+    A planned sequence, as it is published.
+
+    :param plan: ``trajectory_msgs/MultiDOFJointTrajectory`` of its first push.
+    :param path: ``nav_msgs/Path`` of the object through all pushes.
+    """
+
+    plan: Any
+    path: Any
+
+
 class SequenceRequestHandler:
-    """Plans chains of pushes, in a map where there is one."""
+    """Plans push sequences, in a map where there is one."""
 
-    def __init__(self, obj, parts, frame):
+    def __init__(self, parameters: PlannerParameters, frame: str) -> None:
         """
-        Begin on open floor.
+        Start on open floor.
 
-        :param obj: the ``PushedObject`` as believed.
-        :param parts: ``RoundRobot``, ``PlannerSettings``, ``DriveSettings``, ``TaskSettings``.
+        :param parameters: ``PlannerParameters``.
         :param frame: id of the world frame.
         """
-        self._obj, self._parts, self._frame, self._workspace = obj, parts, frame, None
+        self._parameters = parameters
+        self._frame = frame
+        self._occupancy_map: OccupancyMap | None = None
 
-    def on_map(self, message):
+    def on_map(self, message: Any) -> None:
         """
-        Take a map; return what to say of it.
+        Set the map.
 
         :param message: ``nav_msgs/OccupancyGrid``.
         :raises MessageRefused: where it cannot be used; the former one stays.
         """
-        self._workspace = from_map_message(message, self._frame)
-        return map_text(message)
+        self._occupancy_map = from_map_message(message, self._frame)
 
-    def answer(self, message):
+    def answer(self, message: Any) -> TaskPlan:
         """
-        Plan what is asked for.
+        Plan for a request.
 
         :param message: ``trajectory_msgs/JointTrajectory``.
-        :return: ``push_planner.sequence.planner.TaskPlan``.
+        :return: ``TaskPlan``.
         :raises MessageRefused: where the request cannot be used.
-        :raises PlanningFailed: with the reason.
+        :raises PlanningFailed: where there is no plan.
         """
-        return self._plan(from_request_message(message, self._frame, self._obj))
+        return self._plan(from_request_message(message, self._frame, self._parameters.object))
 
-    def plan(self, object_pose, robot_pose, goal):
+    def plan(self, object_pose: Pose, robot_pose: Pose, goal: Pose) -> TaskPlan:
         """
-        Plan from poses, the object as believed.
+        Plan from poses, with the nominal object.
 
         :param object_pose: ``Pose`` of the object in the world.
         :param robot_pose: ``Pose`` of the robot in the world.
-        :param goal: ``Pose`` wanted for the object.
-        :return: ``push_planner.sequence.planner.TaskPlan``.
-        :raises PlanningFailed: with the reason.
+        :param goal: goal ``Pose`` of the object.
+        :return: ``TaskPlan``.
+        :raises PlanningFailed: where there is no plan.
         """
-        return self._plan(PlanRequest(object_pose, robot_pose, goal, self._obj))
+        return self._plan(PlanRequest(object_pose, robot_pose, goal, self._parameters.object))
 
-    def messages(self, chain, stamp):
+    def messages(self, task_plan: TaskPlan, stamp: Any) -> SequencePlanMessages:
         """
-        Make messages of the plan of the first push, and of the object's way through all.
+        Convert a plan to messages.
 
-        :param chain: ``push_planner.sequence.planner.TaskPlan``.
-        :param stamp: of the request, or of the measurements.
+        :param task_plan: ``TaskPlan``.
+        :param stamp: ``builtin_interfaces/Time`` of the request, or of the measurements.
         """
-        trajectory = chain.plan.trajectory
-        poses = sequence_poses(trajectory, chain.later_steps, PATH_SPACING)
-        return (to_plan_message(trajectory, stamp, self._frame),
-                to_path_message(poses, stamp, self._frame))
+        trajectory = task_plan.plan.trajectory
+        poses = sequence_poses(trajectory, task_plan.later_steps, PATH_SPACING)
+        return SequencePlanMessages(to_plan_message(trajectory, stamp, self._frame),
+                                    to_path_message(poses, stamp, self._frame))
 
-    def _plan(self, wanted):
-        return plan_for_request(wanted, *self._parts, self._workspace)
+    def _plan(self, request: PlanRequest) -> TaskPlan:
+        parameters = self._parameters
+        return plan_for_request(request, parameters.robot, parameters.planner, parameters.drive,
+                                parameters.task, self._occupancy_map)
 
 
-def describe_task_plan(chain):
+class Description(NamedTuple):
+    """What diagnostics say of a plan: a sentence, and values by name."""
+
+    text: str
+    values: Mapping[str, Any]
+
+
+def describe_task_plan(task_plan: TaskPlan) -> Description:
     """
-    Say in a sentence, and in a dict of values, what chain was found.
+    Describe a sequence in words and values.
 
-    :param chain: ``push_planner.sequence.planner.TaskPlan``.
+    :param task_plan: ``TaskPlan``.
     """
-    count, first = len(chain.pushes), chain.pushes[0]
-    text = (f'has planned {count} push{"es" * (count > 1)} of {chain.duration:.1f} s in all, the '
-            f'first of {first.path_length:.2f} m')
-    return text, {**chain.plan.report, **chain.report.as_values(),
-                  'single_push': chain.single_push_time,
-                  'robot_start': tuple(first.robot_start)}
+    count, first = len(task_plan.pushes), task_plan.pushes[0]
+    noun = 'push' if count == 1 else 'pushes'
+    text = (f'has planned {count} {noun} of {task_plan.duration:.1f} s in all, the first of '
+            f'{first.path_length:.2f} m')
+    return Description(text, {
+        **task_plan.plan.report, **task_plan.report.as_values(),
+        'single_push': task_plan.single_push_time, 'robot_start': tuple(first.robot_start)})

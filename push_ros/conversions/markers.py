@@ -1,114 +1,172 @@
-"""Markers for RViz and Foxglove: object, robot, supports, contact, friction cone, plan."""
+"""Markers for RViz and Foxglove: object, robot, supports, contact, friction cone, plan, text."""
 
 import math
+from typing import Any, NamedTuple, Sequence
 
-from builtin_interfaces.msg import Duration
+from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point
 from push_model.contact import contact_point, find_contact
-from push_model.geometry import Pose
+from push_model.geometry import Coordinates, Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.trajectory import PushTrajectory
 from push_ros.conversions.primitives import to_pose_message
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-BROWN, GREEN, GREY = (0.72, 0.53, 0.31), (0.2, 0.65, 0.35), (0.35, 0.35, 0.4)
-BLUE, RED, ORANGE = (0.15, 0.45, 0.85), (0.85, 0.2, 0.2), (0.95, 0.6, 0.1)
+Color = tuple[float, float, float]
+# Colours (r, g, b): the true object of the simulator brown, the estimated one of the controller
+# grey; the paths of object, contact and robot in a plan blue, orange and green.
+BROWN: Color = (0.72, 0.53, 0.31)
+GREEN: Color = (0.2, 0.65, 0.35)
+GREY: Color = (0.35, 0.35, 0.4)
+BLUE: Color = (0.15, 0.45, 0.85)
+RED: Color = (0.85, 0.2, 0.2)
+ORANGE: Color = (0.95, 0.6, 0.1)
 ORIGIN = Pose(0.0, 0.0, 0.0)
-LINE, HEIGHT, ARROW, FENCE, ABOVE = 0.01, 0.1, 0.25, 2.0, 0.3
-SHORT = Duration(sec=1)
+# Sizes [m], chosen by eye for objects of about half a metre.
+LINE_WIDTH = 0.01
+ARROW_WIDTH = 0.03
+SUPPORT_SIZE = 0.03
+ROBOT_HEIGHT = 0.1
+ARROW_LENGTH = 0.25
+PUSHER_LENGTH = 2.0
+TEXT_HEIGHT = 0.1
+TEXT_ELEVATION = 0.3
+# Whatever is not drawn again for a second disappears: markers come twice a second and more.
+LIFETIME = Duration(sec=1)
+CIRCLE_VERTICES = 20
 
 
-def scene_markers(stamp, frame, namespace, obj, robot, object_pose, robot_pose, colour=BROWN):
+class MarkerHeader(NamedTuple):
+    """
+    What all markers of one drawing have in common.
+
+    :param stamp: ``builtin_interfaces/Time``.
+    :param frame: id of the world frame.
+    :param namespace: of the markers.
+    """
+
+    stamp: Time
+    frame: str
+    namespace: str
+
+
+def scene_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
+                  object_pose: Coordinates, robot_pose: Coordinates, *,
+                  color: Color = BROWN) -> MarkerArray:
     """
     Draw object, supports, robot and their contact.
 
-    :param stamp: of the markers.
-    :param frame: id of the world frame.
-    :param namespace: of the markers.
+    :param header: ``MarkerHeader``.
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object.
     :param robot_pose: ``Pose`` of the robot.
-    :param colour: of the object, (r, g, b).
+    :param color: of the object, (r, g, b).
     :return: ``MarkerArray``.
     """
-    def marker(name, *arguments):
-        return _marker(stamp, frame, f'{namespace}/{name}', *arguments)
-
-    outline = marker('object', Marker.LINE_STRIP, object_pose, (LINE, 0.0, 0.0), colour)
-    outline.points = [_point(p) for p in _outline(obj)]
-    supports = marker('supports', Marker.SPHERE_LIST, object_pose, (0.03, 0.03, 0.03), GREY)
-    supports.points = [_point((foot.x, foot.y)) for foot in obj.supports]
-    body = marker('robot', Marker.CYLINDER, robot_pose,
-                  (2 * max(robot.radius, LINE), 2 * max(robot.radius, LINE), HEIGHT), GREEN)
-    if math.isinf(robot.radius):
-        body.type = Marker.CUBE
-        body.scale.x, body.scale.y = LINE, FENCE
-    body.pose.position.z = HEIGHT / 2
-    nose = marker('heading', Marker.ARROW, robot_pose,
-                  (min(max(robot.radius, LINE), ARROW), 0.03, 0.03), GREY)
-    nose.pose.position.z = HEIGHT
-    contact, gamma, _ = find_contact(obj, object_pose, robot_pose, robot.radius)
-    place = Pose(*object_pose).transform(contact_point(obj, contact))
-    cone = marker('friction_cone', Marker.LINE_LIST, Pose(*place, gamma), (LINE, 0.0, 0.0), RED)
-    angle = math.atan(obj.contact_friction_coefficient)
-    for side in (-angle, angle):
-        cone.points += [_point((0.0, 0.0)),
-                        _point((ARROW * math.cos(side), ARROW * math.sin(side)))]
-    normal = marker('contact', Marker.ARROW, Pose(*place, gamma), (ARROW, LINE, LINE), RED)
-    return MarkerArray(markers=[outline, supports, body, nose, cone, normal])
+    outline = _marker(header, 'object', Marker.LINE_STRIP, object_pose, color)
+    _set_scale(outline, LINE_WIDTH)
+    outline.points = [_point(p) for p in _closed_outline(obj)]
+    supports = _marker(header, 'supports', Marker.SPHERE_LIST, object_pose, GREY)
+    _set_scale(supports, SUPPORT_SIZE, SUPPORT_SIZE, SUPPORT_SIZE)
+    supports.points = [_point((support.x, support.y)) for support in obj.supports]
+    return MarkerArray(markers=[
+        outline, supports, *_robot_markers(header, robot, robot_pose),
+        *_contact_markers(header, obj, robot, object_pose, robot_pose)])
 
 
-def plan_markers(stamp, frame, trajectory):
+def plan_markers(header: MarkerHeader, trajectory: PushTrajectory) -> MarkerArray:
     """
-    Draw the ways of object, contact and robot in a plan.
+    Draw the paths of object, contact and robot in a plan.
 
-    :param stamp: of the markers.
-    :param frame: id of the world frame.
+    :param header: ``MarkerHeader``.
     :param trajectory: ``PushTrajectory``.
     :return: ``MarkerArray``.
     """
     result = MarkerArray()
-    for joint, colour in (('object', BLUE), ('contact', ORANGE), ('robot', GREEN)):
-        line = _marker(stamp, frame, f'plan/{joint}', Marker.LINE_STRIP, ORIGIN,
-                       (LINE / 2, 0.0, 0.0), colour)
+    for name, poses, color in (('object', trajectory.object_poses, BLUE),
+                               ('contact', trajectory.contact_poses, ORANGE),
+                               ('robot', trajectory.robot_poses, GREEN)):
+        line = _marker(header, name, Marker.LINE_STRIP, ORIGIN, color)
+        _set_scale(line, LINE_WIDTH / 2)
+        # It stays until the next plan.
         line.lifetime = Duration()
-        line.points = [_point(p) for p in getattr(trajectory, f'{joint}_poses')[:, :2].tolist()]
+        line.points = [_point(p) for p in poses[:, :2].tolist()]
         result.markers.append(line)
     return result
 
 
-def text_markers(stamp, frame, namespace, pose, text):
+def text_markers(header: MarkerHeader, pose: Coordinates, text: str) -> MarkerArray:
     """
     Write a text above a place.
 
-    :param stamp: of the markers.
-    :param frame: id of the world frame.
-    :param namespace: of the markers.
+    :param header: ``MarkerHeader``.
     :param pose: ``Pose`` of the place.
     :param text: what is written.
     :return: ``MarkerArray``.
     """
-    words = _marker(stamp, frame, f'{namespace}/text', Marker.TEXT_VIEW_FACING, pose,
-                    (0.0, 0.0, HEIGHT), GREY)
-    words.pose.position.z, words.text = ABOVE, text
-    return MarkerArray(markers=[words])
+    marker = _marker(header, 'text', Marker.TEXT_VIEW_FACING, pose, GREY)
+    _set_scale(marker, 0.0, 0.0, TEXT_HEIGHT)
+    marker.pose.position.z = TEXT_ELEVATION
+    marker.text = text
+    return MarkerArray(markers=[marker])
 
 
-def _marker(stamp, frame, namespace, kind, pose, scale, colour):
-    result = Marker(ns=namespace, type=kind, action=Marker.ADD, lifetime=SHORT)
-    result.header.stamp, result.header.frame_id = stamp, frame
+def _robot_markers(header: MarkerHeader, robot: RoundRobot, pose: Coordinates) -> list[Any]:
+    """Draw the robot and its heading; a point robot as a thin disc, a flat pusher as a bar."""
+    radius = max(robot.radius, LINE_WIDTH)
+    body = _marker(header, 'robot', Marker.CYLINDER, pose, GREEN)
+    _set_scale(body, 2 * radius, 2 * radius, ROBOT_HEIGHT)
+    if math.isinf(robot.radius):
+        body.type = Marker.CUBE
+        _set_scale(body, LINE_WIDTH, PUSHER_LENGTH, ROBOT_HEIGHT)
+    body.pose.position.z = ROBOT_HEIGHT / 2
+    heading = _marker(header, 'heading', Marker.ARROW, pose, GREY)
+    _set_scale(heading, min(radius, ARROW_LENGTH), ARROW_WIDTH, ARROW_WIDTH)
+    heading.pose.position.z = ROBOT_HEIGHT
+    return [body, heading]
+
+
+def _contact_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
+                     object_pose: Coordinates, robot_pose: Coordinates) -> list[Any]:
+    """Draw the contact normal and the friction cone."""
+    contact, normal_angle, _ = find_contact(obj, object_pose, robot_pose, robot.radius)
+    point = Pose(*object_pose).transform(contact_point(obj, contact))
+    pose = Pose(*point, normal_angle)
+    cone = _marker(header, 'friction_cone', Marker.LINE_LIST, pose, RED)
+    _set_scale(cone, LINE_WIDTH)
+    friction_angle = math.atan(obj.contact_friction_coefficient)
+    for angle in (-friction_angle, friction_angle):
+        cone.points += [_point((0.0, 0.0)), _point((ARROW_LENGTH * math.cos(angle),
+                                                    ARROW_LENGTH * math.sin(angle)))]
+    normal = _marker(header, 'contact', Marker.ARROW, pose, RED)
+    _set_scale(normal, ARROW_LENGTH, LINE_WIDTH, LINE_WIDTH)
+    return [cone, normal]
+
+
+def _marker(header: MarkerHeader, name: str, kind: int, pose: Coordinates, color: Color) -> Any:
+    result = Marker(ns=f'{header.namespace}/{name}', type=kind, action=Marker.ADD,
+                    lifetime=LIFETIME)
+    result.header.stamp = header.stamp
+    result.header.frame_id = header.frame
     result.pose = to_pose_message(pose)
-    result.scale.x, result.scale.y, result.scale.z = scale
-    result.color = ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=1.0)
+    result.color = ColorRGBA(r=color[0], g=color[1], b=color[2], a=1.0)
     return result
 
 
-def _outline(obj):
+def _set_scale(marker: Any, x: float, y: float = 0.0, z: float = 0.0) -> None:
+    marker.scale.x = x
+    marker.scale.y = y
+    marker.scale.z = z
+
+
+def _closed_outline(obj: PushedObject) -> Sequence[Coordinates]:
     if obj.outline:
         return [*obj.outline, obj.outline[0]]
-    return [(obj.radius * math.cos(0.1 * math.pi * i), obj.radius * math.sin(0.1 * math.pi * i))
-            for i in range(21)]
+    angles = [2.0 * math.pi / CIRCLE_VERTICES * number for number in range(CIRCLE_VERTICES + 1)]
+    return [(obj.radius * math.cos(angle), obj.radius * math.sin(angle)) for angle in angles]
 
 
-def _point(xy):
-    return Point(x=float(xy[0]), y=float(xy[1]), z=0.0)
+def _point(position: Coordinates) -> Point:
+    return Point(x=float(position[0]), y=float(position[1]), z=0.0)

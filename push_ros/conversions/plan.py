@@ -1,10 +1,11 @@
 """Plans to messages and back."""
 
-from builtin_interfaces.msg import Duration
+from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import PoseStamped, Transform
 from nav_msgs.msg import Path
 import numpy as np
 from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.primitives import (
     check_frame, from_twist_message, MessageRefused, seconds, to_pose_message, to_quaternion,
@@ -36,16 +37,32 @@ def to_plan_message(trajectory, stamp, frame):
     return message
 
 
-def no_plan_message(stamp, frame):
+def no_plan_message(code: PlanFailure, stamp: Time, frame: str) -> MultiDOFJointTrajectory:
     """
-    Make the answer to a request for which there is no plan.
+    Make the answer to a request for which there is no plan: no points, and why.
 
+    :param code: ``PlanFailure``; its name is the only joint name.
     :param stamp: of the request.
     :param frame: id of the world frame.
     """
-    message = MultiDOFJointTrajectory(joint_names=list(JOINTS))
+    message = MultiDOFJointTrajectory(joint_names=[code.name])
     message.header.stamp, message.header.frame_id = stamp, frame
     return message
+
+
+def plan_failure(message: MultiDOFJointTrajectory) -> PlanFailure | None:
+    """
+    Read why there is no plan.
+
+    :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
+    :return: ``PlanFailure``; None where the message is a plan.
+    """
+    if message.points:
+        return None
+    names = list(message.joint_names)
+    if len(names) == 1 and names[0] in PlanFailure.__members__:
+        return PlanFailure[names[0]]
+    return PlanFailure.INVALID_PLAN
 
 
 def from_plan_message(message, frame, topic='push_plan'):

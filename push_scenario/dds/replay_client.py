@@ -52,8 +52,8 @@ class ReplayClient:
         self._publishers = {
             topic: self._node.create_publisher(kind, topic, TOPICS[topic].publish_qos)
             for topic, kind in (('goal_pose', PoseStamped), ('map', OccupancyGrid))}
-        self._clients = {name: self._node.create_client(kind, name)
-                         for name, (kind, _, _) in SERVICES.items()}
+        self._clients = {name: self._node.create_client(entry.type, name)
+                         for name, entry in SERVICES.items()}
         self._listener = TopicListener(self._recorder_node, stamped)
         self.types = self._listener.types
 
@@ -131,7 +131,7 @@ class ReplayClient:
         client, end = self._clients[service], time.monotonic() + timeout
         answer = 'no answer'
         while time.monotonic() < end:
-            future = client.call_async(SERVICES[service][0].Request())
+            future = client.call_async(SERVICES[service].type.Request())
             called_at = time.monotonic()
             while not future.done() and time.monotonic() < called_at + RETRY_PERIOD:
                 self._executor.spin_once(timeout_sec=IDLE_PAUSE)

@@ -245,10 +245,10 @@ class TaskControl(RobotControl):
                 request, self._scenario.robot, self._scenario.planner, self._task.drive,
                 self._task.planning, self._task.occupancy_map)
         except PlanningFailed as failure:
-            self._supervisor.on_planning_failed(failure.reason)
+            self._supervisor.on_planning_failed(failure.code, failure.reason)
             return
         self._plans.append(found)
-        self._supervisor.take(found.plan.trajectory)
+        self._supervisor.set_plan(found.plan.trajectory)
 
 
 def make_robot_control(scenario: Scenario, observation: Observation,

@@ -77,10 +77,10 @@ def test_where_the_robot_was_lies_on_its_way():
     localization = RobotLocalization(SUPERVISION)
     localization.predict(Odometry(0.0, Pose(0.0, 0.0, math.pi - 0.1), STOP))
     localization.predict(Odometry(0.1, Pose(-0.1, 0.0, -math.pi + 0.1), STOP))
-    halfway = localization.at(0.05)
+    halfway = localization.pose_at(0.05)
     assert halfway[:2] == pytest.approx((-0.05, 0.0))
     assert abs(wrap_angle(halfway.theta)) == pytest.approx(math.pi)
-    assert localization.at(9.0) == localization.pose
+    assert localization.pose_at(9.0) == localization.pose
 
 
 def corrected_observation(pose, deviation):
@@ -119,7 +119,7 @@ def seen(robot_pose, object_pose, deviation):
     """Look at robot and object at rest for half a second."""
     perception = TaskPerception(ControlSettings(), SUPERVISION)
     for time in np.arange(11) * 0.05:
-        perception.take(Observation(time, Odometry(time, robot_pose, STOP),
+        perception.update(Observation(time, Odometry(time, robot_pose, STOP),
                                     ObjectPose(time, object_pose)))
     perception.localization.inflate_covariance(deviation)
     return perception

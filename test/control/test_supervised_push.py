@@ -11,7 +11,7 @@ from helpers.push_problems import (
 import numpy as np
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
-from push_control.task.behaviors import BehaviorFactory
+from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.perception import TaskPerception
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
@@ -74,7 +74,7 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
     legs = BehaviorFactory(believed, robot, control, DriveSettings(), supervision)
     legs.occupancy_map = occupancy_map
     perception, carry = TaskPerception(control, supervision), place @ stands.inverse()
-    perception.take(Observation(-1.0, Odometry(-1.0, place @ Pose(-70.0 * unsure, 0.0, 0.0), STOP)))
+    perception.update(Observation(-1.0, Odometry(-1.0, place @ Pose(-70.0 * unsure, 0.0, 0.0), STOP)))
     perception.localization.inflate_covariance(unsure)
     leg, pose, before = None, None, 0.0
     while plant.time < 30.0 and not (leg and (leg.finished or leg.failure_reason)):
@@ -83,7 +83,7 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
             pose = measured
             continue
         odometry = measured._replace(pose=carry @ measured.pose)
-        perception.take(Observation(plant.time, odometry, pose))
+        perception.update(Observation(plant.time, odometry, pose))
         leg = leg or legs.create(TaskState.PUSH, target, perception)
         plant.command(leg.step(perception, plant.time - before))
         before = plant.time
@@ -151,8 +151,8 @@ def test_a_push_off_its_path_tells_the_friction_centre_too():
     """As long as the contact has held; the robot is where it was believed to be."""
     told = push(true=UNEVEN, unsure=0.0, control=UNKNOWN,
                 supervision=SupervisionSettings(max_path_deviation=0.003))
-    assert 'off the path' in told.leg.failure_reason and not told.leg.finished
-    assert told.leg.status.slips == told.leg.status.contact_losses == 0
+    assert 'from its planned path' in told.leg.failure_reason and not told.leg.finished
+    assert told.leg.push_status.slips == told.leg.push_status.contact_losses == 0
     assert 0.5 < told.center[1] / friction_center(UNEVEN)[1] < 1.3
     assert math.hypot(*told.error[:2]) < 0.01
 
@@ -161,7 +161,7 @@ def test_a_push_that_slips_and_fails_makes_the_place_less_sure():
     """And tells nothing of the friction centre."""
     told = push(true=box(contact_friction_coefficient=0.02, friction=(0.5, 0.5, 0.2, 0.2)),
                 aside=0.05, unsure=0.0)
-    assert told.leg.failure_reason and told.leg.status.slips > 0
+    assert told.leg.failure_reason and told.leg.push_status.slips > 0
     assert min(told.standard_deviations[:2]) >= 0.03
     assert told.center == pytest.approx((0.0, 0.0), abs=1e-9)
 
@@ -173,7 +173,7 @@ def test_a_contact_that_slides_tells_little_and_says_so(aside, friction):
     true = box(contact_friction_coefficient=0.05, friction=friction)
     told, clean = (push(true=truth, aside=aside, control=ControlSettings())
                    for truth in (true, None))
-    assert told.leg.status.slips > 0 == clean.leg.status.slips
+    assert told.leg.push_status.slips > 0 == clean.leg.push_status.slips
     assert np.all(np.abs(told.error) < 2.5 * told.standard_deviations)
     assert told.standard_deviations[1] > 1.5 * clean.standard_deviations[1]
 
@@ -186,7 +186,7 @@ def test_a_push_that_strays_towards_a_wall_ends_before_it(side):
         floor = walled(side * wall)
         told = push(true=true, occupancy_map=floor)
         assert floor.object_is_free(box(), [told.object_pose], 0.0)
-        assert ('strays towards an obstacle' in told.leg.failure_reason) == ends
+        assert ('deviates towards an obstacle' in told.leg.failure_reason) == ends
         assert told.leg.finished != ends
 
 

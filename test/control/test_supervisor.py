@@ -13,6 +13,7 @@ from push_control.task.supervisor import Supervisor
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
+from push_model.plan_request import PlanFailure
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
 from push_scenario.definition.scenario import Placement, Scenario, Start
@@ -143,7 +144,7 @@ def test_a_new_goal_is_taken_up_in_any_state(state):
     there = result.tape.poses('object')[-1]
     assert distance(there, other.pose) < SUPERVISION.position_tolerance
     assert abs(wrap_angle(there[2] - other.theta)) < SUPERVISION.heading_tolerance
-    assert result.status.history[0].reason == 'has a new goal'
+    assert result.status.history[0].reason == 'new goal'
 
 
 @pytest.mark.parametrize(
@@ -213,19 +214,20 @@ def test_a_plan_is_wanted_from_what_is_seen():
     assert wanted.object_pose == pytest.approx((0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize('reasons, max_attempts', [
-    (['a wall 1.03 m wide', 'a wall 1.02 m wide'], 2), (['a wall', 'a door'], SUPERVISION.max_attempts)])
-def test_it_gives_up_where_no_plan_is_found(reasons, max_attempts):
-    """Refused the same twice from the same place, or as often as allowed: it has not moved."""
+@pytest.mark.parametrize('codes, max_attempts', [
+    ([PlanFailure.BLOCKED] * 2, 2),
+    ([PlanFailure.BLOCKED, PlanFailure.NO_SEQUENCE], SUPERVISION.max_attempts)])
+def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
+    """After the same failure twice from the same poses, or after all attempts."""
     bench, refusals = Bench(), 0
     bench.supervisor.set_goal(GOAL.pose)
     while bench.supervisor.status.state == TaskState.PLAN:
         assert set(bench.run(0.1)) == {STOP}
         if bench.supervisor.plan_request is not None:
-            bench.supervisor.on_planning_failed(f'the goal is behind {reasons[refusals % 2]}')
+            bench.supervisor.on_planning_failed(codes[refusals % 2], f'reason {refusals}')
             refusals += 1
     status = bench.supervisor.status
-    assert status.state == TaskState.FAILED and f'behind {reasons[1]}' in status.reason
+    assert status.state == TaskState.FAILED and f'reason {refusals - 1}' in status.reason
     assert refusals == status.recoveries == max_attempts
     bench.supervisor.set_goal(GOAL.pose)
     assert bench.supervisor.status.state == TaskState.PLAN
@@ -239,7 +241,7 @@ def test_what_was_refused_is_asked_for_again_where_something_has_changed():
     bench.supervisor.set_goal(GOAL.pose)
     for change in changes * 3:
         bench.run(1.0)
-        bench.supervisor.on_planning_failed('the goal is behind a wall')
+        bench.supervisor.on_planning_failed(PlanFailure.BLOCKED, 'the goal is behind a wall')
         change(bench)
     bench.run(1.0)
     assert bench.supervisor.plan_request is not None
@@ -280,14 +282,14 @@ def test_a_robot_that_does_not_move_is_noticed():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    trajectory = simulate(task('differential')).plans[0].plan.trajectory
-    bench.supervisor.take(trajectory)
+    trajectory = simulate(task('differential')).sequence_plans[0].plan.trajectory
+    bench.supervisor.set_plan(trajectory)
     assert bench.supervisor.status.state == TaskState.APPROACH
     commands = bench.run(SUPERVISION.stall_timeout + 0.2)
     assert STOP not in commands[1:-5]
     status = bench.supervisor.status
     assert status.recoveries == 1 and status.state == TaskState.PLAN
-    assert 'does not get on' in status.reason
+    assert 'stalled' in status.reason
 
 
 def test_an_overlap_is_an_error_of_odometry():
@@ -295,7 +297,7 @@ def test_an_overlap_is_an_error_of_odometry():
     bench = Bench(robot=Pose(0.3, 0.0, 0.0))
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    bench.supervisor.take(simulate(task('differential')).plans[0].plan.trajectory)
+    bench.supervisor.set_plan(simulate(task('differential')).sequence_plans[0].plan.trajectory)
     bench.run(1.0)
     gap = find_contact(box(), Pose(0.0, 0.0, 0.0), bench.supervisor.status.robot_pose[:2], 0.17)[2]
     assert gap > -0.02

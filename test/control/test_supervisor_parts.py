@@ -5,9 +5,10 @@ import math
 from helpers.objects import bin_, box
 import numpy as np
 from push_control.settings import ControlSettings
+from push_control.task.behavior import BehaviorContext
 from push_control.task.object_model import ObjectModelEstimator
 from push_control.task.perception import ObjectAtRest, StationarityWindow
-from push_control.task.progress import ProgressMonitor
+from push_control.task.progress import GoalCheck, ProgressMonitor
 from push_control.task.retreat import retreat_path
 from push_control.task.settings import SupervisionSettings
 from push_model.contact import find_contact
@@ -82,9 +83,9 @@ def test_pushes_from_two_sides_tell_the_friction_centre():
     true, learnt = np.array((0.03, -0.02)), ObjectModelEstimator(box(), CONTROL)
     for corner, along in (((-0.2, -0.2), 0.05), ((0.2, -0.2), -0.03)) * 3:
         line = (true - corner) / np.hypot(*(true - corner))
-        before = learnt.spread(corner)
-        learnt.learn(corner, tuple(true + along * line))
-        assert learnt.spread(corner) < before
+        before = learnt.relative_deviation(corner)
+        learnt.update(corner, tuple(true + along * line))
+        assert learnt.relative_deviation(corner) < before
     assert friction_center(learnt.obj) == pytest.approx(tuple(true), abs=2e-3)
 
 
@@ -93,7 +94,7 @@ def test_a_push_from_an_uncertain_place_tells_less():
     shifts = []
     for unsure in (0.0, 0.03, 0.3):
         learnt = ObjectModelEstimator(box(), CONTROL)
-        learnt.learn((-0.2, 0.0), (0.0, 0.03), unsure)
+        learnt.update((-0.2, 0.0), (0.0, 0.03), unsure)
         shifts.append(friction_center(learnt.obj)[1])
     assert 0.03 > shifts[0] > shifts[1] > 5.0 * shifts[2] > 0.0
 
@@ -108,7 +109,7 @@ def test_what_a_push_sees_is_compared_across_it(angle):
         assert (math.cos(across), math.sin(across)) == pytest.approx(turn.rotate((0.0, 1.0)))
         assert shift == pytest.approx(left)
     for _ in range(20):
-        learnt.learn(point, turn.rotate((0.0, 0.02)))
+        learnt.update(point, turn.rotate((0.0, 0.02)))
     _, left_over, surer = learnt.lateral_innovation(point, turn.rotate((0.0, 0.02)))
     assert abs(left_over) < 1e-3 and surer < 0.1 * unsure
     assert learnt.lateral_innovation(turn.rotate((0.0, -0.25)), (0.0, 0.0))[2] > 0.9 * unsure
@@ -120,10 +121,10 @@ def test_it_is_done_only_where_that_is_certain():
     edge = AT_GOAL._replace(pose=GOAL._replace(x=GOAL.x + inside))
     far = AT_GOAL._replace(pose=GOAL._replace(theta=-GOAL.theta + 0.1))
     max_attempts = ProgressMonitor(SUPERVISION)
-    assert max_attempts.check_goal(AT_GOAL, GOAL) == 'reached'
-    assert max_attempts.check_goal(edge, GOAL) == 'unsure'
-    assert max_attempts.check_goal(edge._replace(duration=SUPERVISION.max_averaging_time), GOAL) == 'off'
-    assert max_attempts.check_goal(far, GOAL) == 'off'
+    assert max_attempts.check_goal(AT_GOAL, GOAL) is GoalCheck.REACHED
+    assert max_attempts.check_goal(edge, GOAL) is GoalCheck.UNCERTAIN
+    assert max_attempts.check_goal(edge._replace(duration=SUPERVISION.max_averaging_time), GOAL) is GoalCheck.MISSED
+    assert max_attempts.check_goal(far, GOAL) is GoalCheck.MISSED
 
 
 def test_tries_count_from_the_last_that_brought_it_nearer():
@@ -136,10 +137,10 @@ def test_tries_count_from_the_last_that_brought_it_nearer():
     for error in (0.5, 0.3):
         for _ in range(SUPERVISION.max_attempts - 1):
             max_attempts.check_goal(object_at_rest(error), GOAL)
-            max_attempts.count()
+            max_attempts.count_attempt()
             assert not max_attempts.abort_reason
     max_attempts.check_goal(object_at_rest(0.4), GOAL)
-    max_attempts.count('slipped')
+    max_attempts.count_attempt('slipped')
     assert 'slipped' in max_attempts.abort_reason
 
 
@@ -149,7 +150,8 @@ def test_the_retreat_leads_off_the_object(drive, turned):
     """All along it the gap grows; the robot does not turn."""
     robot, obj = RoundRobot(radius=0.17, drive=drive), box()
     start = Pose(-0.37, 0.05, turned)
-    way = retreat_path(obj, robot, DRIVE, start, Pose(0.0, 0.0, 0.0))
+    way = retreat_path(BehaviorContext(obj, robot, CONTROL, DRIVE, SUPERVISION), start,
+                       Pose(0.0, 0.0, 0.0))
     gaps = [find_contact(obj, Pose(0.0, 0.0, 0.0), pose[:2], robot.radius)[2]
             for pose in sample_path(way, robot, 0.02)]
     assert all(np.diff(gaps) > 0.0)
@@ -160,11 +162,11 @@ def test_the_retreat_leads_off_the_object(drive, turned):
 def test_no_retreat_along_the_object_or_into_a_wall():
     """A differential drive that looks along a face has none; a wall behind it leaves less."""
     robot, obj, pose = RoundRobot(radius=0.17), box(), Pose(0.0, 0.0, 0.0)
-    assert retreat_path(obj, robot, DRIVE, Pose(-0.37, 0.0, 0.5 * math.pi), pose) is None
+    context = BehaviorContext(obj, robot, CONTROL, DRIVE, SUPERVISION)
+    assert retreat_path(context, Pose(-0.37, 0.0, 0.5 * math.pi), pose) is None
     start = Pose(-0.37, 0.0, 0.0)
     for columns, length in ((0, DRIVE.retreat_distance), (26, 0.5 * DRIVE.retreat_distance), (28, None)):
         walled = np.zeros((80, 80), dtype=bool)
         walled[:, :columns] = True
-        way = retreat_path(obj, robot, DRIVE, start, pose,
-                           OccupancyMap(0.05, Pose(-2.0, -2.0, 0.0), walled))
+        way = retreat_path(context._replace(occupancy_map=OccupancyMap(0.05, Pose(-2.0, -2.0, 0.0), walled)), start, pose)
         assert (way and distance(way.poses[-1], start)) == pytest.approx(length)

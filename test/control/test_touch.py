@@ -6,6 +6,7 @@ from helpers.objects import box
 from push_control.observation import Observation
 from push_control.push.start import robot_start_pose
 from push_control.settings import ControlSettings
+from push_control.task.behavior import BehaviorContext
 from push_control.task.guarded_approach import GuardedApproach
 from push_control.task.perception import TaskPerception
 from push_control.task.settings import SupervisionSettings
@@ -33,6 +34,7 @@ def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
     :param there: whether there is anything where the box is seen.
     """
     robot, obj = ROBOTS[drive], box()
+    context = BehaviorContext(obj, robot, CONTROL, DRIVE, SUPERVISION)
     start = robot_start_pose(TARGETS[drive], ORIGIN)
     back = start.transform((-DRIVE.standoff, aside)) if drive == 'differential' else (
         Pose(*start[:2], TARGETS[drive].contact_poses[0][2]).transform((-DRIVE.standoff, aside)))
@@ -45,8 +47,8 @@ def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
         _, normal, gap = find_contact(obj, pose, true[:2], robot.radius)
         if there and gap < 0.0:
             pose = Pose(pose.x - gap * math.cos(normal), pose.y - gap * math.sin(normal), 0.0)
-        perception.take(Observation(time, Odometry(time, true, command), ObjectPose(time, pose)))
-        leg = leg or GuardedApproach(obj, robot, CONTROL, DRIVE, SUPERVISION, TARGETS[drive], perception.object_at_rest)
+        perception.update(Observation(time, Odometry(time, true, command), ObjectPose(time, pose)))
+        leg = leg or GuardedApproach(context, TARGETS[drive], perception.object_at_rest)
         command = leg.step(perception, STEP)
         if leg.finished or leg.failure_reason:
             break
@@ -66,7 +68,7 @@ def test_it_ends_where_the_object_gives_way(drive):
 def test_nothing_to_touch_is_noticed_soon(drive, aside):
     """Where nothing is felt, the robot goes little further than its reach, wherever it goes."""
     leg, true, begin, _ = touch(drive, aside, there=False)
-    assert not leg.finished and 'not felt' in leg.failure_reason
+    assert not leg.finished and 'no contact with the object' in leg.failure_reason
     gap = find_contact(box(), ORIGIN, begin[:2], 0.17)[2]
     assert distance(true, begin) < gap + SUPERVISION.probe_distance + 0.02
 
@@ -75,7 +77,7 @@ def test_nothing_to_touch_is_noticed_soon(drive, aside):
 def test_a_robot_that_does_not_get_on_is_noticed(drive):
     """Its wheels stand: the time is limited."""
     leg, _, _, time = touch(drive, moves=False)
-    assert 'not felt' in leg.failure_reason and time < 15.0
+    assert 'no contact with the object' in leg.failure_reason and time < 15.0
 
 
 @pytest.mark.parametrize('drive', ROBOTS)

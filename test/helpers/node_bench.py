@@ -17,15 +17,20 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 import yaml
 
-WAIT, ANSWER_WAIT = 20.0, 3.0
-START_WAIT = 60.0
+# No wait of a test is a measure of speed: what is awaited comes, or a node dies, which ends the
+# wait at once. This only keeps a suite from hanging [s].
+TIMEOUT = 600.0
+# Wall time after which a service is called again [s].
+ANSWER_WAIT = 3.0
+REPEAT_PERIOD = 0.2
 
 
 class Bench:
     """
     One node in its own process, and a node here that talks to it.
 
-    Times are counted from ``base``.
+    ``received``: dict of topics to the messages that have come. ``base``: time from which the
+    times of all methods are counted [s].
 
     :param processes: ``NodeProcesses``.
     :param node: the rclpy node here.
@@ -34,10 +39,12 @@ class Bench:
     """
 
     def __init__(self, processes, node, executor, folder):
-        self.processes, self.node, self._executor = processes, node, executor
+        self.processes = processes
+        self.node = node
+        self._executor = executor
         self._folder = folder
         self.base = 0.0
-        self.heard = {}
+        self.received = {}
         self._publishers = {}
 
     def start(self, name, module, parameters):
@@ -46,27 +53,27 @@ class Bench:
         path.write_text(yaml.safe_dump({name: {'ros__parameters': parameters}}))
         self.processes.start(name, module, path)
 
-    def listen(self, topic, kind=None):
-        """Collect the messages of a topic in ``heard``."""
+    def subscribe(self, topic, kind=None):
+        """Collect the messages of a topic in ``received``."""
         entry = TOPICS[topic]
         qos = LATCHED if entry.publish_qos is LATCHED else entry.publish_qos
-        self.heard[topic] = []
-        self.node.create_subscription(kind or entry.type, topic, self.heard[topic].append, qos)
+        self.received[topic] = []
+        self.node.create_subscription(kind or entry.type, topic, self.received[topic].append, qos)
 
-    def speak(self, topic, message):
-        """Publish a message, once somebody listens."""
+    def publish(self, topic, message):
+        """Publish a message, once there is a subscriber."""
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_publisher(
                 type(message), topic, TOPICS[topic].publish_qos)
-            self.until(lambda: self._publishers[topic].get_subscription_count(), START_WAIT)
+            self.wait_until(lambda: self._publishers[topic].get_subscription_count())
         self._publishers[topic].publish(message)
 
-    def until(self, condition, timeout=WAIT):
-        """Spin until something holds; fail where it does not come."""
-        end = time.monotonic() + timeout
+    def wait_until(self, condition):
+        """Spin until a condition holds; fail where a node dies."""
+        end = time.monotonic() + TIMEOUT
         while not condition():
             self.processes.check()
-            assert time.monotonic() < end, 'waited in vain; ' + ''.join(
+            assert time.monotonic() < end, 'timed out; ' + ''.join(
                 self.processes.log_tail(name) for name in self.processes.names)
             self._executor.spin_once(timeout_sec=0.02)
         return True
@@ -74,16 +81,16 @@ class Bench:
     def call(self, service):
         """Call a Trigger service."""
         client = self.node.create_client(Trigger, service)
-        self.until(client.service_is_ready, START_WAIT)
-        asked = []
+        self.wait_until(client.service_is_ready)
+        calls = []
 
-        def answered():
-            # Asked anew: a node may answer before it has met the client's reader of answers.
-            if not asked or time.monotonic() > asked[-1][0] + ANSWER_WAIT:
-                asked.append((time.monotonic(), client.call_async(Trigger.Request())))
-            return asked[-1][1].done()
-        self.until(answered)
-        return asked[-1][1].result()
+        def is_answered():
+            # Called again: a node may answer before it has met the client's reader of answers.
+            if not calls or time.monotonic() > calls[-1][0] + ANSWER_WAIT:
+                calls.append((time.monotonic(), client.call_async(Trigger.Request())))
+            return any(future.done() for _, future in calls)
+        self.wait_until(is_answered)
+        return next(future.result() for _, future in calls if future.done())
 
     def spin(self, wall_time):
         """Spin for a while: only to see that something does not come."""
@@ -91,29 +98,42 @@ class Bench:
         while time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.02)
 
-    def repeat(self, action, condition, timeout=START_WAIT):
-        """Do something every 0.2 s until a condition holds: best effort may fail at first."""
-        end = time.monotonic() + timeout
+    def repeat_until(self, action, condition):
+        """Repeat an action until a condition holds: best effort may fail at first."""
+        end = time.monotonic() + TIMEOUT
         while not condition():
-            assert time.monotonic() < end, 'repeated in vain'
+            self.processes.check()
+            assert time.monotonic() < end, 'timed out'
             action()
-            self.spin(0.2)
+            self.spin(REPEAT_PERIOD)
 
-    def meet(self, object_pose, robot_pose):
+    def connect(self, object_pose, robot_pose):
         """Offer the first measurements until each is answered, and let all answers come in."""
-        commands = self.heard['cmd_vel']
+        commands = self.received['cmd_vel']
         first = {
             'object_pose': to_object_pose_message(ObjectPose(self.base, object_pose), 'odom'),
             'odom': to_odometry_message(Odometry(self.base, robot_pose, STOP), 'odom',
                                         'base_link')}
         for topic, message in first.items():
-            count = len(commands)
-            self.repeat(lambda: self.speak(topic, message), lambda: len(commands) > count)
-            self.spin(0.2)
+            count, published = len(commands), []
+
+            def offer():
+                published.append(topic)
+                self.publish(topic, message)
+            self.repeat_until(offer, lambda: len(commands) > count)
+            # Answers to offers that came late would be taken for those of the next measurement.
+            self._wait_for_silence(commands)
+
+    def _wait_for_silence(self, messages):
+        """Spin until nothing has come for a while."""
+        count = -1
+        while count != len(messages):
+            count = len(messages)
+            self.spin(REPEAT_PERIOD)
 
     def clock(self, now):
         """Set the time."""
-        self.speak('clock', Clock(clock=to_stamp(self.base + now)))
+        self.publish('clock', Clock(clock=to_stamp(self.base + now)))
 
     def odometry(self, now, pose, frame='odom', twist=STOP):
         """Publish odometry; return the command that answers it."""
@@ -126,10 +146,10 @@ class Bench:
             ObjectPose(self.base + now, Pose(*pose)), frame))
 
     def _answer(self, topic, message):
-        commands = self.heard['cmd_vel']
+        commands = self.received['cmd_vel']
         count = len(commands)
-        self.speak(topic, message)
-        self.until(lambda: len(commands) > count)
+        self.publish(topic, message)
+        self.wait_until(lambda: len(commands) > count)
         command = commands[-1]
         if hasattr(command, 'header'):
             assert nanoseconds(command.header.stamp) == nanoseconds(message.header.stamp)

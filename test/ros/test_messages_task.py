@@ -8,10 +8,10 @@ from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_model.friction import friction_center, with_friction_center
 from push_model.geometry import Pose
-from push_model.plan_request import PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import from_map_message, to_map_message
-from push_ros.conversions.plan import from_plan_message, no_plan_message
+from push_ros.conversions.plan import from_plan_message, no_plan_message, plan_failure
 from push_ros.conversions.plan_request import FIELDS, from_request_message, to_request_message
 from push_ros.conversions.primitives import exact_stamp, MessageRefused, nanoseconds, to_stamp
 import pytest
@@ -203,7 +203,9 @@ def test_a_map_that_nobody_filled_in_is_refused():
 
 def test_no_plan_is_not_taken_for_a_plan():
     """The answer where there is none has the stamp of its request, and nothing to follow."""
-    message = sent(no_plan_message(exact_stamp(7), 'odom'))
-    assert nanoseconds(message.header.stamp) == 7 and len(message.points) == 0
-    with pytest.raises(MessageRefused, match='got 0 samples'):
-        from_plan_message(message, 'odom')
+    for code in PlanFailure:
+        message = sent(no_plan_message(code, exact_stamp(7), 'odom'))
+        assert nanoseconds(message.header.stamp) == 7 and len(message.points) == 0
+        assert plan_failure(message) is code
+        with pytest.raises(MessageRefused, match='got joints'):
+            from_plan_message(message, 'odom')

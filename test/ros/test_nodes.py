@@ -72,38 +72,38 @@ def running_controller(folder):
     """Start a controller on simulated time that may push at once."""
     parameters = {**PHYSICS, 'autostart': True, 'use_sim_time': True}
     with bench(folder, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
-        b.listen('cmd_vel')
-        b.listen('diagnostics')
-        b.until(lambda: b.heard['diagnostics'], 60.0)
+        b.subscribe('cmd_vel')
+        b.subscribe('diagnostics')
+        b.wait_until(lambda: b.received['diagnostics'])
         yield b
 
 
 def begin(b, trajectory):
     """Hand over the plan, and see the first 0.2 s of the push."""
     b.clock(0.0)
-    b.speak('push_plan', to_plan_message(trajectory, to_stamp(b.base), 'odom'))
-    b.until(lambda: 'has a plan' in last_text(b))
-    b.meet(OBJECT, ROBOT)
+    b.publish('push_plan', to_plan_message(trajectory, to_stamp(b.base), 'odom'))
+    b.wait_until(lambda: 'has a plan' in last_text(b))
+    b.connect(OBJECT, ROBOT)
     for i in range(10):
         command = b.odometry(i * PERIOD, ROBOT)
         if i % 2:
             b.object_pose(i * PERIOD, OBJECT)
     assert command[0] > 0.0
-    for messages in b.heard.values():
+    for messages in b.received.values():
         messages.clear()
     return b
 
 
 def last_text(b, name=None):
     """Text of the last diagnostics, of one node or of any."""
-    found = [status.message for message in b.heard['diagnostics'] for status in message.status
+    found = [status.message for message in b.received['diagnostics'] for status in message.status
              if name in (None, status.name)]
     return found[-1] if found else ''
 
 
 def errors(b):
     """Texts of all errors that were reported."""
-    return [status.message for message in b.heard['diagnostics'] for status in message.status
+    return [status.message for message in b.received['diagnostics'] for status in message.status
             if status.level == ERROR]
 
 
@@ -113,15 +113,15 @@ def test_every_measurement_gets_one_command(controller):
     assert controller.odometry(0.22, ROBOT) == first != ZERO
     assert controller.object_pose(0.22, OBJECT)[0] > 0.0
     controller.spin(0.2)
-    assert len(controller.heard['cmd_vel']) == 3
-    assert {m.header.frame_id for m in controller.heard['cmd_vel']} == {'base_link'}
+    assert len(controller.received['cmd_vel']) == 3
+    assert {m.header.frame_id for m in controller.received['cmd_vel']} == {'base_link'}
 
 
 def test_a_stale_pose_stops_the_robot(controller):
     """Odometry goes on, poses do not."""
     stopped = first_stop(controller, lambda now: None)
     assert 0.1 < stopped - 0.18 <= STOP_TIME
-    controller.until(lambda: any('pose' in text for text in texts(controller)))
+    controller.wait_until(lambda: any('pose' in text for text in texts(controller)))
 
 
 @pytest.mark.parametrize('pose, frame, text', [
@@ -135,14 +135,14 @@ def test_an_unusable_pose_stops_the_robot(controller, pose, frame, text):
         assert controller.object_pose(now, pose, frame) == ZERO
 
     assert first_stop(controller, spoil) - 0.18 <= STOP_TIME
-    controller.until(lambda: any(text in error for error in errors(controller)))
+    controller.wait_until(lambda: any(text in error for error in errors(controller)))
 
 
 def test_unusable_odometry_stops_the_robot(controller):
     """At once, and for as long as it comes."""
     assert controller.odometry(0.2, (math.nan, 0.0, 0.0)) == ZERO
     assert controller.odometry(0.22, ROBOT, 'map') == ZERO
-    controller.until(lambda: any("odom: got frame 'map', expected 'odom'" in error
+    controller.wait_until(lambda: any("odom: got frame 'map', expected 'odom'" in error
                                  for error in errors(controller)))
     assert controller.odometry(0.24, ROBOT)[0] > 0.0
 
@@ -164,22 +164,22 @@ def first_stop(b, spoil):
 
 def texts(b):
     """All texts that were reported."""
-    return [status.message for message in b.heard['diagnostics'] for status in message.status]
+    return [status.message for message in b.received['diagnostics'] for status in message.status]
 
 
 def test_the_robot_stops_when_odometry_stops(controller):
     """Nothing comes but the clock."""
-    count = len(controller.heard['cmd_vel'])
+    count = len(controller.received['cmd_vel'])
     for i in range(0, 60):
         controller.clock(0.18 + 0.005 * i)
         controller.spin(0.01)
-        if len(controller.heard['cmd_vel']) > count:
+        if len(controller.received['cmd_vel']) > count:
             break
-    controller.until(lambda: len(controller.heard['cmd_vel']) > count)
-    command = controller.heard['cmd_vel'][count]
+    controller.wait_until(lambda: len(controller.received['cmd_vel']) > count)
+    command = controller.received['cmd_vel'][count]
     assert (command.twist.linear.x, command.twist.angular.z) == (0.0, 0.0)
     assert 0.2 < seconds(command.header.stamp) - controller.base - 0.18 <= STOP_TIME
-    controller.until(lambda: any('no odometry' in error for error in errors(controller)))
+    controller.wait_until(lambda: any('no odometry' in error for error in errors(controller)))
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
@@ -189,8 +189,8 @@ def test_the_robot_stops_when_the_controller_is_shut_down(tmp_path, trajectory, 
         begin(b, trajectory)
         b.processes.send(CONTROLLER, number)
         b.processes.stop(CONTROLLER)
-        b.until(lambda: b.heard['cmd_vel'])
-        command = b.heard['cmd_vel'][0].twist
+        b.wait_until(lambda: b.received['cmd_vel'])
+        command = b.received['cmd_vel'][0].twist
         assert (command.linear.x, command.linear.y, command.angular.z) == ZERO
 
 
@@ -204,8 +204,8 @@ def test_stop_and_start(controller):
 
 def test_a_plan_that_is_refused_stops_the_push(controller, trajectory):
     """In another frame it is no plan of ours."""
-    controller.speak('push_plan', to_plan_message(trajectory, to_stamp(0.1), 'map'))
-    controller.until(lambda: any("push_plan: got frame 'map'" in e for e in errors(controller)))
+    controller.publish('push_plan', to_plan_message(trajectory, to_stamp(0.1), 'map'))
+    controller.wait_until(lambda: any("push_plan: got frame 'map'" in e for e in errors(controller)))
     assert controller.odometry(0.2, ROBOT) == ZERO
 
 
@@ -214,10 +214,10 @@ def test_a_plan_from_another_site_stops_the_push(controller):
     opposite = Pose(-ROBOT.x, -ROBOT.y, ROBOT.theta + math.pi)
     elsewhere = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, opposite,
                                             Pose(-1.0, 0.0, OBJECT.theta), SCENARIO.planner))
-    controller.speak('push_plan', to_plan_message(elsewhere.trajectory, to_stamp(0.1), 'odom'))
-    controller.until(lambda: 'has a plan' in last_text(controller))
+    controller.publish('push_plan', to_plan_message(elsewhere.trajectory, to_stamp(0.1), 'odom'))
+    controller.wait_until(lambda: 'has a plan' in last_text(controller))
     assert controller.odometry(0.2, ROBOT) == controller.object_pose(0.22, OBJECT) == ZERO
-    controller.until(lambda: any(f'it must stand at {opposite.x:.3f} m, ' in error
+    controller.wait_until(lambda: any(f'it must stand at {opposite.x:.3f} m, ' in error
                                  for error in errors(controller)))
 
 
@@ -227,20 +227,20 @@ def test_time_that_goes_back_ends_the_push(controller):
         controller.odometry(i * PERIOD, ROBOT)
     assert controller.odometry(0.0, ROBOT) == ZERO
     assert controller.object_pose(0.0, OBJECT) == controller.odometry(0.02, ROBOT) == ZERO
-    controller.until(lambda: any('time went back' in text for text in texts(controller)))
+    controller.wait_until(lambda: any('time went back' in text for text in texts(controller)))
 
 
 def test_commands_without_stamp_and_a_start_by_hand(tmp_path, trajectory):
     """Twist for robots that want it; nothing moves before controller/start."""
     parameters = {**PHYSICS, 'stamped_cmd_vel': False, 'autostart': False}
     with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
-        b.listen('cmd_vel', TwistMessage)
+        b.subscribe('cmd_vel', TwistMessage)
         refused = b.call('controller/start')
         assert not refused.success and 'push_plan' in refused.message
-        b.speak('push_plan', to_plan_message(trajectory, to_stamp(0.0), 'odom'))
-        b.meet(OBJECT, ROBOT)
+        b.publish('push_plan', to_plan_message(trajectory, to_stamp(0.0), 'odom'))
+        b.connect(OBJECT, ROBOT)
         assert b.odometry(0.0, ROBOT) == ZERO
-        b.until(lambda: b.call('controller/start').success)
+        b.wait_until(lambda: b.call('controller/start').success)
         assert b.odometry(0.02, ROBOT)[0] > 0.0
 
 
@@ -250,8 +250,8 @@ def planner(tmp_path_factory):
     folder = tmp_path_factory.mktemp('planner')
     with bench(folder, PLANNER, MODULES[PLANNER], PHYSICS) as b:
         for topic in ('push_plan', 'planned_path', 'diagnostics'):
-            b.listen(topic)
-        b.until(lambda: b.heard['diagnostics'], 60.0)
+            b.subscribe(topic)
+        b.wait_until(lambda: b.received['diagnostics'])
         yield b
 
 
@@ -264,17 +264,17 @@ def goal(pose, frame='odom'):
 
 def measure(b):
     """Publish what is measured at 1.5 s."""
-    b.speak('object_pose', to_object_pose_message(ObjectPose(1.4, OBJECT), 'odom'))
-    b.speak('odom', to_odometry_message(Odometry(1.5, ROBOT, STOP), 'odom', 'base_link'))
+    b.publish('object_pose', to_object_pose_message(ObjectPose(1.4, OBJECT), 'odom'))
+    b.publish('odom', to_odometry_message(Odometry(1.5, ROBOT, STOP), 'odom', 'base_link'))
 
 
 def test_the_planner_answers_a_goal(planner, trajectory):
     """It waits for measurements; the plan has the stamp of the newest, and is the planner's."""
-    planner.speak('goal_pose', goal(GOAL))
-    planner.until(lambda: 'waits for odom and object_pose' in last_text(planner))
-    planner.repeat(lambda: measure(planner),
-                   lambda: planner.heard['push_plan'] and planner.heard['planned_path'])
-    message = planner.heard['push_plan'][0]
+    planner.publish('goal_pose', goal(GOAL))
+    planner.wait_until(lambda: 'waits for odom and object_pose' in last_text(planner))
+    planner.repeat_until(lambda: measure(planner),
+                   lambda: planner.received['push_plan'] and planner.received['planned_path'])
+    message = planner.received['push_plan'][0]
     assert nanoseconds(message.header.stamp) == 1_500_000_000
     check_frame(message.header.frame_id, 'odom', 'push_plan')
     got = from_plan_message(message, 'odom')
@@ -293,18 +293,18 @@ def test_the_planner_refuses_a_goal_and_keeps_its_plan(planner, message, text):
     if text is None:
         message.pose.orientation.w = 0.0
         text = 'goal_pose: got the quaternion (0, 0, 0, 0)'
-    plans, known = len(planner.heard['push_plan']), len(errors(planner))
-    planner.speak('goal_pose', message)
-    planner.repeat(lambda: measure(planner),
+    plans, known = len(planner.received['push_plan']), len(errors(planner))
+    planner.publish('goal_pose', message)
+    planner.repeat_until(lambda: measure(planner),
                    lambda: any(text in error for error in errors(planner)[known:]))
-    assert len(planner.heard['push_plan']) == plans
+    assert len(planner.received['push_plan']) == plans
 
 
 def push_on(b, shift):
     """Publish the box and the robot, pushing slowly a little aside, moved by a pose."""
     pose = shift @ ROBOT
-    b.speak('object_pose', to_object_pose_message(ObjectPose(2.0, shift @ OBJECT), 'odom'))
-    b.speak('odom', to_odometry_message(Odometry(2.0, pose, Twist(0.07, 0.0, 0.04)), 'odom',
+    b.publish('object_pose', to_object_pose_message(ObjectPose(2.0, shift @ OBJECT), 'odom'))
+    b.publish('odom', to_odometry_message(Odometry(2.0, pose, Twist(0.07, 0.0, 0.04)), 'odom',
                                         'base_link'))
 
 
@@ -315,17 +315,17 @@ def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
         push_on(planner, shift)
         planner.spin(0.1)
     for topic in ('push_plan', 'planned_path'):
-        planner.heard[topic].clear()
-    planner.speak('goal_pose', goal(wanted))
-    planner.until(lambda: planner.heard['push_plan'] and planner.heard['planned_path'])
-    message = planner.heard['push_plan'][0]
+        planner.received[topic].clear()
+    planner.publish('goal_pose', goal(wanted))
+    planner.wait_until(lambda: planner.received['push_plan'] and planner.received['planned_path'])
+    message = planner.received['push_plan'][0]
     assert nanoseconds(message.header.stamp) == 2_000_000_000
     got = from_plan_message(message, 'odom')
     assert distance(got.object_poses[0], shift @ OBJECT) < 1e-6
     speed = math.hypot(0.07, 0.04 * SCENARIO.robot.radius)
     assert math.hypot(*got.contact_twists[0, :2]) == pytest.approx(speed, rel=1e-3)
     assert got.robot_twists[0, 2] == pytest.approx(0.04, abs=1e-3)
-    path = planner.heard['planned_path'][0]
+    path = planner.received['planned_path'][0]
     ends = [from_object_pose_message(path.poses[k], 'odom').pose for k in (0, -1)]
     assert distance(ends[0], shift @ OBJECT) < 1e-6
     assert distance(ends[1], wanted) < 2e-3 and abs(ends[1].theta - wanted.theta) < 2e-3
@@ -334,17 +334,17 @@ def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
 def test_a_push_is_planned_again_when_asked(planner):
     """To the last goal, from where it has come to."""
     wanted, shift = Pose(2.6, 0.7, -0.4), Pose(0.9, 0.15, 0.2)
-    planner.heard['push_plan'].clear()
-    planner.speak('goal_pose', goal(wanted))
-    planner.repeat(lambda: measure(planner), lambda: planner.heard['push_plan'])
+    planner.received['push_plan'].clear()
+    planner.publish('goal_pose', goal(wanted))
+    planner.repeat_until(lambda: measure(planner), lambda: planner.received['push_plan'])
     for _ in range(5):
         push_on(planner, shift)
         planner.spin(0.1)
-    count = len(planner.heard['push_plan'])
+    count = len(planner.received['push_plan'])
     answer = planner.call('planner/replan')
     assert answer.success and answer.message.startswith('has planned a push of ')
-    planner.until(lambda: len(planner.heard['push_plan']) > count)
-    got = from_plan_message(planner.heard['push_plan'][-1], 'odom')
+    planner.wait_until(lambda: len(planner.received['push_plan']) > count)
+    got = from_plan_message(planner.received['push_plan'][-1], 'odom')
     assert distance(got.object_poses[0], shift @ OBJECT) < 1e-6
     assert distance(got.object_poses[-1], wanted) < 2e-3
 
@@ -354,14 +354,14 @@ def test_the_planner_says_where_the_robot_must_stand(tmp_path):
     parameters = {**PHYSICS, 'robot.drive': 'holonomic', 'planner.site': 'best'}
     with bench(tmp_path, PLANNER, MODULES[PLANNER], parameters) as b:
         for topic in ('push_plan', 'diagnostics'):
-            b.listen(topic)
+            b.subscribe(topic)
         refused = b.call('planner/replan')
-        assert not refused.success and refused.message == 'has not got a goal yet'
-        b.speak('goal_pose', goal(OBJECT @ Pose(0.0, 1.0, 0.0)))
-        b.repeat(lambda: measure(b), lambda: b.heard['push_plan'])
-        b.until(lambda: 'has planned' in last_text(b))
-        status = b.heard['diagnostics'][-1].status[0]
-        begin = from_plan_message(b.heard['push_plan'][0], 'odom').robot_poses[0]
+        assert not refused.success and refused.message == 'has received no goal yet'
+        b.publish('goal_pose', goal(OBJECT @ Pose(0.0, 1.0, 0.0)))
+        b.repeat_until(lambda: measure(b), lambda: b.received['push_plan'])
+        b.wait_until(lambda: 'has planned' in last_text(b))
+        status = b.received['diagnostics'][-1].status[0]
+        begin = from_plan_message(b.received['push_plan'][0], 'odom').robot_poses[0]
         assert status.level == WARN
         assert f'for a robot at {begin[0]:.3f} m, {begin[1]:.3f} m' in status.message
         assert distance(begin, OBJECT @ Pose(0.0, -0.37, 0.0)) < 1e-6
@@ -377,19 +377,19 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
     with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.start(PLANNER, MODULES[PLANNER], PHYSICS)
         for topic in ('cmd_vel', 'push_plan', 'planned_path', 'diagnostics'):
-            b.listen(topic)
-        b.until(lambda: last_text(b, PLANNER) and last_text(b, CONTROLLER), 60.0)
-        b.meet(OBJECT, ROBOT)
-        b.speak('goal_pose', goal(GOAL))
-        b.repeat(lambda: (b.object_pose(0.0, OBJECT), b.odometry(0.0, ROBOT)),
-                 lambda: b.heard['push_plan'])
+            b.subscribe(topic)
+        b.wait_until(lambda: last_text(b, PLANNER) and last_text(b, CONTROLLER))
+        b.connect(OBJECT, ROBOT)
+        b.publish('goal_pose', goal(GOAL))
+        b.repeat_until(lambda: (b.object_pose(0.0, OBJECT), b.odometry(0.0, ROBOT)),
+                 lambda: b.received['push_plan'])
         assert drive(b, plant, 3.0)[-1] > 0.12
-        b.speak('goal_pose', goal(wanted))
-        speeds = drive(b, plant, 20.0, lambda: len(b.heard['push_plan']) == 2, pause=PERIOD)
+        b.publish('goal_pose', goal(wanted))
+        speeds = drive(b, plant, 20.0, lambda: len(b.received['push_plan']) == 2, pause=PERIOD)
         assert min(speeds + drive(b, plant, plant.time + 1.5)) > 0.1
-        end = b.heard['planned_path'][-1].poses[-1]
+        end = b.received['planned_path'][-1].poses[-1]
         assert distance(from_object_pose_message(end, 'odom').pose, wanted) < 2e-3
-        start = from_plan_message(b.heard['push_plan'][-1], 'odom').object_poses[0]
+        start = from_plan_message(b.received['push_plan'][-1], 'odom').object_poses[0]
         assert 0.2 < distance(start, OBJECT) < distance(plant.truth.object_pose, OBJECT)
         drive(b, plant, 60.0, lambda: 'is done' in last_text(b, CONTROLLER))
         assert distance(plant.truth.object_pose, wanted) < 0.02
@@ -426,27 +426,27 @@ def test_the_simulator_on_the_wall_clock(tmp_path):
     parameters = {**PHYSICS, **AWAY, 'autostart': True}
     with bench(tmp_path, SIM, MODULES[SIM], parameters) as b:
         for topic in ('odom', 'object_pose'):
-            b.listen(topic)
-        b.until(lambda: len(b.heard['odom']) > 5, 60.0)
+            b.subscribe(topic)
+        b.wait_until(lambda: len(b.received['odom']) > 5)
         command = TwistStamped()
         command.twist.linear.x = 0.1
         for _ in range(15):
-            count = len(b.heard['odom'])
-            b.speak('cmd_vel', command)
-            b.until(lambda: len(b.heard['odom']) > count + 2)
-        moving = b.heard['odom'][-1]
+            count = len(b.received['odom'])
+            b.publish('cmd_vel', command)
+            b.wait_until(lambda: len(b.received['odom']) > count + 2)
+        moving = b.received['odom'][-1]
         assert moving.twist.twist.linear.x == pytest.approx(0.1, abs=0.02)
         now = b.node.get_clock().now().nanoseconds
         assert abs(now - nanoseconds(moving.header.stamp)) < 2_000_000_000
-        b.until(lambda: b.heard['odom'][-1].twist.twist.linear.x < 1e-3)
-        halt = seconds(b.heard['odom'][-1].header.stamp) - seconds(moving.header.stamp)
+        b.wait_until(lambda: b.received['odom'][-1].twist.twist.linear.x < 1e-3)
+        halt = seconds(b.received['odom'][-1].header.stamp) - seconds(moving.header.stamp)
         assert 0.4 < halt < 2.0
-        stamps = [seconds(m.header.stamp) for m in b.heard['odom'][-20:]]
+        stamps = [seconds(m.header.stamp) for m in b.received['odom'][-20:]]
         assert stamps[-1] - stamps[0] == pytest.approx(19 * PERIOD, abs=1e-6)
         place = PoseWithCovarianceStamped(header=goal(GOAL).header)
         place.pose.pose = to_pose_message((1.0, 2.0, 0.5))
-        b.speak('initialpose', place)
-        b.until(lambda: from_object_pose_message(b.heard['object_pose'][-1], 'odom').pose
+        b.publish('initialpose', place)
+        b.wait_until(lambda: from_object_pose_message(b.received['object_pose'][-1], 'odom').pose
                 == pytest.approx(Pose(1.0, 2.0, 0.5), abs=1e-6))
 
 
@@ -454,23 +454,23 @@ def test_the_simulator_holds_time_until_it_is_started(tmp_path):
     """In lockstep it offers its first measurements again and again, and then waits."""
     with bench(tmp_path, SIM, MODULES[SIM], {**PHYSICS, **AWAY, 'lockstep': True}) as b:
         for topic in ('odom', 'object_pose', 'clock'):
-            b.listen(topic)
-        b.until(lambda: len(b.heard['odom']) > 2 and len(b.heard['object_pose']) > 2, 60.0)
-        assert {nanoseconds(m.header.stamp) for m in b.heard['odom']} == {0}
+            b.subscribe(topic)
+        b.wait_until(lambda: len(b.received['odom']) > 2 and len(b.received['object_pose']) > 2)
+        assert {nanoseconds(m.header.stamp) for m in b.received['odom']} == {0}
         assert b.call('sim/start').success and b.call('sim/start').success
         times = set()
         for _ in range(20):
-            count = len(b.heard['odom']) + len(b.heard['object_pose'])
-            b.until(lambda: len(b.heard['odom']) + len(b.heard['object_pose']) > count)
-            newest = max((m[-1] for m in (b.heard['odom'], b.heard['object_pose'])),
+            count = len(b.received['odom']) + len(b.received['object_pose'])
+            b.wait_until(lambda: len(b.received['odom']) + len(b.received['object_pose']) > count)
+            newest = max((m[-1] for m in (b.received['odom'], b.received['object_pose'])),
                          key=lambda m: nanoseconds(m.header.stamp))
             times.add(nanoseconds(newest.header.stamp))
-            b.speak('cmd_vel', TwistStamped(header=newest.header))
+            b.publish('cmd_vel', TwistStamped(header=newest.header))
         assert max(times) > 0
         assert b.call('sim/reset').success
-        count = len(b.heard['odom'])
-        b.until(lambda: len(b.heard['odom']) > count + 1)
-        assert nanoseconds(b.heard['odom'][-1].header.stamp) == 0
+        count = len(b.received['odom'])
+        b.wait_until(lambda: len(b.received['odom']) > count + 1)
+        assert nanoseconds(b.received['odom'][-1].header.stamp) == 0
 
 
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
@@ -479,7 +479,7 @@ def test_a_node_has_the_topics_and_services_of_the_list(tmp_path, name):
     values = {'use_sim_time': False, **PHYSICS}
     values.update({**AWAY, 'publish_clock': True} if name == SIM else {})
     with bench(tmp_path, name, MODULES[name], values) as b:
-        b.until(lambda: (name, '/') in b.node.get_node_names_and_namespaces(), 60.0)
+        b.wait_until(lambda: (name, '/') in b.node.get_node_names_and_namespaces())
         own = ('/rosout', '/parameter_events', '/tf')
         published = {topic for topic, entry in TOPICS.items() if name in entry.publishers}
         subscribed = {topic for topic, entry in TOPICS.items() if name in entry.subscribers}
@@ -489,9 +489,9 @@ def test_a_node_has_the_topics_and_services_of_the_list(tmp_path, name):
             return {topic.lstrip('/'): kinds for topic, kinds in list_names(name, '/')
                     if topic not in own and not topic.startswith(f'/{name}/')}
 
-        b.until(lambda: set(graph(b.node.get_service_names_and_types_by_node)) == served)
-        b.until(lambda: set(graph(b.node.get_publisher_names_and_types_by_node)) == published)
-        b.until(lambda: set(graph(b.node.get_subscriber_names_and_types_by_node)) == subscribed)
+        b.wait_until(lambda: set(graph(b.node.get_service_names_and_types_by_node)) == served)
+        b.wait_until(lambda: set(graph(b.node.get_publisher_names_and_types_by_node)) == published)
+        b.wait_until(lambda: set(graph(b.node.get_subscriber_names_and_types_by_node)) == subscribed)
 
 
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])

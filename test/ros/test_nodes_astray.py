@@ -24,7 +24,7 @@ SPEED, PERIOD = 0.2, 0.1
 
 def texts(b):
     """List what was reported."""
-    return [status.message for message in b.heard['diagnostics'] for status in message.status]
+    return [status.message for message in b.received['diagnostics'] for status in message.status]
 
 
 def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
@@ -40,13 +40,13 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
 
     with bench(tmp_path, CONTROLLER, 'push_control.controller_node', PARAMETERS) as b:
         b.node.create_service(Trigger, 'planner/replan', answer)
-        b.listen('cmd_vel')
-        b.listen('diagnostics')
-        b.until(lambda: b.heard['diagnostics'], 60.0)
+        b.subscribe('cmd_vel')
+        b.subscribe('diagnostics')
+        b.wait_until(lambda: b.received['diagnostics'])
         b.clock(0.0)
-        b.speak('push_plan', to_plan_message(target, to_stamp(0.0), 'odom'))
-        b.until(lambda: any('has a plan' in text for text in texts(b)))
-        b.meet(OBJECT, ROBOT)
+        b.publish('push_plan', to_plan_message(target, to_stamp(0.0), 'odom'))
+        b.wait_until(lambda: any('has a plan' in text for text in texts(b)))
+        b.connect(OBJECT, ROBOT)
         bearing = math.atan2(GOAL.y - OBJECT.y, GOAL.x - OBJECT.x)
         aside = math.atan2(0.08, math.hypot(GOAL.x - OBJECT.x, GOAL.y - OBJECT.y))
         way = 0.0
@@ -59,7 +59,7 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
             command = b.odometry(way / SPEED, place, twist=Twist(SPEED, 0.0, 0.0))
             command = b.object_pose(way / SPEED, pose)
         assert command == (0.0, 0.0, 0.0)
-        b.until(lambda: asked)
+        b.wait_until(lambda: asked)
         b.odometry(way / SPEED + PERIOD, place)
         b.spin(0.3)
     assert asked == [0]

@@ -6,7 +6,7 @@ from geometry_msgs.msg import PoseStamped
 from helpers.node_bench import bench
 import numpy as np
 from push_model.geometry import distance, Pose
-from push_model.plan_request import PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.sequence.planner import plan_for_request
@@ -33,7 +33,7 @@ PERIOD = 0.05
 
 def statuses(b, name):
     """List what a node has reported."""
-    return [status for message in b.heard['diagnostics'] for status in message.status
+    return [status for message in b.received['diagnostics'] for status in message.status
             if status.name == name]
 
 
@@ -77,15 +77,15 @@ class Stand:
     def __init__(self, b):
         self.b, self.now = b, 0.0
         for topic in ('cmd_vel', 'diagnostics', 'push_request', 'markers'):
-            b.listen(topic)
-        b.until(lambda: b.heard['diagnostics'], 60.0)
+            b.subscribe(topic)
+        b.wait_until(lambda: b.received['diagnostics'])
         b.clock(0.0)
-        b.meet(OBJECT, ROBOT)
+        b.connect(OBJECT, ROBOT)
 
     @property
     def requests(self):
         """Requests that have come."""
-        return self.b.heard['push_request']
+        return self.b.received['push_request']
 
     def measure(self, duration):
         """Let time pass; return the commands, one for each measurement."""
@@ -105,12 +105,12 @@ class Stand:
 
     def answer(self, chain, request, frame='odom'):
         """Send a plan for a request."""
-        self.b.speak('push_plan', to_plan_message(chain.plan.trajectory, request.header.stamp,
+        self.b.publish('push_plan', to_plan_message(chain.plan.trajectory, request.header.stamp,
                                                   frame))
 
     def says(self, text):
         """Wait until it has said something."""
-        return self.b.until(lambda: any(text in one for one in texts(self.b, CONTROLLER)))
+        return self.b.wait_until(lambda: any(text in one for one in texts(self.b, CONTROLLER)))
 
 
 @pytest.fixture(scope='module')
@@ -125,13 +125,13 @@ def test_nothing_begins_without_goal_and_start(stand):
     """What is missing is named; a goal alone does not move the robot; a pause makes no sense."""
     refused = stand.b.call('controller/start')
     assert not refused.success and 'goal_pose' in refused.message
-    stand.b.speak('goal_pose', goal(GOAL))
+    stand.b.publish('goal_pose', goal(GOAL))
     assert set(stand.measure(1.0)) == {ZERO}
     assert stand.requests == []
     for service in ('pause', 'resume'):
         refused = stand.b.call(f'controller/{service}')
         assert not refused.success and 'idle' in refused.message
-    stand.b.until(lambda: stand.b.call('controller/start').success)
+    stand.b.wait_until(lambda: stand.b.call('controller/start').success)
 
 
 def test_a_request_says_what_is_wanted(stand):
@@ -151,15 +151,15 @@ def test_a_request_says_what_is_wanted(stand):
     ids=['frame', 'nan', 'map'])
 def test_a_bad_goal_or_map_is_told_and_changes_nothing(stand, topic, message, text):
     """With the field, what came and what was expected."""
-    stand.b.speak(topic, message)
-    stand.b.until(lambda: any(text in error for error in errors(stand.b, CONTROLLER)))
+    stand.b.publish(topic, message)
+    stand.b.wait_until(lambda: any(text in error for error in errors(stand.b, CONTROLLER)))
     stand.measure(0.2)
     assert len(stand.requests) == 1
 
 
 def test_a_map_is_taken(stand):
     """The node says so."""
-    stand.b.speak('map', floor(FREE))
+    stand.b.publish('map', floor(FREE))
     stand.says('has a map of 80 times 80 cells')
 
 
@@ -168,12 +168,13 @@ def test_only_the_answer_to_the_request_counts(stand, planned):
     first = stand.requests[0]
     chain = planned(first)
     older = to_stamp(1e-3)
-    stand.b.speak('push_plan', to_plan_message(chain.plan.trajectory, older, 'odom'))
+    stand.b.publish('push_plan', to_plan_message(chain.plan.trajectory, older, 'odom'))
     stand.b.spin(0.3)
     assert set(stand.measure(0.2)) == {ZERO} and len(stand.requests) == 1
-    stand.b.speak('push_plan', no_plan_message(first.header.stamp, 'odom'))
+    stand.b.publish('push_plan', no_plan_message(
+        PlanFailure.BLOCKED, first.header.stamp, 'odom'))
     second = stand.wait_for_request(2)
-    stand.says('no plan: the planner has found none')
+    stand.says(f'no plan: {PlanFailure.BLOCKED.value}')
     assert nanoseconds(second.header.stamp) > nanoseconds(first.header.stamp)
     stand.answer(chain, second, 'camera')
     stand.wait_for_request(3)
@@ -184,7 +185,7 @@ def test_a_plan_sets_the_robot_out_and_a_pause_stops_it(stand, planned):
     """It goes on when it is told to, with a plan from there."""
     request = stand.requests[-1]
     stand.answer(planned(request), request)
-    stand.b.repeat(lambda: stand.measure(0.1), lambda: 'task: approach' in texts(
+    stand.b.repeat_until(lambda: stand.measure(0.1), lambda: 'task: approach' in texts(
         stand.b, CONTROLLER))
     assert any(command != ZERO for command in stand.measure(0.5))
     assert stand.b.call('controller/pause').success
@@ -194,19 +195,19 @@ def test_a_plan_sets_the_robot_out_and_a_pause_stops_it(stand, planned):
     count = len(stand.requests)
     assert stand.b.call('controller/resume').success
     stand.wait_for_request(count + 1)
-    stand.says('task: plan, goes on')
+    stand.says('task: plan, resumed')
 
 
 def test_a_goal_holds_from_its_time_on(stand):
     """Not before the time of its stamp; one whose stamp is of another clock, at once."""
     count, other = len(stand.requests), Pose(-1.0, 0.0, 0.0)
-    stand.b.speak('goal_pose', goal(other, stand.now + 1.0))
+    stand.b.publish('goal_pose', goal(other, stand.now + 1.0))
     stand.b.spin(0.3)
     stand.measure(0.8)
     assert len(stand.requests) == count
     later = from_request_message(stand.wait_for_request(count + 1), 'odom', SCENARIO.object)
     assert later.goal == pytest.approx(other)
-    stand.b.speak('goal_pose', goal(GOAL, 1.7e9))
+    stand.b.publish('goal_pose', goal(GOAL, 1.7e9))
     at_once = from_request_message(stand.wait_for_request(count + 2), 'odom', SCENARIO.object)
     assert at_once.goal == pytest.approx(GOAL)
 
@@ -215,7 +216,7 @@ def test_stopped_it_stands_until_it_is_started_anew(stand):
     """The goal is kept."""
     assert stand.b.call('controller/stop').success
     count = len(stand.requests)
-    stand.says('task: idle, was stopped')
+    stand.says('task: idle, stopped')
     assert set(stand.measure(1.0)) == {ZERO} and len(stand.requests) == count
     assert stand.b.call('controller/start').success
     stand.wait_for_request(count + 1)
@@ -223,7 +224,7 @@ def test_stopped_it_stands_until_it_is_started_anew(stand):
 
 def test_its_state_is_in_the_markers(stand):
     """As text, beside object and robot."""
-    stand.b.until(lambda: any(marker.text for message in stand.b.heard['markers']
+    stand.b.wait_until(lambda: any(marker.text for message in stand.b.received['markers']
                               for marker in message.markers))
 
 
@@ -232,19 +233,19 @@ def test_measurements_wait_for_the_plan(tmp_path, planned):
     with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
                {**TASK, 'wait_for_plans': True, 'autostart': True}) as b:
         stand = Stand(b)
-        b.speak('goal_pose', goal(GOAL))
+        b.publish('goal_pose', goal(GOAL))
         b.spin(0.3)
         stand.measure(0.45)
         stand.now += PERIOD
-        commands = b.heard['cmd_vel']
+        commands = b.received['cmd_vel']
         commands.clear()
         for _ in range(3):
-            b.speak('object_pose', to_object_pose_message(ObjectPose(stand.now, OBJECT), 'odom'))
+            b.publish('object_pose', to_object_pose_message(ObjectPose(stand.now, OBJECT), 'odom'))
             b.spin(0.1)
-        b.until(lambda: stand.requests)
+        b.wait_until(lambda: stand.requests)
         assert commands == []
         stand.answer(planned(stand.requests[0]), stand.requests[0])
-        b.until(lambda: len(commands) == 3)
+        b.wait_until(lambda: len(commands) == 3)
         assert {nanoseconds(command.header.stamp) for command in commands} == {
             round(1e9 * stand.now)}
         assert {command.twist.linear.x for command in commands} == {0.0}
@@ -259,8 +260,8 @@ def planner(tmp_path_factory):
     with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
                parameters) as b:
         for topic in ('push_plan', 'planned_path', 'diagnostics'):
-            b.listen(topic)
-        b.until(lambda: b.heard['diagnostics'], 60.0)
+            b.subscribe(topic)
+        b.wait_until(lambda: b.received['diagnostics'])
         yield b
 
 
@@ -277,11 +278,11 @@ def set_field(message, name, value):
 def answered(b, message):
     """Send a request and return the answer to it."""
     for heard in ('push_plan', 'planned_path'):
-        b.heard[heard].clear()
-    b.speak('push_request', message)
-    b.until(lambda: b.heard['push_plan'])
-    assert nanoseconds(b.heard['push_plan'][0].header.stamp) == nanoseconds(message.header.stamp)
-    return b.heard['push_plan'][0]
+        b.received[heard].clear()
+    b.publish('push_request', message)
+    b.wait_until(lambda: b.received['push_plan'])
+    assert nanoseconds(b.received['push_plan'][0].header.stamp) == nanoseconds(message.header.stamp)
+    return b.received['push_plan'][0]
 
 
 def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
@@ -293,12 +294,12 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
                              SCENARIO.planner, DRIVE)
     assert len(chain.pushes) > 1
     assert np.abs(got.object_poses - chain.plan.trajectory.object_poses).max() < 1e-6
-    planner.until(lambda: planner.heard['planned_path'])
+    planner.wait_until(lambda: planner.received['planned_path'])
     poses = [from_object_pose_message(pose, 'odom').pose
-             for pose in planner.heard['planned_path'][0].poses]
+             for pose in planner.received['planned_path'][0].poses]
     assert distance(poses[0], OBJECT) < 1e-6 and distance(poses[-1], aside) < 5e-3
     assert max(distance(*pair) for pair in zip(poses, poses[1:])) < 0.1
-    planner.until(lambda: any(f'has planned {len(chain.pushes)} pushes' in text
+    planner.wait_until(lambda: any(f'has planned {len(chain.pushes)} pushes' in text
                               for text in texts(planner, PLANNER)))
 
 
@@ -313,29 +314,29 @@ def test_a_request_without_a_plan_is_answered_all_the_same(planner, spoil, text)
     message = request(2.0)
     spoil(message)
     assert len(answered(planner, message).points) == 0
-    planner.until(lambda: any(text in error for error in errors(planner, PLANNER)))
+    planner.wait_until(lambda: any(text in error for error in errors(planner, PLANNER)))
 
 
 def test_a_goal_is_not_planned_for_before_somebody_asks(planner):
     """It is remembered for planner/replan, which needs measurements."""
-    planner.heard['push_plan'].clear()
-    planner.speak('goal_pose', goal(GOAL))
-    planner.until(lambda: 'has a goal and waits for a request' in texts(planner, PLANNER))
+    planner.received['push_plan'].clear()
+    planner.publish('goal_pose', goal(GOAL))
+    planner.wait_until(lambda: 'has a goal and waits for a request' in texts(planner, PLANNER))
     refused = planner.call('planner/replan')
-    assert not refused.success and 'odom and object_pose' in refused.message
-    assert planner.heard['push_plan'] == []
+    assert not refused.success and 'odom and no object_pose' in refused.message
+    assert planner.received['push_plan'] == []
 
 
 def test_a_map_is_kept_to(planner):
     """A bad one is told; in one where the goal is walled in there is no plan."""
-    planner.speak('map', floor(FREE, 'camera'))
-    planner.until(lambda: any("map: got frame 'camera', expected 'odom'" in error
+    planner.publish('map', floor(FREE, 'camera'))
+    planner.wait_until(lambda: any("map: got frame 'camera', expected 'odom'" in error
                               for error in errors(planner, PLANNER)))
     assert len(answered(planner, request(3.0)).points) > 0
     wall = FREE.copy()
     wall[:, 50:52] = True
-    planner.speak('map', floor(wall))
-    planner.until(lambda: 'has a map of 80 times 80 cells' in texts(planner, PLANNER))
+    planner.publish('map', floor(wall))
+    planner.wait_until(lambda: 'has a map of 80 times 80 cells' in texts(planner, PLANNER))
     assert len(answered(planner, request(4.0)).points) == 0
-    planner.until(lambda: any('map' in error and 'obstacle' in error
+    planner.wait_until(lambda: any('map' in error and 'obstacle' in error
                               for error in errors(planner, PLANNER)[1:]))

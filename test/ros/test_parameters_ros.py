@@ -3,14 +3,16 @@
 import contextlib
 import math
 
-from docs.tools.describe import parameters, SECTIONS
+from push_control import controller_node
 from push_control.settings import ControlSettings
 from push_model.parameters import PushedObject, RoundRobot, Support
+from push_planner import planner_node
 from push_planner.problem import PlannerSettings
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
 from push_ros.parameters import declare_parameters, from_parameter_values, parameter_specs, to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.definition.data import config_file
+from push_sim_node import sim_node
 from push_sim_node.disturbance import FrictionChange
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
@@ -25,6 +27,8 @@ BOX = PushedObject(
     supports=(Support(-0.1, 0.0, 0.3, 0.45), Support(0.1, 0.1, 0.2, 0.375),
               Support(0.1, -0.1, 0.4, 0.175)))
 DISC = PushedObject(mass=1.0, inertia=0.01, radius=0.2, supports=(Support(0.0, 0.0, 0.5),))
+SECTIONS = {PLANNER: planner_node.SECTIONS, CONTROLLER: controller_node.SECTIONS,
+            SIM: sim_node.SECTIONS}
 INSTANCES = [
     BOX, DISC, RoundRobot(0.17, 'holonomic'), ControlSettings(control_law='open_loop'),
     PlannerSettings(segments=30), Frames(world_frame='map'), ControllerOptions(autostart=True),
@@ -32,6 +36,11 @@ INSTANCES = [
     SimulationSettings(seed=7, friction_changes=(FrictionChange(1.0, 2.0, 0.5),
                                                  FrictionChange(3.0, 4.0, 2.0, 1))),
     SimOptions(lockstep=True, object_start=(1.0, 2.0, 3.0), tape_path='tape.csv')]
+
+
+def parameters(name):
+    """List the parameters of a node."""
+    return [spec for prefix, cls in SECTIONS[name] for spec in parameter_specs(cls, prefix)]
 
 
 @contextlib.contextmanager

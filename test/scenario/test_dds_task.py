@@ -86,7 +86,7 @@ def test_a_goal_that_changes_on_the_way_is_gone_to(redirected):
     for result in redirected:
         assert result.outcome is Outcome.DONE and is_as_expected(result)
         assert distance(result.tape.poses('object')[-1], LATER.pose) < NEAR
-        changed, = [change for change in result.history[1:] if change.reason == 'has a new goal']
+        changed, = [change for change in result.history[1:] if change.reason == 'new goal']
         assert changed.time == pytest.approx(12.0, abs=0.1)
     assert redirected[0].tape.to_bytes() == redirected[1].tape.to_bytes()
 

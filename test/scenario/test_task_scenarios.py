@@ -111,7 +111,7 @@ def test_the_later_goal_counts():
     later, = result.scenario.task.goals
     states = [change.state for change in result.history if change.time < later.time]
     assert states[-1] == TaskState.PUSH
-    assert any(change.reason == 'has a new goal' and abs(change.time - later.time) < 0.1
+    assert any(change.reason == 'new goal' and abs(change.time - later.time) < 0.1
                for change in result.history[1:])
     final = result.tape.poses('object')[-1]
     assert distance(final, later.goal.pose) == result.position_error < 0.01

@@ -1,0 +1,83 @@
+"""What has been measured lately: newest odometry and object pose, and whether odometry stops."""
+
+from push_control.observation import Observation
+from push_model.signals import ObjectPose, Odometry
+
+NANOSECOND = 1e-9
+
+
+class LatestMeasurements:
+    """
+    Newest measurement of each kind.
+
+    ``time``: newest time of all [s], 0 before the first.
+    """
+
+    def __init__(self) -> None:
+        """Start without measurements."""
+        self.odometry: Odometry | None = None
+        self.object_pose: ObjectPose | None = None
+        self.time = 0.0
+
+    def add(self, measured: Odometry | ObjectPose) -> float:
+        """
+        Take in a measurement; one that is older than the last of its kind is ignored.
+
+        :param measured: ``Odometry`` or ``ObjectPose``.
+        :return: time since the newest measurement before [s], at least 0.
+        """
+        if isinstance(measured, Odometry):
+            if self.odometry is None or measured.time >= self.odometry.time:
+                self.odometry = measured
+        elif self.object_pose is None or measured.time >= self.object_pose.time:
+            self.object_pose = measured
+        before, self.time = self.time, max(self.time, measured.time)
+        return self.time - before
+
+    @property
+    def observation(self) -> Observation | None:
+        """``Observation`` of the newest measurements; None before the first odometry."""
+        if self.odometry is None:
+            return None
+        return Observation(self.time, self.odometry, self.object_pose)
+
+
+class OdometryWatchdog:
+    """Notices that odometry has stopped, by the clock of the node and the stamps of messages."""
+
+    def __init__(self, timeout: float) -> None:
+        """
+        Start before the first odometry, which may take its time.
+
+        :param timeout: age of the last odometry beyond which it has stopped [s].
+        """
+        self._timeout = timeout
+        self.reset()
+
+    def reset(self) -> None:
+        """Wait for the next odometry."""
+        self._received: int | None = None
+        self.has_expired = False
+
+    def feed(self, now: int, stamp: int) -> None:
+        """
+        Note that odometry has come.
+
+        :param now: time on the clock of the node [ns].
+        :param stamp: of the message [ns], which may be of another clock, or ahead of simulated
+            time.
+        """
+        self._received = max(now, stamp)
+
+    def check(self, now: int) -> float | None:
+        """
+        Compute how long odometry has been missing, and set ``has_expired``.
+
+        :param now: time on the clock of the node [ns].
+        :return: age of the last odometry where that is too old [s]; else None.
+        """
+        if self._received is None:
+            return None
+        age = (now - self._received) * NANOSECOND
+        self.has_expired = age > self._timeout
+        return age if self.has_expired else None

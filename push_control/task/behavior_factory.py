@@ -1,0 +1,119 @@
+"""Behaviours of a task: which one acts in which state, and how it is set up."""
+
+import dataclasses
+import math
+
+from push_control.push.start import contact_start_point
+from push_control.settings import ControlSettings
+from push_control.task.approach import Approach
+from push_control.task.behavior import Behavior, BehaviorContext
+from push_control.task.guarded_approach import GuardedApproach
+from push_control.task.object_model import ObjectModelEstimator
+from push_control.task.perception import TaskPerception
+from push_control.task.push import SupervisedPush
+from push_control.task.retreat import Retreat
+from push_control.task.settings import SupervisionSettings
+from push_control.task.status import TaskState
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import DriveSettings
+
+# Standard deviations below which no push knows the centre of friction, over its distance from the
+# contact, and the push direction [rad]; chosen: the floor is not the same everywhere.
+CENTER_STD_RATIO = 0.03
+PUSH_DIRECTION_STD = 0.02
+# Gains as for convergence within a distance shorter by this factor, and the least fraction of the
+# friction cone that feedback may use; chosen: pushes of a task are short and may fail.
+GAIN_FACTOR = 1.5
+FEEDBACK_CONE_FRACTION = 0.9
+# Standard deviation of the gap of a robot whose pose overlaps the object [m]; chosen: the noise of
+# one object pose.
+OVERLAP_STD = 0.002
+# Tolerance that every push keeps [m, rad].
+ANY_ERROR = 1.0
+
+
+class BehaviorFactory:
+    """
+    Makes the behaviour of each state.
+
+    ``object_model``: the ``ObjectModelEstimator``. ``occupancy_map``: the ``OccupancyMap``, or
+    None on open floor.
+    """
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                 drive: DriveSettings, supervision: SupervisionSettings) -> None:
+        """
+        Start with the nominal object on open floor.
+
+        :param obj: the nominal ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param control: ``ControlSettings``, which are adapted to pushes of a task.
+        :param drive: ``DriveSettings``.
+        :param supervision: ``SupervisionSettings``.
+        """
+        self._robot = robot
+        self._control = _for_task(control)
+        self._drive = drive
+        self._supervision = supervision
+        self.object_model = ObjectModelEstimator(obj, control)
+        self.occupancy_map: OccupancyMap | None = None
+
+    def create(self, state: TaskState, target: PushTrajectory | None,
+               perception: TaskPerception) -> Behavior | None:
+        """
+        Make the behaviour of a state.
+
+        :param state: the ``TaskState``.
+        :param target: the ``PushTrajectory``, or None.
+        :param perception: ``TaskPerception`` of robot and object.
+        :return: ``Behavior``, or None where the robot stands.
+        """
+        context = BehaviorContext(self.object_model.obj, self._robot, self._control, self._drive,
+                                  self._supervision, self.occupancy_map)
+        if state is TaskState.RETREAT:
+            return Retreat(context)
+        if target is None:
+            return None
+        if state is TaskState.APPROACH:
+            return Approach(context, target)
+        if state is TaskState.ALIGN:
+            return GuardedApproach(context, target, perception.object_at_rest)
+        if state is TaskState.PUSH:
+            control = self._with_present_uncertainty(target, perception)
+            return SupervisedPush(context._replace(control=control), self.object_model, target)
+        return None
+
+    def correct_overlap(self, perception: TaskPerception) -> None:
+        """
+        Correct a robot pose that overlaps the object.
+
+        :param perception: ``TaskPerception`` of robot and object.
+        """
+        perception.correct_overlap(self.object_model.obj, self._robot, OVERLAP_STD)
+
+    def _with_present_uncertainty(self, target: PushTrajectory,
+                                  perception: TaskPerception) -> ControlSettings:
+        center_std_ratio = self.object_model.relative_deviation(contact_start_point(target))
+        heading_std = perception.localization.standard_deviations[2]
+        return dataclasses.replace(
+            self._control, center_std_ratio=math.hypot(CENTER_STD_RATIO, center_std_ratio),
+            push_direction_std=math.hypot(PUSH_DIRECTION_STD, heading_std))
+
+
+def _for_task(control: ControlSettings) -> ControlSettings:
+    """
+    Adapt settings to one push among several.
+
+    Whatever error it leaves, the next push corrects; so it neither goes back for another approach
+    nor asks for a plan by itself, and its feedback is stiffer.
+    """
+    return dataclasses.replace(
+        control, position_tolerance=ANY_ERROR, heading_tolerance=ANY_ERROR,
+        max_reapproaches=0, max_replan_requests=0,
+        feedback_cone_fraction=max(control.feedback_cone_fraction, FEEDBACK_CONE_FRACTION),
+        # Not above the ranges of these settings.
+        lateral_gain=min(100.0, GAIN_FACTOR ** 2 * control.lateral_gain),
+        heading_gain=min(50.0, GAIN_FACTOR * control.heading_gain),
+        max_curvature_rate=min(1000.0, GAIN_FACTOR ** 2 * control.max_curvature_rate))

@@ -1,0 +1,77 @@
+"""Following one path to its end, and noticing that the robot is stalled."""
+
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import RoundRobot
+from push_model.signals import STOP, Twist
+from push_navigation.path import Path
+from push_navigation.path_follower import PathFollower
+from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import travel_time
+
+# Displacement that counts as motion [m]; chosen: above the noise of odometry at rest.
+MOTION_THRESHOLD = 0.005
+# A path may take this many times its travel time, and the stall time-out besides; chosen.
+TRAVEL_TIME_FACTOR = 2.0
+
+
+def displacement(pose: Pose, other: Pose, radius: float) -> float:
+    """
+    Measure how far a disc has moved; a rotation counts as the motion of its rim.
+
+    :param pose: ``Pose`` of the disc.
+    :param other: another one.
+    :param radius: of the disc [m].
+    :return: the greater one of translation and motion of the rim [m].
+    """
+    return max(distance(pose, other), radius * abs(wrap_angle(pose.theta - other.theta)))
+
+
+class PathExecution:
+    """
+    Drives along a path, and fails where the robot is stalled or takes too long.
+
+    ``finished``: whether the end is reached. ``failure_reason``: why it never will be, empty
+    while it may.
+    """
+
+    def __init__(self, robot: RoundRobot, drive: DriveSettings, path: Path,
+                 stall_timeout: float) -> None:
+        """
+        Start.
+
+        :param robot: the ``RoundRobot``.
+        :param drive: ``DriveSettings``.
+        :param path: the ``Path``.
+        :param stall_timeout: time without motion after which the robot is stalled [s].
+        """
+        self._follower = PathFollower(robot, drive, path)
+        self._radius = robot.radius
+        self._stall_timeout = stall_timeout
+        self._time_left = TRAVEL_TIME_FACTOR * travel_time(path, robot, drive) + stall_timeout
+        self._last_motion: Pose | None = None
+        self._standing_time = 0.0
+        self.finished = False
+        self.failure_reason = ''
+
+    def step(self, pose: Pose, dt: float) -> Twist:
+        """
+        Compute the command.
+
+        :param pose: ``Pose`` of the robot.
+        :param dt: time since the last call [s].
+        :return: ``Twist``; STOP once there is a ``failure_reason``.
+        """
+        self._time_left -= dt
+        self._standing_time += dt
+        if (self._last_motion is None
+                or displacement(self._last_motion, pose, self._radius) > MOTION_THRESHOLD):
+            self._last_motion = pose
+            self._standing_time = 0.0
+        command = self._follower.step(pose, dt)
+        self.finished = self._follower.finished
+        is_stalled = self._time_left < 0.0 or self._standing_time > self._stall_timeout
+        if is_stalled and not self.finished:
+            self.failure_reason = (f'the robot is stalled, {self._follower.remaining_distance:.2f}'
+                                   ' m from the end of its path')
+            return STOP
+        return command
