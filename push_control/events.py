@@ -28,20 +28,20 @@ class PushEvent(enum.Enum):
         '{rotation:.1f} deg: it must stand at {x:.3f} m, {y:.3f} m, {heading:.3f} rad')
 
     # The push goes on.
-    CONTACT_SLIDES = 'the contact slides'
-    CLOSING_GAP = 'contact is lost: approaches the object'
+    CONTACT_SLIDES = 'the contact is sliding'
+    CLOSING_GAP = 'contact is lost: approaching the object'
 
     # The push has failed.
     GAP_TOO_WIDE = 'contact is lost: the object is at least {gap:.0f} mm away'
     OBJECT_DOES_NOT_FOLLOW = 'contact is lost: the object does not follow the robot'
     ONE_SIDED_STEERING = (
-        'the friction centre lies too far aside of this contact: friction does not hold a '
+        'the centre of friction is too far to the side of this contact: friction cannot hold a '
         'straight push there')
-    TURNED_OFF_VERTEX = 'jackknifed: the robot has turned round the vertex onto a face'
-    PUSH_OUT_OF_CONTACT = 'jackknifed: the wanted push points out of the contact'
+    TURNED_OFF_VERTEX = 'jackknifed: the robot has rotated around the vertex onto a face'
+    PUSH_OUT_OF_CONTACT = 'jackknifed: the required push points out of the contact'
 
     # The push has failed, but another plan may bring the object to its goal.
-    PATH_TOO_LONG = 'gave up after {travelled:.1f} m, planned were {planned:.1f} m'
+    PATH_TOO_LONG = 'aborted after {travelled:.1f} m, planned: {planned:.1f} m'
     GOAL_MISSED = 'ended {lateral:.0f} mm and {heading:.1f} deg beside the goal'
 
     def report(self, **values: Any) -> EventReport:

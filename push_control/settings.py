@@ -50,7 +50,7 @@ class ControlSettings:
         default=60.0)
     rolling_gain: float = quantity(
         'holonomic base: yaw per path length that rolls the contact to where its normal runs '
-        'through the friction centre', '1/m', 0.0, 50.0, default=4.0)
+        'through the centre of friction', '1/m', 0.0, 50.0, default=4.0)
     horizon_steps: int = quantity(
         'mpc: number of steps of the horizon', '', 2, 100, default=20)
     horizon_step: float = quantity(
@@ -152,13 +152,13 @@ class ControlSettings:
         'random walk of the object heading per path length', 'rad/sqrt(m)', 0.0, 1.0,
         default=0.02)
     center_std_ratio: float = quantity(
-        'standard deviation of the friction centre over its distance from the contact', '', 0.0,
+        'standard deviation of the centre of friction over its distance from the contact', '', 0.0,
         1.0, default=0.11)
     max_center_offset_ratio: float = quantity(
-        'largest offset of the friction centre from its nominal place, likewise', '', 0.0, 1.0,
+        'largest offset of the centre of friction from its nominal place, likewise', '', 0.0, 1.0,
         default=0.45)
     center_walk: float = quantity(
-        'random walk of the friction centre per path length', 'm/sqrt(m)', 0.0, 1.0,
+        'random walk of the centre of friction per path length', 'm/sqrt(m)', 0.0, 1.0,
         default=0.002)
     c_squared_log_std: float = quantity(
         "standard deviation of the logarithm of the supports' c^2", '', 0.0, 2.0, default=0.2)

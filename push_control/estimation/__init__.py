@@ -1,1 +1,1 @@
-"""State estimation during a push: object, friction centre, contact, and monitors."""
+"""State estimation during a push: object, centre of friction, contact, and monitors."""

@@ -1,5 +1,5 @@
 """
-Extended Kalman filter for object pose, push direction, friction centre and rotation.
+Extended Kalman filter for object pose, push direction, centre of friction and rotation.
 
 Odometry is the input; poses are measured late and enter at their own time. With x the
 ``PushState``, P its covariance, z the measured pose and H the rows of (x, y, theta):
@@ -37,8 +37,8 @@ class NoiseModel(NamedTuple):
     :param measurement: R, covariance of a measured pose (x, y, theta), shape (3, 3).
     :param walk: Q, variances of the random walk of the state per path length, shape (7,).
     :param pose_gate: squared Mahalanobis distance at which a pose is rejected.
-    :param center: nominal friction centre, object frame (x, y) [m].
-    :param max_center_offset: largest distance of the friction centre from it [m].
+    :param center: nominal centre of friction, object frame (x, y) [m].
+    :param max_center_offset: largest distance of the centre of friction from it [m].
     """
 
     initial: FloatArray
@@ -55,7 +55,7 @@ class NoiseModel(NamedTuple):
 
         :param settings: ``ControlSettings``.
         :param site: the ``ContactSite``.
-        :param center: nominal friction centre, object frame (x, y) [m].
+        :param center: nominal centre of friction, object frame (x, y) [m].
         :return: ``NoiseModel``.
         """
         arm = math.hypot(center[0] - site.point[0], center[1] - site.point[1])
@@ -154,7 +154,7 @@ class Estimator:
 
         :param motion: ``PushMotion`` of the nominal object at its contact.
         :param settings: ``ControlSettings``.
-        :param center: nominal friction centre, object frame (x, y) [m].
+        :param center: nominal centre of friction, object frame (x, y) [m].
         :param pose: first ``ObjectPose``.
         :param odometry: first ``Odometry``.
         """
@@ -281,7 +281,7 @@ class Estimator:
             self._covariance = self._covariance * np.sqrt(np.outer(scale, scale))
 
     def _clamped(self, state: PushState) -> PushState:
-        """Keep the friction centre near its nominal place."""
+        """Keep the centre of friction near its nominal place."""
         center, limit = self._noise.center, self._noise.max_center_offset
         off_x, off_y = state.p_x - center[0], state.p_y - center[1]
         off = math.hypot(off_x, off_y)

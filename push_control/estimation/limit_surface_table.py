@@ -27,7 +27,7 @@ class LimitSurfaceTable:
 
     Turning is kept as the c^2 with which the ellipsoidal limit surface turns as fast as the
     supports do, ``omega = -r sin(alpha) / (c^2 + r^2)`` for unit speed; so the table also serves
-    for friction centres near the nominal one.
+    for centre of frictions near the nominal one.
     """
 
     def __init__(self, obj: PushedObject, point: Coordinates):

@@ -1,7 +1,7 @@
 """
 Motion of the object under the robot's motion: the quasi-static model of the estimator.
 
-The contact sticks or rolls. With C the contact, F the friction centre, ``a = C - F`` and v the
+The contact sticks or rolls. With C the contact, F the centre of friction, ``a = C - F`` and v the
 velocity imposed at C, in the object's axes,
 
     ``omega = (a_x v_y - a_y v_x) / (c^2 + |a|^2)``    and    ``v_object = v - omega k x C``.
@@ -26,8 +26,8 @@ class PushState(NamedTuple):
     :param y: of the object frame in the world.
     :param theta: orientation of the object frame in the world.
     :param phi: effective heading of the robot, which takes up odometry drift and placement errors.
-    :param p_x: of the friction centre in the object frame.
-    :param p_y: of the friction centre in the object frame.
+    :param p_x: of the centre of friction in the object frame.
+    :param p_y: of the centre of friction in the object frame.
     :param q: natural logarithm of the supports' c^2 over the nominal one; the greater, the less a
         push rotates the object.
     """

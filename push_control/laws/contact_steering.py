@@ -30,7 +30,7 @@ ROLLED_VERTEX_MARGIN = 0.05
 # Fraction of the friction cone that a round contact may be off centre, as it must roll far for
 # little. Chosen.
 ROUND_CONE_FRACTION = 0.3
-# Smallest distance of the friction centre from that of a disc, so that nothing divides by 0 [m].
+# Smallest distance of the centre of friction from that of a disc, against division by 0 [m].
 MIN_CENTER_DISTANCE = 1e-9
 
 
@@ -204,7 +204,7 @@ def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta:
     """
     Rotation of the robot relative to the object, since the start, that centres the contact.
 
-    A contact whose normal runs through the friction centre F has the whole cone to either side.
+    A contact whose normal runs through the centre of friction F has the whole cone to either side.
     At a vertex n rotates with the robot, on a face C moves by ``-R_p`` times the rotation, on a
     round outline n rotates by ``1 - lam`` times it. A disc must roll far for little: with p the
     distance of F from its centre and d the angle from n to that direction,
@@ -212,7 +212,7 @@ def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta:
     ``sin(d - zeta) = R_s sin(zeta) / p``.
 
     :param site: the ``ContactSite``.
-    :param center: friction centre F in the object frame (x, y) [m].
+    :param center: centre of friction F in the object frame (x, y) [m].
     :param max_zeta: zeta that a round contact may keep [rad].
     :param rotation: the present rotation, from which a round contact takes the shorter path [rad].
     :return: the rotation, bounded by the ends of the vertex or the face [rad].

@@ -1,10 +1,10 @@
 """
 Limits of the curvature of z that the contact survives in a steady turn.
 
-With r the distance from the contact C to the friction centre F, L the wheelbase, R_p the radius of
-the robot, zeta the angle from C->F to the contact normal and D the angle from the robot's heading
-to it, the normal of a differential drive comes to rest at ``zeta = D - (L + R_p) kappa``, and the
-contact force lies ``zeta + kappa c^2 / r`` off the normal, where ``c^2 / r = L - r``.
+With r the distance from the contact C to the centre of friction F, L the wheelbase, R_p the radius
+of the robot, zeta the angle from C->F to the contact normal and D the angle from the robot's
+heading to it, the normal of a differential drive comes to rest at ``zeta = D - (L + R_p) kappa``,
+and the contact force lies ``zeta + kappa c^2 / r`` off the normal, where ``c^2 / r = L - r``.
 """
 
 import math

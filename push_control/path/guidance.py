@@ -108,7 +108,7 @@ class Guidance:
         """
         Fraction of the cone that new paths may use, of what the settings allow them.
 
-        :param center_error_ratio: distance of the friction centre from its nominal place, over
+        :param center_error_ratio: distance of the centre of friction from its nominal place, over
             that from the contact: where it is large, supports rub otherwise than their nominal
             values, and so rotate otherwise.
         :return: fraction, the smaller the larger that is, and the more approaches have missed.

@@ -1,7 +1,7 @@
 """
 Paths of the flat output z, in the goal frame of z.
 
-Anchored there, a path keeps its end where the object's goal is, whatever the friction centre
+Anchored there, a path keeps its end where the object's goal is, whatever the centre of friction
 turns out to be.
 """
 
@@ -107,7 +107,7 @@ class SampledPath(FlatOutputPath):
         arc_lengths, dense_poses = _with_arcs(_flat_output_poses(vehicle, trajectory))
         length = arc_lengths[-1]
         if length < SPACING:
-            raise ValueError(f'trajectory: got a path of {length:.3f} m of the flat point, '
+            raise ValueError(f'trajectory: got a path of {length:.3f} m of the flat output, '
                              f'expected at least {SPACING} m')
         count = max(3, math.ceil(length / SPACING) + 1)
         self._arc_lengths = np.linspace(0.0, length, count)

@@ -58,8 +58,8 @@ class ContactModel:
     One robot at one contact of an object.
 
     ``is_differential``: whether the base is a differential drive. ``nominal``: the nominal object
-    as ``Vehicle``, pushed at the start. ``center``: its friction centre (x, y) [m]. ``steering``:
-    ``ContactSteering``. ``motion``: ``PushMotion``.
+    as ``Vehicle``, pushed at the start. ``center``: its centre of friction (x, y) [m].
+    ``steering``: ``ContactSteering``. ``motion``: ``PushMotion``.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
@@ -82,7 +82,7 @@ class ContactModel:
         supports = LimitSurfaceTable(obj, site.point)
         self.steering = ContactSteering(obj, robot, settings, site, supports)
         self.motion = PushMotion(robot.radius, site, supports)
-        # At a vertex, without a new pose, contact and friction centre stay: one entry is enough.
+        # At a vertex both arguments stay the same until the next pose: one entry is enough.
         self._vehicle: Callable[..., Vehicle] = functools.lru_cache(maxsize=1)(
             functools.partial(vehicle, obj))
 
@@ -139,7 +139,7 @@ class ContactModel:
 
     def center_error_ratio(self, state: PushState) -> float:
         """
-        How far the friction centre is from its nominal place.
+        How far the centre of friction is from its nominal place.
 
         :param state: ``PushState``.
         :return: distance over that from the contact.

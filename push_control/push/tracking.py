@@ -33,7 +33,7 @@ class PushTracker:
         :param motion: ``PushMotion`` of the nominal object at its contact.
         :param time_constant: of the robot's drive [s].
         :param settings: ``ControlSettings``.
-        :param center: nominal friction centre, object frame (x, y) [m].
+        :param center: nominal centre of friction, object frame (x, y) [m].
         :param pose: first ``ObjectPose``.
         :param odometry: first ``Odometry``.
         """

@@ -3,32 +3,20 @@
 import dataclasses
 import math
 
+from helpers.contact_sites import arc_trajectory, FACE, ROUND, SITES, VERTEX
 from helpers.objects import bin_, box
-import numpy as np
-from push_control.estimation.contact_site import ContactSite, initial_contact_site
-from push_control.path.path import flat_output_pose
+from push_control.estimation.contact_site import initial_contact_site
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_model.quasi_static import vehicle
-from push_model.trajectory import PushTrajectory
 import pytest
 
-UNLIMITED = (-math.inf, math.inf)
-SITES = {
-    'vertex': ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), 0.8, 0.6, (0.0, math.pi / 2)),
-    'face': ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, UNLIMITED),
-    'round': ContactSite('round', 0.6, 0.17, 0.255, (-0.255, 0.0), 0.0, 0.1, UNLIMITED)}
 POSE, PHI = Pose(1.0, -2.0, 2.5), 3.3
 ROBOT = RoundRobot(radius=0.17)
-BELIEVED = box(foot=0.18)
-VERTEX = ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), math.pi / 4, math.pi / 4,
-                     (0.0, math.pi / 2))
-FACE = ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, UNLIMITED)
-ROUND = ContactSite('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, -0.1, UNLIMITED)
+NOMINAL = box(foot=0.18)
 
 
 @pytest.mark.parametrize('kind', sorted(SITES))
-def test_a_robot_that_has_rolled_is_beside_nothing(kind):
+def test_a_robot_that_has_rolled_has_no_offset(kind):
     """And one that stands off along the normal, or beside it, is so far off."""
     site = SITES[kind]
     center = site.robot_center(POSE, PHI)
@@ -56,31 +44,18 @@ def test_a_contact_that_slides_takes_the_robot_along_and_stays_a_contact(kind):
         assert math.hypot(c_x, c_y) == pytest.approx(site.object_radius)
 
 
-def arc_trajectory(obj, site, curvature, length):
-    """Carry the flat point along an arc; contact and robot follow."""
-    local = flat_output_pose(vehicle(obj, site.point))
-    base = Pose(*site.point, site.normal) @ Pose(-0.17, 0.0, site.heading - site.normal)
-    ways = np.linspace(0.0, length, 40)
-    poses = [Pose((math.sin(curvature * s)) / curvature, (1.0 - math.cos(curvature * s))
-                  / curvature, curvature * s) @ local.inverse() for s in ways.tolist()]
-    contacts = [pose @ Pose(*site.point, site.normal) for pose in poses]
-    zeros = np.zeros((40, 3))
-    return PushTrajectory(ways / 0.1, np.array(poses), zeros, np.array(contacts), zeros,
-                          np.array([pose @ base for pose in poses]), zeros)
-
-
 def test_the_site_of_a_trajectory():
     """Vertex, face and disc are told apart; a robot that does not touch is refused."""
-    trajectory = arc_trajectory(BELIEVED, VERTEX, 0.5, 1.0)
-    site = initial_contact_site(BELIEVED, ROBOT, trajectory)
+    trajectory = arc_trajectory(NOMINAL, VERTEX, 0.5, 1.0)
+    site = initial_contact_site(NOMINAL, ROBOT, trajectory)
     assert site.kind == 'vertex' and site.point == VERTEX.point
     assert site.normal == pytest.approx(VERTEX.normal)
     assert site.heading_offset == pytest.approx(0.0, abs=1e-9)
-    face = initial_contact_site(BELIEVED, ROBOT, arc_trajectory(BELIEVED, FACE, 0.5, 1.0))
+    face = initial_contact_site(NOMINAL, ROBOT, arc_trajectory(NOMINAL, FACE, 0.5, 1.0))
     assert face.kind == 'face' and face.point == pytest.approx(FACE.point)
     assert face.heading_offset == pytest.approx(-0.1)
     disc = initial_contact_site(bin_(), ROBOT, arc_trajectory(bin_(), ROUND, 0.5, 1.0))
     assert disc.kind == 'round' and disc.point == pytest.approx(ROUND.point)
     away = dataclasses.replace(trajectory, robot_poses=trajectory.robot_poses - (0.05, 0.05, 0.0))
     with pytest.raises(ValueError, match='robot_poses'):
-        initial_contact_site(BELIEVED, ROBOT, away)
+        initial_contact_site(NOMINAL, ROBOT, away)

@@ -2,9 +2,9 @@
 
 import math
 
+from helpers.contact_sites import VERTEX
 from helpers.objects import box
 import numpy as np
-from push_control.estimation.contact_site import ContactSite
 from push_control.estimation.estimator import Estimator
 from push_control.estimation.limit_surface_table import LimitSurfaceTable
 from push_control.estimation.push_motion import PushMotion, PushState
@@ -16,9 +16,7 @@ from push_model.signals import ObjectPose, Odometry, Twist
 import pytest
 
 SETTINGS = ControlSettings()
-BELIEVED = box(foot=0.18)
-VERTEX = ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), math.pi / 4, math.pi / 4,
-                     (0.0, math.pi / 2))
+NOMINAL = box(foot=0.18)
 STEP = 0.02
 POSE_EVERY = 3
 
@@ -29,8 +27,8 @@ def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latenc
     true = PushMotion(0.17, VERTEX, LimitSurfaceTable(obj, VERTEX.point))
     x = PushState(0.3, -0.2, 0.4, 0.4 + math.pi / 4 + offset, *friction_center(obj))
     way, odometry = 0.0, Odometry(0.0, Pose(0.0, 0.0, x.phi - offset), Twist())
-    nominal = PushMotion(0.17, VERTEX, LimitSurfaceTable(BELIEVED, VERTEX.point))
-    estimator = Estimator(nominal, SETTINGS, friction_center(BELIEVED), ObjectPose(0.0, x.pose),
+    nominal = PushMotion(0.17, VERTEX, LimitSurfaceTable(NOMINAL, VERTEX.point))
+    estimator = Estimator(nominal, SETTINGS, friction_center(NOMINAL), ObjectPose(0.0, x.pose),
                           odometry)
     queue, history = [], []
     for k in range(1, round(duration / STEP)):
@@ -53,7 +51,7 @@ def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latenc
     return estimator, history
 
 
-def test_the_friction_centre_is_found():
+def test_the_centre_of_friction_is_found():
     """
     Unequal feet move it by centimetres; in six metres it is found across the push.
 
@@ -69,16 +67,16 @@ def test_the_friction_centre_is_found():
         aside = np.array((-along[1], along[0]))
         error = np.array(found.center) - np.array(true.center)
         assert abs(error @ aside) < 0.004
-        seen = vehicle(BELIEVED, VERTEX.point, found.center)
+        seen = vehicle(NOMINAL, VERTEX.point, found.center)
         seen = seen.with_c_squared_ratio(math.exp(found.q))
         assert seen.wheelbase == pytest.approx(vehicle(obj, VERTEX.point).wheelbase, rel=0.03)
 
 
-def test_the_estimate_is_not_biased_where_the_belief_is_right():
-    """Over seeds, pose and friction centre are right on average and in spread."""
+def test_the_estimate_is_not_biased_where_the_nominal_values_are_right():
+    """Over seeds, pose and centre of friction are right on average and in spread."""
     errors = []
     for seed in range(10):
-        _, history = simulate(BELIEVED, seed, duration=15.0)
+        _, history = simulate(NOMINAL, seed, duration=15.0)
         errors += [np.array(found) - np.array(true) for _, true, found in history[250::100]]
     errors = np.array(errors)
     assert np.abs(errors.mean(axis=0)[:4]).max() < 2e-3
@@ -89,7 +87,7 @@ def test_the_estimate_is_not_biased_where_the_belief_is_right():
 
 def test_push_direction_takes_up_heading_drift_and_placement():
     """Odometry that drifts by 0.03 rad/m and starts 3 degrees off misleads for a moment only."""
-    _, history = simulate(BELIEVED, seed=1, drift=0.03, offset=math.radians(3.0))
+    _, history = simulate(NOMINAL, seed=1, drift=0.03, offset=math.radians(3.0))
     late = np.array([np.array(found) - np.array(true) for _, true, found in history[500:]])
     assert np.abs(late[:, 3]).mean() < 0.01
     assert abs(late[:, 3].mean()) < 0.008
@@ -98,7 +96,7 @@ def test_push_direction_takes_up_heading_drift_and_placement():
 
 def test_without_errors_the_prediction_over_the_delay_is_exact():
     """Latency alone costs nothing: poses enter at their own time and are carried on."""
-    _, history = simulate(BELIEVED, seed=0, duration=5.0, noisy=False, latency=7)
+    _, history = simulate(NOMINAL, seed=0, duration=5.0, noisy=False, latency=7)
     worst = max(np.abs(np.array(found[:4]) - np.array(true[:4])).max()
                 for _, true, found in history[20:])
     assert worst < 5e-4
@@ -106,7 +104,7 @@ def test_without_errors_the_prediction_over_the_delay_is_exact():
 
 def test_a_wild_pose_is_rejected_and_a_lasting_jump_is_followed():
     """One outlier changes nothing; an object that was really moved is found again."""
-    estimator, history = simulate(BELIEVED, seed=2, duration=6.0)
+    estimator, history = simulate(NOMINAL, seed=2, duration=6.0)
     time, true, before = history[-1]
     wild = Pose(true.x + 0.3, true.y, true.theta)
     assert not estimator.add_pose(ObjectPose(time, wild)).is_accepted
@@ -122,7 +120,7 @@ def test_a_wild_pose_is_rejected_and_a_lasting_jump_is_followed():
 
 def test_the_covariance_stays_symmetric_and_positive():
     """Even after hundreds of corrections."""
-    estimator, _ = simulate(BELIEVED, seed=5)
+    estimator, _ = simulate(NOMINAL, seed=5)
     covariance = estimator.covariance
     assert np.array_equal(covariance, covariance.T)
     assert np.linalg.eigvalsh(covariance).min() > 0.0
@@ -130,7 +128,7 @@ def test_the_covariance_stays_symmetric_and_positive():
 
 def test_an_old_pose_is_ignored():
     """Poses that arrive out of order, or much too late, change nothing."""
-    estimator, history = simulate(BELIEVED, seed=4, duration=6.0)
+    estimator, history = simulate(NOMINAL, seed=4, duration=6.0)
     time, true, before = history[-1]
     assert not estimator.add_pose(ObjectPose(time - 2.0, true.pose)).is_accepted
     assert estimator.predict(time) == before

@@ -2,18 +2,12 @@
 
 import math
 
+from helpers.contact_sites import SITES
 import numpy as np
-from push_control.estimation.contact_site import ContactSite
 from push_control.laws.contact_steering import centering_rotation
 import pytest
 
 ALLOWED = 0.1
-UNLIMITED = (-math.inf, math.inf)
-SITES = {
-    'vertex': ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), 0.8, 0.6, (0.0, math.pi / 2)),
-    'face': ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, UNLIMITED,
-                        (-0.2, 0.2)),
-    'round': ContactSite('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, 0.1, UNLIMITED)}
 CENTERS = [(0.0, 0.0), (0.03, 0.08), (-0.05, -0.09), (0.08, -0.02), (-0.09, 0.01)]
 
 

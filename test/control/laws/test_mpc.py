@@ -9,7 +9,7 @@ import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.mpc import optimal_weights, PredictiveLaw
 from push_control.laws.mpc_problem import (
-    horizon_problem, HorizonParameters, straight_step, terminal_root,
+    horizon_problem, HorizonParameters, parameter_offsets, straight_step, terminal_root,
 )
 from push_control.laws.steering_law import SolverFailure, SteeringInput
 from push_control.path.path import CurvatureLimits, PathProjection
@@ -108,6 +108,40 @@ def test_the_force_stays_in_its_cone_where_the_closed_form_law_leaves_it():
     found = PredictiveLaw(ROBOT, SETTINGS).curvature(place)
     assert place.zeta + slope * closed > place.cone_angle
     assert place.zeta + slope * found < place.zeta + slope * closed
+
+
+def test_the_scalars_have_one_order():
+    """What the law writes for a field is what the problem reads as that field."""
+    law = PredictiveLaw(ROBOT, SETTINGS)
+    place = situation(0.01, 0.02, 0.03, 0.1, zeta_rest=0.04, zeta_limits=(-0.6, 0.5),
+                      cone_angle=0.25, previous_curvature=0.05, max_change=0.15,
+                      lag_distance=0.02)
+    law.curvature(place)
+    horizon, limits = law._horizon, place.limits
+    written = HorizonParameters(*horizon.scalars)
+    assert written == HorizonParameters(
+        lateral_error=0.01, heading_error=0.02, zeta=0.03, curvature=0.05,
+        wheelbase=VEHICLE.wheelbase, force_slope=VEHICLE.c_squared / VEHICLE.arm,
+        robot_radius=0.17, zeta_rest=0.04, rolling_gain=SETTINGS.rolling_gain, lag_distance=0.02,
+        cone_angle=0.25, zeta_low=-0.6, zeta_high=0.5, lowest=limits.low, highest=limits.high,
+        first_lowest=0.05 - 0.15, first_highest=0.05 + 0.15,
+        max_change=SETTINGS.max_curvature_rate * STEP)
+    parts = horizon.scalars, horizon.root, horizon.path, horizon.guess
+    assert [len(part) for part in parts] == np.diff(parameter_offsets(STEPS)).tolist()
+    assert sum(len(part) for part in parts) == len(horizon.p)
+    assert all(np.shares_memory(part, horizon.p) for part in parts)
+
+
+@pytest.mark.parametrize('name, sign', [('first_lowest', -1.0), ('first_highest', 1.0)])
+def test_the_problem_reads_a_field_where_the_law_writes_it(name, sign):
+    """The first curvature is at the bound that binds, and follows it."""
+    weights = optimal_weights(SETTINGS)
+    step = horizon_problem('differential', STEPS, STEP, weights).step
+    root = terminal_root('differential', STEP, weights, 0.015)
+    p = numbers((-0.09 * sign, -0.4 * sign, 0.0, 0.0), root)
+    for bound in (0.2 * sign, 0.15 * sign):
+        p[HorizonParameters._fields.index(name)] = bound
+        assert np.array(step(p)[0]).ravel()[0] == pytest.approx(bound, abs=1e-6)
 
 
 def converged(place):

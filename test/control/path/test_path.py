@@ -2,39 +2,23 @@
 
 import math
 
+from helpers.contact_sites import arc_trajectory, VERTEX
 from helpers.objects import box
 import numpy as np
-from push_control.estimation.contact_site import ContactSite
 from push_control.path.path import (
-    CurvatureLimits, flat_output_pose, path_to_goal, project_on_path, SampledPath,
+    CurvatureLimits, path_to_goal, project_on_path, SampledPath,
 )
 from push_model.geometry import Pose
 from push_model.quasi_static import vehicle
-from push_model.trajectory import PushTrajectory
 import pytest
 
-BELIEVED = box(foot=0.18)
-VERTEX = ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), math.pi / 4, math.pi / 4,
-                     (0.0, math.pi / 2))
-
-
-def arc_trajectory(obj, site, curvature, length):
-    """Carry the flat point along an arc; contact and robot follow."""
-    local = flat_output_pose(vehicle(obj, site.point))
-    base = Pose(*site.point, site.normal) @ Pose(-0.17, 0.0, site.heading - site.normal)
-    ways = np.linspace(0.0, length, 40)
-    poses = [Pose((math.sin(curvature * s)) / curvature, (1.0 - math.cos(curvature * s))
-                  / curvature, curvature * s) @ local.inverse() for s in ways.tolist()]
-    contacts = [pose @ Pose(*site.point, site.normal) for pose in poses]
-    zeros = np.zeros((40, 3))
-    return PushTrajectory(ways / 0.1, np.array(poses), zeros, np.array(contacts), zeros,
-                          np.array([pose @ base for pose in poses]), zeros)
+NOMINAL = box(foot=0.18)
 
 
 def test_the_path_ends_at_the_goal_with_its_curvature():
     """An arc of z comes out as that arc, in the frame of its end."""
-    trajectory = arc_trajectory(BELIEVED, VERTEX, 0.8, 1.5)
-    path = SampledPath(vehicle(BELIEVED, VERTEX.point), trajectory)
+    trajectory = arc_trajectory(NOMINAL, VERTEX, 0.8, 1.5)
+    path = SampledPath(vehicle(NOMINAL, VERTEX.point), trajectory)
     assert path.length == pytest.approx(1.5, abs=1e-4)
     assert path.at(path.length)[0] == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
     for s in (0.0, 0.31, 1.0, 1.49):
@@ -44,13 +28,13 @@ def test_the_path_ends_at_the_goal_with_its_curvature():
 
 
 @pytest.mark.parametrize('s', [0.05, 0.7, 1.4])
-@pytest.mark.parametrize('aside, turned', [(0.03, 0.1), (-0.05, -0.2)])
-def test_a_pose_beside_the_path_is_found(s, aside, turned):
-    """Way, lateral error (left positive) and heading error come back, from a guess nearby."""
-    path = SampledPath(vehicle(BELIEVED, VERTEX.point), arc_trajectory(BELIEVED, VERTEX, 0.8, 1.5))
-    pose = path.at(s)[0] @ Pose(0.0, aside, turned)
+@pytest.mark.parametrize('lateral, rotation', [(0.03, 0.1), (-0.05, -0.2)])
+def test_a_pose_is_projected_on_the_path(s, lateral, rotation):
+    """Arc length, lateral error (left positive) and heading error, from a guess nearby."""
+    path = SampledPath(vehicle(NOMINAL, VERTEX.point), arc_trajectory(NOMINAL, VERTEX, 0.8, 1.5))
+    pose = path.at(s)[0] @ Pose(0.0, lateral, rotation)
     found = project_on_path(path, pose, s - 0.06)
-    assert found[:3] == pytest.approx((s, aside, turned), abs=1e-3)
+    assert found[:3] == pytest.approx((s, lateral, rotation), abs=1e-3)
 
 
 def test_a_new_path_leads_from_here_to_the_goal_within_its_limits():

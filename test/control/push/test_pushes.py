@@ -38,7 +38,7 @@ def test_a_holonomic_base_pushes_anywhere(kind):
 
 
 def test_a_contact_that_cannot_push_straight_is_given_up():
-    """With the friction centre far aside, the robot does not wander about."""
+    """With the centre of friction far aside, the robot does not wander about."""
     case = random_case(3)
     feet = tuple(dataclasses.replace(foot, friction_coefficient=1.8 if foot.y < 0.0 else 0.1)
                  for foot in case.believed.supports)

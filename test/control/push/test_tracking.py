@@ -2,8 +2,8 @@
 
 import math
 
+from helpers.contact_sites import SITES
 from helpers.objects import bin_, box
-from push_control.estimation.contact_site import ContactSite
 from push_control.estimation.limit_surface_table import LimitSurfaceTable
 from push_control.estimation.push_motion import PushMotion
 from push_control.observation import Observation
@@ -13,15 +13,8 @@ from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, Twist
 import pytest
 
-UNLIMITED = (-math.inf, math.inf)
-SITES = {
-    'vertex': ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), 0.8, 0.6, (0.0, math.pi / 2)),
-    'face': ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, UNLIMITED,
-                        (-0.2, 0.2)),
-    'round': ContactSite('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, 0.1, UNLIMITED)}
 
-
-def spun(site, speed, spin, duration=3.0, step=0.01):
+def spinning_push(site, speed, spin, duration=3.0, step=0.01):
     """
     Push at a speed through the centre, which does not turn the object, and spin meanwhile.
 
@@ -31,23 +24,23 @@ def spun(site, speed, spin, duration=3.0, step=0.01):
     for k in range(round(duration / step) + 1):
         phi = site.heading + spin * k * step
         c_x, c_y, normal = site.contact_at(phi)
-        share = speed / math.hypot(c_x, c_y)
-        v_x = -share * c_x + spin * site.robot_radius * math.sin(normal)
-        v_y = -share * c_y - spin * site.robot_radius * math.cos(normal)
+        ratio = speed / math.hypot(c_x, c_y)
+        v_x = -ratio * c_x + spin * site.robot_radius * math.sin(normal)
+        v_y = -ratio * c_y - spin * site.robot_radius * math.cos(normal)
         pose = Pose(x, y, 0.0)
         robot = Pose(*site.robot_center(pose, phi), phi)
         twist = Twist(*robot.inverse().rotate((v_x, v_y)), spin)
         time = k * step
         yield Observation(time, Odometry(time, robot, twist), ObjectPose(time, pose))
-        x, y = x - step * share * c_x, y - step * share * c_y
+        x, y = x - step * ratio * c_x, y - step * ratio * c_y
 
 
 @pytest.mark.parametrize('spin', [-0.4, 0.0, 0.4])
 @pytest.mark.parametrize('kind', ['vertex', 'face', 'round'])
-def test_the_way_counted_is_that_of_the_contact(kind, spin):
+def test_the_travelled_distance_is_that_of_the_contact(kind, spin):
     """However far a free base spins meanwhile, and so rolls its contact."""
     site, obj = SITES[kind], bin_() if kind == 'round' else box()
-    observations = spun(site, 0.1, spin)
+    observations = spinning_push(site, 0.1, spin)
     motion, first = PushMotion(0.17, site, LimitSurfaceTable(obj, site.point)), next(observations)
     tracker = PushTracker(motion, 0.1, ControlSettings(), (0.0, 0.0), first.object_pose,
                           first.odometry)

@@ -1,0 +1,111 @@
+"""The steps of a push with feedback, as values: estimate, limits, command and status."""
+
+import dataclasses
+import math
+
+from helpers.contact_sites import arc_trajectory, FACE, VERTEX
+from helpers.objects import box
+import numpy as np
+from push_control.estimation.contact_site import initial_contact_site
+from push_control.estimation.push_motion import PushState
+from push_control.laws.closed_form import ClosedFormLaw
+from push_control.observation import Observation
+from push_control.push.closed_loop import ClosedLoopPush
+from push_control.push.contact_model import ContactModel
+from push_control.push.status import Phase
+from push_control.settings import ControlSettings
+from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
+from push_model.robot_kinematics import contact_velocity
+from push_model.signals import ObjectPose, Odometry, STOP
+import pytest
+
+SETTINGS = ControlSettings()
+OBJECT = box(foot=0.18)
+ROBOTS = {'differential': (RoundRobot(radius=0.17), VERTEX),
+          'holonomic': (RoundRobot(radius=0.17, drive='holonomic'), FACE)}
+CURVATURE = 0.3
+
+
+def make_step(drive, log_c_squared=0.0, offset=0.0):
+    """Model a contact, and look at a push along an arc in its middle."""
+    robot, site = ROBOTS[drive]
+    target = arc_trajectory(OBJECT, site, CURVATURE, 1.0)
+    model = ContactModel(OBJECT, robot, SETTINGS, target)
+    x, y, theta = target.object_poses[20].tolist()
+    state = PushState(x, y, theta, target.robot_poses[20, 2] + offset, *model.center,
+                      log_c_squared)
+    goal = Pose(*target.object_poses[-1].tolist())
+    return model, model.step(state, state, initial_contact_site(OBJECT, robot, target)), goal
+
+
+@pytest.mark.parametrize('drive', sorted(ROBOTS))
+def test_an_object_on_its_planned_path_has_its_flat_output_there(drive):
+    """In the goal frame, the rest of the arc before the origin."""
+    _, step, goal = make_step(drive)
+    z = step.flat_output(step.now, goal)
+    left = 19.0 / 39.0
+    assert z.theta == pytest.approx(-CURVATURE * left, abs=1e-9)
+    assert (z.x, z.y) == pytest.approx((-math.sin(CURVATURE * left) / CURVATURE,
+                                        (1.0 - math.cos(CURVATURE * left)) / CURVATURE), abs=1e-9)
+
+
+@pytest.mark.parametrize('drive', sorted(ROBOTS))
+def test_the_estimated_supports_move_the_flat_output(drive):
+    """With twice the c^2, z is twice as far ahead of the centre of friction."""
+    model, step, _ = make_step(drive, math.log(2.0))
+    assert step.vehicle.c_squared == pytest.approx(2.0 * model.nominal.c_squared)
+    assert model.center_error_ratio(step.now) == 0.0
+    moved = step.now._replace(p_x=step.now.p_x + 0.1 * model.nominal.arm)
+    assert model.center_error_ratio(moved) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize('drive', sorted(ROBOTS))
+def test_limits_widen_with_the_fraction_of_the_cone(drive):
+    """Both ways, around a straight push; none of the cone allows one curvature only."""
+    model, step, _ = make_step(drive)
+    none, half, whole = (model.limits(step, step.now, fraction) for fraction in (0.0, 0.5, 1.0))
+    assert none.low == pytest.approx(none.high, abs=1e-9)
+    assert whole.low < half.low < none.low and none.high < half.high < whole.high
+
+
+@pytest.mark.parametrize('drive', sorted(ROBOTS))
+@pytest.mark.parametrize('curvature', [-0.2, 0.0, 0.2])
+def test_the_command_pushes_in_the_direction_that_gives_the_curvature(drive, curvature):
+    """At the speed asked for, by the quasi-static model of the estimator."""
+    model, step, _ = make_step(drive)
+    command, fault = model.command(step, curvature, 0.05)
+    assert fault is None
+    gamma = step.now.theta + step.normal(step.now)
+    velocity = contact_velocity(step.now.phi, gamma, 0.17, command)
+    assert math.hypot(*velocity) == pytest.approx(0.05)
+    rates = model.motion.rates(step.now, command)
+    along = step.now.theta + step.vehicle.angle
+    speed = velocity[0] * math.cos(along) + velocity[1] * math.sin(along)
+    assert rates.omega / speed == pytest.approx(curvature, abs=0.01)
+
+
+def test_a_contact_that_has_folded_up_gets_no_command():
+    """The robot has turned round the vertex."""
+    model, step, _ = make_step('differential', offset=1.2)
+    command, fault = model.command(step, 0.0, 0.05)
+    assert command == STOP and fault is not None
+
+
+def test_a_push_that_begins_has_everything_before_it():
+    """Errors are those of the whole plan, nothing is lost, and no plan is requested."""
+    robot, site = ROBOTS['differential']
+    target = arc_trajectory(OBJECT, site, CURVATURE, 1.0)
+    target = dataclasses.replace(target, contact_twists=np.full((40, 3), 0.1))
+    poses = Pose(*target.object_poses[0].tolist()), Pose(*target.robot_poses[0].tolist())
+    first = Observation(0.0, Odometry(0.0, poses[1], STOP), ObjectPose(0.0, poses[0]))
+    push = ClosedLoopPush(OBJECT, robot, SETTINGS, ClosedFormLaw(SETTINGS), target, first)
+    status = push.status(Phase.PUSHING, None)
+    assert status.remaining_distance == pytest.approx(1.0, abs=1e-3)
+    assert status.position_error == pytest.approx(
+        math.dist(target.object_poses[0, :2], target.object_poses[-1, :2]))
+    assert status.robot_pose == pytest.approx(poses[1], abs=1e-9)
+    assert status.in_contact and not status.replan_requested and not push.finished
+    assert push.failure is None and push.notice is None
+    assert push.advance(0.0, 0.0).v_x > 0.0
+    assert push.status(Phase.PUSHING, None).remaining_distance == pytest.approx(1.0, abs=5e-3)
