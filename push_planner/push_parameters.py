@@ -86,7 +86,9 @@ class PushParameters(NamedTuple):
         of_supports = tuple(
             (scalars[i], scalars[i + 1], scalars[i + 2])
             for i in range(PARAMETER_COUNT, PARAMETER_COUNT + 3 * supports, 3))
-        return cls(ObjectTerms(*scalars[:4], of_supports), *scalars[4:PARAMETER_COUNT]), column
+        mass, inertia, com_x, com_y = scalars[:4]
+        terms = ObjectTerms(mass, inertia, com_x, com_y, of_supports)
+        return cls(terms, *scalars[4:PARAMETER_COUNT]), column
 
     def column(self) -> FloatArray:
         """Return the numbers in the order of ``symbols``, shape (13 + 3 k,)."""

@@ -49,10 +49,11 @@ class Block(NamedTuple):
         factor = ca.SX.sym('factor')
         hessian, gradient = ca.hessian(ca.dot(multipliers, rows) + factor * cost, variables)
         known = [variables, *given]
+        with_jacobian: Any = ca.cse([rows, ca.jacobian(rows, variables)])
+        derivatives: Any = ca.cse([ca.densify(gradient), hessian])
         return cls(ca.Function('rows', known, [rows]),
-                   ca.Function('jacobian', known, ca.cse([rows, ca.jacobian(rows, variables)])),
-                   ca.Function('lagrangian', [*known, multipliers, factor],
-                               ca.cse([ca.densify(gradient), hessian])))
+                   ca.Function('jacobian', known, with_jacobian),
+                   ca.Function('lagrangian', [*known, multipliers, factor], derivatives))
 
     @property
     def row_count(self) -> int:

@@ -164,7 +164,7 @@ def radau(count: int) -> RadauScheme:
     values = points[:, None] ** powers
     integrals = points[:, None] ** (powers + 1) / (powers + 1)
     matrix = integrals @ np.linalg.inv(values)
-    return RadauScheme(points, matrix, np.linalg.inv(matrix))
+    return RadauScheme(points, matrix, np.asarray(np.linalg.inv(matrix), dtype=np.float64))
 
 
 def contact_impulse(kind: PushKind, parameters: PushParameters, node: Node,

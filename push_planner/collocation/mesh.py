@@ -54,7 +54,7 @@ class MeshSection:
     def step_v_squared(self) -> FloatArray:
         """Squared speeds V at the begins of the steps [m^2/s^2]."""
         return np.full(self.steps, self.v_squared) + (
-            self.v_squared_slope * self.length / self.steps * np.arange(self.steps))
+            self.v_squared_slope * self.length / self.steps * np.arange(self.steps, dtype=float))
 
 
 class Mesh(NamedTuple):

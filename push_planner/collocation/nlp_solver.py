@@ -52,9 +52,9 @@ class BufferedFunction:
         self._inputs = [np.zeros(function.size_in(i)[::-1]) for i in range(function.n_in())]
         self._outputs = [np.zeros(function.size_out(i)[::-1]) for i in range(function.n_out())]
         for i, array in enumerate(self._inputs):
-            self._buffer.set_arg(i, memoryview(array))
+            self._buffer.set_arg(i, array.data)
         for i, array in enumerate(self._outputs):
-            self._buffer.set_res(i, memoryview(array))
+            self._buffer.set_res(i, array.data)
 
     def __call__(self, *inputs: Union[float, FloatArray]) -> list[FloatArray]:
         """

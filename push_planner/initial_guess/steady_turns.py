@@ -121,7 +121,8 @@ def steady_turns(key: TurnKey) -> SteadyTurns:
 
     :param key: ``TurnKey``.
     """
-    steering_angles = np.linspace(-MAX_STEERING_ANGLE, MAX_STEERING_ANGLE, DIRECTIONS)
+    steering_angles: FloatArray = np.linspace(-MAX_STEERING_ANGLE, MAX_STEERING_ANGLE, DIRECTIONS,
+                                              dtype=np.float64)
     supports = (len(key.column) - PARAMETER_COUNT) // 3
     rates, forces = _table(supports)(steering_angles[:, None] - key.offset, key.v_squared,
                                      np.array(key.column))

@@ -7,7 +7,7 @@ with the nonlinear program. Integrated by scipy's LSODA.
 
 from collections.abc import Callable
 import math
-from typing import NamedTuple, Optional
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 from push_model.dynamics import equation_of_motion, impulse, Input, ObjectTerms, State
@@ -121,11 +121,14 @@ class OpenLoopSimulation:
         self._input = np.zeros(5)
         self._rate = np.zeros(7)
         self._force = np.zeros(2)
-        self._buffer, self._evaluate = function.buffer()
-        self._buffer.set_arg(0, memoryview(self._state))
-        self._buffer.set_arg(1, memoryview(self._input))
-        self._buffer.set_res(0, memoryview(self._rate))
-        self._buffer.set_res(1, memoryview(self._force))
+        buffer: Any
+        buffer, self._evaluate = function.buffer()
+        # Alive as long as what it evaluates.
+        self._buffer = buffer
+        self._buffer.set_arg(0, self._state.data)
+        self._buffer.set_arg(1, self._input.data)
+        self._buffer.set_res(0, self._rate.data)
+        self._buffer.set_res(1, self._force.data)
 
     def start(self) -> FloatArray:
         """Begin where the problem does, nothing imposed yet; return the state."""

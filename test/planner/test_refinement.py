@@ -1,0 +1,94 @@
+"""Refinement: its backward and forward pass on a small linear-quadratic problem, and in use."""
+
+from helpers.push_problems import face_problem
+import numpy as np
+from push_model.geometry import Pose
+from push_planner.collocation.formulation import formulate
+from push_planner.collocation.nlp_solver import nlp_solver
+from push_planner.initial_guess.dubins_routes import routes, tightest_turns
+from push_planner.integration.refinement import (
+    backward_pass, CHANGE_COST, feed_forward, FREE_LENGTH_COST, goal_miss, refine, SMALL_MISS,
+    STRAIGHT_END_WEIGHTS, WEIGHTS,
+)
+import pytest
+
+STEPS = 5
+
+
+@pytest.fixture(name='maps')
+def make_maps():
+    """Draw the maps (A_k, b_k) of a linear system; S goes on as it is."""
+    rng = np.random.default_rng(11)
+    maps = np.zeros((STEPS, 7, 8))
+    maps[:, :6, :6] = np.eye(6) + 0.3 * rng.normal(size=(STEPS, 6, 6))
+    maps[:, :6, 6:] = rng.normal(size=(STEPS, 6, 2))
+    maps[:, 6, 6] = 1.0
+    return maps
+
+
+def trajectory(maps, free_length, changes):
+    """Run the linear system from a deviation of S alone; shape (n + 1, 7)."""
+    states = [np.array([0.0] * 6 + [free_length])]
+    for step, change in zip(maps, changes):
+        states.append(step @ np.append(states[-1], change))
+    return np.array(states)
+
+
+def cost(maps, unknowns, miss):
+    """Sum up what the passes minimise."""
+    free_length, changes = unknowns[0], unknowns[1:]
+    states = trajectory(maps, free_length, changes)
+    along = sum(state @ WEIGHTS @ state for state in states[:-1])
+    end = states[-1] + miss
+    return (along + CHANGE_COST * changes @ changes + FREE_LENGTH_COST * free_length ** 2
+            + end @ STRAIGHT_END_WEIGHTS @ end)
+
+
+def test_the_two_passes_find_the_optimum_of_the_quadratic(maps):
+    """A step to any side from what they find costs more, by the same to either side."""
+    miss = np.array([0.0, 0.01, -0.02, 0.03, -0.01, 0.02, 0.0])
+    cost_to_go = backward_pass(maps, STRAIGHT_END_WEIGHTS)
+    correction = feed_forward(maps, cost_to_go, miss)
+    # In closed loop: the gains act on the deviations that the correction itself brings about.
+    states = [np.array([0.0] * 6 + [correction.free_length])]
+    changes = []
+    for k, step in enumerate(maps):
+        deviation = states[-1].copy()
+        # The feed-forward has the response to S in it already.
+        deviation[6] = 0.0
+        changes.append(correction.changes[k] - cost_to_go.gains[k] @ deviation)
+        states.append(step @ np.append(states[-1], changes[-1]))
+    found = np.array([correction.free_length, *changes])
+    least = cost(maps, found, miss)
+    for direction in np.eye(STEPS + 1):
+        one, other = (cost(maps, found + sign * 1e-3 * direction, miss) for sign in (-1.0, 1.0))
+        assert one > least and other > least
+        assert one - least == pytest.approx(other - least, rel=1e-6)
+
+
+def test_no_miss_needs_no_correction(maps):
+    correction = feed_forward(maps, backward_pass(maps, STRAIGHT_END_WEIGHTS), np.zeros(7))
+    assert correction.free_length == 0.0 and not correction.changes.any()
+
+
+def test_values_are_symmetric_and_not_negative(maps):
+    values = backward_pass(maps, STRAIGHT_END_WEIGHTS).values
+    for value in values:
+        np.testing.assert_allclose(value, value.T, rtol=1e-6, atol=1e-6)
+        assert np.linalg.eigvalsh(0.5 * (value + value.T)).min() > -1e-6
+
+
+def test_a_refined_push_ends_at_its_goal():
+    """Within 20 um of the goal, where the program's own steps are millimetres off."""
+    problem = face_problem(Pose(1.5, 0.4, 0.5))
+    formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
+    solution = nlp_solver(formulation.dimensions).solve(
+        formulation.parameters(), formulation.bounds, guess).solution
+    refined = refine(problem, formulation, solution)
+    miss = goal_miss(problem, formulation, refined.rollout.nodes[-1])
+    assert np.abs(miss[2:5]).max() < SMALL_MISS
+    assert refined.free_length == pytest.approx(solution.free_length, abs=0.02)
+    samples = refined.rollout.samples
+    assert refined.rollout.s[-1] == pytest.approx(
+        formulation.mesh.step_lengths(refined.free_length).sum())
+    np.testing.assert_allclose(samples[-1], refined.rollout.nodes[-1], atol=1e-12)
