@@ -1,4 +1,4 @@
-"""The robot follows its way on the simulated plant: it arrives, in time, within all limits."""
+"""The robot follows its path on the simulated plant: it arrives, in time, within all limits."""
 
 import dataclasses
 import itertools
@@ -26,14 +26,14 @@ ROBOTS = {drive: RoundRobot(0.17, drive, 0.3, 1.9, 0.9, 6.0) for drive in ('diff
 either = pytest.mark.parametrize('drive', ROBOTS)
 
 
-class Drive:
-    """What came of following a way."""
+class DrivenPath:
+    """Record of a robot that follows a path."""
 
-    def __init__(self, robot, way, obj=None, object_pose=FAR, start=None, patience=1.5,
+    def __init__(self, robot, path, obj=None, object_pose=FAR, start=None, patience=1.5,
                  true=None, noise=lambda: np.zeros(3), settings=SETTINGS):
-        self.follower = PathFollower(robot, settings, way)
-        self.expected = travel_time(way, robot, settings)
-        sim = Simulation(obj or box(), true or robot, object_pose, start or way.poses[0])
+        self.follower = PathFollower(robot, settings, path)
+        self.expected = travel_time(path, robot, settings)
+        sim = Simulation(obj or box(), true or robot, object_pose, start or path.poses[0])
         self.commands, self.gaps, self.times = [STOP], [], [0.0]
         while not self.follower.finished and sim.time < patience * self.expected + 3.0:
             seen = sim.next_measurement()
@@ -47,7 +47,7 @@ class Drive:
         self.object_moved = distance(sim.plant.object_pose, object_pose)
 
     def arrived(self, goal):
-        """Tell whether the robot stands at the goal, as near as promised."""
+        """Tell whether the robot stands at the goal, within its tolerances."""
         return (self.follower.finished and self.commands[-1] == STOP
                 and distance(self.end, goal) <= 0.003
                 and abs(wrap_angle(self.end.theta - goal.theta)) <= math.radians(0.6))
@@ -76,12 +76,12 @@ def tasks(obj, count, seed):
 
 @either
 @pytest.mark.parametrize('obj', [box(), bin_()], ids=['box', 'bin'])
-def test_ways_round_the_object_are_followed(drive, obj):
+def test_paths_round_the_object_are_followed(drive, obj):
     """It arrives when expected, within the limits, and never nearer than 10 mm less."""
     robot = ROBOTS[drive]
     for object_pose, start, goal in tasks(obj, 6, seed=1):
-        way = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
-        run = Drive(robot, way, obj, object_pose)
+        path = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
+        run = DrivenPath(robot, path, obj, object_pose)
         assert run.arrived(goal)
         assert run.within(SETTINGS.limited_to(robot))
         assert min(run.gaps) > SETTINGS.clearance - 0.01
@@ -89,15 +89,15 @@ def test_ways_round_the_object_are_followed(drive, obj):
 
 
 @either
-def test_it_comes_back_to_its_way(drive):
-    """Started beside the way and turned, it arrives all the same."""
+def test_it_comes_back_to_its_path(drive):
+    """Started beside the path and rotated, it arrives all the same."""
     robot = ROBOTS[drive]
-    way = plan_path(robot, box(), Pose(0.0, 0.0, 0.3), Pose(-1.0, 0.1, 0.5), Pose(1.0, 0.0, 2.0),
-                    SETTINGS)
+    path = plan_path(robot, box(), Pose(0.0, 0.0, 0.3), Pose(-1.0, 0.1, 0.5), Pose(1.0, 0.0, 2.0),
+                     SETTINGS)
     for aside, heading_change in ((0.04, 0.2), (-0.05, -0.3), (0.0, 0.8), (0.08, 3.0)):
         start = Pose(-1.0, 0.1 + aside, 0.5 + heading_change)
-        run = Drive(robot, way, box(), Pose(0.0, 0.0, 0.3), start)
-        assert run.arrived(way.poses[-1])
+        run = DrivenPath(robot, path, box(), Pose(0.0, 0.0, 0.3), start)
+        assert run.arrived(path.poses[-1])
         assert run.within(SETTINGS.limited_to(robot))
 
 
@@ -106,8 +106,8 @@ def test_leaving_the_contact_does_not_move_the_object(drive):
     """The robot touches the box at the start."""
     robot = ROBOTS[drive]
     start, goal = Pose(-0.37, 0.05, 0.25), Pose(0.2, -0.75, 1.5)
-    way = plan_path(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
-    run = Drive(robot, way, box(), Pose(0.0, 0.0, 0.0))
+    path = plan_path(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
+    run = DrivenPath(robot, path, box(), Pose(0.0, 0.0, 0.0))
     assert run.arrived(goal)
     assert run.object_moved < 1e-4
 
@@ -118,17 +118,17 @@ def test_other_robots_arrive_too(drive):
     for lag, top in ((0.0, 0.5), (0.3, 1.5), (0.15, 0.05)):
         robot = RoundRobot(0.35, drive, max_speed=top, time_constant=lag)
         goal = Pose(0.6, 0.4, -1.0)
-        way = plan_path(robot, box(), Pose(-2.0, 0.0, 0.0), Pose(0.0, 0.0, 0.5), goal, SETTINGS)
-        run = Drive(robot, way)
+        path = plan_path(robot, box(), Pose(-2.0, 0.0, 0.0), Pose(0.0, 0.0, 0.5), goal, SETTINGS)
+        run = DrivenPath(robot, path)
         assert run.arrived(goal)
         assert run.within(SETTINGS.limited_to(robot))
 
 
 def test_backwards_it_goes_straight():
-    """A straight way back: no detour, no turn worth naming."""
+    """A straight path back: no detour, no rotation worth naming."""
     robot, start = ROBOTS['differential'], Pose(0.0, 0.0, 0.7)
     goal = Pose(-0.4 * math.cos(0.7), -0.4 * math.sin(0.7), 0.7)
-    run = Drive(robot, Path((start, goal)))
+    run = DrivenPath(robot, Path((start, goal)))
     assert run.arrived(goal)
     assert np.array(run.commands)[:, 0].max() == 0.0
     assert np.abs(np.array(run.commands)[:, 2]).max() < 0.01
@@ -138,8 +138,8 @@ def test_backwards_it_goes_straight():
 def test_limits_hold_whatever_the_robot_sees(drive):
     """Poses that jump by a metre: every command stays within the limits."""
     robot, rng = ROBOTS[drive], np.random.default_rng(2)
-    way = plan_path(robot, box(), FAR, Pose(0.0, 0.0, 0.0), Pose(1.0, 1.0, 2.0), SETTINGS)
-    run = Drive(robot, way, patience=0.0)
+    path = plan_path(robot, box(), FAR, Pose(0.0, 0.0, 0.0), Pose(1.0, 1.0, 2.0), SETTINGS)
+    run = DrivenPath(robot, path, patience=0.0)
     for _ in range(400):
         step = rng.uniform(0.0, 0.1)
         run.commands.append(run.follower.step(Pose(*rng.uniform(-2.0, 2.0, 3)), step))
@@ -149,15 +149,15 @@ def test_limits_hold_whatever_the_robot_sees(drive):
 
 
 @either
-def test_what_remains_falls_to_nothing(drive):
-    """From the length of the way to 0, hardly ever up."""
+def test_remaining_distance_falls_to_nothing(drive):
+    """From the length of the path to 0, hardly ever up."""
     robot = ROBOTS[drive]
     start, goal = Pose(-0.8, 0.0, 0.0), Pose(0.8, 0.0, 0.0)
-    way = plan_path(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
+    path = plan_path(robot, box(), Pose(0.0, 0.0, 0.0), start, goal, SETTINGS)
     sim = Simulation(box(), robot, Pose(0.0, 0.0, 0.0), start)
-    follower = PathFollower(robot, SETTINGS, way)
+    follower = PathFollower(robot, SETTINGS, path)
     left, last = [follower.remaining_distance], 0.0
-    assert left[0] == pytest.approx(way.length)
+    assert left[0] == pytest.approx(path.length)
     while not follower.finished:
         seen = sim.next_measurement()
         if isinstance(seen, Odometry):
@@ -174,8 +174,8 @@ def test_a_lag_that_is_other_than_believed_costs_little(drive):
     for lag, settings in itertools.product((0.05, 0.2), (SETTINGS, GENTLE)):
         true = dataclasses.replace(ROBOTS[drive], time_constant=lag)
         for object_pose, start, goal in tasks(box(), 3, seed=9):
-            way = plan_path(ROBOTS[drive], box(), object_pose, start, goal, settings)
-            run = Drive(ROBOTS[drive], way, box(), object_pose, true=true, settings=settings)
+            path = plan_path(ROBOTS[drive], box(), object_pose, start, goal, settings)
+            run = DrivenPath(ROBOTS[drive], path, box(), object_pose, true=true, settings=settings)
             assert run.arrived(goal)
             assert min(run.gaps) > 0.5 * settings.clearance
             assert run.time < run.expected + 3.0 or settings is SETTINGS
@@ -186,8 +186,8 @@ def test_noise_in_what_it_sees_does_not_keep_it_from_arriving(drive):
     """Poses that are off by as much as the tolerance, standard deviation."""
     robot, rng = ROBOTS[drive], np.random.default_rng(10)
     for object_pose, start, goal in tasks(box(), 3, seed=11):
-        way = plan_path(robot, box(), object_pose, start, goal, SETTINGS)
-        run = Drive(robot, way, box(), object_pose, noise=lambda: rng.normal(0.0, 0.002, 3))
+        path = plan_path(robot, box(), object_pose, start, goal, SETTINGS)
+        run = DrivenPath(robot, path, box(), object_pose, noise=lambda: rng.normal(0.0, 0.002, 3))
         assert run.follower.finished
         assert distance(run.end, goal) < 0.008
         assert run.within(SETTINGS.limited_to(robot))
@@ -196,8 +196,8 @@ def test_noise_in_what_it_sees_does_not_keep_it_from_arriving(drive):
 def test_a_finished_robot_that_is_moved_goes_back():
     """Finished is only while it is there."""
     robot, goal = ROBOTS['differential'], Pose(0.5, 0.0, 0.0)
-    way = differential_path(Pose(0.0, 0.0, 0.0), goal, [(0.5, 0.0, 0.0)], [False])
-    follower = Drive(robot, way).follower
+    path = differential_path(Pose(0.0, 0.0, 0.0), goal, [(0.5, 0.0, 0.0)], [False])
+    follower = DrivenPath(robot, path).follower
     assert follower.finished
     moved = Pose(0.45, 0.0, 0.0)
     follower.step(moved, 0.02)
@@ -207,8 +207,8 @@ def test_a_finished_robot_that_is_moved_goes_back():
 
 def test_what_is_not_finite_is_refused_by_name():
     """Poses and times."""
-    way = Path((Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)))
-    follower = PathFollower(ROBOTS['differential'], SETTINGS, way)
+    path = Path((Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)))
+    follower = PathFollower(ROBOTS['differential'], SETTINGS, path)
     with pytest.raises(ValueError, match='pose: got'):
         follower.step(Pose(math.nan, 0.0, 0.0), 0.1)
     for wrong in (math.inf, -0.1):
@@ -216,22 +216,22 @@ def test_what_is_not_finite_is_refused_by_name():
             follower.step(Pose(0.0, 0.0, 0.0), wrong)
 
 
-def test_settings_are_capped_by_the_robot():
+def test_settings_are_limited_to_the_robot():
     """Each limit by its own; the rest stays."""
     robot = RoundRobot(0.1, max_speed=0.1, max_yaw_rate=0.2, max_acceleration=0.15,
                        max_yaw_acceleration=0.3)
-    limited_to = SETTINGS.limited_to(robot)
-    assert (limited_to.speed, limited_to.yaw_rate, limited_to.acceleration, limited_to.yaw_acceleration) == (
-        0.1, 0.2, 0.15, 0.3)
+    limited = SETTINGS.limited_to(robot)
+    assert (limited.speed, limited.yaw_rate) == (0.1, 0.2)
+    assert (limited.acceleration, limited.yaw_acceleration) == (0.15, 0.3)
     assert dataclasses.replace(
-        limited_to, **{name: getattr(SETTINGS, name) for name in (
+        limited, **{name: getattr(SETTINGS, name) for name in (
             'speed', 'yaw_rate', 'acceleration', 'yaw_acceleration')}) == SETTINGS
 
 
 @either
 @pytest.mark.parametrize('heading_change', [0.02, -0.08])
-def test_a_robot_that_is_nearly_there_turns_to_its_heading(drive, heading_change):
-    """Less than a millimetre beside its place it does not drive there, but it does turn."""
+def test_a_robot_that_is_nearly_there_rotates_to_its_heading(drive, heading_change):
+    """Less than a millimetre beside its place it does not drive there, but it does rotate."""
     start, goal = Pose(0.0, 0.0, 3.1), Pose(2e-4, -1e-4, 3.1 + heading_change)
-    way = plan_path(ROBOTS[drive], box(), FAR, start, goal, SETTINGS)
-    assert Drive(ROBOTS[drive], way).arrived(goal)
+    path = plan_path(ROBOTS[drive], box(), FAR, start, goal, SETTINGS)
+    assert DrivenPath(ROBOTS[drive], path).arrived(goal)

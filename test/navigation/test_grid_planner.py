@@ -1,0 +1,102 @@
+"""Grid planner: waypoints that are clear, short and pulled straight."""
+
+import math
+
+from helpers.maps import RESOLUTION, room_with_door, true_distances, walled_room
+from helpers.objects import square_outline
+import numpy as np
+from push_model.geometry import Pose
+from push_navigation.grid_planner import grid_waypoints
+from push_navigation.obstacle import inflate
+from push_navigation.path import NoPathFound
+import pytest
+
+CLEARANCE = 0.22
+BODY = inflate(square_outline(), 0.0, 0.22)
+ASIDE = Pose(-2.2, -2.2, 0.4)
+
+
+def corners(occupancy_map, start, goal, object_pose=ASIDE):
+    """Return start and waypoints, shape (n, 2)."""
+    waypoints = grid_waypoints(occupancy_map, CLEARANCE, BODY, object_pose, start, goal)
+    assert all(waypoint.arc_angle == 0.0 for waypoint in waypoints)
+    return np.array([start, *(waypoint[:2] for waypoint in waypoints)])
+
+
+def samples(points):
+    """Sample the straight segments between points every few millimetres."""
+    fractions = np.linspace(0.0, 1.0, 800)[:, None]
+    return np.concatenate([a + fractions * (b - a) for a, b in zip(points, points[1:])])
+
+
+def length(points):
+    """Length of straight segments between points."""
+    return np.hypot(*np.diff(points, axis=0).T).sum()
+
+
+def test_with_nothing_between_the_route_is_the_straight_line():
+    found = corners(walled_room(), (-1.5, 0.5), (1.5, -0.2))
+    assert found.tolist() == [[-1.5, 0.5], [1.5, -0.2]]
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_a_route_keeps_clear_and_ends_where_it_should(seed):
+    """Random blocks, the object among them."""
+    rng = np.random.default_rng(seed)
+    blocks = [(x, x + 0.4, y, y + 0.4) for x, y in rng.uniform(-1.6, 1.2, (5, 2))]
+    occupancy_map, object_pose = walled_room(*blocks), Pose(*rng.uniform(-0.5, 0.5, 2), 0.7)
+    start, goal = (-2.4, -0.3), (2.4, 0.4)
+    found = corners(occupancy_map, start, goal, object_pose)
+    assert tuple(found[0]) == start and tuple(found[-1]) == pytest.approx(goal)
+    points = samples(found)
+    assert true_distances(occupancy_map, points).min() > CLEARANCE - 1e-9
+    local = np.array([object_pose.inverse().transform(point) for point in points])
+    assert BODY.distances(local).min() > -1e-3
+
+
+@pytest.mark.parametrize('side', [1.0, -1.0])
+def test_a_route_round_a_wall_is_little_longer_than_the_taut_one(side):
+    """Round one corner the taut length is known: two tangents and an arc between them."""
+    wall = (-0.05, 0.05, -3.0, 0.0) if side > 0.0 else (-0.05, 0.05, 0.0, 3.0)
+    start, goal = (-1.5, -side), (1.5, -side)
+    found = corners(walled_room(wall), start, goal)
+    tip = np.array((0.05, 0.0))
+    away = math.hypot(1.5 - tip[0], 1.0)
+    tangent = math.sqrt(away ** 2 - CLEARANCE ** 2)
+    bearing = math.atan2(1.0, 1.5 - tip[0]) + math.asin(CLEARANCE / away)
+    taut = 2.0 * tangent + 2.0 * bearing * CLEARANCE + 2.0 * tip[0]
+    assert taut - 1e-6 < length(found) < 1.04 * taut
+    assert (side * found[1:-1, 1] > 0.0).all()
+
+
+def test_no_waypoint_can_be_left_out():
+    """Any two that follow with one between them do not see each other, and no other passes."""
+    occupancy_map = room_with_door(0.8)
+    found = corners(occupancy_map, (-1.5, -0.5), (1.5, -0.5))
+    assert len(found) > 2
+    for first, last in zip(found, found[2:]):
+        assert occupancy_map.clearance(samples(np.array([first, last]))).min() < CLEARANCE
+
+
+def test_mirrored_rooms_have_mirrored_lengths():
+    """The grid lies otherwise in the mirror image, so that lengths agree to its spacing."""
+    blocks = [(-0.6, -0.2, -3.0, 0.5), (0.4, 0.8, -0.4, 3.0)]
+    mirrored = [(x0, x1, -y1, -y0) for x0, x1, y0, y1 in blocks]
+    one = corners(walled_room(*blocks), (-2.0, 0.0), (2.0, 0.0))
+    other = corners(walled_room(*mirrored), (-2.0, 0.0), (2.0, 0.0), Pose(-2.2, 2.2, 0.4))
+    assert length(one) == pytest.approx(length(other), rel=0.02)
+
+
+def test_a_slit_or_the_object_in_the_door_lets_nothing_through():
+    start, goal = (-1.5, 0.0), (1.5, 0.0)
+    assert len(corners(room_with_door(0.8), start, goal)) > 2
+    for occupancy_map, pose in ((room_with_door(0.4), ASIDE),
+                                (room_with_door(0.8), Pose(0.0, 1.0, 0.0))):
+        with pytest.raises(NoPathFound, match='obstacles of the map'):
+            corners(occupancy_map, start, goal, pose)
+
+
+def test_an_end_in_an_obstacle_is_refused():
+    room = walled_room((1.0, 1.0 + 8 * RESOLUTION, -0.2, 0.2))
+    with pytest.raises(NoPathFound):
+        corners(room, (-1.5, 0.0), (1.2, 0.0))
