@@ -1,1 +1,72 @@
-"""Scenarios, closed loops over them, and reports of what happened."""
+"""
+Scenarios of pushing: simulated, replayed over DDS, measured, reported and drawn.
+
+A scenario is simulated and drawn in five lines; the modules behind these names are imported at
+first use, and matplotlib only for drawing::
+
+    scenario = load_scenario('task_two_pushes')
+    result = simulate(scenario)
+    print(measure(result), is_as_expected(result))
+    print(format_report([result]))
+    draw_figure([result], 'task.png')
+"""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from push_scenario.batch.batch import BatchResult, run_batch, seeds
+    from push_scenario.batch.varied_push import VariedPush
+    from push_scenario.definition.loader import (
+        load_scenario, read_object, read_robot, scenario_from_text, scenario_names, scenario_text,
+    )
+    from push_scenario.definition.placement import Placement
+    from push_scenario.definition.scenario import Bounds, Scenario, Start
+    from push_scenario.definition.strict_yaml import ScenarioError
+    from push_scenario.definition.task import LaterGoal, Task
+    from push_scenario.evaluation.metrics import is_as_expected, measure, Metrics
+    from push_scenario.evaluation.report import format_report
+    from push_scenario.plots.animation import draw_animation
+    from push_scenario.plots.figure import draw_figure
+    from push_scenario.simulation.loop import Progress, simulate
+    from push_scenario.simulation.result import Outcome, RunResult
+
+__all__ = [
+    'BatchResult', 'Bounds', 'draw_animation', 'draw_figure', 'format_report', 'is_as_expected',
+    'LaterGoal', 'load_scenario', 'measure', 'Metrics', 'Outcome', 'Placement', 'Progress',
+    'read_object', 'read_robot', 'run_batch', 'RunResult', 'Scenario', 'scenario_from_text',
+    'scenario_names', 'scenario_text', 'ScenarioError', 'seeds', 'simulate', 'Start', 'Task',
+    'VariedPush',
+]
+
+_MODULES = {
+    'push_scenario.batch.batch': ('BatchResult', 'run_batch', 'seeds'),
+    'push_scenario.batch.varied_push': ('VariedPush',),
+    'push_scenario.definition.loader': ('load_scenario', 'read_object', 'read_robot',
+                                        'scenario_from_text', 'scenario_names', 'scenario_text'),
+    'push_scenario.definition.placement': ('Placement',),
+    'push_scenario.definition.scenario': ('Bounds', 'Scenario', 'Start'),
+    'push_scenario.definition.strict_yaml': ('ScenarioError',),
+    'push_scenario.definition.task': ('LaterGoal', 'Task'),
+    'push_scenario.evaluation.metrics': ('is_as_expected', 'measure', 'Metrics'),
+    'push_scenario.evaluation.report': ('format_report',),
+    'push_scenario.plots.animation': ('draw_animation',),
+    'push_scenario.plots.figure': ('draw_figure',),
+    'push_scenario.simulation.loop': ('Progress', 'simulate'),
+    'push_scenario.simulation.result': ('Outcome', 'RunResult'),
+}
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> object:
+    """Import what is asked for: reading a file must not wait for planner and matplotlib."""
+    if name not in _MODULE_OF:
+        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    value = getattr(importlib.import_module(_MODULE_OF[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names too."""
+    return sorted({*globals(), *__all__})
