@@ -5,8 +5,9 @@ import math
 
 import numpy as np
 from push_model.trajectory import PushTrajectory
-from push_scenario.definition.loader import find_scenario, read_scenario
-from push_scenario.definition.scenario import Placement
+from push_scenario.definition.loader import load_scenario
+from push_scenario.definition.placement import Placement
+from push_scenario.simulation.history import single_push_history
 from push_scenario.simulation.result import Outcome, RunResult
 from push_sim_node.simulation import COLUMNS
 from push_sim_node.tape import Tape
@@ -23,15 +24,16 @@ def make_tape(**columns):
 
 
 def straight_plan(length=2.0, heading=0.0, origin=(0.0, 0.0)):
-    """Push straight ahead from an origin; what the robot does stays out of the picture."""
-    way = np.linspace(0.0, length, 21)
-    poses = np.column_stack([origin[0] + way * math.cos(heading),
-                             origin[1] + way * math.sin(heading), np.full(21, heading)])
+    """Plan a push straight ahead from an origin; the robot does not move in it."""
+    distance = np.linspace(0.0, length, 21)
+    poses = np.column_stack([origin[0] + distance * math.cos(heading),
+                             origin[1] + distance * math.sin(heading), np.full(21, heading)])
     return PushTrajectory(np.linspace(0.0, 10.0, 21), *([poses, np.zeros((21, 3))] * 3))
 
 
 def make_result(tape, plan, goal, outcome=Outcome.DONE):
     """Run of the straight scenario with another goal."""
-    scenario = dataclasses.replace(read_scenario(find_scenario('straight_push')),
+    scenario = dataclasses.replace(load_scenario('straight_push'),
                                    goal=Placement(*goal))
-    return RunResult(scenario, 'feedback', outcome, '', tape, 9.0, plan=plan)
+    return RunResult(scenario, 'feedback', outcome, '', tape, 9.0,
+                     single_push_history(outcome, '', 9.0), plan=plan)

@@ -9,6 +9,7 @@ import pytest
 LAZY = ('casadi', 'matplotlib', 'numba', 'rclpy')
 
 
+@pytest.mark.slow
 def test_five_lines_do(tmp_path):
     """As the docstring of the package has them."""
     scenario = push_scenario.load_scenario('straight_push')
@@ -31,6 +32,7 @@ def test_an_unknown_name_is_refused():
         push_scenario.solve
 
 
+@pytest.mark.slow
 def test_nothing_heavy_is_imported_before_it_is_used():
     """Neither by the package nor by its files of scenarios."""
     code = ('import sys, push_scenario, push_scenario.definition.data\n'

@@ -28,7 +28,9 @@ from push_sim_node.kernel.floor import FloorPatch
 from push_sim_node.plant import Plant
 import pytest
 
-PATIENCE = 30.0
+pytestmark = pytest.mark.slow
+# For processes to end, also on a busy machine [s].
+PATIENCE = 120.0
 JOBS = [{'n': n, 'seed': seed} for n, seed in enumerate(seeds(5, 40))]
 PUSH = VariedPush(box(), RoundRobot(0.17, 'holonomic'), (0.0, 0.0, 0.0), (-0.37, 0.0, 0.0),
                   ((0.2, 0.2, 0.0, 0.0), (0.2, 0.1, 0.1, 0.5)), step=5e-3)
@@ -290,7 +292,7 @@ def test_other_jobs_or_functions_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize('key', ['version', 'software'])
-def test_results_of_other_software_are_refused_unless_wanted(tmp_path, key):
+def test_results_of_other_software_are_refused_unless_accepted(tmp_path, key):
     out = tmp_path / 'out.jsonl'
     result = run_batch(noisy, JOBS, out, workers=1)
     header, rest = out.read_text().split('\n', 1)
@@ -331,7 +333,7 @@ def test_numbers_and_text_keep_every_bit(tmp_path):
     assert '0.3333333333333333' in text and '"a, ""b""\n"' in text
 
 
-def test_what_cannot_be_told_apart_or_sent_is_refused():
+def test_functions_and_jobs_without_identity_are_refused():
     for function in (lambda job: {}, partial(lambda job: {}), print):
         with pytest.raises(ValueError, match='expected a function defined in a module'):
             run_batch(function, JOBS)
@@ -359,7 +361,7 @@ def test_the_documented_example_runs(tmp_path):
     example = text.split('```python\n')[1].split('```')[0]
     assert 'seeds(1, 10000)' in example
     (tmp_path / 'example.py').write_text(example.replace('seeds(1, 10000)', 'seeds(1, 12)'))
-    done = subprocess.run([sys.executable, 'example.py'], cwd=tmp_path, timeout=120, text=True,
+    done = subprocess.run([sys.executable, 'example.py'], cwd=tmp_path, timeout=600, text=True,
                           env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)},
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     assert done.returncode == 0 and '12/12' in done.stdout, done.stdout

@@ -41,6 +41,7 @@ def test_list_names_every_scenario_with_its_description(capsys):
     assert all(len(line.split()) > 5 for line in listed)
 
 
+@pytest.mark.slow
 def test_a_run_that_arrives_ends_with_status_0_and_leaves_its_tape(tmp_path, capsys):
     assert replay(tmp_path, 'straight_push', '--no-pictures') == 0
     printed = capsys.readouterr()
@@ -55,6 +56,7 @@ def test_a_run_that_arrives_ends_with_status_0_and_leaves_its_tape(tmp_path, cap
         find_scenario('straight_push'))
 
 
+@pytest.mark.slow
 def test_two_runs_leave_equal_tapes(tmp_path):
     for name in ('one', 'two'):
         assert replay(tmp_path / name, 'straight_push', '--no-pictures') == 0
@@ -81,6 +83,7 @@ def test_a_run_that_misses_its_bounds_ends_with_status_1(tmp_path):
     assert replay(tmp_path, str(path), '--no-pictures') == 1
 
 
+@pytest.mark.slow
 def test_closed_loops_decide_where_laws_are_compared(tmp_path, capsys):
     laws = ('--law', 'mpc', '--law', 'feedback', '--law', 'open_loop')
     assert replay(tmp_path, 'corner_push_mismatch', *laws, '--no-pictures') == 0
@@ -88,11 +91,36 @@ def test_closed_loops_decide_where_laws_are_compared(tmp_path, capsys):
     assert header.split() == ['mpc', 'feedback', 'open', 'loop', 'bound']
 
 
+@pytest.mark.slow
+def test_a_task_is_reported_and_drawn(tmp_path, capsys):
+    assert replay(tmp_path, 'task_two_pushes') == 0
+    printed = capsys.readouterr().out
+    assert 'pushes' in printed and 'time of the best single push' in printed
+    for suffix in ('png', 'gif'):
+        assert (tmp_path / 'out' / f'task_two_pushes.{suffix}').is_file()
+
+
+@pytest.mark.slow
+def test_a_task_that_is_not_done_in_time_ends_with_status_1(tmp_path, capsys):
+    text = scenario_text(read_scenario(find_scenario('task_approach')))
+    path = tmp_path / 'hasty.yaml'
+    path.write_text(text.replace('time_limit: 180', 'time_limit: 3'))
+    laws = ('--law', 'feedback', '--law', 'mpc')
+    assert replay(tmp_path, str(path), '--no-pictures', *laws) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].split() == ['feedback', 'mpc', 'bound']
+    assert any(line.split() == ['outcome', 'time_limit', 'time_limit'] for line in lines)
+    assert {item.name for item in (tmp_path / 'out').iterdir()} == {
+        'hasty.yaml', 'hasty_feedback.csv', 'hasty_mpc.csv'}
+
+
+@pytest.mark.slow
 def test_open_loop_alone_is_judged(tmp_path):
     words = ('corner_push_mismatch', '--law', 'open_loop', '--no-pictures')
     assert replay(tmp_path, *words) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('missing', ['feedback', 'mpc'])
 def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
     def judge(result):
@@ -103,6 +131,7 @@ def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
     assert replay(tmp_path, 'straight_push', *laws, '--no-pictures') == 1
 
 
+@pytest.mark.slow
 def test_demo_takes_several_pushes_and_leaves_picture_and_animation(tmp_path, capsys):
     assert replay(tmp_path, '--demo') == 0
     table = capsys.readouterr().out
@@ -150,6 +179,7 @@ def test_an_interrupt_that_a_compiled_library_hides_is_still_one():
         raise SystemError('nobody pressed Ctrl-C')
 
 
+@pytest.mark.slow
 def test_interrupt_ends_with_status_130_and_keeps_what_is_done(tmp_path):
     command = [sys.executable, '-m', 'push_scenario.cli', 'corner_push_mismatch', '--law',
                'open_loop', '--law', 'feedback', '--in-process', '--out', str(tmp_path)]
@@ -159,7 +189,7 @@ def test_interrupt_ends_with_status_130_and_keeps_what_is_done(tmp_path):
             if 'feedback: planning' in line:
                 process.send_signal(signal.SIGINT)
                 break
-        printed, errors = process.communicate(timeout=60)
+        printed, errors = process.communicate(timeout=300)
     assert process.returncode == 130, errors
     assert 'interrupted' in errors and 'open loop' in printed
     assert (tmp_path / 'corner_push_mismatch_open_loop.csv').is_file()

@@ -14,7 +14,7 @@ from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.processes import NodeDied
 from push_scenario.dds.replay import run_over_dds
 from push_scenario.dds.replay_client import ReplayFailed
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.loader import load_scenario
 from push_scenario.evaluation.metrics import is_as_expected
 from push_scenario.simulation.loop import SETTLE_TIME, simulate
 from push_scenario.simulation.result import Outcome
@@ -22,10 +22,12 @@ from push_sim_node.disturbance import change_times
 import pytest
 from rosbags.highlevel import AnyReader
 
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+
 
 def scenario(name, **changes):
-    """Read a scenario that comes with the package, and change some of it."""
-    return dataclasses.replace(read_scenario(find_scenario(name)), **changes)
+    """Load a scenario of the package, and change some of it."""
+    return dataclasses.replace(load_scenario(name), **changes)
 
 
 @pytest.fixture(scope='module')
@@ -46,13 +48,13 @@ def mismatch(tmp_path_factory):
             for _ in range(2)]
 
 
-def test_replays_side_by_side_do_not_hear_each_other(side_by_side):
+def test_replays_side_by_side_do_not_interfere(side_by_side):
     """Each reaches its goal as if it were alone, stamped commands or not, to the last bit."""
     assert all(is_as_expected(result) for result in side_by_side)
     assert side_by_side[0].tape.to_bytes() == side_by_side[1].tape.to_bytes()
 
 
-def test_over_dds_comes_what_comes_in_process(side_by_side):
+def test_a_push_over_dds_goes_as_in_process(side_by_side):
     """The same push, but for what conversion to quaternions and stamps rounds."""
     expected = simulate(scenario('straight_push'))
     assert distance(side_by_side[0].tape.poses('object')[-1],
@@ -69,14 +71,14 @@ def test_lockstep_twice_gives_the_same_tape(mismatch):
     assert is_as_expected(mismatch[0])
 
 
-def test_time_is_measured(mismatch):
+def test_timing_is_measured(mismatch):
     """Faster than the wall clock, and every pose was answered."""
     for result in mismatch:
         assert result.timing.speed_up > 1.0
         assert 0.0 < result.timing.latency_median <= result.timing.latency_p99 < 1.0
 
 
-def test_a_sensor_dropout_is_ridden_out(tmp_path):
+def test_a_sensor_dropout_is_tolerated(tmp_path):
     """The robot waits for poses to come back, and arrives."""
     progress = []
     result = run_over_dds(scenario('sensor_dropout'), None, tmp_path, progress=progress.append)
@@ -209,9 +211,20 @@ def test_a_node_that_dies_or_hangs_ends_the_replay(tmp_path, victim, number, err
     assert len(pids) == 3 and all(map(_is_gone, pids))
 
 
+@pytest.fixture
+def default_signals():
+    """Let signals act as in a foreground process: a suite in the background ignores SIGINT."""
+    before = {signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
+              signal.SIGTERM: signal.signal(signal.SIGTERM, signal.SIG_DFL)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @pytest.mark.parametrize('number, ending', [(signal.SIGINT, KeyboardInterrupt),
                                             (signal.SIGTERM, SystemExit)])
-def test_an_interrupt_leaves_nothing_behind(tmp_path, number, ending):
+@pytest.mark.usefixtures('default_signals')
+def test_an_interrupt_leaves_no_process_and_a_readable_recording(tmp_path, number, ending):
     """Ctrl-C or a polite kill, in the middle of a run."""
     pids = []
 
@@ -223,6 +236,8 @@ def test_an_interrupt_leaves_nothing_behind(tmp_path, number, ending):
         run_over_dds(scenario('straight_push'), None, tmp_path, on_start=interrupt)
     assert len(pids) == 3 and all(map(_is_gone, pids))
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    with AnyReader([tmp_path / 'straight_push_feedback_bag']) as reader:
+        assert reader.topics['/push_plan'].msgcount == 1
 
 
 def test_a_scenario_on_the_wall_clock(tmp_path):

@@ -6,8 +6,8 @@ import numpy as np
 from push_model.geometry import distance
 from push_ros.conversions.primitives import nanoseconds
 from push_scenario.dds.replay import run_over_dds
-from push_scenario.definition.loader import find_scenario, read_scenario
-from push_scenario.definition.scenario import Placement
+from push_scenario.definition.loader import load_scenario
+from push_scenario.definition.placement import Placement
 from push_scenario.definition.task import LaterGoal
 from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.simulation.loop import simulate
@@ -18,10 +18,12 @@ from rosbags.highlevel import AnyReader
 NEAR, TURNED = 0.01, np.radians(1.0)
 LATER = Placement(0.0, 0.3, 0.0)
 
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+
 
 def scenario(name, **changes):
-    """Read a scenario that comes with the package, and change some of it."""
-    return dataclasses.replace(read_scenario(find_scenario(name)), **changes)
+    """Load a scenario of the package, and change some of it."""
+    return dataclasses.replace(load_scenario(name), **changes)
 
 
 @pytest.fixture(scope='module')
@@ -46,7 +48,7 @@ def test_lockstep_twice_gives_the_same_tape(twice):
     assert twice[0].history == twice[1].history
 
 
-def test_over_dds_comes_what_comes_in_process(twice):
+def test_a_task_over_dds_goes_as_in_process(twice):
     """The same states, but for when late poses count as new."""
     expected = simulate(scenario('task_approach'), planning_time=0.0)
     assert [change.state for change in twice[0].history] == [
@@ -58,30 +60,30 @@ def test_over_dds_comes_what_comes_in_process(twice):
 def test_the_recording_has_request_and_answer(twice):
     """One plan for each request, with its stamp; the path leads to the goal; the text is shown."""
     with AnyReader([twice[0].bag]) as reader:
-        heard = {}
+        received = {}
         for connection, _, data in reader.messages():
             if connection.topic in ('/push_request', '/push_plan', '/planned_path', '/markers'):
-                heard.setdefault(connection.topic, []).append(
+                received.setdefault(connection.topic, []).append(
                     reader.deserialize(data, connection.msgtype))
-    stamps = [[nanoseconds(message.header.stamp) for message in heard[topic]]
+    stamps = [[nanoseconds(message.header.stamp) for message in received[topic]]
               for topic in ('/push_request', '/push_plan', '/planned_path')]
     assert stamps[0] == stamps[1] == stamps[2] and len(stamps[0]) == twice[0].pushes
-    end = heard['/planned_path'][0].poses[-1].pose.position
+    end = received['/planned_path'][0].poses[-1].pose.position
     assert distance((end.x, end.y), twice[0].scenario.goal.pose) < 5e-3
-    shown = {marker.text for message in heard['/markers'] for marker in message.markers}
+    shown = {marker.text for message in received['/markers'] for marker in message.markers}
     assert {'approach', 'push'} <= shown
 
 
 @pytest.fixture(scope='module')
 def redirected(tmp_path_factory):
-    """Replay a task whose goal changes on the way, twice."""
+    """Replay a task whose goal changes in between, twice."""
     first = scenario('task_map')
     task = dataclasses.replace(first.task, map=None, goals=(LaterGoal(LATER, 12.0),))
     return [run_over_dds(dataclasses.replace(first, name='redirected', task=task), None,
                          tmp_path_factory.mktemp('redirected'), record=False) for _ in range(2)]
 
 
-def test_a_goal_that_changes_on_the_way_is_gone_to(redirected):
+def test_a_goal_that_changes_in_between_is_reached(redirected):
     """From the time on that the scenario says; the same tape twice all the same."""
     for result in redirected:
         assert result.outcome is Outcome.DONE and is_as_expected(result)
@@ -97,8 +99,8 @@ def test_in_a_map_nothing_is_touched(tmp_path):
     assert is_as_expected(result) and measure(result).within_map
 
 
-def test_a_task_without_a_way_fails_and_says_so(tmp_path):
-    """The robot never moves; after the tries that are allowed it gives up."""
+def test_a_task_without_a_path_fails_and_says_so(tmp_path):
+    """The robot never moves; it gives up after as many attempts as are allowed."""
     walled = scenario('task_map')
     task = dataclasses.replace(walled.task, supervision=dataclasses.replace(
         walled.task.supervision, max_attempts=2))

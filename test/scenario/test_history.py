@@ -8,7 +8,8 @@ import pytest
 PLANNED, APPROACHED = (StateChange(0.0, TaskState.PLAN, ''),
                        StateChange(1.0, TaskState.APPROACH, ''))
 MOVED = StateChange(2.0, TaskState.PLAN, 'moved')
-REDIRECTED, LOST = StateChange(3.0, TaskState.PLAN, 'new'), StateChange(4.0, TaskState.PLAN, 'lost')
+REDIRECTED = StateChange(3.0, TaskState.PLAN, 'new')
+LOST = StateChange(4.0, TaskState.PLAN, 'lost')
 
 
 def test_history_goes_on_over_goals():

@@ -1,4 +1,4 @@
-"""Scenario files: what is read is what was written, and what is wrong is told."""
+"""Scenario files: what is read is what was written, and errors say what is wrong."""
 
 import dataclasses
 import math
@@ -49,8 +49,8 @@ def test_every_scenario_survives_being_written_and_read(name):
 @pytest.mark.parametrize('name', scenario_names())
 def test_every_push_starts_with_the_robot_at_the_object_and_every_task_away(name):
     scenario = read_scenario(find_scenario(name))
-    _, _, gap = find_contact(scenario.true_object, scenario.start.object.pose, scenario.robot_start,
-                             scenario.robot.radius)
+    _, _, gap = find_contact(scenario.true_object, scenario.start.object.pose,
+                             scenario.robot_start, scenario.robot.radius)
     if scenario.task is None:
         assert 0.0 - 1e-9 <= gap <= scenario.planner.contact_tolerance
     else:
@@ -62,22 +62,22 @@ def test_the_named_scenarios_are_there():
             'sensor_dropout', 'unreachable_goal'} <= set(scenario_names())
 
 
-def test_truth_changes_only_what_it_names(tmp_path):
+def test_the_true_object_differs_only_in_what_it_names(tmp_path):
     text = MINIMAL + """
 true_object:
   supports: [{friction_coefficient: 0.6}, {}]
 true_robot: {time_constant: 0.3}
 """
     scenario = read_scenario(write(tmp_path, text))
-    believed, true = scenario.object, scenario.true_object
-    assert [s.friction_coefficient for s in believed.supports] == [0.3, 0.3]
+    nominal, true = scenario.object, scenario.true_object
+    assert [s.friction_coefficient for s in nominal.supports] == [0.3, 0.3]
     assert [s.friction_coefficient for s in true.supports] == [0.6, 0.3]
-    assert dataclasses.replace(true, supports=believed.supports) == believed
-    assert friction_center(true)[0] > friction_center(believed)[0] + 0.01
+    assert dataclasses.replace(true, supports=nominal.supports) == nominal
+    assert friction_center(true)[0] > friction_center(nominal)[0] + 0.01
     assert scenario.true_robot == dataclasses.replace(scenario.robot, time_constant=0.3)
 
 
-def test_without_truth_the_belief_is_true(tmp_path):
+def test_without_true_parameters_the_nominal_ones_are_true(tmp_path):
     scenario = read_scenario(write(tmp_path, MINIMAL))
     assert scenario.true_object == scenario.object
     assert scenario.true_robot == scenario.robot
@@ -92,7 +92,7 @@ def test_object_file_is_read_and_changed(tmp_path):
     assert scenario.object == dataclasses.replace(read_object(tmp_path / 'my_box.yaml'), mass=7.0)
 
 
-def test_degrees_are_another_way_to_write_radians(tmp_path):
+def test_radians_may_be_written_in_degrees(tmp_path):
     degrees = read_scenario(write(tmp_path, MINIMAL.replace('x: 1}', 'theta_deg: 30}')))
     assert degrees.goal.theta == pytest.approx(math.pi / 6)
 
@@ -113,8 +113,8 @@ def test_the_robot_is_placed_at_the_contact(tmp_path, contact, normal, gap):
     scenario = read_scenario(write(tmp_path, text))
     pose = scenario.robot_start
     found, gamma, distance = find_contact(scenario.object, Pose(3, -1, 2), pose, 0.17)
-    wanted = scenario.start.contact
-    assert (found.kind, found.index) == (wanted.kind, wanted.index)
+    contact = scenario.start.contact
+    assert (found.kind, found.index) == (contact.kind, contact.index)
     assert distance == pytest.approx(gap, abs=1e-12)
     assert math.remainder(pose.theta - gamma - 0.2, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
 
@@ -168,7 +168,7 @@ def test_overlap_at_the_start_is_refused(tmp_path):
         read_scenario(write(tmp_path, text))
 
 
-def test_missing_file_and_unknown_name_are_told(tmp_path):
+def test_missing_files_and_unknown_names_are_errors(tmp_path):
     with pytest.raises(ScenarioError, match=re.escape(f'{tmp_path}/no.yaml: ')):
         read_scenario(find_scenario(tmp_path / 'no.yaml'))
     with pytest.raises(ScenarioError, match='nowhere: got no such scenario.*straight_push'):

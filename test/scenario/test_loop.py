@@ -9,10 +9,10 @@ from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.task import Task
 from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.simulation import loop
+from push_scenario.simulation.history import single_push_history
 from push_scenario.simulation.loop import SETTLE_TIME, simulate
 from push_scenario.simulation.result import Outcome
 from push_scenario.simulation.robot_control import Ending, RobotControl, RobotRecord
-from push_scenario.simulation.history import single_push_history
 import pytest
 
 PUSH = load_scenario('straight_push')

@@ -44,7 +44,8 @@ def test_object_file_makes_an_object_that_stands(path):
 def test_scenario_names_an_object_file(path):
     scenario = scenario_from_text(SCENARIO.format(name=path.name), 'case')
     assert scenario.object == read_object(path)
-    assert scenario.true_object.mass == 2.5 and scenario.true_object.outline == scenario.object.outline
+    assert scenario.true_object.mass == 2.5
+    assert scenario.true_object.outline == scenario.object.outline
     given = '\ninertia:' in path.read_text()
     ratio = scenario.true_object.inertia / scenario.object.inertia
     assert ratio == pytest.approx(1.0 if given else 2.5 / scenario.object.mass)

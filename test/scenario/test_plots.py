@@ -1,104 +1,128 @@
-"""Pictures of a task, and the command that draws them."""
+"""Figure and animation of runs, with one or many pushes."""
 
 import dataclasses
 import functools
 
+from helpers.tapes import make_result, make_tape, straight_plan, TIMES
 from matplotlib.figure import Figure
 import numpy as np
 from PIL import Image
 from push_control.task.status import TaskState
-from push_scenario.cli import main
-from push_scenario.definition.loader import find_scenario, read_scenario, scenario_text
+from push_scenario.definition.loader import load_scenario
+from push_scenario.plots.animation import draw_animation
 from push_scenario.plots.drawing import draw_map, PUSH_COLORS, segments_of
+from push_scenario.plots.figure import draw_figure
 from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome, RunResult
 import pytest
 
-# What it may be moved by before it is noticed [m].
+# How far the object may be moved before the robot notices [m].
 OVERLAP, RUN_INTO = 0.01, 'the robot has run into the object'
 
 
 @functools.lru_cache(maxsize=None)
 def result_of(name):
-    """Carry a task out, once."""
-    return simulate(read_scenario(find_scenario(name)), planning_time=0.0)
+    """Simulate a task, once."""
+    return simulate(load_scenario(name), planning_time=0.0)
 
 
 def near(picture, color, tolerance=12):
     """Count the pixels of a colour."""
-    wanted = [int(color[i:i + 2], 16) for i in (1, 3, 5)]
+    channels = [int(color[i:i + 2], 16) for i in (1, 3, 5)]
     pixels = np.asarray(picture.convert('RGB'), dtype=int)
-    return int((np.abs(pixels - wanted).max(axis=-1) <= tolerance).sum())
+    return int((np.abs(pixels - channels).max(axis=-1) <= tolerance).sum())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['task_two_pushes', 'task_displacement'])
-def test_phases_cover_the_tape(name):
+def test_segments_cover_the_tape(name):
     """One after the other; the object moves in pushes, not while the robot drives."""
     result = result_of(name)
-    phases, objects = segments_of(result), result.tape.poses('object')
-    assert phases[0].rows.start == 0 and phases[-1].rows.stop >= len(result.tape)
-    for phase, after in zip(phases, phases[1:]):
-        assert phase.rows.stop == after.rows.start + 1
-    numbers = [phase.push for phase in phases if phase.push is not None]
-    assert numbers == list(range(result.pushes))
-    object_displacements = [shove.time for shove in result.scenario.simulation.object_displacements]
-    # A robot that has lost its place runs into the object, and says so where it has seen it.
-    still = 0.005 if not object_displacements else OVERLAP
-    for phase, after in zip(phases, [*phases[1:], None]):
-        way = np.ptp(objects[phase.rows, :2], axis=0).max()
-        begin, end = result.tape['time'][phase.rows][[0, -1]]
-        if phase.push is not None:
-            assert way > 0.05
-        elif phase.state in (TaskState.PLAN, TaskState.APPROACH) and not any(begin < t <= end for t in object_displacements):
-            assert way < still or RUN_INTO in (phase.reason, after.reason)
+    segments, objects = segments_of(result), result.tape.poses('object')
+    assert segments[0].rows.start == 0 and segments[-1].rows.stop >= len(result.tape)
+    for segment, following in zip(segments, segments[1:]):
+        assert segment.rows.stop == following.rows.start + 1
+    pushes = [segment.push for segment in segments if segment.push is not None]
+    assert pushes == list(range(result.pushes))
+    displacements = [one.time for one in result.scenario.simulation.object_displacements]
+    # A robot that is badly localized runs into the object, and reports it where it notices.
+    tolerance = OVERLAP if displacements else 0.005
+    for segment, following in zip(segments, [*segments[1:], None]):
+        moved = np.ptp(objects[segment.rows, :2], axis=0).max()
+        start, end = result.tape['time'][segment.rows][[0, -1]]
+        if segment.push is not None:
+            assert moved > 0.05
+        elif (segment.state in (TaskState.PLAN, TaskState.APPROACH)
+                and not any(start < time <= end for time in displacements)):
+            assert moved < tolerance or RUN_INTO in (segment.reason, following.reason)
 
 
-def test_walls_are_drawn_where_they_are():
-    """Also where the map lies askew."""
-    case = read_scenario(find_scenario('task_map'))
+def test_a_single_push_is_one_segment():
+    """From the start of the tape to the end of the push; then the robot is done."""
+    tape = make_tape(object_x=0.2 * TIMES, robot_x=0.2 * TIMES)
+    first, last = segments_of(make_result(tape, straight_plan(), (2.0, 0.0, 0.0)))
+    assert (first.state, first.push, first.rows.start) == (TaskState.PUSH, 0, 0)
+    assert (last.state, last.push) == (TaskState.DONE, None)
+    assert first.color == PUSH_COLORS[0] and last.rows.stop == len(TIMES)
+
+
+def test_the_map_is_drawn_where_it_is():
+    """Also where its axes are rotated."""
+    case = load_scenario('task_map')
     for angle in (0.0, 0.7):
         origin = dataclasses.replace(case.task.map.origin, theta=angle)
-        turned = dataclasses.replace(case, task=dataclasses.replace(
+        rotated = dataclasses.replace(case, task=dataclasses.replace(
             case.task, map=dataclasses.replace(case.task.map, origin=origin)))
         axes = Figure().add_subplot()
-        draw_map(axes, turned)
+        draw_map(axes, rotated)
         mesh, = axes.collections
         corners = mesh.get_coordinates()
-        middles = 0.25 * (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:]
+        centers = 0.25 * (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:]
                           + corners[1:, 1:])
-        clearance = turned.task.occupancy_map.clearance(middles.reshape(-1, 2))
+        clearance = rotated.task.occupancy_map.clearance(centers.reshape(-1, 2))
         drawn = ~np.ma.getmaskarray(mesh.get_array()).ravel()
         assert drawn.any() and (clearance[drawn] < 0.0).all()
-        resolution = turned.task.occupancy_map.resolution
+        resolution = rotated.task.occupancy_map.resolution
         assert clearance[~drawn].min() > -0.5 * resolution
 
 
-def test_replay_draws_a_task_and_judges_it(tmp_path, capsys):
-    """The picture shows every push in its colour; the animation moves."""
-    words = ['task_two_pushes', '--in-process', '--out', str(tmp_path)]
-    assert main(words) == 0
-    printed = capsys.readouterr().out
-    assert 'pushes' in printed and 'time of the best single push' in printed
-    with Image.open(tmp_path / 'task_two_pushes.png') as picture:
+@pytest.mark.slow
+def test_figure_and_animation_show_every_push_in_its_colour(tmp_path):
+    """The animation moves, and stays small."""
+    results = [result_of('task_two_pushes')]
+    draw_figure(results, tmp_path / 'task.png')
+    draw_animation(results, tmp_path / 'task.gif')
+    with Image.open(tmp_path / 'task.png') as picture:
         assert min(picture.size) > 700
         for number, color in enumerate(PUSH_COLORS[:3]):
             assert (near(picture, color) > 300) == (number < 2)
-    with Image.open(tmp_path / 'task_two_pushes.gif') as animation:
+    with Image.open(tmp_path / 'task.gif') as animation:
         assert animation.n_frames > 60
         assert near(animation, PUSH_COLORS[1]) == 0
         animation.seek(animation.n_frames - 1)
         assert near(animation, PUSH_COLORS[1]) > 50
-    assert (tmp_path / 'task_two_pushes.gif').stat().st_size < 1.5e6
+    assert (tmp_path / 'task.gif').stat().st_size < 1.5e6
 
 
-def test_a_task_that_is_not_done_in_time_ends_with_status_1(tmp_path, capsys):
-    """The table says so; runs of two laws stand side by side."""
-    text = scenario_text(read_scenario(find_scenario('task_approach')))
-    path = tmp_path / 'hasty.yaml'
-    path.write_text(text.replace('time_limit: 180', 'time_limit: 3'))
-    words = [str(path), '--in-process', '--no-pictures', '--out', str(tmp_path / 'out')]
-    assert main([*words, '--law', 'feedback', '--law', 'mpc']) == 1
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[1].split() == ['feedback', 'mpc', 'bound']
-    assert any(line.split() == ['outcome', 'time_limit', 'time_limit'] for line in lines)
-    assert {item.name for item in (tmp_path / 'out').iterdir()} == {
-        'hasty.yaml', 'hasty_feedback.csv', 'hasty_mpc.csv'}
+@pytest.mark.slow
+def test_runs_stand_side_by_side(tmp_path):
+    """Two runs of one push make a figure that is wider than that of one, not higher."""
+    tape = make_tape(object_x=0.2 * TIMES, robot_x=0.2 * TIMES - 0.4, mode=1, force_n=1.0)
+    run = make_result(tape, straight_plan(), (2.0, 0.0, 0.0))
+    sizes = []
+    for count in (1, 2, 3):
+        path = tmp_path / f'{count}.png'
+        draw_figure([dataclasses.replace(run, control_law=law)
+                     for law in ('feedback', 'mpc', 'open_loop')[:count]], path)
+        with Image.open(path) as picture:
+            sizes.append(picture.size)
+            assert near(picture, PUSH_COLORS[0]) > 300
+    (_, height), (two, lower), (three, _) = sizes
+    assert two < three and lower <= height
+
+
+def test_a_run_in_which_nothing_moved_is_not_drawn():
+    """It has no tape."""
+    refused = RunResult(load_scenario('unreachable_goal'), 'feedback', Outcome.REFUSED, 'too far')
+    with pytest.raises(ValueError, match='RunResult.tape: got None for unreachable_goal'):
+        segments_of(refused)

@@ -70,7 +70,8 @@ def test_the_file_names_its_types_and_reads_back(tmp_path):
         assert set(reader.topics) >= {'/odom', '/object_pose', '/cmd_vel', '/markers'}
         assert reader.topics['/cmd_vel'].msgtype == 'geometry_msgs/msg/Twist'
         poses = [reader.deserialize(data, connection.msgtype)
-                 for connection, _, data in reader.messages() if connection.topic == '/object_pose']
+                 for connection, _, data in reader.messages()
+                 if connection.topic == '/object_pose']
     assert [pose.header.stamp.nanosec for pose in poses] == [500_000_000]
 
 

@@ -4,7 +4,7 @@ import dataclasses
 import re
 
 from helpers.tapes import make_result, make_tape, straight_plan, TIMES
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.loader import load_scenario
 from push_scenario.evaluation.report import format_report
 from push_scenario.simulation.result import Outcome, RunResult
 import pytest
@@ -20,12 +20,12 @@ def runs():
 
 
 def cells(text, title):
-    """Words behind a row's title."""
+    """Cells behind a row's title."""
     line = next(line for line in text.splitlines() if line.startswith(title))
     return re.split(r' {2,}', line.strip())[1:]
 
 
-def test_rows_tell_both_runs_and_the_bound():
+def test_rows_show_both_runs_and_the_bound():
     text = format_report(list(runs()))
     assert cells(text, 'final position error') == ['[mm]', '30.0', '0.0', '10.0']
     assert cells(text, 'final heading error') == ['[deg]', '+5.73', '+0.00', '1.50']
@@ -44,14 +44,14 @@ def test_columns_are_aligned():
             assert line[end - 1] != ' ' and line[end:end + 1] in ('', ' ')
 
 
-def test_refusal_is_told_with_its_reason():
-    scenario = read_scenario(find_scenario('unreachable_goal'))
+def test_a_refusal_is_reported_with_its_reason():
+    scenario = load_scenario('unreachable_goal')
     text = format_report([RunResult(scenario, 'feedback', Outcome.REFUSED, 'it is too far')])
     assert cells(text, 'final position error') == ['[mm]', '-', '20.0']
     assert text.endswith('feedback: it is too far')
 
 
 def test_a_result_without_its_parts_is_refused():
-    scenario = read_scenario(find_scenario('unreachable_goal'))
+    scenario = load_scenario('unreachable_goal')
     with pytest.raises(ValueError, match='RunResult.tape: got None'):
         RunResult(scenario, 'feedback', Outcome.DONE)

@@ -1,11 +1,12 @@
-"""Every scenario of one push, closed loop in one process."""
+"""The scenarios of a single push, in one process."""
 
 import dataclasses
 import math
 
 import numpy as np
-from push_scenario.definition.loader import find_scenario, read_scenario, scenario_names
-from push_scenario.definition.scenario import Placement, Start
+from push_scenario.definition.loader import load_scenario, scenario_names
+from push_scenario.definition.placement import Placement
+from push_scenario.definition.scenario import Start
 from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
@@ -13,22 +14,17 @@ from push_scenario.simulation.start import place_robot
 from push_study.chapter4.support_friction import gaussian_friction
 import pytest
 
-
+pytestmark = pytest.mark.slow
 CLOSED_LOOPS = ('feedback', 'mpc')
 
 
-def scenario(name):
-    """Read a scenario that comes with the package."""
-    return read_scenario(find_scenario(name))
-
-
-SINGLE_PUSHES = [name for name in scenario_names() if scenario(name).task is None]
+SINGLE_PUSHES = [name for name in scenario_names() if load_scenario(name).task is None]
 
 
 @pytest.mark.parametrize('law', CLOSED_LOOPS)
 @pytest.mark.parametrize('name', SINGLE_PUSHES)
 def test_every_scenario_ends_as_expected(name, law):
-    result = simulate(scenario(name), law)
+    result = simulate(load_scenario(name), law)
     assert is_as_expected(result), result.reason or measure(result)
     if result.outcome is Outcome.REFUSED:
         assert result.tape is None and result.reason
@@ -41,7 +37,7 @@ def test_every_scenario_ends_as_expected(name, law):
 
 
 def test_open_loop_misses_the_demo_by_ten_times_the_bounds():
-    demo = scenario('corner_push_mismatch')
+    demo = load_scenario('corner_push_mismatch')
     metrics = measure(simulate(demo, 'open_loop'))
     assert metrics.position_error > 10.0 * demo.bounds.position_error
     assert abs(metrics.heading_error) > 10.0 * demo.bounds.heading_error
@@ -49,8 +45,8 @@ def test_open_loop_misses_the_demo_by_ten_times_the_bounds():
 
 @pytest.mark.parametrize('name', ['friction_noise', 'friction_interval', 'friction_shift'])
 def test_open_loop_misses_where_friction_changes_during_the_push(name):
-    """By more than the bounds; with the friction that is believed it would arrive."""
-    changing = scenario(name)
+    """By more than the bounds; with nominal friction it would arrive."""
+    changing = load_scenario(name)
     still = dataclasses.replace(changing, simulation=dataclasses.replace(
         changing.simulation, friction_changes=()))
     missed, arrived = (measure(simulate(case, 'open_loop')) for case in (changing, still))
@@ -60,20 +56,20 @@ def test_open_loop_misses_where_friction_changes_during_the_push(name):
 
 
 def test_random_friction_is_that_of_the_study():
-    changes = scenario('friction_noise').simulation.friction_changes
+    changes = load_scenario('friction_noise').simulation.friction_changes
     drawn = gaussian_friction(seed=0, deviation=0.2, period=0.5, duration=12.0)
     assert [dataclasses.replace(change, factor=round(change.factor, 2)) for change in drawn] == [
         *changes]
 
 
-def test_open_loop_arrives_where_belief_is_true():
-    result = simulate(scenario('straight_push'), 'open_loop')
+def test_open_loop_arrives_where_nominal_parameters_are_true():
+    result = simulate(load_scenario('straight_push'), 'open_loop')
     assert result.control_law == 'open_loop'
     assert is_as_expected(result)
 
 
 def test_equal_runs_give_equal_tapes_and_another_seed_another():
-    one = scenario('curved_push')
+    one = load_scenario('curved_push')
     short = dataclasses.replace(one, time_limit=3.0)
     other = dataclasses.replace(short, simulation=dataclasses.replace(one.simulation, seed=99))
     tapes = [simulate(case).tape.to_bytes() for case in (short, short, other)]
@@ -82,7 +78,7 @@ def test_equal_runs_give_equal_tapes_and_another_seed_another():
 
 
 def test_time_limit_ends_a_run_and_says_so():
-    result = simulate(dataclasses.replace(scenario('straight_push'), time_limit=1.0))
+    result = simulate(dataclasses.replace(load_scenario('straight_push'), time_limit=1.0))
     assert result.outcome is Outcome.TIME_LIMIT
     assert '1 s' in result.reason
     assert result.duration == pytest.approx(1.0, abs=0.05)
@@ -90,7 +86,7 @@ def test_time_limit_ends_a_run_and_says_so():
 
 
 def test_robot_stands_while_poses_are_missing_and_goes_on_afterwards():
-    case = scenario('sensor_dropout')
+    case = load_scenario('sensor_dropout')
     tape = simulate(case).tape
     stale = case.sensors.pose_latency + case.control.pose_timeout + 0.3
     for start, end in case.sensors.pose_dropouts:
@@ -105,14 +101,14 @@ def test_robot_stands_while_poses_are_missing_and_goes_on_afterwards():
 
 
 def test_a_robot_away_from_the_object_is_refused():
-    case = scenario('straight_push')
+    case = load_scenario('straight_push')
     far = dataclasses.replace(case, start=dataclasses.replace(case.start, gap=0.2))
     result = simulate(far)
     assert result.outcome is Outcome.REFUSED
     assert '0.200 m' in result.reason
 
 
-def test_progress_is_told_in_order():
+def test_progress_is_reported_in_order():
     stages, times, distances = [], [], []
 
     def note(progress):
@@ -120,7 +116,7 @@ def test_progress_is_told_in_order():
         times.append(progress.time)
         distances.append(progress.distance)
 
-    result = simulate(scenario('straight_push'), progress=note)
+    result = simulate(load_scenario('straight_push'), progress=note)
     assert list(dict.fromkeys(stages)) == ['planning', 'pushing', 'settling']
     assert times == sorted(times)
     assert distances[0] == pytest.approx(1.0)
@@ -129,7 +125,7 @@ def test_progress_is_told_in_order():
 
 @pytest.mark.parametrize('angle', [0.0, 2.0])
 def test_result_does_not_depend_on_the_world_frame(angle):
-    case = scenario('straight_push')
+    case = load_scenario('straight_push')
     start = dataclasses.replace(case.start.object, theta=case.start.object.theta + angle)
     goal = dataclasses.replace(case.goal, x=math.cos(angle), y=math.sin(angle),
                                theta=case.goal.theta + angle)
@@ -140,7 +136,7 @@ def test_result_does_not_depend_on_the_world_frame(angle):
 
 def test_a_robot_without_a_place_is_put_at_the_quickest_site():
     """It pushes from there to a goal beside the box, sooner than from its own start."""
-    placed = scenario('holonomic_face')
+    placed = load_scenario('holonomic_face')
     goal = Placement(0.2, -1.2, 0.1)
     auto = dataclasses.replace(placed, goal=goal, start=Start(),
                                planner=dataclasses.replace(placed.planner, site='best'))

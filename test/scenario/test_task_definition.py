@@ -1,0 +1,40 @@
+"""What scenario files say about tasks: maps drawn as text, and goals that are given later."""
+
+import math
+
+import numpy as np
+from push_model.geometry import Pose
+from push_scenario.definition.floor_map import FloorMap
+from push_scenario.definition.loader import load_scenario
+from push_scenario.definition.mapping import from_mapping, Location, to_mapping
+from push_scenario.definition.placement import Placement
+from push_scenario.definition.strict_yaml import ScenarioError
+from push_scenario.definition.task import Task
+import pytest
+
+
+def test_a_drawn_map_has_its_first_row_at_the_top():
+    """The origin is the corner with the least x and y, as rotated."""
+    origin = Placement(1.0, 2.0, math.pi / 2)
+    occupancy_map = FloorMap(0.5, '#..\n...\n', origin).occupancy_map
+    clearances = [[occupancy_map.clearance([origin.pose.transform((x, y))])[0]
+                   for x in (0.25, 0.75, 1.25)] for y in (0.75, 0.25)]
+    assert np.argmin(clearances) == 0
+    assert occupancy_map.origin == Pose(1.0, 2.0, math.pi / 2)
+    assert occupancy_map.occupied.tolist() == [[False] * 3, [True, False, False]]
+
+
+@pytest.mark.parametrize('rows', ['', '..\n...', '.x'])
+def test_a_map_that_is_no_rectangle_of_cells_is_refused(rows):
+    """By name."""
+    with pytest.raises(ValueError, match='FloorMap.rows'):
+        FloorMap(0.5, rows)
+
+
+@pytest.mark.parametrize('times', [(5.0, 5.0), (5.0, 4.0), (0.0,)])
+def test_later_goals_must_be_later(times):
+    """One after the other, each after the start."""
+    case = to_mapping(load_scenario('task_new_goal').task)
+    goals = [{'time': time, 'goal': {'x': 1.0}} for time in times]
+    with pytest.raises(ScenarioError, match='goals'):
+        from_mapping(Task, {**case, 'goals': goals}, Location('case'))
