@@ -98,9 +98,9 @@ class PlannerNode(PushNode):
     def __init__(self) -> None:
         super().__init__(PLANNER, SECTIONS)
         *sections, frames = self.settings
-        self._parameters = PlannerParameters(*sections)
+        self._sections = PlannerParameters(*sections)
         self._world_frame: str = frames.world_frame
-        self._sequences = SequenceRequestHandler(self._parameters, self._world_frame)
+        self._sequences = SequenceRequestHandler(self._sections, self._world_frame)
         self._latest = MeasurementMessages()
         # A goal that waits for measurements; the last one that was planned for.
         self._goal: Pose | None = None
@@ -130,7 +130,7 @@ class PlannerNode(PushNode):
         except MessageRefused as error:
             self._report(ERROR, str(error))
             return
-        if self._parameters.planner.site == 'sequence':
+        if self._sections.planner.site == 'sequence':
             self._last_goal = goal
             self._report(OK, 'has a goal and waits for a request')
             return
@@ -181,7 +181,7 @@ class PlannerNode(PushNode):
 
     def _plan_to(self, goal: Pose) -> ServiceAnswer:
         """Plan and publish; return whether there is a plan, and what was reported."""
-        parameters, stamp = self._parameters, self._stamp()
+        parameters, stamp = self._sections, self._stamp()
         try:
             odometry = from_odometry_message(self._latest.odometry, self._world_frame)
             measured = from_object_pose_message(self._latest.object_pose, self._world_frame)
@@ -207,7 +207,7 @@ class PlannerNode(PushNode):
         text = (f'has planned a push of {trajectory.duration:.1f} s and '
                 f'{trajectory.path_length:.2f} m')
         level = OK
-        if distance(start, robot_pose) > self._parameters.planner.contact_tolerance:
+        if distance(start, robot_pose) > self._sections.planner.contact_tolerance:
             level = WARN
             text += f' for a robot at {start.x:.3f} m, {start.y:.3f} m, {start.theta:.3f} rad'
         return self._report(level, text, {

@@ -20,15 +20,13 @@ import signal
 import sys
 import time
 from types import FrameType
-from typing import Any, Callable, Sequence, TYPE_CHECKING
+from typing import Any, Callable, Protocol, Sequence
 
 import rclpy
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
-
-if TYPE_CHECKING:
-    from push_ros.node import PushNode
 
 # Longest wait of background callbacks [s]: half a period of 10 to 50 Hz, at which a user or a
 # plan does not notice it.
@@ -47,6 +45,43 @@ POLL_PAUSE = 2e-5
 BAD_PARAMETER = 2
 
 
+class BackgroundGroup(MutuallyExclusiveCallbackGroup):
+    """
+    Callbacks that can wait a little: services, plans, the clock.
+
+    Every entity that an executor waits for costs time at every message, so that ``spin`` opens
+    this group only now and then.
+    """
+
+    is_open = True
+
+    def can_execute(self, entity: Any) -> bool:
+        """
+        Tell whether a callback may be run now.
+
+        :param entity: the subscription, timer or service.
+        """
+        return self.is_open and super().can_execute(entity)
+
+
+class PolledNode(Protocol):
+    """A node with a group of background callbacks, whose real-time topics can be polled."""
+
+    background: BackgroundGroup
+
+    def poll(self) -> bool:
+        """Handle a message of each real-time topic that has one; tell whether there was any."""
+        ...
+
+    def close(self) -> None:
+        """Shut down: called once, while publishers are still valid."""
+        ...
+
+    def destroy_node(self) -> None:
+        """Destroy it, as of ``rclpy.node.Node``."""
+        ...
+
+
 def take_message(subscription: Subscription) -> Any:
     """
     Take the next message of a subscription, as an executor would.
@@ -60,11 +95,11 @@ def take_message(subscription: Subscription) -> Any:
     return None if taken is None else taken[0]
 
 
-def run(make_node: Callable[[], 'PushNode'], arguments: Sequence[str] | None = None) -> int:
+def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = None) -> int:
     """
     Make a node, run it until SIGINT or SIGTERM, close it.
 
-    :param make_node: takes nothing, returns a ``PushNode``.
+    :param make_node: takes nothing, returns a ``push_ros.node.PushNode``.
     :param arguments: command line; None for that of the process.
     :return: exit status: 0 after a signal, 2 where the node refuses a parameter.
     """
@@ -91,7 +126,7 @@ def run(make_node: Callable[[], 'PushNode'], arguments: Sequence[str] | None = N
     return 0
 
 
-def spin(node: 'PushNode', is_stopped: Callable[[], bool]) -> None:
+def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
     """
     Run a node's callbacks: real-time ones at once, the others 10 to 50 times a second.
 
@@ -119,7 +154,7 @@ def spin(node: 'PushNode', is_stopped: Callable[[], bool]) -> None:
     executor.shutdown()
 
 
-def _run_background(node: 'PushNode', executor: SingleThreadedExecutor) -> None:
+def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
     node.background.is_open = True
     for _ in range(BACKGROUND_CALLBACKS):
         executor.spin_once(timeout_sec=0.0)

@@ -3,7 +3,7 @@
 from typing import Any, Callable, NamedTuple, Sequence
 
 from push_ros.diagnostics import Reporter
-from push_ros.executor import take_message
+from push_ros.executor import BackgroundGroup, take_message
 from push_ros.parameters import declare_parameters, Section
 from push_ros.topics import SERVICES, TOPICS
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
@@ -20,25 +20,6 @@ class ServiceAnswer(NamedTuple):
 
     success: bool
     message: str
-
-
-class BackgroundGroup(MutuallyExclusiveCallbackGroup):
-    """
-    Callbacks that can wait a little: services, plans, the clock.
-
-    Every entity that an executor waits for costs time at every message, so that ``executor.spin``
-    opens this group only now and then.
-    """
-
-    is_open = True
-
-    def can_execute(self, entity: Any) -> bool:
-        """
-        Tell whether a callback may be run now.
-
-        :param entity: the subscription, timer or service.
-        """
-        return self.is_open and super().can_execute(entity)
 
 
 class PolledSubscription(NamedTuple):

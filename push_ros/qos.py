@@ -2,14 +2,17 @@
 
 from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile, ReliabilityPolicy
 
-# Best effort: a late measurement is worth less than the next one.
+# Measurements are subscribed best effort: a late one is worth less than the next one.
 SENSOR = qos_profile_sensor_data
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-# Offered reliably all the same, and kept for a while, so that recorders get every one.
+# They and the commands are offered reliably all the same, and kept for 10 s at 50 Hz, so that
+# recorders get every one.
 MEASUREMENT = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
 COMMAND = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
+# Ten commands or events are more than ever wait for their subscriber.
 LATEST_COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 EVENT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+# The last one is kept for late subscribers.
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE,
                      durability=DurabilityPolicy.TRANSIENT_LOCAL)
 CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -29,7 +29,6 @@ class SinglePushMode(Mode):
     awaited = 'a plan'
     stops_on_refused_plan = True
     reports_events = False
-    awaits_plan = False
 
     def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
                  autostart: bool) -> None:
@@ -63,6 +62,11 @@ class SinglePushMode(Mode):
     def is_active(self) -> bool:
         """Whether it follows a plan."""
         return self._is_started and self.is_set
+
+    @property
+    def awaits_plan(self) -> bool:
+        """False: a plan is set when it comes."""
+        return False
 
     def reset(self) -> None:
         """Forget the plan and everything measured."""

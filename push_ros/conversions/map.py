@@ -2,6 +2,7 @@
 
 import math
 
+from builtin_interfaces.msg import Time
 from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_navigation.occupancy_map import OccupancyMap
@@ -9,14 +10,19 @@ from push_ros.conversions.primitives import (
     check_frame, from_pose_message, MessageRefused, to_pose_message,
 )
 
-UNKNOWN, FREE, OCCUPIED, FULL = -1, 0, 50, 100
+# Values of ``nav_msgs/OccupancyGrid``: no knowledge, or the probability of an obstacle in percent.
+UNKNOWN = -1
+FREE = 0
+FULL = 100
+# Probability from which on a cell counts as an obstacle; chosen: as likely as not.
+OCCUPIED = 50
 
 
-def to_map_message(occupancy_map, stamp, frame):
+def to_map_message(occupancy_map: OccupancyMap, stamp: Time, frame: str) -> OccupancyGrid:
     """
-    Turn a map into a message.
+    Convert a map to a message.
 
-    :param occupancy_map: ``push_navigation.occupancy_map.OccupancyMap``.
+    :param occupancy_map: the ``OccupancyMap``.
     :param stamp: of the map.
     :param frame: id of the world frame.
     """
@@ -29,14 +35,14 @@ def to_map_message(occupancy_map, stamp, frame):
     return message
 
 
-def from_map_message(message, frame, topic='map'):
+def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map') -> OccupancyMap:
     """
     Read a map; what is unknown counts as occupied.
 
     :param message: ``nav_msgs/OccupancyGrid``.
     :param frame: id of the world frame.
     :param topic: what errors call the message.
-    :return: ``push_navigation.occupancy_map.OccupancyMap``.
+    :return: ``OccupancyMap``.
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
@@ -56,9 +62,9 @@ def from_map_message(message, frame, topic='map'):
     return OccupancyMap(info.resolution, origin, occupied.reshape(info.height, info.width))
 
 
-def map_text(message):
+def map_text(message: OccupancyGrid) -> str:
     """
-    Say that there is a map, and how large it is.
+    Describe a map in words.
 
     :param message: ``nav_msgs/OccupancyGrid``.
     """

@@ -1,17 +1,21 @@
 """Whole messages to values and back: measurements, goals, commands, forces."""
 
-from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import (
+    PoseStamped, Twist as TwistMessage, TwistStamped, WrenchStamped,
+)
 from nav_msgs.msg import Odometry as OdometryMessage
-from push_model.signals import ObjectPose, Odometry
+from push_model.geometry import Coordinates
+from push_model.signals import ObjectPose, Odometry, Twist
 from push_ros.conversions.primitives import (
     check_frame, from_pose_message, from_twist_message, seconds, to_pose_message, to_stamp,
     to_twist_message,
 )
 
 
-def to_odometry_message(odometry, frame, child_frame):
+def to_odometry_message(odometry: Odometry, frame: str, child_frame: str) -> OdometryMessage:
     """
-    Turn odometry into a message.
+    Convert odometry to a message.
 
     :param odometry: ``Odometry``.
     :param frame: id of the world frame.
@@ -24,7 +28,8 @@ def to_odometry_message(odometry, frame, child_frame):
     return message
 
 
-def from_odometry_message(message, frame, topic='odom'):
+def from_odometry_message(message: OdometryMessage, frame: str,
+                          topic: str = 'odom') -> Odometry:
     """
     Read odometry.
 
@@ -38,9 +43,9 @@ def from_odometry_message(message, frame, topic='odom'):
                     from_twist_message(message.twist.twist, topic))
 
 
-def to_object_pose_message(object_pose, frame):
+def to_object_pose_message(object_pose: ObjectPose, frame: str) -> PoseStamped:
     """
-    Turn an object pose into a message.
+    Convert an object pose to a message.
 
     :param object_pose: ``ObjectPose``.
     :param frame: id of the world frame.
@@ -50,7 +55,8 @@ def to_object_pose_message(object_pose, frame):
     return message
 
 
-def from_object_pose_message(message, frame, topic='object_pose'):
+def from_object_pose_message(message: PoseStamped, frame: str,
+                             topic: str = 'object_pose') -> ObjectPose:
     """
     Read an object pose, or a goal.
 
@@ -64,9 +70,10 @@ def from_object_pose_message(message, frame, topic='object_pose'):
     return ObjectPose(seconds(message.header.stamp), from_pose_message(message.pose, topic))
 
 
-def to_command_message(twist, stamp, frame, stamped):
+def to_command_message(twist: Twist, stamp: Time, frame: str,
+                       stamped: bool) -> TwistStamped | TwistMessage:
     """
-    Turn a command into a message.
+    Convert a command to a message.
 
     :param twist: ``Twist`` in the robot's axes.
     :param stamp: stamp of the measurement that it answers.
@@ -80,9 +87,9 @@ def to_command_message(twist, stamp, frame, stamped):
     return message
 
 
-def to_wrench_message(force, stamp, frame):
+def to_wrench_message(force: Coordinates, stamp: Time, frame: str) -> WrenchStamped:
     """
-    Turn a contact force into a message.
+    Convert a contact force to a message.
 
     :param force: (f_x, f_y) along the axes of the frame [N].
     :param stamp: when it acts.

@@ -1,10 +1,12 @@
 """Plans to messages and back."""
 
+from typing import Any, Iterable, Sequence
+
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import PoseStamped, Transform
 from nav_msgs.msg import Path
 import numpy as np
-from push_model.geometry import Pose
+from push_model.geometry import Coordinates, FloatArray, Pose
 from push_model.plan_request import PlanFailure
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.primitives import (
@@ -16,12 +18,13 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectory
 JOINTS = ('object', 'contact', 'robot')
 
 
-def to_plan_message(trajectory, stamp, frame):
+def to_plan_message(trajectory: PushTrajectory, stamp: Time,
+                    frame: str) -> MultiDOFJointTrajectory:
     """
-    Turn a trajectory into a message: joints ``object``, ``contact`` and ``robot``.
+    Convert a trajectory to a message: joints ``object``, ``contact`` and ``robot``.
 
     :param trajectory: ``PushTrajectory``.
-    :param stamp: of the newest measurement that the plan starts from.
+    :param stamp: of the newest measurement that the plan starts from, or of its request.
     :param frame: id of the world frame.
     """
     message = MultiDOFJointTrajectory(joint_names=list(JOINTS))
@@ -30,10 +33,11 @@ def to_plan_message(trajectory, stamp, frame):
     twists = [getattr(trajectory, f'{joint}_twists').tolist() for joint in JOINTS]
     message.points = [
         MultiDOFJointTrajectoryPoint(
-            transforms=[_to_transform(pose) for pose in now],
-            velocities=[to_twist_message(twist) for twist in speeds],
+            transforms=[_to_transform(pose) for pose in poses_now],
+            velocities=[to_twist_message(twist) for twist in twists_now],
             time_from_start=to_stamp(time, Duration))
-        for time, now, speeds in zip(trajectory.times.tolist(), zip(*poses), zip(*twists))]
+        for time, poses_now, twists_now in zip(trajectory.times.tolist(), zip(*poses),
+                                               zip(*twists))]
     return message
 
 
@@ -65,7 +69,8 @@ def plan_failure(message: MultiDOFJointTrajectory) -> PlanFailure | None:
     return PlanFailure.INVALID_PLAN
 
 
-def from_plan_message(message, frame, topic='push_plan'):
+def from_plan_message(message: MultiDOFJointTrajectory, frame: str,
+                      topic: str = 'push_plan') -> PushTrajectory:
     """
     Read a trajectory; angles are unwrapped from sample to sample.
 
@@ -76,16 +81,9 @@ def from_plan_message(message, frame, topic='push_plan'):
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
-    missing = [joint for joint in JOINTS if joint not in message.joint_names]
-    if missing:
-        raise MessageRefused(f'{topic}: got joints {", ".join(message.joint_names) or "none"}, '
-                             f'expected {", ".join(JOINTS)}')
-    for number, point in enumerate(message.points):
-        for name in ('transforms', 'velocities'):
-            if len(getattr(point, name)) != len(message.joint_names):
-                raise MessageRefused(f'{topic}: got {len(getattr(point, name))} {name} in point '
-                                     f'{number}, expected {len(message.joint_names)}')
-    arrays = {'times': [seconds(point.time_from_start) for point in message.points]}
+    _check_joints(message, topic)
+    arrays: dict[str, Any] = {
+        'times': [seconds(point.time_from_start) for point in message.points]}
     for joint in JOINTS:
         index = list(message.joint_names).index(joint)
         arrays[f'{joint}_poses'] = _poses([p.transforms[index] for p in message.points], topic)
@@ -97,9 +95,9 @@ def from_plan_message(message, frame, topic='push_plan'):
         raise MessageRefused(f'{topic}: {error}') from error
 
 
-def to_path_message(object_poses, stamp, frame):
+def to_path_message(object_poses: Iterable[Coordinates], stamp: Time, frame: str) -> Path:
     """
-    Turn the object's way into a path for viewers.
+    Convert the poses of the object to a path for viewers.
 
     :param object_poses: (x, y, theta) in the world, shape (n, 3).
     :param stamp: of the path.
@@ -112,13 +110,27 @@ def to_path_message(object_poses, stamp, frame):
     return message
 
 
-def _to_transform(pose):
+def _check_joints(message: MultiDOFJointTrajectory, topic: str) -> None:
+    """Refuse a message that lacks a joint, or in which a point lacks a value of one."""
+    names = list(message.joint_names)
+    if not set(JOINTS) <= set(names):
+        raise MessageRefused(f'{topic}: got joints {", ".join(names) or "none"}, expected '
+                             + ', '.join(JOINTS))
+    for number, point in enumerate(message.points):
+        for field in ('transforms', 'velocities'):
+            count = len(getattr(point, field))
+            if count != len(names):
+                raise MessageRefused(f'{topic}: got {count} {field} in point {number}, expected '
+                                     f'{len(names)}')
+
+
+def _to_transform(pose: Coordinates) -> Transform:
     transform = Transform(rotation=to_quaternion(pose[2]))
     transform.translation.x, transform.translation.y = pose[0], pose[1]
     return transform
 
 
-def _poses(transforms, topic):
+def _poses(transforms: Sequence[Transform], topic: str) -> FloatArray:
     poses = np.array([Pose(t.translation.x, t.translation.y, to_yaw(t.rotation, topic))
                       for t in transforms]).reshape(-1, 3)
     poses[:, 2] = np.unwrap(poses[:, 2])

@@ -25,7 +25,7 @@ FIELDS = (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')
 
 def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTrajectory:
     """
-    Turn a plan request into a message.
+    Convert a plan request to a message.
 
     :param request: the ``PlanRequest``.
     :param stamp: ``builtin_interfaces/Time`` of the measurement that it comes from.

@@ -1,21 +1,25 @@
 """Parts of messages to values and back: stamps, frames, poses, twists."""
 
 import math
+from typing import TypeVar
 
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Pose as PoseMessage, Quaternion, Twist as TwistMessage
-from push_model.geometry import Pose
+from push_model.geometry import Coordinates, Pose
 from push_model.signals import Twist
 
 NANOSECONDS = 1_000_000_000
+# Length below which a quaternion has no direction, as one that nobody has filled in; chosen: far
+# below any rounding of one of length 1.
 LEAST_QUATERNION = 1e-3
+Stamp = TypeVar('Stamp', Time, Duration)
 
 
 class MessageRefused(ValueError):
     """A message that cannot be used, and why."""
 
 
-def nanoseconds(stamp):
+def nanoseconds(stamp: Time | Duration) -> int:
     """
     Read a stamp exactly [ns].
 
@@ -24,7 +28,7 @@ def nanoseconds(stamp):
     return stamp.sec * NANOSECONDS + stamp.nanosec
 
 
-def seconds(stamp):
+def seconds(stamp: Time | Duration) -> float:
     """
     Read a stamp [s].
 
@@ -33,17 +37,17 @@ def seconds(stamp):
     return nanoseconds(stamp) / NANOSECONDS
 
 
-def to_stamp(time, kind=Time):
+def to_stamp(time: float, kind: type[Stamp] = Time) -> Stamp:
     """
     Make a stamp.
 
-    :param time: [s]; whole nanoseconds survive the way there and back.
+    :param time: [s]; whole nanoseconds survive the conversion to a stamp and back.
     :param kind: ``builtin_interfaces/Time`` or ``Duration``.
     """
     return exact_stamp(math.floor(time * NANOSECONDS + 0.5), kind)
 
 
-def exact_stamp(time, kind=Time):
+def exact_stamp(time: int, kind: type[Stamp] = Time) -> Stamp:
     """
     Make a stamp of whole nanoseconds.
 
@@ -54,16 +58,16 @@ def exact_stamp(time, kind=Time):
     return kind(sec=whole, nanosec=part)
 
 
-def to_quaternion(angle):
+def to_quaternion(angle: float) -> Quaternion:
     """
-    Turn a yaw angle into a quaternion.
+    Convert a yaw angle to a quaternion.
 
     :param angle: about z [rad].
     """
     return Quaternion(z=math.sin(0.5 * angle), w=math.cos(0.5 * angle))
 
 
-def to_yaw(quaternion, topic):
+def to_yaw(quaternion: Quaternion, topic: str) -> float:
     """
     Read the yaw angle of a quaternion of any length but 0 [rad].
 
@@ -79,9 +83,9 @@ def to_yaw(quaternion, topic):
     return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
-def to_pose_message(pose):
+def to_pose_message(pose: Coordinates) -> PoseMessage:
     """
-    Turn a pose in the plane into a message.
+    Convert a pose in the plane to a message.
 
     :param pose: ``Pose`` or (x, y, theta).
     """
@@ -91,7 +95,7 @@ def to_pose_message(pose):
     return message
 
 
-def from_pose_message(message, topic):
+def from_pose_message(message: PoseMessage, topic: str) -> Pose:
     """
     Read a pose in the plane.
 
@@ -106,12 +110,12 @@ def from_pose_message(message, topic):
     return Pose(x, y, to_yaw(message.orientation, topic))
 
 
-def check_frame(frame, expected, topic):
+def check_frame(frame: str, expected: str, topic: str) -> None:
     """
     Refuse a message in another frame.
 
-    :param frame: frame id that came; a leading slash is overlooked.
-    :param expected: frame id that is meant.
+    :param frame: frame id that came; a leading slash is ignored.
+    :param expected: frame id that is expected.
     :param topic: what the error calls the message.
     :raises MessageRefused: naming both frames.
     """
@@ -119,9 +123,9 @@ def check_frame(frame, expected, topic):
         raise MessageRefused(f'{topic}: got frame {frame!r}, expected {expected!r}')
 
 
-def to_twist_message(twist):
+def to_twist_message(twist: Coordinates) -> TwistMessage:
     """
-    Turn a twist in the plane into a message.
+    Convert a twist in the plane to a message.
 
     :param twist: ``Twist`` or (v_x, v_y, omega).
     """
@@ -131,7 +135,7 @@ def to_twist_message(twist):
     return message
 
 
-def from_twist_message(message, topic='cmd_vel'):
+def from_twist_message(message: TwistMessage, topic: str = 'cmd_vel') -> Twist:
     """
     Read a twist in the plane.
 

@@ -8,7 +8,7 @@ from geometry_msgs.msg import TransformStamped
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
-from push_ros.conversions.markers import scene_markers
+from push_ros.conversions.markers import MarkerHeader, scene_markers
 from push_ros.conversions.measurements import (
     to_object_pose_message, to_odometry_message, to_wrench_message,
 )
@@ -142,8 +142,8 @@ class SimOutputs:
         if self._markers.is_due(time) and self._markers.has_subscribers():
             truth = simulation.truth
             self._markers.publish(scene_markers(
-                self.stamp(time), self._frames.world_frame, 'sim', self._obj, self._robot,
-                truth.object_pose, truth.robot_pose))
+                MarkerHeader(self.stamp(time), self._frames.world_frame, 'sim'), self._obj,
+                self._robot, truth.object_pose, truth.robot_pose))
         if self._tf.is_due(time):
             self._publish_transforms(simulation.truth)
 

@@ -15,7 +15,7 @@ from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import PlanningFailed, problem_from_placement
 from push_planner.single_push.planner import plan_push
 from push_planner.verification.verification import verify
-from push_ros.conversions.markers import scene_markers
+from push_ros.conversions.markers import MarkerHeader, scene_markers
 from push_scenario.definition.scenario import Placement, Start
 from push_sim_node.simulation import Simulation
 import pytest
@@ -62,7 +62,8 @@ def test_start_places_it_at_the_contact(radius):
 @UNUSUAL
 def test_markers_have_a_finite_size(radius):
     robot, pose = RoundRobot(radius), Pose(-0.2, 0.0, 0.0)
-    scene = scene_markers(Time(), 'odom', 'sim', box(), robot, Pose(0.0, 0.0, 0.0), pose)
+    scene = scene_markers(MarkerHeader(Time(), 'odom', 'sim'), box(), robot,
+                          Pose(0.0, 0.0, 0.0), pose)
     sizes = [size for marker in scene.markers
              for size in (marker.scale.x, marker.scale.y, marker.scale.z)]
     assert 0.5 < max(sizes) < 5.0 if radius else max(sizes) < 0.5
