@@ -47,6 +47,7 @@ def test_dynamic_rate_tends_to_the_quasi_static_one_with_the_square_of_the_speed
     assert lacks[0] / lacks[1] == pytest.approx(4.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_speed_counts_against_friction_and_size():
     """The ratio is one function of v^2 / (mu g L)."""
     base = findings_of('2.19')
@@ -75,6 +76,7 @@ def test_slow_turn_of_a_nearly_central_push_is_that_of_the_vehicle():
         assert rate == pytest.approx(expected, rel=3e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('figure', ['2.21', '2.24'])
 def test_mass_and_inertia_leave_the_steady_rate_as_it_is(figure):
     found = findings_of(figure)
@@ -111,6 +113,7 @@ def test_transients_end_at_the_steady_rate(figure):
     assert findings_of(figure, duration=4.0)['final_error'] < 1e-6
 
 
+@pytest.mark.slow
 def test_friction_spreads_the_rates_but_for_slow_pushes():
     assert findings_of('2.23')['spread'] > 2.0
     assert findings_of('2.23', max_speed=0.2)['spread'] < 0.2

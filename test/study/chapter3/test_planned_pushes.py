@@ -126,6 +126,7 @@ def test_a_slow_force_is_that_of_friction_and_leans_half_as_far_as_a_small_push(
         assert angle == pytest.approx(share * rho, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_the_push_leaves_the_cone_above_a_speed_and_the_force_stays():
     tables, findings = found('3.7')
     leaves, cone = findings['leaves'], findings['cone']
@@ -203,6 +204,7 @@ def test_the_shift_of_a_slow_push_grows_with_the_rotation_and_the_radius(radius)
     assert np.abs(area).max() > 2e-3
 
 
+@pytest.mark.slow
 def test_an_input_drifts_with_the_square_of_the_speed():
     tables, findings = found('3.11')
     assert findings['least'] < 1e-5
@@ -217,12 +219,14 @@ def test_an_input_drifts_with_the_square_of_the_speed():
     assert slower['power'] == pytest.approx(1.0, abs=0.02) and slower['fastest'] < 0.006
 
 
+@pytest.mark.slow
 def test_the_input_misses_least_at_the_speed_that_it_was_planned_for():
     tables, findings = found('3.11', planned_speed=0.5)
     misses = tables['ends']['position_error_m']
     assert misses[2] == findings['least'] < 1e-5 < 0.05 < misses[1] < misses[0]
 
 
+@pytest.mark.slow
 def test_executed_inputs_agree_with_the_rollout_of_the_plan():
     given = values('3.11')
     base = plan_push(push_problem(given, given.planned_speed, given.segments))

@@ -30,6 +30,7 @@ def found(*arguments, **options):
     return numbers(outcome(*arguments, **options))
 
 
+@pytest.mark.slow
 def test_differential_drive_steers_at_a_vertex_a_holonomic_one_anywhere():
     differential, holonomic = (found(robot, contacts=28)
                                for robot in ('disc_017', 'holonomic_017'))
@@ -39,6 +40,7 @@ def test_differential_drive_steers_at_a_vertex_a_holonomic_one_anywhere():
     assert holonomic['both_percent'] > differential['both_percent'] > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('radius', [0.1, 0.4])
 def test_face_steers_the_worst_for_a_robot_as_large_as_the_friction_center_is_far(radius):
     """The centre of friction of this box is 0.2 m ahead of each face."""
@@ -47,6 +49,7 @@ def test_face_steers_the_worst_for_a_robot_as_large_as_the_friction_center_is_fa
     assert same['vertex_radius'] < 1.5 * other['vertex_radius']
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('robot', ['disc_017', 'holonomic_017'])
 def test_map_of_a_square_has_its_symmetries(robot):
     table = outcome(robot).tables['contacts']
@@ -61,6 +64,7 @@ def test_map_of_a_square_has_its_symmetries(robot):
     assert table['smallest_radius_m'] * sharpest == pytest.approx(np.ones(16))
 
 
+@pytest.mark.slow
 def test_one_side_only_where_the_friction_center_is_out_of_the_cone():
     """A face of 0.4 m, 0.2 m from it, can be pushed straight where ``|offset| < 0.2 mu_c``."""
     table = outcome('holonomic_017', contacts=40).tables['contacts']
@@ -71,6 +75,7 @@ def test_one_side_only_where_the_friction_center_is_out_of_the_cone():
     assert 0 < inside.sum() < len(inside)
 
 
+@pytest.mark.slow
 def test_round_object():
     bin_ = outcome(object_name='bin')
     assert 'vertex_radius' not in bin_.findings
