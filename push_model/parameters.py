@@ -19,10 +19,20 @@ from scipy.optimize import nnls
 
 # Standard acceleration of free fall, to the digits that friction coefficients deserve [m/s^2].
 GRAVITY = 9.81
+# Chosen: given load fractions may put the mass centre off by this fraction of the supports'
+# extent, as weighed ones do.
+BALANCE_TOLERANCE = 0.01
+# Weight of the balance against the spread of the loads in the first, rough solution. Chosen: large
+# enough that supports without load are told from others, and well below 1e8, where the squared
+# problem loses all digits of the spread.
+BALANCE_STIFFNESS = 1e5
+
+# Kinematics of a base, and features of an outline that can be touched.
 Drive = Literal['differential', 'holonomic']
 DRIVES: tuple[Drive, ...] = get_args(Drive)
 ContactKind = Literal['vertex', 'face', 'round']
 CONTACT_KINDS: tuple[ContactKind, ...] = get_args(ContactKind)
+# Vertices (x, y) of a convex polygon, counter-clockwise [m]; empty for a disc.
 Outline = tuple[tuple[float, float], ...]
 
 
@@ -175,15 +185,6 @@ def plate_inertia(mass: float, outline: Polygon, radius: float = 0.0) -> float:
         second += triangle * (a_x * a_x + a_x * b_x + b_x * b_x
                               + a_y * a_y + a_y * b_y + b_y * b_y) / 6.0
     return mass * (second / area - (first_x / area) ** 2 - (first_y / area) ** 2)
-
-
-# Chosen: given load fractions may put the mass centre off by this fraction of the supports'
-# extent, as weighed ones do.
-BALANCE_TOLERANCE = 0.01
-# Weight of the balance against the spread of the loads in the first, rough solution. Chosen: large
-# enough that supports without load are told from others, and well below 1e8, where the squared
-# problem loses all digits of the spread.
-BALANCE_STIFFNESS = 1e5
 
 
 def load_fractions(points: Any, given: Any, center: Coordinates) -> tuple[float, ...]:

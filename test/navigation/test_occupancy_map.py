@@ -41,7 +41,7 @@ def test_a_free_object_keeps_the_margin_and_a_clear_one_is_free(obj):
     seen = set()
     for _ in range(150):
         pose = Pose(*rng.uniform(0.2, 1.8, 2), rng.uniform(-3.0, 3.0))
-        away = min(find_contact(obj, pose, center, 0.0)[2] for center in centers)
+        away = min(find_contact(obj, pose, center, 0.0).gap for center in centers)
         corners = obj.outline or [(obj.radius * math.cos(a), obj.radius * math.sin(a))
                                   for a in np.linspace(0.0, 6.3, 40)]
         border = min(min(x, y, 3.0 - x, 2.0 - y) for x, y in map(pose.transform, corners))

@@ -68,7 +68,7 @@ def tasks(obj, count, seed):
     while count:
         object_pose = Pose(*rng.uniform(-0.5, 0.5, 2), rng.uniform(-4.0, 4.0))
         ends = [Pose(*rng.uniform(-1.2, 1.2, 2), rng.uniform(-4.0, 4.0)) for _ in range(2)]
-        if all(find_contact(obj, object_pose, pose, 0.17)[2] > SETTINGS.clearance
+        if all(find_contact(obj, object_pose, pose, 0.17).gap > SETTINGS.clearance
                for pose in ends):
             count -= 1
             yield (object_pose, *ends)

@@ -31,14 +31,14 @@ def tasks(obj, count, seed, clear=True):
     while count:
         object_pose = Pose(*rng.uniform(-1.0, 1.0, 2), rng.uniform(-4.0, 4.0))
         ends = [Pose(*rng.uniform(-1.5, 1.5, 2), rng.uniform(-4.0, 4.0)) for _ in range(2)]
-        if all(find_contact(obj, object_pose, pose, 0.17)[2] > least for pose in ends):
+        if all(find_contact(obj, object_pose, pose, 0.17).gap > least for pose in ends):
             count -= 1
             yield (object_pose, *ends)
 
 
 def gaps(obj, object_pose, rows, robot):
     """Compute the distance between robot and object at each pose."""
-    return np.array([find_contact(obj, object_pose, row, robot.radius)[2] for row in rows])
+    return np.array([find_contact(obj, object_pose, row, robot.radius).gap for row in rows])
 
 
 def outside_distances(obj, points):
@@ -171,7 +171,7 @@ def test_it_stops_no_more_than_it_must(name, drive):
         limits = SETTINGS.limited_to(robot)
         sections = split_at_stops(plan_path(robot, obj, object_pose, *ends, SETTINGS), limits)
         moving = sum(isinstance(section, MotionSection) for section in sections)
-        near = sum(find_contact(obj, object_pose, pose, robot.radius)[2]
+        near = sum(find_contact(obj, object_pose, pose, robot.radius).gap
                    < SETTINGS.clearance - 1e-6 for pose in ends)
         assert moving <= 1 + near
         assert len(sections) - moving <= (2 + near if drive == 'differential' else 0)

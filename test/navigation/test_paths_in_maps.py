@@ -41,7 +41,7 @@ def test_paths_keep_clear_of_obstacles_and_object(drive):
         clearance, = occupancy_map.clearance([ends[0][:2]])
         least = min(SETTINGS.map_clearance, clearance - robot.radius)
         assert true_distances(occupancy_map, rows[:, :2]).min() > robot.radius + least - 1e-9
-        gaps = np.array([find_contact(obj, object_pose, row, robot.radius)[2] for row in rows])
+        gaps = np.array([find_contact(obj, object_pose, row, robot.radius).gap for row in rows])
         inside = gaps >= SETTINGS.clearance - 1e-6
         assert np.all(inside[int(np.argmax(inside)):len(inside) - int(np.argmax(inside[::-1]))])
 
