@@ -3,7 +3,7 @@
 import dataclasses
 
 from helpers.push_case import (
-    box, Case, GOOD_HEADING, GOOD_POSITION, held_case, mirrored_object, mirrored_target,
+    box, Case, GOOD_HEADING, GOOD_POSITION, holonomic_case, mirrored_object, mirrored_target,
     random_case, run, SENSORS, vertex_plan,
 )
 import numpy as np
@@ -42,13 +42,13 @@ def test_random_pushes_at_a_corner_succeed(seed):
 @pytest.mark.parametrize('kind', ['face', 'vertex', 'round'])
 def test_a_holonomic_base_pushes_anywhere(kind):
     """On a face, at a vertex and on a disc."""
-    outcome = run(held_case(3, kind), SETTINGS, 3)
+    outcome = run(holonomic_case(3, kind), SETTINGS, 3)
     assert outcome.status.phase is Phase.DONE, outcome.status
     assert outcome.position_error < GOOD_POSITION and outcome.heading_error < GOOD_HEADING
 
 
 def test_the_limits_of_curvature_keep_the_contact_from_jackknifing(monkeypatch):
-    """Object and floor give the most that the belief allows; without limits the push is lost."""
+    """Object and floor give the most that is allowed for; without limits the push is lost."""
     case = random_case(7)
     kept = run(case, SETTINGS, 7, SENSORS)
     assert kept.status.phase is Phase.DONE
@@ -64,10 +64,11 @@ def test_a_mirrored_world_is_pushed_in_a_mirrored_way(law):
     case = random_case(4)
     case = case._replace(robot_pose=Pose(*case.target.robot_poses[0].tolist()))
     pose = case.robot_pose
-    mirror = Case(mirrored_object(case.believed), mirrored_object(case.true), case.robot,
+    mirror = Case(mirrored_object(case.nominal), mirrored_object(case.true), case.robot,
                   mirrored_target(case.target), Pose(pose.x, -pose.y, -pose.theta))
     settings = ControlSettings(control_law=law)
-    one, other = (run(item, settings, sensors=SensorSettings(pose_latency=0.08), longest=15.0)
+    sensors = SensorSettings(pose_latency=0.08)
+    one, other = (run(item, settings, sensors=sensors, max_time=15.0)
                   for item in (case, mirror))
     first, second = np.array(one.commands), np.array(other.commands)
     assert np.ptp(first[:, 2]) > 0.05
@@ -78,19 +79,23 @@ def test_a_mirrored_world_is_pushed_in_a_mirrored_way(law):
 
 @pytest.mark.parametrize('law', ['feedback', 'mpc'])
 def test_in_the_slow_limit_the_speed_does_not_matter(law):
-    """With the same measurements per way, twice the speed gives the same path, to its square."""
-    believed, robot, paths = box(0.4, 2.0, [0.3] * 4), RoundRobot(radius=0.17), []
+    """With as many measurements per path length, errors grow with the square of the speed."""
+    nominal, robot, paths = box(0.4, 2.0, [0.3] * 4), RoundRobot(radius=0.17), []
     true = box(0.4, 2.0, [0.4, 0.3, 0.25, 0.3])
     for speed in (0.01, 0.02, 0.04):
-        target = vertex_plan(believed, robot, Pose(1.2, 0.9, 0.3), speed, vertices=(2,))
-        case = Case(believed, true, robot, target, Pose(*target.robot_poses[0].tolist()))
+        target = vertex_plan(nominal, robot, Pose(1.2, 0.9, 0.3), speed, vertices=(2,))
+        case = Case(nominal, true, robot, target, Pose(*target.robot_poses[0].tolist()))
         rows = []
+
+        def record(plant, controller, _, rows=rows):
+            rows.append((controller.status.travelled_distance, *plant.truth.object_pose))
+
         run(case, ControlSettings(control_law=law, start_speed=speed),
             sensors=SensorSettings(pose_rate=500.0 * speed, odometry_rate=1250.0 * speed),
-            longest=1.5 / speed, watch=lambda plant, controller, _, rows=rows: rows.append(
-                (controller.status.travelled_distance, *plant.truth.object_pose)))
-        ways, *columns = np.array(rows).T
-        paths.append([np.interp(np.linspace(0.1, 1.1, 50), ways, column) for column in columns])
+            max_time=1.5 / speed, on_step=record)
+        distances, *columns = np.array(rows).T
+        paths.append([np.interp(np.linspace(0.1, 1.1, 50), distances, column)
+                      for column in columns])
     slow, fast = (np.abs(np.subtract(paths[k], paths[0])).max() for k in (1, 2))
     assert np.ptp(paths[0][2]) > 0.02
     assert slow < 1e-3 and fast < 3e-3
