@@ -61,7 +61,7 @@ class StopRequest(Interrupts):
 
 def run_chunk(function: JobFunction, chunk: Chunk, stop: Stop | None = None) -> ChunkResult:
     """
-    Run a function on some jobs, until told to stop.
+    Run a function on some jobs, until there is a stop.
 
     :param function: of one job, giving a flat dict.
     :param chunk: list of (number of the job, job).

@@ -1,4 +1,4 @@
-"""Identity of a batch: what tells its results from those of another, or of other software."""
+"""Identity of a batch: jobs, function and software that its results belong to."""
 
 from collections.abc import Sequence
 import dataclasses

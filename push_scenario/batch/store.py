@@ -1,8 +1,8 @@
 """
 Results of a batch in files: JSON lines that only grow, and a table of all jobs at the end.
 
-The first line is the header that tells the batch from others; every further line is an entry, with
-the number of a job and its record or its error.
+The first line is the header, which identifies the batch; every further line is an entry, with the
+number of a job and its record or its error.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -71,7 +71,7 @@ class ReplayClient:
             time.sleep(IDLE_PAUSE)
 
     def drain(self) -> bool:
-        """Hand on what has come; tell whether there was anything."""
+        """Hand on what has come; return whether there was anything."""
         received = self._listener.take_all()
         for topic, data in received:
             self._on_message(topic, data)
@@ -81,7 +81,7 @@ class ReplayClient:
         """
         Pump until a condition holds.
 
-        :param condition: takes nothing, tells whether it holds.
+        :param condition: called without arguments, returns whether it holds.
         :param timeout: wall time [s].
         :param what: what is waited for, for the error.
         :raises ReplayFailed: where it does not come in time.

@@ -49,7 +49,7 @@ class Row(NamedTuple):
     :param title: what it shows.
     :param unit: of the numbers, empty for none.
     :param text: writes the value of a run; of ``Metrics``, or of ``WallClockTiming``.
-    :param applies: tells whether the row makes sense for a scenario.
+    :param applies: whether the row makes sense for a scenario.
     :param bound: writes what the scenario allows, if anything.
     """
 

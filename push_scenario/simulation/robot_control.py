@@ -118,6 +118,8 @@ class SinglePushControl(RobotControl):
         :raises PlanningFailed: with the reason.
         """
         super().__init__(scenario)
+        if observation.object_pose is None:
+            raise ValueError('observation.object_pose: got None, expected a measured pose')
         found = plan_from_measurements(scenario.object, scenario.robot, observation.object_pose,
                                        observation.odometry, self.goal, scenario.planner)
         self._plan = found.plan.trajectory

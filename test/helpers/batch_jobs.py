@@ -16,7 +16,7 @@ def noisy(job):
 
 
 def recorded(log, job):
-    """Tell in a file that the job has run."""
+    """Note in a file that the job has run."""
     with open(log, 'a') as stream:
         stream.write(f'{job["n"]}\n')
     return noisy(job)
@@ -60,6 +60,6 @@ def leave(job):
 
 
 def slow_batch(directory, jobs, out):
-    """Run many slow jobs on two processes, and say when the first are done."""
+    """Run many slow jobs on two processes, and print how many are done."""
     run_batch(partial(slow, directory), jobs, out, workers=2, chunk=4,
               progress=lambda done, total: print(done, flush=True))

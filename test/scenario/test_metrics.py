@@ -62,11 +62,11 @@ def test_a_run_that_arrives_but_is_not_done_is_not_as_expected():
     assert not is_as_expected(result)
 
 
-def test_way_on_a_circle_is_its_circumference():
+def test_distance_travelled_on_a_circle_is_its_circumference():
     turn = 2 * math.pi * TIMES / 10.0
-    way = distance_travelled(make_tape(robot_x=0.5 * np.cos(turn), robot_y=0.5 * np.sin(turn)))
-    assert way[0] == 0.0 and (np.diff(way) > 0.0).all()
-    assert way[-1] == pytest.approx(math.pi, rel=1e-4)
+    distance = distance_travelled(make_tape(robot_x=0.5 * np.cos(turn), robot_y=0.5 * np.sin(turn)))
+    assert distance[0] == 0.0 and (np.diff(distance) > 0.0).all()
+    assert distance[-1] == pytest.approx(math.pi, rel=1e-4)
 
 
 def test_contact_time_counts_only_contact():
