@@ -1,4 +1,4 @@
-"""What runs are judged by, held against motions whose figures are known."""
+"""Metrics of runs, compared with motions whose values are known."""
 
 import math
 
@@ -64,7 +64,8 @@ def test_a_run_that_arrives_but_is_not_done_is_not_as_expected():
 
 def test_distance_travelled_on_a_circle_is_its_circumference():
     turn = 2 * math.pi * TIMES / 10.0
-    distance = distance_travelled(make_tape(robot_x=0.5 * np.cos(turn), robot_y=0.5 * np.sin(turn)))
+    tape = make_tape(robot_x=0.5 * np.cos(turn), robot_y=0.5 * np.sin(turn))
+    distance = distance_travelled(tape)
     assert distance[0] == 0.0 and (np.diff(distance) > 0.0).all()
     assert distance[-1] == pytest.approx(math.pi, rel=1e-4)
 
