@@ -176,9 +176,9 @@ def _routes(problem: PushProblem, turns: TurnPair, final_straight: float) -> lis
     for heading in _goal_headings(problem, goal):
         end = goal._replace(theta=heading) @ Pose(-final_straight, 0.0, 0.0)
         for path in dubins_paths(flat_output, end, 1.0 / left.curvature, -1.0 / right.curvature):
-            turned = tuple(turn_of[math.copysign(1.0, c) if c else 0.0] for c in path.curvatures)
-            path_length = final_straight + contact_length(path.lengths, turned)
-            found.append(Route(path, turned, final_straight, path_length))
+            steady = tuple(turn_of[math.copysign(1.0, c) if c else 0.0] for c in path.curvatures)
+            path_length = final_straight + contact_length(path.lengths, steady)
+            found.append(Route(path, steady, final_straight, path_length))
     return sorted(found, key=lambda route: route.path_length)
 
 

@@ -1,1 +1,1 @@
-"""Verification of plans: integrated anew on the equation of motion."""
+"""Verification of plans: integrated again on the equation of motion."""

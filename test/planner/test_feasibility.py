@@ -121,7 +121,11 @@ IMPOSSIBLE = {
 }
 
 
-@pytest.mark.parametrize('name', IMPOSSIBLE)
+SLOW = ('too sharp', 'too wide', 'too tight')
+
+
+@pytest.mark.parametrize('name', [
+    pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in IMPOSSIBLE])
 def test_the_impossible_is_refused_with_its_reason(name):
     """A code for programs, and one sentence with the numbers for people."""
     problem, code, reason = IMPOSSIBLE[name]
@@ -141,6 +145,7 @@ def test_a_bin_has_no_vertices():
     assert problem.normal_offset == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('spoilt', [
     lambda rollout: rollout._replace(s=rollout.s[::-1]),
     lambda rollout: rollout._replace(s=-rollout.s),

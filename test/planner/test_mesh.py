@@ -1,6 +1,5 @@
 """Mesh of a push: lengths, speeds and steering of its steps."""
 
-import itertools
 import math
 
 from helpers.push_problems import face_problem, HOLONOMIC, vertex_problem
@@ -90,7 +89,8 @@ def test_long_pushes_have_few_different_numbers_of_segments():
         assert path_length / count <= longest < path_length / (count - SEGMENT_COUNT_STEP)
 
 
-@pytest.mark.parametrize('start, acceleration', itertools.product((0.0, 0.1, 0.3), (0.0, 0.2)))
+@pytest.mark.parametrize('start', [0.0, 0.1, 0.3])
+@pytest.mark.parametrize('acceleration', [0.0, 0.2])
 def test_ramps_of_near_goals_leave_a_constant_part(start, acceleration):
     """At a lower speed, which is no less than that at either end."""
     settings = PlannerSettings(pushing_speed=0.4, acceleration=acceleration)

@@ -59,7 +59,7 @@ def answer(request, plans):
     return plans[request.param]
 
 
-def test_it_reaches_its_goal_when_integrated_anew(answer):
+def test_it_reaches_its_goal_when_integrated_again(answer):
     """By scipy, to a tenth of what is asked."""
     check = verify(answer)
     assert check.position_error < 1e-4
@@ -163,6 +163,7 @@ def test_slow_dynamic_pushes_are_quasi_static():
     assert ways[0] == pytest.approx(ways[1], rel=2e-4)
 
 
+@pytest.mark.slow
 def test_more_segments_change_less_and_less():
     """Path lengths converge with the number of segments."""
     answers = [plan_push(face_problem(Pose(2.0, 1.0, 0.3), IDEAL, segments=count,
@@ -171,6 +172,7 @@ def test_more_segments_change_less_and_less():
     assert changes[1] < changes[0] and changes[2] < 0.6 * changes[1] + 1e-4
 
 
+@pytest.mark.slow
 def test_more_freedom_is_no_slower():
     """Any heading beats a given one; no limit beats the cone; more constant angles beat fewer."""
     given = round_problem(Pose(0.5, 0.9, 0.4))
@@ -186,7 +188,7 @@ def test_more_freedom_is_no_slower():
     assert durations[1] <= durations[0] + 1e-3
 
 
-def test_planning_anew_from_a_former_plan_finds_the_same_push():
+def test_planning_again_from_a_previous_plan_finds_the_same_push():
     """With nothing changed the same way; with the goal moved a valid plan of the same turn."""
     problem = face_problem(BENT, IDEAL)
     former = plan_push(problem)
@@ -230,7 +232,7 @@ def test_a_correction_that_would_reverse_the_push_ends_a_trial_and_not_the_plann
         assert verify(plan_push(problem)).position_error < 1e-3
 
 
-def test_a_former_plan_is_left_where_there_is_a_much_shorter_way():
+def test_a_previous_plan_is_left_where_there_is_a_much_shorter_path():
     """Where the goal moves so that the loop of the former plan is not needed any more."""
     behind = face_problem(Pose(-0.4, 0.0, 0.3), IDEAL)
     former = plan_push(behind)

@@ -1,4 +1,4 @@
-"""Planning on while a push is under way, from late measurements."""
+"""Replanning while a push is under way, from late measurements."""
 
 import dataclasses
 import math
@@ -115,6 +115,7 @@ def test_another_goal_is_planned_from_the_present_motion(plans, drive):
     assert check.position_error < 1e-3 and check.heading_error < 2e-3
 
 
+@pytest.mark.slow
 @DRIVES
 def test_a_push_goes_on_at_its_site_though_another_is_quicker(plans, drive):
     """Sites are compared for robots at rest only."""
@@ -132,6 +133,7 @@ def test_a_push_goes_on_at_its_site_though_another_is_quicker(plans, drive):
     assert rest.plan.trajectory.duration < going.plan.trajectory.duration
 
 
+@pytest.mark.slow
 def test_where_the_present_motion_cannot_go_on_it_is_planned_as_from_rest():
     """A contact velocity far outside the cone is no start of a plan."""
     steep = Odometry(0.0, Pose(-0.37, 0.0, 0.0), Twist(0.06, 0.12, 0.0))

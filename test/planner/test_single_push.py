@@ -40,7 +40,7 @@ def answer(request, plans):
     return plans[request.param]
 
 
-def test_a_plan_reaches_its_goal_when_integrated_anew(answer):
+def test_a_plan_reaches_its_goal_when_integrated_again(answer):
     """Far inside the tolerance of 2 mm and 0.2 degrees, in the cone; short ones in one piece."""
     check = verify(answer)
     assert check.position_error < 1e-4
@@ -215,8 +215,8 @@ def test_a_slow_drive_turns_more_gently():
     assert slow.report['path_length'] >= quick.report['path_length'] - 1e-6
 
 
-def test_a_way_that_coarse_pieces_miss_is_followed_in_finer_ones():
-    """Rather than another way of twice the length."""
+def test_a_path_that_coarse_segments_miss_is_followed_in_finer_ones():
+    """Rather than another path of twice the length."""
     answer = plan_push(vertex_problem(Pose(2.2, -2.1, 2.1), normal=-0.15))
     first, second = answer.report['attempts'][:2]
     assert 'misses the goal' in first and second.endswith('solved')

@@ -84,6 +84,7 @@ def test_twice_the_segments_are_no_slower(robot):
     assert many.segment_ends[-1] >= 0.98 * few.segment_ends[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('robot, margins', [(DIFFERENTIAL, (0.8, 0.9, 1.0)),
                                             (HOLONOMIC, (0.4, 0.5, 0.6))])
 def test_a_wider_cone_is_no_slower(robot, margins):

@@ -1,4 +1,4 @@
-"""Choosing where to push: the quickest site, whatever the others would have taken."""
+"""Site selection: the fastest site, whatever the others would have taken."""
 
 import dataclasses
 import math
@@ -35,6 +35,7 @@ def one_by_one(obj, robot, goal, settings):
     return durations
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('robot, obj, settings, goal', [
     (HOLONOMIC, box(friction=UNEVEN), PlannerSettings(), Pose(0.7, 0.9, 1.0)),
     (HOLONOMIC, box(friction=UNEVEN), PlannerSettings(pushing_speed=0.45), Pose(0.3, 0.0, 2.0)),
@@ -57,6 +58,7 @@ def mirrored_feature(contact):
     return contact.kind, (3 if contact.kind == 'vertex' else 6) - contact.index
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=lambda robot: robot.drive)
 def test_the_mirror_image_is_pushed_from_the_mirrored_site(robot):
     """Object and goal are reflected in the x axis, and so is the choice."""
@@ -84,6 +86,7 @@ def test_a_goal_straight_ahead_of_a_face_is_pushed_there(face, scene):
     assert distance(behind, Pose(*(-0.37 / 1.5 * c for c in FACES[face][:2]), 0.0)) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('robot, obj, kinds', [
     (HOLONOMIC, box(), {'vertex': 4, 'face': 4}),
     (HOLONOMIC, box(friction=(0.6, 0.2, 0.2, 0.6)), {'vertex': 4, 'face': 6}),

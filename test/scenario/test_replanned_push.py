@@ -9,6 +9,8 @@ from push_scenario.simulation.result import Outcome
 from push_sim_node.disturbance import FrictionChange
 import pytest
 
+# Two whole runs for each law.
+pytestmark = pytest.mark.slow
 # How far the truth may be off the estimate at the end of a push: 95 of 100 are nearer [m].
 ESTIMATE = 0.008
 
