@@ -14,7 +14,7 @@ from push_ros.conversions.primitives import (
 )
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
-from push_ros.node import PushNode
+from push_ros.node import PushNode, ServiceAnswer
 from push_ros.node_settings import Frames, SimOptions
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
@@ -108,13 +108,13 @@ class SimNode(PushNode):
         self._control = RunControl(time.monotonic(), self._options.autostart)
         self._report(OK, 'holds time')
 
-    def _start(self) -> tuple[bool, str]:
+    def _start(self) -> ServiceAnswer:
         success = self._control.request_start(time.monotonic())
-        return success, f'is {self._control.state.value}'
+        return ServiceAnswer(success, f'is {self._control.state.value}')
 
-    def _reset(self) -> tuple[bool, str]:
+    def _reset(self) -> ServiceAnswer:
         self._hold()
-        return True, 'put back to the start'
+        return ServiceAnswer(True, 'put back to the start')
 
     def _tick(self) -> None:
         now = time.monotonic()
