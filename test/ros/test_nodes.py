@@ -33,6 +33,8 @@ from push_sim_node.sensors import SensorSettings
 import pytest
 import yaml
 
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+
 MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node',
            SIM: 'push_sim_node.sim_node'}
 SCENARIO = read_scenario(find_scenario('straight_push'))

@@ -13,7 +13,10 @@ from push_ros.conversions.primitives import to_stamp
 from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.loader import find_scenario, read_scenario
+import pytest
 from std_srvs.srv import Trigger
+
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose

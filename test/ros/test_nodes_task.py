@@ -22,6 +22,8 @@ from push_ros.topics import CONTROLLER, PLANNER
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
 
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+
 SCENARIO = read_scenario(find_scenario('task_approach'))
 DRIVE = SCENARIO.task.drive
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose

@@ -1,4 +1,4 @@
-"""The soft touch: how it ends, where there is nothing to touch or not in the right place."""
+"""Guarded approach: how it ends, where there is no contact or not at the right place."""
 
 import math
 
@@ -18,6 +18,9 @@ from push_navigation.settings import DriveSettings
 from push_planner.single_push.site_selection import choose_site
 import pytest
 
+# Plans and simulated pushes take some seconds each.
+pytestmark = pytest.mark.slow
+
 CONTROL, SUPERVISION, DRIVE = ControlSettings(), SupervisionSettings(), DriveSettings()
 ORIGIN, STEP = Pose(0.0, 0.0, 0.0), 0.05
 ROBOTS = {drive: RoundRobot(radius=0.17, drive=drive) for drive in ('differential', 'holonomic')}
@@ -25,9 +28,9 @@ TARGETS = {drive: choose_site(box(), robot, ORIGIN, Pose(1.5, 0.2, 0.1)).plan.tr
            for drive, robot in ROBOTS.items()}
 
 
-def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
+def approach_box(drive, aside=0.0, moves=True, there=True, steps=4000):
     """
-    Touch a box in the origin, which gives way; return leg, true robot, its start and time.
+    Touch a box at the origin, which gives way; return behaviour, true robot, its start and time.
 
     :param aside: how far the robot stands beside its place, as it knows.
     :param moves: whether its wheels turn.
@@ -39,7 +42,7 @@ def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
     back = start.transform((-DRIVE.standoff, aside)) if drive == 'differential' else (
         Pose(*start[:2], TARGETS[drive].contact_poses[0][2]).transform((-DRIVE.standoff, aside)))
     begin = true = Pose(*back, start.theta)
-    pose, perception, leg, command = ORIGIN, TaskPerception(CONTROL, SUPERVISION), None, STOP
+    pose, perception, behavior, command = ORIGIN, TaskPerception(CONTROL, SUPERVISION), None, STOP
     for k in range(steps):
         time = k * STEP
         if moves:
@@ -48,40 +51,40 @@ def touch(drive, aside=0.0, moves=True, there=True, steps=4000):
         if there and gap < 0.0:
             pose = Pose(pose.x - gap * math.cos(normal), pose.y - gap * math.sin(normal), 0.0)
         perception.update(Observation(time, Odometry(time, true, command), ObjectPose(time, pose)))
-        leg = leg or GuardedApproach(context, TARGETS[drive], perception.object_at_rest)
-        command = leg.step(perception, STEP)
-        if leg.finished or leg.failure_reason:
+        behavior = behavior or GuardedApproach(context, TARGETS[drive], perception.object_at_rest)
+        command = behavior.step(perception, STEP)
+        if behavior.finished or behavior.failure_reason:
             break
-    return leg, true, begin, time
+    return behavior, true, begin, time
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
 def test_it_ends_where_the_object_gives_way(drive):
     """The robot stands where the plan starts."""
-    leg, true, _, _ = touch(drive)
-    assert leg.finished and not leg.failure_reason
+    behavior, true, _, _ = approach_box(drive)
+    assert behavior.finished and not behavior.failure_reason
     assert distance(true, robot_start_pose(TARGETS[drive], ORIGIN)) < 0.02
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
 @pytest.mark.parametrize('aside', [0.0, 2.0])
-def test_nothing_to_touch_is_noticed_soon(drive, aside):
-    """Where nothing is felt, the robot goes little further than its reach, wherever it goes."""
-    leg, true, begin, _ = touch(drive, aside, there=False)
-    assert not leg.finished and 'no contact with the object' in leg.failure_reason
+def test_a_missing_object_is_noticed_soon(drive, aside):
+    """Without a contact, the robot goes little further than the probe distance."""
+    behavior, true, begin, _ = approach_box(drive, aside, there=False)
+    assert not behavior.finished and 'no contact with the object' in behavior.failure_reason
     gap = find_contact(box(), ORIGIN, begin[:2], 0.17)[2]
     assert distance(true, begin) < gap + SUPERVISION.probe_distance + 0.02
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
-def test_a_robot_that_does_not_get_on_is_noticed(drive):
+def test_a_stalled_robot_is_noticed(drive):
     """Its wheels stand: the time is limited."""
-    leg, _, _, time = touch(drive, moves=False)
-    assert 'no contact with the object' in leg.failure_reason and time < 15.0
+    behavior, _, _, time = approach_box(drive, moves=False)
+    assert 'no contact with the object' in behavior.failure_reason and time < 15.0
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
 def test_a_push_is_not_begun_beside_its_place(drive):
-    """Further aside than the controller bears with, the touch says so itself."""
-    leg, _, _, _ = touch(drive, 1.5 * CONTROL.start_tolerance)
-    assert not leg.finished and 'not where the plan starts' in leg.failure_reason
+    """Farther aside than the controller tolerates, the behaviour fails by itself."""
+    behavior, _, _, _ = approach_box(drive, 1.5 * CONTROL.start_tolerance)
+    assert not behavior.finished and 'not where the plan starts' in behavior.failure_reason

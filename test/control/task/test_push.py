@@ -25,6 +25,9 @@ from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
 
+# Plans and simulated pushes take some seconds each.
+pytestmark = pytest.mark.slow
+
 HOME, AHEAD, TURNED = Pose(0.0, 0.0, 0.0), Pose(1.2, 0.0, 0.0), math.radians(3.0)
 # Friction centre known to 3 mm, or hardly at all.
 KNOWN, UNKNOWN = ControlSettings(center_std_ratio=0.01), ControlSettings(center_std_ratio=0.3)
@@ -33,10 +36,10 @@ UNEVEN = box(friction=(0.4, 0.4, 0.3, 0.3))
 NOISY = SensorSettings(pose_noise=2e-3, pose_heading_noise=math.radians(0.3), pose_latency=0.08)
 
 
-class Told(NamedTuple):
+class PushOutcome(NamedTuple):
     """A push that is over; errors are what is believed less what is true [m, m, rad]."""
 
-    leg: object
+    behavior: object
     error: tuple
     standard_deviations: tuple
     center: np.ndarray
@@ -71,26 +74,28 @@ def push(kind='face', true=None, aside=0.0, turned=0.0, unsure=0.03, control=KNO
     stands = place @ Pose(nearer, aside, turned)
     plant = Simulation(true or believed, robot, Pose(*target.object_poses[0].tolist()), stands,
                        SimulationSettings(seed=1), sensors)
-    legs = BehaviorFactory(believed, robot, control, DriveSettings(), supervision)
-    legs.occupancy_map = occupancy_map
+    behaviors = BehaviorFactory(believed, robot, control, DriveSettings(), supervision)
+    behaviors.occupancy_map = occupancy_map
     perception, carry = TaskPerception(control, supervision), place @ stands.inverse()
-    perception.update(Observation(-1.0, Odometry(-1.0, place @ Pose(-70.0 * unsure, 0.0, 0.0), STOP)))
+    before = place @ Pose(-70.0 * unsure, 0.0, 0.0)
+    perception.update(Observation(-1.0, Odometry(-1.0, before, STOP)))
     perception.localization.inflate_covariance(unsure)
-    leg, pose, before = None, None, 0.0
-    while plant.time < 30.0 and not (leg and (leg.finished or leg.failure_reason)):
+    behavior, pose, time = None, None, 0.0
+    while plant.time < 30.0 and not (behavior and (behavior.finished or behavior.failure_reason)):
         measured = plant.next_measurement()
         if not isinstance(measured, Odometry):
             pose = measured
             continue
         odometry = measured._replace(pose=carry @ measured.pose)
         perception.update(Observation(plant.time, odometry, pose))
-        leg = leg or legs.create(TaskState.PUSH, target, perception)
-        plant.command(leg.step(perception, plant.time - before))
-        before = plant.time
+        behavior = behavior or behaviors.create(TaskState.PUSH, target, perception)
+        plant.command(behavior.step(perception, plant.time - time))
+        time = plant.time
     there, is_ = perception.localization.pose, plant.truth.robot_pose
     error = there.x - is_.x, there.y - is_.y, wrap_angle(there.theta - is_.theta)
-    center = np.array(friction_center(legs.object_model.obj))
-    return Told(leg, error, perception.localization.standard_deviations, center, plant.truth.object_pose)
+    center = np.array(friction_center(behaviors.object_model.obj))
+    return PushOutcome(behavior, error, perception.localization.standard_deviations, center,
+                       plant.truth.object_pose)
 
 
 def walled(y):
@@ -103,12 +108,12 @@ def walled(y):
 @pytest.mark.parametrize('aside, turned', [(0.03, TURNED), (-0.03, TURNED), (0.03, -TURNED)])
 def test_a_robot_beside_its_place_at_a_face_finds_it(aside, turned, sensors):
     """The object turns as if its friction centre, which is known, were on the other side."""
-    told = push(aside=aside, turned=turned, sensors=sensors)
-    assert told.leg.finished
-    assert math.hypot(*told.error[:2]) < 0.25 * abs(aside)
-    assert abs(told.error[2]) < 0.25 * abs(turned)
-    assert np.all(np.abs(told.error) < 3.0 * told.standard_deviations)
-    assert np.hypot(*told.center) < 0.2 * abs(aside)
+    outcome = push(aside=aside, turned=turned, sensors=sensors)
+    assert outcome.behavior.finished
+    assert math.hypot(*outcome.error[:2]) < 0.25 * abs(aside)
+    assert abs(outcome.error[2]) < 0.25 * abs(turned)
+    assert np.all(np.abs(outcome.error) < 3.0 * outcome.standard_deviations)
+    assert np.hypot(*outcome.center) < 0.2 * abs(aside)
 
 
 def test_left_and_right_tell_the_same():
@@ -119,7 +124,7 @@ def test_left_and_right_tell_the_same():
 
 
 def test_it_does_not_matter_which_way_the_push_goes():
-    """With everything turned, what is learnt is turned."""
+    """With everything turned, what is identified is turned."""
     world = Pose(3.0, -1.0, 2.0)
     one, two = (push(aside=0.03, turned=TURNED, world=frame) for frame in (HOME, world))
     back = Pose(0.0, 0.0, -world.theta).rotate(two.error[:2])
@@ -130,16 +135,16 @@ def test_it_does_not_matter_which_way_the_push_goes():
 @pytest.mark.parametrize('aside', [0.03, -0.03])
 def test_a_robot_beside_its_place_at_a_round_side_finds_it(aside):
     """There the contact is off by less than the robot."""
-    told = push('round', aside=aside, radius=0.2)
-    assert told.leg.finished
-    assert math.hypot(*told.error[:2]) < 0.35 * abs(aside)
+    outcome = push('round', aside=aside, radius=0.2)
+    assert outcome.behavior.finished
+    assert math.hypot(*outcome.error[:2]) < 0.35 * abs(aside)
 
 
 def test_one_error_is_not_counted_twice():
     """What a push sees goes to the friction centre where the place is known, else to the place."""
     side = friction_center(UNEVEN)[1]
     sure = push(true=UNEVEN, unsure=0.0, control=UNKNOWN)
-    assert sure.leg.finished and abs(side) > 0.02
+    assert sure.behavior.finished and abs(side) > 0.02
     assert math.hypot(*sure.error[:2]) < 0.2 * abs(side)
     assert sure.center[1] == pytest.approx(side, rel=0.2)
     unsure = push(aside=-side, control=KNOWN)
@@ -149,56 +154,57 @@ def test_one_error_is_not_counted_twice():
 
 def test_a_push_off_its_path_tells_the_friction_centre_too():
     """As long as the contact has held; the robot is where it was believed to be."""
-    told = push(true=UNEVEN, unsure=0.0, control=UNKNOWN,
-                supervision=SupervisionSettings(max_path_deviation=0.003))
-    assert 'from its planned path' in told.leg.failure_reason and not told.leg.finished
-    assert told.leg.push_status.slips == told.leg.push_status.contact_losses == 0
-    assert 0.5 < told.center[1] / friction_center(UNEVEN)[1] < 1.3
-    assert math.hypot(*told.error[:2]) < 0.01
+    outcome = push(true=UNEVEN, unsure=0.0, control=UNKNOWN,
+                   supervision=SupervisionSettings(max_path_deviation=0.003))
+    assert 'from its planned path' in outcome.behavior.failure_reason
+    assert not outcome.behavior.finished
+    assert outcome.behavior.push_status.slips == outcome.behavior.push_status.contact_losses == 0
+    assert 0.5 < outcome.center[1] / friction_center(UNEVEN)[1] < 1.3
+    assert math.hypot(*outcome.error[:2]) < 0.01
 
 
 def test_a_push_that_slips_and_fails_makes_the_place_less_sure():
     """And tells nothing of the friction centre."""
-    told = push(true=box(contact_friction_coefficient=0.02, friction=(0.5, 0.5, 0.2, 0.2)),
-                aside=0.05, unsure=0.0)
-    assert told.leg.failure_reason and told.leg.push_status.slips > 0
-    assert min(told.standard_deviations[:2]) >= 0.03
-    assert told.center == pytest.approx((0.0, 0.0), abs=1e-9)
+    outcome = push(true=box(contact_friction_coefficient=0.02, friction=(0.5, 0.5, 0.2, 0.2)),
+                   aside=0.05, unsure=0.0)
+    assert outcome.behavior.failure_reason and outcome.behavior.push_status.slips > 0
+    assert min(outcome.standard_deviations[:2]) >= 0.03
+    assert outcome.center == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
 @pytest.mark.parametrize('friction', [(0.3, 0.3, 0.3, 0.3), (0.5, 0.5, 0.2, 0.2)])
 @pytest.mark.parametrize('aside', [-0.05, 0.05])
 def test_a_contact_that_slides_tells_little_and_says_so(aside, friction):
-    """The place is told worse than by a contact that holds, and is off by no more than is said."""
+    """The place is known worse than by one that holds, and is off by no more than is told."""
     true = box(contact_friction_coefficient=0.05, friction=friction)
-    told, clean = (push(true=truth, aside=aside, control=ControlSettings())
-                   for truth in (true, None))
-    assert told.leg.push_status.slips > 0 == clean.leg.push_status.slips
-    assert np.all(np.abs(told.error) < 2.5 * told.standard_deviations)
-    assert told.standard_deviations[1] > 1.5 * clean.standard_deviations[1]
+    outcome, clean = (push(true=truth, aside=aside, control=ControlSettings())
+                      for truth in (true, None))
+    assert outcome.behavior.push_status.slips > 0 == clean.behavior.push_status.slips
+    assert np.all(np.abs(outcome.error) < 2.5 * outcome.standard_deviations)
+    assert outcome.standard_deviations[1] > 1.5 * clean.standard_deviations[1]
 
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
-def test_a_push_that_strays_towards_a_wall_ends_before_it(side):
+def test_a_push_that_deviates_towards_a_wall_ends_before_it(side):
     """A wall beside the path is not touched; one far off does not matter, nor to a true push."""
     uneven = box(friction=(0.4, 0.4, 0.2, 0.2) if side < 0.0 else (0.2, 0.2, 0.4, 0.4))
     for true, wall, ends in ((uneven, 0.27, True), (uneven, 0.6, False), (box(), 0.27, False)):
         floor = walled(side * wall)
-        told = push(true=true, occupancy_map=floor)
-        assert floor.object_is_free(box(), [told.object_pose], 0.0)
-        assert ('deviates towards an obstacle' in told.leg.failure_reason) == ends
-        assert told.leg.finished != ends
+        outcome = push(true=true, occupancy_map=floor)
+        assert floor.object_is_free(box(), [outcome.object_pose], 0.0)
+        assert ('deviates towards an obstacle' in outcome.behavior.failure_reason) == ends
+        assert outcome.behavior.finished != ends
 
 
 def test_at_a_vertex_the_place_is_told_whatever_the_friction():
-    """It touches where it touches; the friction centre is learnt besides."""
+    """It touches where it touches; the friction centre is identified besides."""
     true = box(friction=(0.3, 0.35, 0.3, 0.25))
     one, two = (push('vertex', truth, turned=TURNED) for truth in (None, true))
-    assert one.leg.finished and two.leg.finished
-    # Without what is learnt it would be off by some 60 mm.
-    assert max(math.hypot(*told.error[:2]) for told in (one, two)) < 0.015
+    assert one.behavior.finished and two.behavior.finished
+    # Without what is identified it would be off by some 60 mm.
+    assert max(math.hypot(*outcome.error[:2]) for outcome in (one, two)) < 0.015
     assert two.error[:2] == pytest.approx(one.error[:2], abs=0.004)
     center = np.array(friction_center(true))
-    told = push('vertex', true, control=UNKNOWN)
+    outcome = push('vertex', true, control=UNKNOWN)
     across = center / np.hypot(*center)
-    assert across @ told.center == pytest.approx(np.hypot(*center), rel=0.3)
+    assert across @ outcome.center == pytest.approx(np.hypot(*center), rel=0.3)

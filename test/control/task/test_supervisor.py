@@ -24,6 +24,9 @@ from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 import pytest
 
+# Plans and simulated pushes take some seconds each.
+pytestmark = pytest.mark.slow
+
 SUPERVISION, DRIVE = SupervisionSettings(), DriveSettings()
 SENSORS = SensorSettings(pose_noise=2e-3, pose_heading_noise=math.radians(0.3), pose_latency=0.08,
                          pose_drop_probability=0.05, odometry_scale_noise=0.02,
@@ -43,8 +46,8 @@ def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False):
     believed = box(mass=3.0)
     true = box(mass=2.4, friction=(0.2, 0.35, 0.3, 0.25), contact_friction_coefficient=0.4)
     return Scenario(
-        name='task', description='a task', object=believed, true_object=true if wrong else believed,
-        robot=robot, true_robot=robot, start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
+        name='task', description='a task', object=believed,
+        true_object=true if wrong else believed, robot=robot, true_robot=robot, start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
         sensors=sensors or SensorSettings(), simulation=SimulationSettings(seed=seed),
         task=Task(), time_limit=300.0)
 
@@ -114,18 +117,18 @@ class Once:
             self.act(simulation, supervisor)
 
 
-def shove(simulation, _):
+def move_object(simulation, _):
     """Carry the object away from the robot, and turn it."""
     pose, robot = simulation.truth.object_pose, simulation.truth.robot_pose
-    share = 0.2 / distance(pose, robot)
-    simulation.plant.set_object_pose(Pose(pose.x + share * (pose.x - robot.x),
-                                     pose.y + share * (pose.y - robot.y), pose.theta + 0.3))
+    ratio = 0.2 / distance(pose, robot)
+    simulation.plant.set_object_pose(Pose(pose.x + ratio * (pose.x - robot.x),
+                                     pose.y + ratio * (pose.y - robot.y), pose.theta + 0.3))
 
 
 @pytest.mark.parametrize('state', [TaskState.APPROACH, TaskState.PUSH])
-def test_a_shoved_object_is_planned_for_anew(state):
+def test_a_moved_object_gets_another_plan(state):
     """The robot notices, wherever it is, and reaches the goal from there."""
-    once = Once(state, shove, delay=1.5)
+    once = Once(state, move_object, delay=1.5)
     result = simulate(task('holonomic', sensors=SENSORS), intervene=once)
     check_reached(result)
     assert result.status.recoveries >= 1
@@ -168,8 +171,8 @@ def test_a_pause_holds_the_robot_in_any_state(state):
 
 def test_lost_poses_are_waited_for():
     """The robot stands while it does not see the object, and goes on when it does."""
-    spells = ((4.0, 6.0), (20.0, 22.0))
-    sensors = dataclasses.replace(SENSORS, pose_dropouts=spells)
+    intervals = ((4.0, 6.0), (20.0, 22.0))
+    sensors = dataclasses.replace(SENSORS, pose_dropouts=intervals)
     waited = []
 
     def change(simulation, supervisor):
@@ -203,15 +206,15 @@ class Bench:
         return commands
 
 
-def test_a_plan_is_wanted_from_what_is_seen():
+def test_a_plan_is_requested_from_what_is_measured():
     """Not before the object was seen at rest for a while; the goal is handed on."""
     bench = Bench()
     assert bench.run(1.0) == [STOP] * 20 and bench.supervisor.plan_request is None
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(0.1)
-    wanted = bench.supervisor.plan_request
-    assert wanted.robot_pose == pytest.approx(bench.robot) and wanted.goal == GOAL.pose
-    assert wanted.object_pose == pytest.approx((0.0, 0.0, 0.0))
+    request = bench.supervisor.plan_request
+    assert request.robot_pose == pytest.approx(bench.robot) and request.goal == GOAL.pose
+    assert request.object_pose == pytest.approx((0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize('codes, max_attempts', [
@@ -233,7 +236,7 @@ def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
     assert bench.supervisor.status.state == TaskState.PLAN
 
 
-def test_what_was_refused_is_asked_for_again_where_something_has_changed():
+def test_a_failed_request_is_repeated_where_something_has_changed():
     """The robot was carried off, or there is another map."""
     changes = [lambda bench: setattr(bench, 'robot', Pose(bench.robot.x + 0.2, 0.0, 0.0)),
                lambda bench: bench.supervisor.set_map(None)]
@@ -247,8 +250,8 @@ def test_what_was_refused_is_asked_for_again_where_something_has_changed():
     assert bench.supervisor.plan_request is not None
 
 
-def test_a_plan_that_does_not_come_is_asked_for_again():
-    """The wait is limited, and counts as a try that went wrong."""
+def test_a_plan_that_does_not_come_is_requested_again():
+    """The wait is limited, and counts as an attempt that failed."""
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(SUPERVISION.plan_timeout + 2.0)

@@ -1,0 +1,91 @@
+"""Perception of a task: the object at rest, and a robot that is not where it is localized."""
+
+import math
+
+from helpers.objects import bin_, box
+from helpers.push_problems import HOLONOMIC
+import numpy as np
+from push_control.observation import Observation
+from push_control.settings import ControlSettings
+from push_control.task.perception import StationarityWindow, TaskPerception
+from push_control.task.settings import SupervisionSettings
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.signals import ObjectPose, Odometry, STOP
+import pytest
+
+CONTROL, SUPERVISION = ControlSettings(), SupervisionSettings()
+ORIGIN = Pose(0.0, 0.0, 0.0)
+PLACE = Pose(1.0, -2.0, math.pi)
+
+
+def noisy(rng, pose, count):
+    """Yield measurements of a pose, at 20 Hz."""
+    for i in range(count):
+        x, y, rotation = rng.normal(0.0, (CONTROL.pose_noise, CONTROL.pose_noise,
+                                          CONTROL.heading_noise))
+        yield ObjectPose(0.05 * i, Pose(pose.x + x, pose.y + y, wrap_angle(pose.theta + rotation)))
+
+
+def test_the_average_of_poses_at_rest_has_its_standard_errors():
+    """Errors of many averages spread as these, across the seam of angles too."""
+    scores = []
+    for seed in range(200):
+        window = StationarityWindow(CONTROL, SUPERVISION)
+        for measured in noisy(np.random.default_rng(seed), PLACE, 20):
+            window.add(measured)
+        found = window.object_at_rest
+        scores.append(((found.pose.x - PLACE.x) / found.position_error,
+                       (found.pose.y - PLACE.y) / found.position_error,
+                       wrap_angle(found.pose.theta - PLACE.theta) / found.heading_error))
+    assert np.mean(np.square(scores), axis=0) == pytest.approx([1.0] * 3, abs=0.3)
+
+
+def test_the_average_starts_over_where_the_object_has_moved():
+    """Nothing of where it was enters it; a pose that came before is not used twice."""
+    window = StationarityWindow(CONTROL, SUPERVISION)
+    for i in range(10):
+        window.add(ObjectPose(0.05 * i, PLACE))
+    moved = PLACE._replace(x=PLACE.x + 0.02)
+    for i in range(10, 15):
+        window.add(ObjectPose(0.05 * i, moved))
+        window.add(ObjectPose(0.05 * (i - 3), PLACE))
+    assert window.object_at_rest.pose == pytest.approx(moved)
+    assert window.object_at_rest.duration == pytest.approx(0.2)
+
+
+def seen(robot_pose, object_pose, deviation):
+    """Look at robot and object at rest for half a second."""
+    perception = TaskPerception(ControlSettings(), SUPERVISION)
+    for time in np.arange(11) * 0.05:
+        perception.update(Observation(time, Odometry(time, robot_pose, STOP),
+                                      ObjectPose(time, object_pose)))
+    perception.localization.inflate_covariance(deviation)
+    return perception
+
+
+@pytest.mark.parametrize('deviation', [0.01, 0.1])
+@pytest.mark.parametrize('obj', [box(), bin_()])
+def test_a_robot_does_not_stand_inside_the_object(obj, deviation):
+    """It is placed beside it, the nearest way; one that is clear of it is left alone."""
+    inside, clear = (seen(Pose(x, 0.04, 1.0), ORIGIN, deviation) for x in (-0.31, -0.40))
+    for perception in (inside, clear):
+        perception.correct_overlap(obj, HOLONOMIC, 0.001)
+    assert abs(inside.gap(obj, HOLONOMIC)) < 2e-3
+    assert 0.03 < distance(inside.robot_pose, (-0.31, 0.04)) < 0.07
+    assert clear.robot_pose == Pose(-0.40, 0.04, 1.0)
+
+
+@pytest.mark.parametrize('angle', [0.0, 0.4, 2.0, -2.9])
+def test_what_moves_an_object_twice_is_the_robot_behind_it(angle):
+    """The first time it may be somebody else, and again after a push that went well."""
+    pose = Pose(0.06 * math.cos(angle), 0.06 * math.sin(angle), 0.25)
+    believed = Pose(1.6 * math.cos(angle + 2.0), 1.6 * math.sin(angle + 2.0), 0.5)
+    perception = seen(believed, pose, 0.01)
+    for moves in (1, 1, 2):
+        if moves == 1:
+            perception.on_push_succeeded()
+        assert perception.robot_pose == believed
+        perception.on_object_moved(box(), HOLONOMIC, ORIGIN)
+    back = Pose(0.0, 0.0, -angle).rotate(np.subtract(perception.robot_pose, pose)[:2])
+    assert back[0] < -0.3 and abs(back[1]) < 0.02
+    assert abs(perception.gap(box(), HOLONOMIC)) < 0.02

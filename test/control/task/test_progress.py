@@ -1,0 +1,78 @@
+"""Progress of a task: when it is done, when it has come nearer, and when it is aborted."""
+
+import math
+
+from helpers.objects import box
+from push_control.task.perception import ObjectAtRest
+from push_control.task.progress import (
+    CAUTION_FACTOR, GoalCheck, MIN_CONE_FRACTION, ProgressMonitor,
+)
+from push_control.task.settings import SupervisionSettings
+from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure, PlanRequest
+import pytest
+
+SUPERVISION = SupervisionSettings()
+GOAL = Pose(1.0, -2.0, math.pi)
+AT_GOAL = ObjectAtRest(GOAL, 0.5, 5e-4, 1e-3)
+REQUEST = PlanRequest(Pose(0.0, 0.0, 0.0), Pose(2.0, 0.0, 0.0), GOAL, box())
+
+
+def beside_goal(error):
+    """Put the object beside its goal."""
+    return AT_GOAL._replace(pose=GOAL._replace(y=GOAL.y + error))
+
+
+def test_a_task_is_done_only_where_that_is_certain():
+    """Near the tolerance more measurements are needed, but not for ever."""
+    inside = SUPERVISION.position_tolerance - 5e-4
+    edge = AT_GOAL._replace(pose=GOAL._replace(x=GOAL.x + inside))
+    rotated = AT_GOAL._replace(pose=GOAL._replace(theta=-GOAL.theta + 0.1))
+    monitor = ProgressMonitor(SUPERVISION)
+    assert monitor.check_goal(AT_GOAL, GOAL) is GoalCheck.REACHED
+    assert monitor.check_goal(edge, GOAL) is GoalCheck.UNCERTAIN
+    late = edge._replace(duration=SUPERVISION.max_averaging_time)
+    assert monitor.check_goal(late, GOAL) is GoalCheck.MISSED
+    assert monitor.check_goal(rotated, GOAL) is GoalCheck.MISSED
+
+
+def test_attempts_count_from_the_last_progress():
+    """It aborts after as many as allowed in a row, with the last failure."""
+    monitor = ProgressMonitor(SUPERVISION)
+    for error in (0.5, 0.3):
+        for _ in range(SUPERVISION.max_attempts - 1):
+            monitor.check_goal(beside_goal(error), GOAL)
+            monitor.count_attempt()
+            assert not monitor.abort_reason
+    monitor.check_goal(beside_goal(0.4), GOAL)
+    monitor.count_attempt('slipped')
+    assert 'slipped' in monitor.abort_reason
+
+
+def test_plans_become_more_careful_without_progress():
+    """The cone fraction falls every other attempt, to its minimum, and recovers with progress."""
+    monitor = ProgressMonitor(SUPERVISION)
+    monitor.check_goal(beside_goal(0.5), GOAL)
+    fractions = []
+    for _ in range(12):
+        fractions.append(monitor.cone_fraction)
+        monitor.count_attempt()
+    assert fractions[:4] == [1.0, 1.0, CAUTION_FACTOR, CAUTION_FACTOR]
+    assert fractions == sorted(fractions, reverse=True) and fractions[-1] == MIN_CONE_FRACTION
+    monitor.check_goal(beside_goal(0.1), GOAL)
+    assert monitor.cone_fraction == 1.0
+
+
+@pytest.mark.parametrize('code, request_, aborts', [
+    (PlanFailure.BLOCKED, REQUEST, True), (PlanFailure.NO_SEQUENCE, REQUEST, False),
+    (PlanFailure.BLOCKED, REQUEST._replace(robot_pose=Pose(2.2, 0.0, 0.0)), False),
+    (PlanFailure.BLOCKED, REQUEST._replace(object_pose=Pose(0.0, 0.0, 0.5)), False)])
+def test_the_same_planning_failure_twice_from_the_same_poses_aborts(code, request_, aborts):
+    """Whatever numbers its sentence has; not another failure, nor one from elsewhere."""
+    monitor = ProgressMonitor(SUPERVISION)
+    monitor.on_planning_failed(REQUEST, PlanFailure.BLOCKED, 'a wall 1.03 m wide')
+    assert not monitor.abort_reason
+    monitor.on_planning_failed(request_, code, 'a wall 1.02 m wide')
+    assert ('1.02 m' in monitor.abort_reason) == aborts
+    monitor.forget_planning_failures()
+    assert not monitor.abort_reason
