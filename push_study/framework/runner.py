@@ -91,7 +91,7 @@ class StudyRunner:
         if result.errors:
             number, error = next(iter(result.errors.items()))
             raise RuntimeError(f'job {number}, {jobs[number]}: {error}')
-        return result.records
+        return [record for record in result.records if record is not None]
 
 
 def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any]) -> Sequence[Record]:

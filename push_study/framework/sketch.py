@@ -47,10 +47,10 @@ def pushed_object(axes: Axes, obj: PushedObject, pose: Pose, ghost: bool = False
     :param ghost: whether it is there for comparison only, and dashed.
     """
     color = plot_style.GREY if ghost else plot_style.INK
-    style: dict[str, Any] = {'facecolor': 'none' if ghost else plot_style.OBJECT_FILL,
-                             'linewidth': 1.3,
-                             'zorder': 0.9 if ghost else 1.0, 'edgecolor': color,
-                             'linestyle': plot_style.DASHED if ghost else '-'}
+    style: dict[str, Any] = {
+        'facecolor': 'none' if ghost else plot_style.OBJECT_FILL, 'edgecolor': color,
+        'linewidth': 1.3, 'linestyle': plot_style.DASHED if ghost else '-',
+        'zorder': 0.9 if ghost else 1.0}
     if obj.outline:
         axes.add_patch(Polygon([pose.transform(corner) for corner in obj.outline], **style))
     else:

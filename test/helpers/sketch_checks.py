@@ -5,6 +5,7 @@ from typing import Any
 from helpers.study_outcomes import outcome_of, values_of
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 import numpy as np
 from push_model.geometry import FloatArray
@@ -58,7 +59,8 @@ def _curves(axes: Axes) -> list[tuple[str, FloatArray]]:
     curves += [('edge', to_screen(patch.get_path().transformed(
         patch.get_patch_transform()).to_polygons()[0])) for patch in axes.patches]
     curves += [('arrow', to_screen([text.xyann, text.xy])) for text in axes.texts
-               if text.arrow_patch is not None and text.anncoords == 'data']
+               if isinstance(text, Annotation) and text.arrow_patch is not None
+               and text.anncoords == 'data']
     return [(kind, _dense(curve)) for kind, curve in curves]
 
 

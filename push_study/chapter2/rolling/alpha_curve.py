@@ -106,15 +106,14 @@ def _draw_equilibria(axes: Axes, table: Table, column: str) -> list[Line2D]:
     """Mark the equilibria on the axis; return the legend entries."""
     handles: list[Line2D] = []
     for name, fill, belongs in KINDS:
-        places = [place for place, margin in zip(table[column], table['margin_m'])
-                  if belongs(margin)]
-        style: dict[str, Any] = {'marker': 'o', 'markersize': 7.0, 'fillstyle': fill,
-                                 'linestyle': 'none',
-                                 'color': (plot_style.UNSTABLE if fill == 'none'
-                                           else plot_style.STABLE),
-                                 'markerfacecoloralt': 'white', 'markeredgewidth': 1.5}
-        if places:
-            axes.plot(places, np.zeros(len(places)), zorder=4, clip_on=False, **style)
+        positions = [position for position, margin in zip(table[column], table['margin_m'])
+                     if belongs(margin)]
+        color = plot_style.UNSTABLE if fill == 'none' else plot_style.STABLE
+        style: dict[str, Any] = {
+            'marker': 'o', 'markersize': 7.0, 'fillstyle': fill, 'linestyle': 'none',
+            'color': color, 'markerfacecoloralt': 'white', 'markeredgewidth': 1.5}
+        if positions:
+            axes.plot(positions, np.zeros(len(positions)), zorder=4, clip_on=False, **style)
             handles.append(Line2D([], [], label=f'{name} equilibrium', **style))
     return handles
 

@@ -3,8 +3,8 @@
 from matplotlib.figure import Figure
 import numpy as np
 from push_study.chapter2.side_push.setup import (
-    EXACT_START, integrate_rolling, predicted_growth_rate, SETUP, simulate, simulated_growth_rate,
-    stability_limit, Start,
+    EXACT_START, integrate_rolling, predicted_growth_rate, sample_times, SETUP, simulate,
+    simulated_growth_rate, stability_limit, Start,
 )
 from push_study.framework import plot_style
 from push_study.framework.parameters import Parameter, Values
@@ -28,9 +28,10 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     rates: list[tuple[float, ...]] = []
     findings: dict[str, Finding] = {}
     difference = 0.0
-    times = None
+    times = sample_times(values)
     for distance in values.distances:
-        times, rotations, holds = simulate(values, distance, start)
+        simulated = simulate(values, distance, start)
+        rotations, holds = simulated.rotations, simulated.holds
         integrated = integrate_rolling(values, distance, start, times[holds])
         difference = max(difference, float(np.abs(integrated - rotations[holds]).max()))
         name = _column(distance)

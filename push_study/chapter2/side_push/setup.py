@@ -91,6 +91,16 @@ def start_pose(values: Values, start: Start) -> Pose:
                 start.rotation)
 
 
+def sample_times(values: Values) -> FloatArray:
+    """
+    List the times at which a simulated push is recorded.
+
+    :param values: with the parameter ``duration``.
+    :return: times [s], shape (``SAMPLES``,).
+    """
+    return np.linspace(0.0, values.duration, SAMPLES)
+
+
 def simulate(values: Values, distance: float, start: Start) -> Rotations:
     """
     Push the box in the contact simulation.
@@ -105,7 +115,7 @@ def simulate(values: Values, distance: float, start: Start) -> Rotations:
                        max_acceleration=100.0)
     plant = Plant(shifted_box(values, distance), robot, start_pose(values, start),
                   Pose(0.0, 0.0, 0.0), STEP)
-    times = np.linspace(0.0, values.duration, SAMPLES)
+    times = sample_times(values)
     rotations, holds = [start.rotation], [True]
     for duration in np.diff(times):
         plant.advance(duration, Twist(values.speed))
