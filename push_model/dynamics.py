@@ -2,11 +2,11 @@
 Dynamics of an object that is pushed through one rolling (or fixed) contact.
 
 Numbers, casadi SX and MX serve alike as arguments, so that planner, studies and tests evaluate
-the same expressions. Symbols: C contact point, G mass centre, r = G - C, n and t contact normal
-and tangent, omega the object's yaw rate, omega_p the robot's.
+the same expressions. Symbols: C contact point, G mass centre, r_G = G - C, n and t contact
+normal and tangent, omega the object's yaw rate, omega_p the robot's.
 
-    (I + m |r|^2) omega' = sum_i (s_i - C) x f_i - m (k x r) . a_bias
-    a_bias = a_C - omega^2 r + omega R_e (omega - omega_p) n
+    (I + m |r_G|^2) omega' = sum_i (s_i - C) x f_i - m (k x r_G) . a_bias
+    a_bias = a_C - omega^2 r_G + omega R_e (omega - omega_p) n
 
 a_C is the time derivative of the material velocity imposed at C along the motion.
 """
@@ -86,8 +86,9 @@ def moment_balance(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[An
     """
     Residual of the moment equation about C [N m]; zero on the motion.
 
-    ``(I + m |r|^2) omega' + m (k x r) . a_bias - sum (s_i - C) x f_i``. Nothing divides by speed:
-    scaling all velocities (smoothing too) by v, accelerations by v^2, scales inertia by v^2 only.
+    ``(I + m |r_G|^2) omega' + m (k x r_G) . a_bias - sum (s_i - C) x f_i``.
+    Nothing divides by speed: scaling all velocities (smoothing too) by v, accelerations by v^2,
+    scales inertia by v^2 only.
 
     :param terms: ``ObjectTerms``.
     :param state: ``State`` (or a sequence in its order).
@@ -174,7 +175,7 @@ def contact_force(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any
 def impulse(terms: ObjectTerms, state: Iterable[Any], dv_x: Any,
             dv_y: Any) -> tuple[Any, Any, Any]:
     """
-    Effect of a jump of the velocity imposed at C: ``(I + m r^2) d_omega = -m (k x r) . dv``.
+    Effect of a jump of the velocity at C: ``(I + m |r_G|^2) d_omega = -m (k x r_G) . dv``.
 
     The contact is taken to hold; the caller checks the impulse: J_n > 0 and |J_t| <= mu_c J_n.
 

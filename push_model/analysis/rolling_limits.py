@@ -98,7 +98,7 @@ def force_tolerances(obj: PushedObject, contact: Contact,
 
 def min_robot_radius(obj: PushedObject, location: PushingLocation) -> float:
     """
-    Find the radius above which a robot pushes stably at a location, ``R_e cos(rho) = h``.
+    Find the radius above which a robot pushes stably at a location, ``R_e cos(rho) = r``.
 
     :param obj: the ``PushedObject``.
     :param location: the ``PushingLocation`` there for any robot, its reference an equilibrium.

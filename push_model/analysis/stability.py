@@ -2,12 +2,13 @@
 Equilibria of a straight push, their stability, and how much disturbance they bear.
 
 Friction acts on the pushed object like gravity on a rocking stone. About an equilibrium, where
-the centre of friction is straight ahead of the contact (alpha = 0) at the distance h,
+the centre of friction is straight ahead of the contact (alpha = 0) at the distance r, small
+rotations e_theta of the object obey
 
-    (I + m |r|^2) phi'' + (Q / v) (h^2 + <x^2>) phi' + Q (R_e cos(rho) - h) phi = 0
+    (I + m |r_G|^2) e_theta'' + (Q / v) (r^2 + c^2) e_theta' + Q (R_e cos(rho) - r) e_theta = 0
 
-with Q the friction capacity of all supports together and r from the contact to the mass centre.
-It is stable where ``h < R_e cos(rho)``.
+with Q the friction capacity of all supports together and r_G from the contact to the mass centre.
+It is stable where ``r < R_e cos(rho)``.
 """
 
 import cmath
@@ -36,8 +37,8 @@ class Equilibrium(NamedTuple):
 
     :param rotation: of the object from the location's reference [rad].
     :param rho: pushing angle, from the normal to the push [rad].
-    :param arm: h, distance from contact to centre of friction [m].
-    :param margin: ``R_e cos(rho) - h`` [m]: above 0 stable, below 0 unstable.
+    :param arm: r, distance from contact to centre of friction [m].
+    :param margin: ``R_e cos(rho) - r`` [m]: above 0 stable, below 0 unstable.
     :param travel: of the contact along t from the reference, on the object [m].
     """
 
@@ -70,7 +71,9 @@ class Tolerance(NamedTuple):
 
 class LinearMotion(NamedTuple):
     """
-    Small rotations phi about an equilibrium: ``inertia phi'' + damping phi' + stiffness phi = 0``.
+    Small rotations e_theta about an equilibrium.
+
+    ``inertia e_theta'' + damping e_theta' + stiffness e_theta = 0``.
 
     :param inertia: [kg m^2].
     :param damping: [N m s].

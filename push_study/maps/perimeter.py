@@ -105,7 +105,7 @@ def push_through_center(obj: PushedObject, contact: Contact,
 
 def is_stable(obj: PushedObject, contact: Contact, robot_radius: float) -> bool:
     """
-    Decide whether a slightly rotated object returns: ``h < R_e cos(rho)``, within the cone.
+    Decide whether a slightly rotated object returns: ``r < R_e cos(rho)``, within the cone.
 
     :param obj: the object.
     :param contact: on a face or a round outline.
