@@ -2,19 +2,19 @@
 Kinematics of push sequences: where they lead, and their shortest straights.
 
 A sequence is made of moves. A move pushes with one primitive: straight by a_j, along a circle that
-rotates the object by the angle D_j, and straight by b_j. Moves that follow each other at one
+rotates the object by the angle dtheta_j, and straight by b_j. Moves that follow each other at one
 contact location are one push. Arrays have the axes (m sequences, n moves).
 
-The flat output point z of a push (fixed in the object, at f in its frame) moves like a vehicle: in
-the direction ``psi``, which is at a fixed angle ``beta`` in the object frame. With theta_j the
-orientation of the object before move j, relative to the start, r_j the radius of the circle and
-s_j = 1 for a rotation to the left and -1 to the right, u(psi) the unit vector and R the rotation
-matrix::
+The flat output point z of a push (fixed in the object, at p_j in its frame) moves like a vehicle:
+in the direction ``psi``, which is at a fixed angle ``nu`` in the object frame. With theta_j the
+orientation of the object before move j, relative to the start, R_j the radius of the circle,
+side_j = 1 for a rotation to the left and -1 to the right, u(psi) the unit vector and Rot the
+rotation matrix::
 
-    psi_j = theta_j + beta_j              direction before the rotation
-    psi_j' = psi_j + D_j                  direction after it
-    d_j = r_j s_j (sin psi_j' - sin psi_j, cos psi_j - cos psi_j')
-          + (R(theta_j) - R(theta_j + D_j)) f_j
+    psi_j = theta_j + nu_j                direction before the rotation
+    psi_j' = psi_j + dtheta_j             direction after it
+    d_j = R_j side_j (sin psi_j' - sin psi_j, cos psi_j - cos psi_j')
+          + (Rot(theta_j) - Rot(theta_j + dtheta_j)) p_j
     goal = sum_j a_j u(psi_j) + d_j + b_j u(psi_j')
 
 d_j is the displacement of the object's origin in the rotation. The headings follow from the
@@ -22,10 +22,11 @@ rotations alone; then the goal is linear in the lengths a_j >= 0 and b_j >= leas
 sum is that of a linear program with two equations: two of the 2 n directions are enough, and the
 best are the two next to the missing displacement, one on either side of it.
 
-Two pushes as an example, both with beta = 0 and f = 0, r = 0.5, s = 1, D = (90, 0) degrees, to the
-goal (1, 2, 90 degrees), without least lengths: the directions are 0 and 90 degrees before and
-after the first rotation, and 90 degrees in the second move. d_1 = (0.5, 0.5), so that (0.5, 1.5)
-is missing, at 71.6 degrees, between 0 and 90 degrees: a_1 = 0.5 and a_2 = 1.5 are the shortest.
+Two pushes as an example, both with nu = 0 and p = 0, R = 0.5, side = 1, dtheta = (90, 0) degrees,
+to the goal (1, 2, 90 degrees), without least lengths: the directions are 0 and 90 degrees before
+and after the first rotation, and 90 degrees in the second move. d_1 = (0.5, 0.5), so that
+(0.5, 1.5) is missing, at 71.6 degrees, between 0 and 90 degrees: a_1 = 0.5 and a_2 = 1.5 are the
+shortest.
 """
 
 import dataclasses

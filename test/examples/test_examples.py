@@ -1,0 +1,90 @@
+"""The examples run, end as they say, and the notebook has the outputs of its code."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+from helpers.architecture import ROOT
+import matplotlib
+import pytest
+
+EXAMPLES = ROOT / 'examples'
+# What a run prints, and the files that it leaves in out/.
+SCRIPTS = {
+    '01_plan_a_push': ('push of 1.61 m in 11.1 s', ['push.npz']),
+    '02_simulate': ('within bounds                                 no       yes',
+                    ['two_laws.png']),
+    '03_task': ('planned: 2 pushes', ['task.png']),
+    '04_vary_a_parameter': ('true 0.30: failed', []),
+}
+NOTEBOOK = json.loads((EXAMPLES / 'plan_a_push.ipynb').read_text(encoding='utf-8'))
+CODE_CELLS = [cell for cell in NOTEBOOK['cells'] if cell['cell_type'] == 'code']
+
+
+def load(name):
+    """Import a script, whose name is no identifier."""
+    spec = importlib.util.spec_from_file_location(f'example_{name}', EXAMPLES / f'{name}.py')
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_script_is_run():
+    """No example is left out."""
+    assert sorted(SCRIPTS) == sorted(path.stem for path in EXAMPLES.glob('*.py'))
+
+
+@pytest.mark.parametrize('name', SCRIPTS)
+def test_examples_are_short(name):
+    """What an example shows takes ten lines or so, docstrings and blank lines aside."""
+    body = (EXAMPLES / f'{name}.py').read_text(encoding='utf-8').partition('def main')[2]
+    lines = [line for line in body.partition('if __name__')[0].splitlines()[2:] if line.strip()]
+    assert len(lines) <= 15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', SCRIPTS)
+def test_a_script_runs(name, tmp_path, monkeypatch, capsys):
+    """It prints what is expected, and writes below the current directory alone."""
+    monkeypatch.chdir(tmp_path)
+    load(name).main()
+    printed, written = SCRIPTS[name]
+    assert printed in capsys.readouterr().out
+    assert sorted(path.name for path in tmp_path.glob('out/*')) == written
+
+
+@pytest.mark.slow
+def test_the_notebook_runs(tmp_path, monkeypatch, capsys):
+    """Its code cells run in order, and draw as many figures as it shows."""
+    matplotlib.use('Agg')
+    import matplotlib.pyplot as plt
+    monkeypatch.chdir(tmp_path)
+    plt.close('all')
+    names = {}
+    for number, cell in enumerate(CODE_CELLS):
+        exec(compile(''.join(cell['source']), f'plan_a_push.ipynb, cell {number}', 'exec'), names)
+    figures, printed = len(plt.get_fignums()), capsys.readouterr().out
+    plt.close('all')
+    assert figures == sum('image/png' in output.get('data', {})
+                          for cell in CODE_CELLS for output in cell['outputs'])
+    stored = ''.join(''.join(output['text']) for cell in CODE_CELLS for output in cell['outputs']
+                     if output['output_type'] == 'stream')
+    assert printed.split() == stored.split()
+
+
+def test_the_notebook_is_stored_with_its_outputs():
+    """It was run from top to bottom, without errors and without what a machine adds."""
+    assert [cell['execution_count'] for cell in CODE_CELLS] == list(
+        range(1, len(CODE_CELLS) + 1))
+    kinds = {output['output_type'] for cell in CODE_CELLS for output in cell['outputs']}
+    assert kinds == {'execute_result', 'stream', 'display_data'}
+    assert {output['name'] for cell in CODE_CELLS for output in cell['outputs']
+            if output['output_type'] == 'stream'} == {'stdout'}
+
+
+def test_links_of_the_notebook_lead_somewhere():
+    """Its relative links lead to files."""
+    text = ''.join(''.join(cell['source']) for cell in NOTEBOOK['cells']
+                   if cell['cell_type'] == 'markdown')
+    targets = [part.partition(')')[0] for part in text.split('](')[1:]]
+    assert targets and all((Path(EXAMPLES) / target).exists() for target in targets)
