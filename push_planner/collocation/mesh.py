@@ -16,7 +16,7 @@ from push_planner.collocation.speed_profile import speed_profile, SpeedProfile
 from push_planner.problem import PushProblem
 
 # Steps of an acceleration or a deceleration, and of a final straight. Chosen: V is linear in s
-# there, and w settles in the first of them.
+# there, so that few are enough.
 RAMP_STEPS = 3
 STRAIGHT_STEPS = 3
 # Least number of steps of pushes at constant angles, whose segments are divided into as many.

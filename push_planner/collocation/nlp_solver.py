@@ -28,7 +28,7 @@ NEGLIGIBLE_EXCESS = 1e-5
 MIN_FREE_LENGTH = 1e-3
 QUIET = {'print_time': False, 'error_on_fail': False}
 # Chosen: the accuracy that the refinement after it needs, and a small barrier from the start, as
-# the initial guess is near the optimum. More iterations than these hardly ever led to a push.
+# the initial guess is near the optimum.
 FATROP = {'fatrop': {'print_level': 0, 'tol': 3e-4, 'mu_init': 3e-5, 'bound_push': 0.1,
                      'max_iter': 40}}
 IPOPT = {'ipopt': {'print_level': 0, 'sb': 'yes', 'max_iter': 80, 'tol': 1e-4, 'mu_init': 1e-2,

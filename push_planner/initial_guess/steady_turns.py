@@ -26,8 +26,8 @@ HALVINGS = 24
 # Sliding speed over the pushing speed below which friction becomes viscous. Chosen: smaller than
 # that of the program, as no derivative is needed.
 SMOOTHING = 1e-3
-# Half-width of the bracket of w, times the distance from contact to mass centre. Derived: an
-# object that turns about one of its supports has at most 1 / distance; 4 is on the safe side.
+# Half-width of the bracket of w, times the distance from contact to mass centre. Chosen: several
+# times 1 / distance, the yaw rate over speed of an object that turns about its mass centre.
 BRACKET = 4.0
 # Tolerance on the largest pushing angle [rad]: rounding.
 ANGLE_ROUNDING = 1e-9

@@ -43,7 +43,7 @@ STRAIGHT_END_WEIGHTS = np.diag([0.0, 1e4, 1e4, 1e4, 1e4, 1e3, 0.0])
 # wheelbase or two; S is left to the program, as it decides on the time.
 CHANGE_COST = 0.03
 FREE_LENGTH_COST = 10.0
-# Largest number of fine rollouts. Chosen: mostly two are enough.
+# Largest number of fine rollouts. Chosen.
 FINE_ROLLOUTS = 5
 # Size of a miss in (w, rho, theta, q_x, q_y, phi, S). Chosen: a pushing angle or heading that is a
 # little off at the end is still a straight push.

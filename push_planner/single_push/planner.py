@@ -31,7 +31,7 @@ from push_planner.single_push.bounds import displacement_bound
 from push_planner.single_push.feasibility import check_feasibility
 
 # Routes that are tried at most, and of those the first with the relaxed program. Chosen: the six
-# Dubins words with two final straights; the relaxed program takes ten times as long.
+# Dubins words with two final straights; fewer with the relaxed program, which takes longer.
 MAX_ROUTES = 12
 MAX_RELAXED_ROUTES = 4
 # A longer push than the shortest by this ratio is not looked at any further. Chosen: it will not

@@ -15,8 +15,8 @@ from push_model.geometry import FloatArray, wrap_angle
 from push_planner.plan import Plan
 from push_planner.verification.open_loop import open_loop_simulation, Segment
 
-# Length of an interval in wheelbases. Derived: errors grow by exp(8) = 3000 over it, from the
-# tolerance of the integration to a few micrometres.
+# Length of an interval in wheelbases. Chosen: an open-loop push diverges as exp(s / L), so that
+# errors grow by exp(8) = 3000 over an interval.
 INTERVAL_WHEELBASES = 8.0
 
 
