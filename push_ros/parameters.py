@@ -149,7 +149,7 @@ def declare_parameters(node: Node, sections: Sequence[Section]) -> list[Any]:
     unknown = sorted(set(given) - {spec.name for spec in specs})
     if unknown:
         raise ValueError(f'{", ".join(unknown)}: got a parameter that {node.get_name()} does not '
-                         'have, expected one of its own (see README)')
+                         'have, expected one of its own (see docs/reference)')
     instances = [from_parameter_values(cls, given, prefix) for prefix, cls in sections]
     for spec in specs:
         _declare(node, spec, given.get(spec.name, spec.default))
