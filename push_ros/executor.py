@@ -14,18 +14,21 @@ polled while messages keep coming:
                                                     or the next background period
 """
 
+import abc
 import gc
 import signal
 import sys
 import time
 from types import FrameType
-from typing import Any, Callable, Protocol, Sequence
+from typing import Any, Callable, Sequence
 
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
+from rclpy.utilities import try_shutdown
 
 # Longest wait of background callbacks [s]; chosen: nobody notices it in a service or a plan.
 BACKGROUND_PERIOD = 0.02
@@ -63,22 +66,18 @@ class BackgroundGroup(MutuallyExclusiveCallbackGroup):
         return self.is_open and super().can_execute(entity)
 
 
-class PolledNode(Protocol):
+class PolledNode(Node, abc.ABC):
     """A node with a group of background callbacks, whose real-time topics can be polled."""
 
     background: BackgroundGroup
 
+    @abc.abstractmethod
     def poll(self) -> bool:
         """Handle a message of each real-time topic that has one; tell whether there was any."""
-        ...
 
+    @abc.abstractmethod
     def close(self) -> None:
         """Shut down: called once, while publishers are still valid."""
-        ...
-
-    def destroy_node(self) -> None:
-        """Destroy it, as of ``rclpy.node.Node``."""
-        ...
 
 
 def take_message(subscription: Subscription) -> Any:
@@ -103,7 +102,8 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
     :return: exit status: 0 after a signal, 2 where the node refuses a parameter.
     """
     stop = _StopSignal()
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(args=None if arguments is None else list(arguments),
+               signal_handler_options=SignalHandlerOptions.NO)
     try:
         try:
             node = make_node()
@@ -121,7 +121,7 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
             node.destroy_node()
     finally:
         stop.release()
-        rclpy.try_shutdown()
+        try_shutdown()
     return 0
 
 

@@ -3,12 +3,11 @@
 from typing import Any, Callable, NamedTuple, Sequence
 
 from push_ros.diagnostics import Reporter
-from push_ros.executor import BackgroundGroup, take_message
+from push_ros.executor import BackgroundGroup, PolledNode, take_message
 from push_ros.parameters import declare_parameters, Section
 from push_ros.topics import SERVICES, TOPICS
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
@@ -29,7 +28,7 @@ class PolledSubscription(NamedTuple):
     callback: Callable[[Any], None]
 
 
-class PushNode(Node):
+class PushNode(PolledNode):
     """
     A node with parameters from dataclasses, whose topics and services are those of the list.
 

@@ -11,7 +11,7 @@ and tuples of numbers flat lists:
 
 import dataclasses
 import math
-from typing import Any, get_args, get_origin, Mapping, Sequence, TypeVar
+from typing import Any, get_args, get_origin, Mapping, Sequence
 
 from push_model.quantity import expectation, field_types, range_text
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -20,7 +20,6 @@ from rclpy.parameter import Parameter
 
 # Prefix of the names, with its dot, and the dataclass.
 Section = tuple[str, type[Any]]
-T = TypeVar('T')
 # What rclpy itself declares or understands.
 RCLPY_NAMES = ('use_sim_time', 'start_type_description_service')
 RCLPY_PREFIX = 'qos_overrides.'
@@ -53,7 +52,7 @@ class ParameterSpec:
         return expectation(self.kind, self.metadata)
 
 
-def parameter_specs(cls: type[Any], prefix: str = '') -> list[ParameterSpec]:
+def parameter_specs(cls: Any, prefix: str = '') -> list[ParameterSpec]:
     """
     List the parameters of a dataclass.
 
@@ -102,7 +101,7 @@ def to_parameter_values(instance: Any, prefix: str = '') -> dict[str, Any]:
     return values
 
 
-def from_parameter_values(cls: type[T], values: Mapping[str, Any], prefix: str = '') -> T:
+def from_parameter_values(cls: Any, values: Mapping[str, Any], prefix: str = '') -> Any:
     """
     Make a dataclass instance of flat values.
 
@@ -144,7 +143,9 @@ def declare_parameters(node: Node, sections: Sequence[Section]) -> list[Any]:
     :raises ValueError: naming every unknown parameter, or the first one that is missing or wrong.
     """
     specs = [spec for prefix, cls in sections for spec in parameter_specs(cls, prefix)]
-    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
+    # The stubs of rclpy have values here, where it gives parameters.
+    declared: dict[str, Any] = dict(node.get_parameters_by_prefix(''))
+    given = {name: parameter.value for name, parameter in declared.items()
              if parameter.type_ != Parameter.Type.NOT_SET and not _is_of_rclpy(name)}
     unknown = sorted(set(given) - {spec.name for spec in specs})
     if unknown:
@@ -185,7 +186,7 @@ def _as_list(spec: ParameterSpec, is_optional: bool) -> ParameterSpec:
     return dataclasses.replace(spec, kind=list[spec.kind], default=default)
 
 
-def _items(cls: type[T], values: Mapping[str, Any], prefix: str) -> tuple[T, ...]:
+def _items(cls: Any, values: Mapping[str, Any], prefix: str) -> tuple[Any, ...]:
     """Make a tuple of dataclass instances of lists, one list for each field."""
     columns = {field.name: values[prefix + field.name] for field in dataclasses.fields(cls)
                if len(values.get(prefix + field.name, ()))}

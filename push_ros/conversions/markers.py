@@ -84,7 +84,7 @@ def plan_markers(header: MarkerHeader, trajectory: PushTrajectory) -> MarkerArra
     :param trajectory: ``PushTrajectory``.
     :return: ``MarkerArray``.
     """
-    result = MarkerArray()
+    lines: list[Any] = []
     for name, poses, color in (('object', trajectory.object_poses, BLUE),
                                ('contact', trajectory.contact_poses, ORANGE),
                                ('robot', trajectory.robot_poses, GREEN)):
@@ -93,8 +93,8 @@ def plan_markers(header: MarkerHeader, trajectory: PushTrajectory) -> MarkerArra
         # It stays until the next plan.
         line.lifetime = Duration()
         line.points = [_point(p) for p in poses[:, :2].tolist()]
-        result.markers.append(line)
-    return result
+        lines.append(line)
+    return MarkerArray(markers=lines)
 
 
 def text_markers(header: MarkerHeader, pose: Coordinates, text: str) -> MarkerArray:

@@ -105,8 +105,8 @@ def to_path_message(object_poses: Iterable[Coordinates], stamp: Time, frame: str
     """
     message = Path()
     message.header.stamp, message.header.frame_id = stamp, frame
-    for pose in object_poses:
-        message.poses.append(PoseStamped(header=message.header, pose=to_pose_message(pose)))
+    message.poses = [PoseStamped(header=message.header, pose=to_pose_message(pose))
+                     for pose in object_poses]
     return message
 
 

@@ -86,7 +86,7 @@ def _values(message: JointTrajectory, topic: str) -> Dict[str, float]:
         raise MessageRefused(f'{topic}: {", ".join(twice)}: got more than one, expected one')
     if len(message.points) != 1:
         raise MessageRefused(f'{topic}: got {len(message.points)} points, expected 1')
-    positions = message.points[0].positions
+    positions = list(message.points)[0].positions
     if len(positions) != len(names):
         raise MessageRefused(f'{topic}: got {len(positions)} positions, expected {len(names)}, '
                              'one for each joint name')

@@ -40,7 +40,8 @@ MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.contr
 SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT = SCENARIO.start.object.pose, SCENARIO.robot_start
 GOAL = SCENARIO.goal.pose
-PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'), **to_parameter_values(SCENARIO.robot, 'robot.')}
+PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
+           **to_parameter_values(SCENARIO.robot, 'robot.')}
 AWAY = {'robot_start': [-2.0, 0.0, 0.0]}
 ZERO = (0.0, 0.0, 0.0)
 LATE = SensorSettings(pose_noise=2e-3, pose_heading_noise=5e-3, pose_latency=0.08)
@@ -52,7 +53,7 @@ PERIOD = 0.02
 def trajectory():
     """Plan the straight push."""
     return plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
-                                       SCENARIO.planner)).trajectory
+                                            SCENARIO.planner)).trajectory
 
 
 @pytest.fixture(scope='module')
@@ -145,7 +146,7 @@ def test_unusable_odometry_stops_the_robot(controller):
     assert controller.odometry(0.2, (math.nan, 0.0, 0.0)) == ZERO
     assert controller.odometry(0.22, ROBOT, 'map') == ZERO
     controller.wait_until(lambda: any("odom: got frame 'map', expected 'odom'" in error
-                                 for error in errors(controller)))
+                                      for error in errors(controller)))
     assert controller.odometry(0.24, ROBOT)[0] > 0.0
 
 
@@ -207,7 +208,8 @@ def test_stop_and_start(controller):
 def test_a_plan_that_is_refused_stops_the_push(controller, trajectory):
     """In another frame it is no plan of ours."""
     controller.publish('push_plan', to_plan_message(trajectory, to_stamp(0.1), 'map'))
-    controller.wait_until(lambda: any("push_plan: got frame 'map'" in e for e in errors(controller)))
+    controller.wait_until(lambda: any("push_plan: got frame 'map'" in error
+                                      for error in errors(controller)))
     assert controller.odometry(0.2, ROBOT) == ZERO
 
 
@@ -215,12 +217,12 @@ def test_a_plan_from_another_site_stops_the_push(controller):
     """The robot does not set out blindly: it is told where to stand."""
     opposite = Pose(-ROBOT.x, -ROBOT.y, ROBOT.theta + math.pi)
     elsewhere = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, opposite,
-                                            Pose(-1.0, 0.0, OBJECT.theta), SCENARIO.planner))
+                                                 Pose(-1.0, 0.0, OBJECT.theta), SCENARIO.planner))
     controller.publish('push_plan', to_plan_message(elsewhere.trajectory, to_stamp(0.1), 'odom'))
     controller.wait_until(lambda: 'has a plan' in last_text(controller))
     assert controller.odometry(0.2, ROBOT) == controller.object_pose(0.22, OBJECT) == ZERO
     controller.wait_until(lambda: any(f'it must stand at {opposite.x:.3f} m, ' in error
-                                 for error in errors(controller)))
+                                      for error in errors(controller)))
 
 
 def test_time_that_goes_back_ends_the_push(controller):
@@ -274,8 +276,9 @@ def test_the_planner_answers_a_goal(planner, trajectory):
     """It waits for measurements; the plan has the stamp of the newest, and is the planner's."""
     planner.publish('goal_pose', goal(GOAL))
     planner.wait_until(lambda: 'waits for odom and object_pose' in last_text(planner))
-    planner.repeat_until(lambda: measure(planner),
-                   lambda: planner.received['push_plan'] and planner.received['planned_path'])
+    planner.repeat_until(
+        lambda: measure(planner),
+        lambda: planner.received['push_plan'] and planner.received['planned_path'])
     message = planner.received['push_plan'][0]
     assert nanoseconds(message.header.stamp) == 1_500_000_000
     check_frame(message.header.frame_id, 'odom', 'push_plan')
@@ -298,7 +301,7 @@ def test_the_planner_refuses_a_goal_and_keeps_its_plan(planner, message, text):
     plans, known = len(planner.received['push_plan']), len(errors(planner))
     planner.publish('goal_pose', message)
     planner.repeat_until(lambda: measure(planner),
-                   lambda: any(text in error for error in errors(planner)[known:]))
+                         lambda: any(text in error for error in errors(planner)[known:]))
     assert len(planner.received['push_plan']) == plans
 
 
@@ -307,7 +310,7 @@ def push_on(b, shift):
     pose = shift @ ROBOT
     b.publish('object_pose', to_object_pose_message(ObjectPose(2.0, shift @ OBJECT), 'odom'))
     b.publish('odom', to_odometry_message(Odometry(2.0, pose, Twist(0.07, 0.0, 0.04)), 'odom',
-                                        'base_link'))
+                                          'base_link'))
 
 
 def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
@@ -384,7 +387,7 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
         b.connect(OBJECT, ROBOT)
         b.publish('goal_pose', goal(GOAL))
         b.repeat_until(lambda: (b.object_pose(0.0, OBJECT), b.odometry(0.0, ROBOT)),
-                 lambda: b.received['push_plan'])
+                       lambda: b.received['push_plan'])
         assert drive(b, plant, 3.0)[-1] > 0.12
         b.publish('goal_pose', goal(wanted))
         speeds = drive(b, plant, 20.0, lambda: len(b.received['push_plan']) == 2, pause=PERIOD)
@@ -448,8 +451,9 @@ def test_the_simulator_on_the_wall_clock(tmp_path):
         place = PoseWithCovarianceStamped(header=goal(GOAL).header)
         place.pose.pose = to_pose_message((1.0, 2.0, 0.5))
         b.publish('initialpose', place)
-        b.wait_until(lambda: from_object_pose_message(b.received['object_pose'][-1], 'odom').pose
-                == pytest.approx(Pose(1.0, 2.0, 0.5), abs=1e-6))
+        b.wait_until(lambda: from_object_pose_message(
+            b.received['object_pose'][-1], 'odom').pose == pytest.approx(
+                Pose(1.0, 2.0, 0.5), abs=1e-6))
 
 
 def test_the_simulator_holds_time_until_it_is_started(tmp_path):
@@ -493,7 +497,8 @@ def test_a_node_has_the_topics_and_services_of_the_list(tmp_path, name):
 
         b.wait_until(lambda: set(graph(b.node.get_service_names_and_types_by_node)) == served)
         b.wait_until(lambda: set(graph(b.node.get_publisher_names_and_types_by_node)) == published)
-        b.wait_until(lambda: set(graph(b.node.get_subscriber_names_and_types_by_node)) == subscribed)
+        b.wait_until(
+            lambda: set(graph(b.node.get_subscriber_names_and_types_by_node)) == subscribed)
 
 
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])

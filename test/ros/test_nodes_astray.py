@@ -20,7 +20,8 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
-PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'), **to_parameter_values(SCENARIO.robot, 'robot.'),
+PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
+              **to_parameter_values(SCENARIO.robot, 'robot.'),
               'autostart': True, 'use_sim_time': True, 'control.max_reapproaches': 0}
 SPEED, PERIOD = 0.2, 0.1
 
@@ -33,7 +34,7 @@ def texts(b):
 def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
     """Object and robot go past the goal, 8 cm beside it; the robot stands and the node asks."""
     target = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
-                                         SCENARIO.planner)).trajectory
+                                              SCENARIO.planner)).trajectory
     assert initial_contact_site(SCENARIO.object, SCENARIO.robot, target).kind == 'vertex'
     asked = []
 

@@ -27,7 +27,8 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 SCENARIO = read_scenario(find_scenario('task_approach'))
 DRIVE = SCENARIO.task.drive
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
-PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'), **to_parameter_values(SCENARIO.robot, 'robot.')}
+PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
+           **to_parameter_values(SCENARIO.robot, 'robot.')}
 TASK = {**PHYSICS, 'use_sim_time': True, 'task': True}
 ZERO = (0.0, 0.0, 0.0)
 PERIOD = 0.05
@@ -108,7 +109,7 @@ class Stand:
     def answer(self, chain, request, frame='odom'):
         """Send a plan for a request."""
         self.b.publish('push_plan', to_plan_message(chain.plan.trajectory, request.header.stamp,
-                                                  frame))
+                                                    frame))
 
     def says(self, text):
         """Wait until it has said something."""
@@ -227,7 +228,7 @@ def test_stopped_it_stands_until_it_is_started_anew(stand):
 def test_its_state_is_in_the_markers(stand):
     """As text, beside object and robot."""
     stand.b.wait_until(lambda: any(marker.text for message in stand.b.received['markers']
-                              for marker in message.markers))
+                                   for marker in message.markers))
 
 
 def test_measurements_wait_for_the_plan(tmp_path, planned):
@@ -257,8 +258,9 @@ def test_measurements_wait_for_the_plan(tmp_path, planned):
 
 @pytest.fixture(scope='module')
 def planner(tmp_path_factory):
-    """Start a planner of chains."""
-    parameters = {**PHYSICS, 'planner.site': 'sequence', **to_parameter_values(TaskSettings(), 'task.')}
+    """Start a planner of sequences."""
+    parameters = {**PHYSICS, 'planner.site': 'sequence',
+                  **to_parameter_values(TaskSettings(), 'task.')}
     with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
                parameters) as b:
         for topic in ('push_plan', 'planned_path', 'diagnostics'):
@@ -269,7 +271,8 @@ def planner(tmp_path_factory):
 
 def request(time=1.0, pose=GOAL):
     """Make a request from the start."""
-    return to_request_message(PlanRequest(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time), 'odom')
+    return to_request_message(PlanRequest(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time),
+                              'odom')
 
 
 def set_field(message, name, value):
@@ -283,8 +286,9 @@ def answered(b, message):
         b.received[heard].clear()
     b.publish('push_request', message)
     b.wait_until(lambda: b.received['push_plan'])
-    assert nanoseconds(b.received['push_plan'][0].header.stamp) == nanoseconds(message.header.stamp)
-    return b.received['push_plan'][0]
+    answer = b.received['push_plan'][0]
+    assert nanoseconds(answer.header.stamp) == nanoseconds(message.header.stamp)
+    return answer
 
 
 def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
@@ -292,8 +296,8 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     aside = OBJECT @ Pose(-1.0, 0.0, 1.0)
     message = request(1.5, aside)
     got = from_plan_message(answered(planner, message), 'odom')
-    chain = plan_for_request(from_request_message(message, 'odom', SCENARIO.object), SCENARIO.robot,
-                             SCENARIO.planner, DRIVE)
+    chain = plan_for_request(from_request_message(message, 'odom', SCENARIO.object),
+                             SCENARIO.robot, SCENARIO.planner, DRIVE)
     assert len(chain.pushes) > 1
     assert np.abs(got.object_poses - chain.plan.trajectory.object_poses).max() < 1e-6
     planner.wait_until(lambda: planner.received['planned_path'])
@@ -302,7 +306,7 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     assert distance(poses[0], OBJECT) < 1e-6 and distance(poses[-1], aside) < 5e-3
     assert max(distance(*pair) for pair in zip(poses, poses[1:])) < 0.1
     planner.wait_until(lambda: any(f'has planned {len(chain.pushes)} pushes' in text
-                              for text in texts(planner, PLANNER)))
+                                   for text in texts(planner, PLANNER)))
 
 
 @pytest.mark.parametrize('spoil, text', [
@@ -333,7 +337,7 @@ def test_a_map_is_kept_to(planner):
     """A bad one is told; in one where the goal is walled in there is no plan."""
     planner.publish('map', floor(FREE, 'camera'))
     planner.wait_until(lambda: any("map: got frame 'camera', expected 'odom'" in error
-                              for error in errors(planner, PLANNER)))
+                                   for error in errors(planner, PLANNER)))
     assert len(answered(planner, request(3.0)).points) > 0
     wall = FREE.copy()
     wall[:, 50:52] = True
@@ -341,4 +345,4 @@ def test_a_map_is_kept_to(planner):
     planner.wait_until(lambda: 'has a map of 80 times 80 cells' in texts(planner, PLANNER))
     assert len(answered(planner, request(4.0)).points) == 0
     planner.wait_until(lambda: any('map' in error and 'obstacle' in error
-                              for error in errors(planner, PLANNER)[1:]))
+                                   for error in errors(planner, PLANNER)[1:]))

@@ -9,7 +9,9 @@ from push_model.parameters import PushedObject, RoundRobot, Support
 from push_planner import planner_node
 from push_planner.problem import PlannerSettings
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
-from push_ros.parameters import declare_parameters, from_parameter_values, parameter_specs, to_parameter_values
+from push_ros.parameters import (
+    declare_parameters, from_parameter_values, parameter_specs, to_parameter_values,
+)
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.definition.data import config_file
 from push_sim_node import sim_node

@@ -47,7 +47,8 @@ def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False):
     true = box(mass=2.4, friction=(0.2, 0.35, 0.3, 0.25), contact_friction_coefficient=0.4)
     return Scenario(
         name='task', description='a task', object=believed,
-        true_object=true if wrong else believed, robot=robot, true_robot=robot, start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
+        true_object=true if wrong else believed, robot=robot, true_robot=robot,
+        start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
         sensors=sensors or SensorSettings(), simulation=SimulationSettings(seed=seed),
         task=Task(), time_limit=300.0)
 
