@@ -67,7 +67,7 @@ class ControllerNode(PushNode):
         ``controller/start``, ``controller/stop``, ``controller/pause``, ``controller/resume``
         (Trigger).
 
-    Parameters
+    ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``control.*``; ``drive.*`` and ``supervision.*`` of
         a task; ``world_frame``, ``object_frame``, ``base_frame``; and those of
         ``ControllerOptions``.

@@ -87,7 +87,7 @@ class PlannerNode(PushNode):
     Services
         ``planner/replan`` (Trigger).
 
-    Parameters
+    ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``planner.*``; ``drive.*`` and ``task.*`` of
         sequences; ``world_frame``, ``object_frame``, ``base_frame``.
 
