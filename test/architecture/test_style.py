@@ -18,8 +18,8 @@ OFFENCES = [
     (FLAKE8, 'E501', f"TEXT = '{'x' * 92}'\n"),
     (FLAKE8, 'I100', 'import sys\nimport os\n\nprint(os, sys)\n'),
     (FLAKE8, 'F401', 'import os\n'),
-    (FLAKE8, 'C901', 'def f(x):\n' + ''.join(f'    if x == {n}:\n        print({n})\n'
-                                           for n in range(10))),
+    (FLAKE8, 'C901', 'def f(x):\n' + ''.join(
+        f'    if x == {n}:\n        print({n})\n' for n in range(10))),
     (FLAKE8, 'B902', 'try:\n    print()\nexcept Exception:\n    print()\n'),
     (PEP257, 'D213', 'def f():\n    """Summary.\n\n    More.\n    """\n'),
     (PEP257, 'D400', 'def f():\n    """Summary without a full stop"""\n'),
