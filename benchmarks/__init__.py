@@ -1,1 +1,1 @@
-"""Benchmarks: what README and docs state is measured here."""
+"""Benchmarks: the figures that README and docs state are measured here."""

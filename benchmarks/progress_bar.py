@@ -1,22 +1,28 @@
-"""A bar on the terminal for commands that take a while."""
+"""Progress bar on the terminal, for commands that take a while."""
 
 import sys
+from typing import Iterator, Optional, Sequence, TextIO, TypeVar
+
+Item = TypeVar('Item')
+# Characters of a full bar; chosen: bar, title and count fit into 80 columns.
+BAR_WIDTH = 30
 
 
-def progress(items, title, stream=None):
+def progress(items: Sequence[Item], title: str, stream: Optional[TextIO] = None) -> Iterator[Item]:
     """
     Yield the items, and show how many are done.
 
-    :param items: sequence.
-    :param title: what is running.
+    :param items: sequence to go through.
+    :param title: name of what is running.
     :param stream: where to write; ``sys.stderr`` if None. Anything but a terminal gets one line.
     """
-    stream = stream or sys.stderr
+    bar: TextIO = stream or sys.stderr
     count = len(items)
     for i, item in enumerate(items):
-        if stream.isatty():
-            done = 30 * i // count
-            stream.write(f'\r{title} [{"#" * done}{"." * (30 - done)}] {i}/{count}')
-            stream.flush()
+        if bar.isatty():
+            done = BAR_WIDTH * i // count
+            bar.write(f'\r{title} [{"#" * done}{"." * (BAR_WIDTH - done)}] {i}/{count}')
+            bar.flush()
         yield item
-    stream.write(f'{"" if not stream.isatty() else chr(13)}{title}: {count} done{" " * 30}\n')
+    begin = '\r' if bar.isatty() else ''
+    bar.write(f'{begin}{title}: {count} done{" " * BAR_WIDTH}\n')

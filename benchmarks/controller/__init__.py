@@ -1,1 +1,1 @@
-"""Benchmark: controller."""
+"""Benchmark of the controller: random single pushes under every control law."""

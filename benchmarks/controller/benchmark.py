@@ -1,46 +1,52 @@
 """
-Controllers measured: how many random pushes each law brings to the goal, how near, how fast.
+Benchmark of the controller: how many random pushes each law brings to the goal, how accurately.
 
-Objects, friction, sensors, drives and placement are wrong in every case (see
-``controller_cases.py``); cases that no plan solves are counted apart. Takes half an hour on two
-cores, ``--quick`` less than a minute. Pushes are kept in ``--records`` as they come, and the same
-command goes on after Ctrl-C; only the times, some minutes at the end, are taken anew. ``--seed``
-runs one case and tells about it.
+Nominal and true parameters of object, friction, sensors, drive and placement differ in every case
+(see ``cases.py``); cases without a plan are counted separately. Takes half an hour on two cores,
+``--quick`` less than a minute. Records are stored in ``--records`` as pushes finish, and the same
+command resumes after Ctrl-C; only CPU times, some minutes at the end, are measured again.
+``--seed`` runs one case and prints its record.
 """
 
 import argparse
 from pathlib import Path
 import sys
+from typing import Optional, Sequence
 
 from benchmarks.controller import grid as controller_grid
 from benchmarks.controller.cases import KINDS, scenario, STRESSES
-from benchmarks.controller.dds import over_dds
+from benchmarks.controller.dds import over_dds, OverDds
 from benchmarks.controller.report import picture, Results, text
 from benchmarks.controller.run import LAWS, push
-from benchmarks.controller.timing import STEERING, timed
+from benchmarks.controller.tables import Job, Record
+from benchmarks.controller.timing import STEERING, Timed, timed
 from push_scenario.batch.batch import run_batch
+from push_scenario.batch.chunks import JobFunction
 from push_scenario.definition.loader import scenario_text
 from tqdm import tqdm
 
+DESCRIPTION = 'Benchmark of the controller: how many random pushes each law brings to the goal.'
+# Exit status after Ctrl-C: 128 + SIGINT, the convention of shells.
 INTERRUPTED = 130
 
 
-def options():
-    """Read the command line."""
-    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
-    parser.add_argument('--cases', type=int, default=600, help='of each law, over all kinds')
-    parser.add_argument('--stressed', type=int, default=200, help='the same, of each stress')
+def options() -> argparse.Namespace:
+    """Parse the command line."""
+    parser = argparse.ArgumentParser(description=DESCRIPTION)
+    parser.add_argument('--cases', type=int, default=600,
+                        help='pushes under each law, over all kinds')
+    parser.add_argument('--stressed', type=int, default=200, help='the same, under each stress')
     parser.add_argument('--every', type=int, default=1,
-                        help='of so many combinations of the grid one is pushed')
-    parser.add_argument('--no-grid', action='store_true', help='leave straight pushes out')
+                        help='push every n-th combination of the grid')
+    parser.add_argument('--no-grid', action='store_true', help='skip the grid of straight pushes')
     parser.add_argument('--timed', type=int, default=10, help='pushes whose steps are timed')
-    parser.add_argument('--no-dds', action='store_true', help='leave the nodes over DDS out')
+    parser.add_argument('--no-dds', action='store_true', help='skip the nodes over DDS')
     parser.add_argument('--quick', action='store_true', help='few of everything, no nodes')
     parser.add_argument('--records', type=Path, default=Path('out/controller'))
     parser.add_argument('--out', type=Path, help='directory for controller.md and controller.png')
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
     parser.add_argument('--kind', choices=tuple(KINDS), default=next(iter(KINDS)),
-                        help='of the one case')
+                        help='object and drive of the case of --seed')
     parser.add_argument('--stress', choices=STRESSES, default=STRESSES[0])
     parser.add_argument('--law', choices=LAWS + ('open_loop',), default=LAWS[0])
     parser.add_argument('--seed', type=int, help='run this case only')
@@ -51,28 +57,34 @@ def options():
     return chosen
 
 
-def batch(function, jobs, name, chosen, chunk):
-    """Run jobs, or go on with them; return their records."""
+def batch(function: JobFunction, jobs: Sequence[Job], name: str, chosen: argparse.Namespace,
+          chunk: int) -> list[Record]:
+    """Run jobs, or resume them; return their records."""
     with tqdm(total=len(jobs), desc=name) as bar:
+        def advance(done: int, _: int) -> None:
+            bar.update(done - bar.n)
+
         result = run_batch(function, jobs, chosen.records / f'{name}-{len(jobs)}.jsonl',
                            workers=chosen.workers, chunk=chunk,
-                           progress=lambda done, total: bar.update(done - bar.n))
+                           progress=advance)
     if result.errors:
         raise RuntimeError(f'{name}: got {result.errors}, expected no errors')
-    return result.records
+    return [record for record in result.records if record is not None]
 
 
-def random_jobs(cases, stressed):
-    """List the random pushes; those of one seed follow each other, as they share a plan."""
+def random_jobs(cases: int, stressed: int) -> list[Job]:
+    """List the random pushes; those of one seed are neighbours, as they share a plan."""
     return [{'kind': kind, 'seed': seed, 'stress': stress, 'laws': list(LAWS)}
             for seed in range(max(cases, stressed) // len(KINDS)) for kind in KINDS
             for stress in STRESSES
             if seed < (cases if stress == STRESSES[0] else stressed) // len(KINDS)]
 
 
-def timings(count):
-    """Time the steps of every law on the same cases, one process."""
-    runs, kinds, seed = {name: [] for name in STEERING}, list(KINDS)[1:] + list(KINDS)[:1], 0
+def timings(count: int) -> dict[str, list[Timed]]:
+    """Measure the CPU time of steps under every law on the same cases, in one process."""
+    runs: dict[str, list[Timed]] = {name: [] for name in STEERING}
+    kinds = list(KINDS)[1:] + list(KINDS)[:1]
+    seed = 0
     with tqdm(total=count, desc='times') as bar:
         while bar.n < count:
             for name in STEERING:
@@ -86,8 +98,8 @@ def timings(count):
     return runs
 
 
-def nodes(chosen):
-    """Measure the nodes where ROS 2 is at hand; None otherwise."""
+def nodes(chosen: argparse.Namespace) -> Optional[list[OverDds]]:
+    """Measure the nodes where ROS 2 is installed; None otherwise."""
     if chosen.no_dds:
         return None
     try:
@@ -97,8 +109,8 @@ def nodes(chosen):
         return None
 
 
-def one(chosen):
-    """Run one case; write it as a scenario."""
+def one(chosen: argparse.Namespace) -> None:
+    """Run one case, print its record, and write it as a scenario."""
     case, _ = scenario(chosen.kind, chosen.seed, chosen.stress)
     chosen.records.mkdir(parents=True, exist_ok=True)
     path = chosen.records / 'random.yaml'
@@ -108,7 +120,7 @@ def one(chosen):
     print(f'written: {path}; replay {path} --law {chosen.law} --in-process')
 
 
-def measure(chosen):
+def measure(chosen: argparse.Namespace) -> Results:
     """Run all parts; return ``Results``."""
     jobs = random_jobs(chosen.cases, chosen.stressed)
     records = batch(push, jobs, 'pushes', chosen, len(STRESSES))
@@ -117,7 +129,7 @@ def measure(chosen):
                    timings(chosen.timed), nodes(chosen))
 
 
-def main():
+def main() -> int:
     """Measure, print, write; or run one case."""
     chosen = options()
     if chosen.seed is not None:
@@ -126,7 +138,7 @@ def main():
     try:
         results = measure(chosen)
     except KeyboardInterrupt:
-        print('\ninterrupted; the same command goes on', file=sys.stderr)
+        print('\ninterrupted; the same command resumes', file=sys.stderr)
         return INTERRUPTED
     written = text(results)
     print(written)

@@ -1,21 +1,26 @@
 """The predictive law's horizon problem, solved to convergence by ipopt at every step."""
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 from push_control.laws.mpc import optimal_weights, PredictiveLaw, SolverFailed
 from push_control.laws.mpc_problem import horizon_problem, HorizonParameters
 from push_control.laws.steering_law import SolverFailure
+from push_control.settings import ControlSettings
+from push_model.parameters import Drive, RoundRobot
 
-OPTIONS = {'print_time': False, 'error_on_fail': False, 'ipopt': {
+# Options of ipopt; chosen: a tolerance far below that of the law itself.
+OPTIONS: dict[str, Any] = {'print_time': False, 'error_on_fail': False, 'ipopt': {
     'print_level': 0, 'sb': 'yes', 'tol': 1e-8, 'max_iter': 200}}
-# Bound of the slack [rad]: none that binds.
+# Upper bound of the slack [rad]; chosen: never active.
 MAX_SLACK = 10.0
 
 
 class ConvergedLaw(PredictiveLaw):
-    """Has the parameters and the first guess of ``PredictiveLaw``; starts from its last plan."""
+    """The ``PredictiveLaw`` with the exact optimum; starts from the optimum of the step before."""
 
-    def __init__(self, robot, settings):
+    def __init__(self, robot: RoundRobot, settings: ControlSettings) -> None:
         """
         Build the nonlinear program.
 
@@ -25,7 +30,7 @@ class ConvergedLaw(PredictiveLaw):
         super().__init__(robot, settings)
         self._nlp = _nonlinear_program(robot.drive, settings)
 
-    def _optimum(self):
+    def _optimum(self) -> float:
         horizon = self._horizon
         parameters = HorizonParameters(*horizon.scalars)
         plan = horizon.solution.curvatures
@@ -39,8 +44,8 @@ class ConvergedLaw(PredictiveLaw):
         return float(plan[0])
 
 
-def _nonlinear_program(drive, settings):
-    """Build the problem of one horizon, with the soft constraints' one slack."""
+def _nonlinear_program(drive: Drive, settings: ControlSettings) -> Any:
+    """Build the problem of one horizon, with one slack for all soft constraints."""
     weights, steps = optimal_weights(settings), settings.horizon_steps
     problem = horizon_problem(drive, steps, settings.horizon_step, weights).expressions
     u, slack = ca.SX.sym('u', steps), ca.SX.sym('slack')

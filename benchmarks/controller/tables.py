@@ -1,14 +1,20 @@
-"""What random pushes came to, as tables."""
+"""Tables of the benchmark of the controller, in Markdown."""
 
 from collections import Counter
 import math
 import re
-from typing import NamedTuple
+from typing import Any, Iterable, NamedTuple, Sequence, Union
 
 from benchmarks.controller.cases import KINDS, STRESSES
 from benchmarks.controller.run import LAWS
 import numpy as np
+from push_model.geometry import FloatArray
 
+# A job names a case, a record holds its figures; both are flat dicts that JSON can store.
+Job = dict[str, Any]
+Record = dict[str, Any]
+Pair = tuple[Job, Record]
+# Two-sided 95 % quantile of the normal distribution.
 DEVIATE = 1.96
 ALL = 'all'
 TO_DEGREES = math.degrees(1.0)
@@ -21,9 +27,9 @@ class Group(NamedTuple):
     :param kind: one of ``KINDS``, or ``ALL``.
     :param stress: one of ``STRESSES``.
     :param law: one of ``LAWS``.
-    :param unplanned: number of cases without a contact that leads to the goal.
-    :param refused: number of those refused from where the robot stood, a little misplaced.
-    :param pushes: (job, record) of those that were pushed.
+    :param unplanned: number of cases without a plan.
+    :param refused: number of cases refused at the start, where the robot is a little misplaced.
+    :param pushes: (job, record) of every other case.
     """
 
     kind: str
@@ -31,25 +37,25 @@ class Group(NamedTuple):
     law: str
     unplanned: int
     refused: int
-    pushes: list
+    pushes: list[Pair]
 
     @property
-    def successes(self):
+    def successes(self) -> int:
         """Number of pushes that came to rest within the tolerances."""
         return sum(record[f'{self.law}.success'] for _, record in self.pushes)
 
-    def values(self, name):
-        """Gather a figure of the pushes that the controller called done."""
+    def values(self, name: str) -> FloatArray:
+        """Gather a figure of the pushes that the controller reported as done."""
         return np.array([record[f'{self.law}.{name}'] for _, record in self.pushes
                          if record[f'{self.law}.outcome'] == 'done'])
 
 
-def groups(jobs, records):
+def groups(jobs: Sequence[Job], records: Sequence[Record]) -> list[Group]:
     """
-    Sort pushes by truth, law and kind; all kinds together come first.
+    Group pushes by stress, law and kind; all kinds together come first.
 
     :param jobs: dicts of ``kind``, ``stress`` and ``seed``.
-    :param records: what ``controller_run.push`` gave for them.
+    :param records: what ``benchmarks.controller.run.push`` returned for them.
     """
     pairs = list(zip(jobs, records))
     found = [_group(kind, stress, law, pairs) for stress in STRESSES for law in LAWS
@@ -57,7 +63,7 @@ def groups(jobs, records):
     return [group for group in found if group.pushes]
 
 
-def _group(kind, stress, law, pairs):
+def _group(kind: str, stress: str, law: str, pairs: Sequence[Pair]) -> Group:
     chosen = [(job, record) for job, record in pairs
               if job['stress'] == stress and kind in (ALL, job['kind'])]
     planned = [(job, record) for job, record in chosen if not record['plan']]
@@ -66,27 +72,28 @@ def _group(kind, stress, law, pairs):
                  pushes)
 
 
-def wilson(hits, count):
+def wilson(hits: int, count: int) -> tuple[float, float]:
     """
-    95 % interval of a share, after E. B. Wilson (1927).
+    Compute the 95 % confidence interval of a success rate, after E. B. Wilson (1927).
 
     :param hits: number of successes.
     :param count: number of trials.
     :return: (low, high).
     """
-    share, square = hits / count, DEVIATE ** 2 / count
-    middle = (share + 0.5 * square) / (1.0 + square)
-    half = DEVIATE * math.sqrt((share * (1.0 - share) + 0.25 * square) / count) / (1.0 + square)
-    return max(0.0, middle - half), min(1.0, middle + half)
+    rate = hits / count
+    term = DEVIATE ** 2 / count
+    middle = (rate + 0.5 * term) / (1.0 + term)
+    half_width = DEVIATE * math.sqrt((rate * (1.0 - rate) + 0.25 * term) / count) / (1.0 + term)
+    return max(0.0, middle - half_width), min(1.0, middle + half_width)
 
 
-def success_table(found):
+def success_table(found: Sequence[Group]) -> str:
     """
     Write successes and errors.
 
     :param found: list of ``Group``.
     """
-    rows = []
+    rows: list[Sequence[Any]] = []
     for group in found:
         count = len(group.pushes)
         low, high = wilson(group.successes, count)
@@ -97,28 +104,30 @@ def success_table(found):
                      spread(1e3 * group.values('position_error')),
                      spread(TO_DEGREES * group.values('heading_error')),
                      f'{np.median(ratios):.2f}' if len(ratios) else '-'))
-    return table(['truth', 'law', 'object and drive', 'pushed', 'no plan', 'refused', 'success',
-                  '95 % interval', 'mm median, p95', 'deg median, p95', 'time over plan'], rows)
+    return table(['true parameters', 'law', 'object and drive', 'pushed', 'no plan', 'refused',
+                  'success', '95 % interval', 'mm median, p95', 'deg median, p95',
+                  'time over plan'], rows)
 
 
-def spread(values, form='.1f', high=95):
+def spread(values: Union[Sequence[float], FloatArray], form: str = '.1f', high: int = 95) -> str:
     """Write the median and a high percentile of some values."""
     if not len(values):
         return '-'
     return f'{np.median(values):{form}}, {np.percentile(values, high):{form}}'
 
 
-def failure_table(found):
+def failure_table(found: Sequence[Group]) -> str:
     """
     List the classes of failures, each with the first case that shows it.
 
     :param found: list of ``Group``.
     """
-    rows = []
+    rows: list[Sequence[Any]] = []
     for group in found:
         if group.kind == ALL:
             continue
-        faults, first = Counter(), {}
+        faults: Counter[str] = Counter()
+        first: dict[str, int] = {}
         for job, record in group.pushes:
             if not record[f'{group.law}.success']:
                 name = fault(record, group.law)
@@ -127,31 +136,32 @@ def failure_table(found):
         rows += [(group.stress, group.law, group.kind, name, count,
                   f'`--kind "{group.kind}" --stress "{group.stress}" --law {group.law} '
                   f'--seed {first[name]}`') for name, count in faults.most_common()]
-    return table(['truth', 'law', 'object and drive', 'class', 'n', 'for example'],
+    return table(['true parameters', 'law', 'object and drive', 'class', 'n', 'for example'],
                  rows) if rows else 'None.'
 
 
-def fault(record, law):
+def fault(record: Record, law: str) -> str:
     """Name the class of a failure: the controller's reason without its numbers."""
     if record[f'{law}.outcome'] == 'done':
         return 'says that it is done, and is not within 20 mm and 3 degrees'
     return re.sub(r'-?\d+(\.\d+)?', '#', record[f'{law}.reason']) or record[f'{law}.outcome']
 
 
-def refusals(jobs, records):
-    """List why goals had no plan, or were refused from where the robot stood."""
-    found = Counter()
+def refusals(jobs: Sequence[Job], records: Sequence[Record]) -> str:
+    """List why goals had no plan, or were refused at the start."""
+    found: Counter[tuple[str, str]] = Counter()
     for job, record in zip(jobs, records):
         if job['stress'] == STRESSES[0]:
-            reason = record['plan'] or (record[f'{LAWS[0]}.outcome'] == 'refused'
-                                        and record[f'{LAWS[0]}.reason'])
+            reason = record['plan']
+            if not reason and record[f'{LAWS[0]}.outcome'] == 'refused':
+                reason = record[f'{LAWS[0]}.reason']
             if reason:
                 found[job['kind'], re.sub(r'-?\d+(\.\d+)?', '#', reason)] += 1
     return '\n'.join(f'* {kind}: {count} x {reason}'
                      for (kind, reason), count in found.most_common()) or 'None.'
 
 
-def table(titles, rows):
+def table(titles: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """Write a Markdown table."""
     lines = [titles, ['---'] * len(titles), *rows]
     return '\n'.join('| ' + ' | '.join(str(cell) for cell in line) + ' |' for line in lines)

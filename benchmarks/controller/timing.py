@@ -1,68 +1,77 @@
 """
-CPU time of every law inside the closed loop, and what exact solutions of its problem would bring.
+CPU time and cost of every law in the closed loop, against exact solutions of its problem.
 
-The pushes are those of ``controller_cases.py``, in one process; the first step of a push, which
-builds its tables, does not count.
+The pushes are those of ``cases.py``, in one process; the first step of a push, which builds its
+tables, does not count.
 """
 
 import math
 import time
-from typing import NamedTuple
+from typing import Any, Callable, Literal, NamedTuple, Optional, Sequence
 
-from benchmarks.controller.cases import LONGEST, scenario, STRESSES
+from benchmarks.controller.cases import scenario, STRESSES, TIME_LIMIT
 from benchmarks.controller.converged import ConvergedLaw
 from benchmarks.controller.tables import spread, table, TO_DEGREES
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
-from push_control.laws.mpc import optimal_weights, PredictiveLaw
+from push_control.laws.mpc import HorizonWeights, optimal_weights, PredictiveLaw
 from push_control.laws.steering_law import SolverReport, SteeringInput, SteeringLaw
 from push_control.observation import Observation
 from push_control.push.controller import Controller
 from push_control.push.status import Phase
-from push_model.geometry import distance
+from push_control.settings import ControlSettings
+from push_model.geometry import distance, FloatArray
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry
+from push_model.trajectory import PushTrajectory
 from push_planner.problem import PlanningFailed
 from push_planner.single_push.replanning import plan_from_measurements
 from push_scenario.simulation.loop import make_simulation
+from push_sim_node.simulation import Simulation
 
 CONVERGED = 'converged ipopt'
+# Duration of plans above which a case is skipped [s]; chosen: the converged law takes long.
 LONGEST_TIMED = 25.0
-STEERING = {'feedback': lambda _, settings: ClosedFormLaw(settings), 'mpc': PredictiveLaw,
-            CONVERGED: ConvergedLaw}
+STEERING: dict[str, Callable[[RoundRobot, ControlSettings], SteeringLaw]] = {
+    'feedback': lambda _, settings: ClosedFormLaw(settings), 'mpc': PredictiveLaw,
+    CONVERGED: ConvergedLaw}
 
 
 class Timed(NamedTuple):
     """
-    One push.
+    Figures of one push.
 
     :param phase: of the controller at the end.
     :param steps: CPU times of the controller's steps [s].
     :param laws: CPU times of the law within them [s].
-    :param cost: of the horizon, squared errors and curvature beyond the path's, along the way.
+    :param cost: of the horizon, integrated over the path length: weighted squared errors, and
+        squared curvature relative to the path.
     :param error: (position [m], heading [rad]) of the object at the end.
-    :param troubles: number of times that the closed-form law stood in for a solver.
+    :param solver_failures: number of steps in which the closed-form law replaced a solver.
     """
 
     phase: Phase
-    steps: list
-    laws: list
+    steps: list[float]
+    laws: list[float]
     cost: float
-    error: tuple
-    troubles: int
+    error: tuple[float, float]
+    solver_failures: int
 
 
-class Watched(SteeringLaw):
-    """A law whose time is taken and whose cost is added up."""
+class InstrumentedLaw(SteeringLaw):
+    """Wraps a law; records the CPU time of each step and sums up the cost."""
 
-    def __init__(self, law, weights):
+    def __init__(self, law: SteeringLaw, weights: HorizonWeights) -> None:
         """
-        Watch a law.
+        Wrap a law.
 
         :param law: such as ``ClosedFormLaw``.
         :param weights: as ``optimal_weights`` gives them.
         """
-        self._law, self._weights = law, weights
-        self.times, self.cost = [], 0.0
+        self._law = law
+        self._weights = weights
+        self.times: list[float] = []
+        self.cost = 0.0
 
     @property
     def solver(self) -> SolverReport:
@@ -75,7 +84,7 @@ class Watched(SteeringLaw):
 
     def curvature(self, steering: SteeringInput) -> float:
         """
-        Choose as the law does.
+        Choose the curvature as the wrapped law does.
 
         :param steering: ``SteeringInput``.
         :return: curvature [1/m].
@@ -83,61 +92,69 @@ class Watched(SteeringLaw):
         began = time.process_time()
         chosen = self._law.curvature(steering)
         self.times.append(time.process_time() - began)
-        track, (lateral, heading, _) = steering.projection, self._weights
+        track = steering.projection
+        lateral, heading, _ = self._weights
         self.cost += steering.distance * (
             lateral * track.lateral_error ** 2 + heading * track.heading_error ** 2
             + (steering.clip(chosen) - track.curvature) ** 2)
         return chosen
 
 
-class WatchedController(Controller):
-    """The controller with a law of the benchmark's."""
+class InstrumentedController(Controller):
+    """The controller under a given law."""
 
-    def __init__(self, obj, robot, settings, law):
+    def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
+                 law: SteeringLaw) -> None:
         """
-        Stand idle.
+        Start idle.
 
-        :param obj: the ``PushedObject`` as believed.
+        :param obj: nominal parameters of the object, a ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param settings: ``ControlSettings``.
-        :param law: ``Watched``.
+        :param law: ``InstrumentedLaw``.
         """
         super().__init__(obj, robot, settings)
         self._law = law
 
 
-def timed(kind, seed, name):
+def timed(kind: str, seed: int, name: str) -> Optional[Timed]:
     """
     Push one case.
 
-    :param kind: one of ``controller_cases.KINDS``.
+    :param kind: one of ``KINDS`` in ``benchmarks.controller.cases``.
     :param seed: of the case.
     :param name: one of ``STEERING``.
-    :return: ``Timed``, or None where there is no plan, or one that takes long.
+    :return: ``Timed``, or None where there is no plan, or a long one.
     """
     try:
-        case, answer = scenario(kind, seed, STRESSES[0])
-        if answer.trajectory.duration > LONGEST_TIMED:
+        case, plan = scenario(kind, seed, STRESSES[0])
+        if plan.trajectory.duration > LONGEST_TIMED:
             return None
         simulation = make_simulation(case)
         pose, odometry = simulation.next_measurement(), simulation.next_measurement()
+        if isinstance(pose, Odometry) or not isinstance(odometry, Odometry):
+            raise RuntimeError(f'measurements: got {pose} and {odometry}, expected an object pose '
+                               'and an odometry')
         target = plan_from_measurements(case.object, case.robot, pose, odometry, case.goal.pose,
                                         case.planner).plan.trajectory
     except PlanningFailed:
         return None
-    law = Watched(STEERING[name](case.robot, case.control), optimal_weights(case.control))
-    controller = WatchedController(case.object, case.robot, case.control, law)
-    steps = _pushed(simulation, controller, target, Observation(simulation.time, odometry, pose))
+    law = InstrumentedLaw(STEERING[name](case.robot, case.control), optimal_weights(case.control))
+    controller = InstrumentedController(case.object, case.robot, case.control, law)
+    steps = _step_times(simulation, controller, target,
+                        Observation(simulation.time, odometry, pose))
     status, truth = controller.status, simulation.truth.object_pose
     error = distance(truth, case.goal.pose), math.remainder(
         truth.theta - case.goal.pose.theta, 2.0 * math.pi)
     return Timed(status.phase, steps[1:], law.times[1:], law.cost, error, status.solver_failures)
 
 
-def _pushed(simulation, controller, target, observation):
+def _step_times(simulation: Simulation, controller: Controller, target: PushTrajectory,
+                observation: Observation) -> list[float]:
     """Push to the end; return the CPU times of the steps."""
-    steps, dt = [], 0.0
-    while simulation.time < LONGEST and not controller.status.phase.has_ended:
+    steps: list[float] = []
+    dt = 0.0
+    while simulation.time < TIME_LIMIT and not controller.status.phase.has_ended:
         began = time.process_time()
         command = controller.step(target, observation, dt)
         steps.append(time.process_time() - began)
@@ -153,27 +170,27 @@ def _pushed(simulation, controller, target, observation):
     return steps
 
 
-def step_table(runs):
+def step_table(runs: dict[str, list[Timed]]) -> str:
     """
     Write times, costs and errors.
 
     :param runs: name of the law -> list of ``Timed`` of the same cases.
     """
-    rows = []
+    rows: list[Sequence[Any]] = []
     for name, found in runs.items():
         position, heading = np.abs([run.error for run in found]).T
         rows.append((name, len(found), sum(len(run.steps) for run in found),
-                     spread(pooled(found, 'steps'), '.3f', 99),
-                     spread(pooled(found, 'laws'), '.3f', 99),
+                     spread(cpu_times(found, 'steps'), '.3f', 99),
+                     spread(cpu_times(found, 'laws'), '.3f', 99),
                      f'{sum(run.cost for run in found):.3f}', spread(1e3 * position),
                      spread(TO_DEGREES * heading),
                      sum(run.phase is Phase.DONE for run in found),
-                     sum(run.troubles for run in found)))
+                     sum(run.solver_failures for run in found)))
     return table(['law', 'pushes', 'steps', 'CPU ms per step: median, p99',
                   'the law in it: median, p99', 'closed-loop cost, sum', 'mm median, p95',
                   'deg median, p95', 'done', 'solver failures'], rows)
 
 
-def pooled(found, name):
-    """Gather the CPU times of some pushes [ms], 'steps' or 'laws'."""
+def cpu_times(found: Sequence[Timed], name: Literal['steps', 'laws']) -> FloatArray:
+    """Gather the CPU times of some pushes [ms], of whole steps or of the law alone."""
     return 1e3 * np.concatenate([getattr(run, name) for run in found])

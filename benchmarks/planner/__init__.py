@@ -1,1 +1,1 @@
-"""Benchmark: planner."""
+"""Benchmark of the planner: CPU time, correctness and quality of plans."""

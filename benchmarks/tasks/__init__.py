@@ -1,1 +1,1 @@
-"""Benchmark: tasks."""
+"""Benchmark of tasks: random goals that take any number of pushes."""

@@ -1,11 +1,10 @@
 """
-Tasks measured: how many random goals are reached, how soon, with how many pushes.
+Benchmark of tasks: how many random goals are reached, how soon, with how many pushes.
 
-On open floor, in maps, and with the object shoved or turned and poses lost (see
-``tasks_cases.py``), and once more with single pushes only. Takes about an hour on two cores,
-``--quick`` some six minutes. Tasks are
-kept in ``--records`` as they come, and the same command goes on after Ctrl-C. ``--seed`` runs one
-task and tells about it.
+Tasks on open floor, in maps, and with an object that a person displaces and pose drop-outs (see
+``cases.py``); those on open floor are repeated with single pushes only. Takes about an hour on two
+cores, ``--quick`` some six minutes. Records are stored in ``--records`` as tasks finish, and the
+same command resumes after Ctrl-C. ``--seed`` runs one task and prints what happened.
 """
 
 import argparse
@@ -14,29 +13,34 @@ import math
 from pathlib import Path
 import sys
 
-from benchmarks.tasks.cases import ALONE, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
+from benchmarks.controller.tables import Job, Record
+from benchmarks.tasks.cases import ALONE, Case, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
 from benchmarks.tasks.report import picture, text
 from benchmarks.tasks.run import run, run_case
 from push_scenario.batch.batch import run_batch
 from push_scenario.definition.loader import scenario_text
+from push_scenario.definition.scenario import Scenario
 from tqdm import tqdm
 
+DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
+# Exit status after Ctrl-C: 128 + SIGINT, the convention of shells.
 INTERRUPTED = 130
 
 
-def options():
-    """Read the command line."""
-    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
+def options() -> argparse.Namespace:
+    """Parse the command line."""
+    parser = argparse.ArgumentParser(description=DESCRIPTION)
     parser.add_argument('--tasks', type=int, default=1000, help='on open floor')
     parser.add_argument('--mapped', type=int, default=200, help='in maps')
     parser.add_argument('--disturbed', type=int, default=200, help='disturbed')
     parser.add_argument('--alone', type=int, default=100, help='with single pushes only')
-    parser.add_argument('--quick', action='store_true', help='100, 20, 20 and 20')
+    parser.add_argument('--quick', action='store_true', help='only 100, 20, 20 and 20')
     parser.add_argument('--records', type=Path, default=Path('out/tasks'))
     parser.add_argument('--out', type=Path, help='directory for tasks.md and tasks.png')
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
-    parser.add_argument('--part', choices=PARTS, default=OPEN, help='of the one task')
-    parser.add_argument('--kind', default=KINDS[OPEN][0], help='object and drive of the one task')
+    parser.add_argument('--part', choices=PARTS, default=OPEN, help='part of the task of --seed')
+    parser.add_argument('--kind', default=KINDS[OPEN][0],
+                        help='object and drive of the task of --seed')
     parser.add_argument('--seed', type=int, help='run this task only')
     chosen = parser.parse_args()
     if chosen.kind not in KINDS[chosen.part]:
@@ -47,19 +51,22 @@ def options():
     return chosen
 
 
-def records(chosen, part, count):
-    """Run tasks of one part, or go on with them; return jobs and records."""
+def records(chosen: argparse.Namespace, part: str, count: int) -> tuple[list[Job], list[Record]]:
+    """Run tasks of one part, or resume them; return jobs and records."""
     todo = jobs({part: count})
     with tqdm(total=len(todo), desc=part) as bar:
+        def advance(done: int, _: int) -> None:
+            bar.update(done - bar.n)
+
         result = run_batch(run, todo, chosen.records / f'{part.replace(" ", "_")}-{count}.jsonl',
                            workers=chosen.workers, chunk=1,
-                           progress=lambda done, total: bar.update(done - bar.n))
+                           progress=advance)
     return todo, [record or {'success': False, 'outcome': 'error', 'reason': result.errors[index]}
                   for index, record in enumerate(result.records)]
 
 
-def one(chosen):
-    """Run one task and tell about it; write it as a scenario."""
+def one(chosen: argparse.Namespace) -> None:
+    """Run one task and print what happened; write it as a scenario."""
     case = draw(chosen.part, chosen.kind, chosen.seed)
     result, clock = run_case(case)
     for change in result.history:
@@ -80,14 +87,15 @@ def one(chosen):
     print(f'written: {path}; replay {path} --in-process')
 
 
-def disturbed(case):
-    """Return the scenario with what the intervention has moved."""
-    done = case.intervention and case.intervention.displacement
+def disturbed(case: Case) -> Scenario:
+    """Return the scenario with the displacement that the intervention made."""
+    displacement = None if case.intervention is None else case.intervention.displacement
     return dataclasses.replace(case.scenario, simulation=dataclasses.replace(
-        case.scenario.simulation, object_displacements=(done,) if done else ()))
+        case.scenario.simulation,
+        object_displacements=() if displacement is None else (displacement,)))
 
 
-def main():
+def main() -> int:
     """Measure, print, write; or run one task."""
     chosen = options()
     if chosen.seed is not None:
@@ -98,9 +106,10 @@ def main():
     try:
         found = [records(chosen, part, count) for part, count in counts.items() if count]
     except KeyboardInterrupt:
-        print('\ninterrupted; the same command goes on', file=sys.stderr)
+        print('\ninterrupted; the same command resumes', file=sys.stderr)
         return INTERRUPTED
-    todo, done = ([item for part in found for item in part[side]] for side in (0, 1))
+    todo = [job for jobs_of_part, _ in found for job in jobs_of_part]
+    done = [record for _, records_of_part in found for record in records_of_part]
     written = text(todo, done)
     print(written)
     if chosen.out:

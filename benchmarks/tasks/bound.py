@@ -1,47 +1,51 @@
 """
-A time below which no robot brings an object to a goal.
+Lower bound on the time in which any robot brings an object to a goal.
 
-First the robot must get to the object: its gap to it, at drive speed at most. Then friction must
-be overcome. While it is pushed slowly, the power of the contact force f at the contact velocity u
-is what the supports rub away: f . u = sum q_i |v_i|, of the friction q_i that each support can
-bear and its velocity v_i. And f balances the friction on the supports, so that |f| is at most
-sum q_i. Hence |u| is at least the mean of the |v_i|, weighted by the q_i; over time, the way of
-the contact is at least the mean of how far the supports must go, whatever pushes where and how
-often. It is made at pushing speed at most.
+First the robot closes its gap to the object, at drive speed at most. Then friction must be
+overcome. While the object is pushed slowly, the power of the contact force f at the contact
+velocity u is dissipated at the supports: f . u = sum q_i |v_i|, with the friction capacity q_i and
+the velocity v_i of each support. Since f balances the friction at the supports, |f| is at most
+sum q_i. Hence |u| is at least the mean of the |v_i|, weighted by the q_i; integrated over time,
+the path length of the contact is at least the weighted mean of the distances that the supports
+must travel, whatever pushes where and how often. It is travelled at pushing speed at most.
 
-Left out: turning, touching, retreats, going round. Inertia lets an object slide on for
-v^2 / (2 mu g), some millimetres per push, which is not taken off.
+Not included: rotations of the robot, guarded approaches, retreats and detours. Inertia lets an
+object slide on for v^2 / (2 mu g), some millimetres per push, which is not subtracted.
 """
 
 import math
+from typing import Optional
 
 import numpy as np
 from push_control.task.settings import SupervisionSettings
 from push_model.contact import find_contact
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject
 from push_navigation.settings import DriveSettings
+from push_scenario.definition.scenario import Scenario
 
 
-def contact_path_bound(obj, start, goal, supervision=None):
+def contact_path_bound(obj: PushedObject, start: Pose, goal: Pose,
+                       supervision: Optional[SupervisionSettings] = None) -> float:
     """
-    Way of the contact at least [m], to within the tolerances of the goal.
+    Bound the path length of the contact from below, to within the tolerances of the goal [m].
 
     :param obj: the true ``PushedObject``.
     :param start: ``Pose`` of the object.
-    :param goal: ``Pose`` wanted for it.
+    :param goal: goal ``Pose`` of the object.
     :param supervision: ``SupervisionSettings`` for the tolerances, or None for the defaults.
     """
-    allowed = supervision or SupervisionSettings()
+    tolerances = supervision or SupervisionSettings()
     feet = np.array([(foot.x, foot.y) for foot in obj.supports])
     distances = np.hypot(*np.subtract([Pose(*goal).transform(foot) for foot in feet],
                                       [Pose(*start).transform(foot) for foot in feet]).T)
-    slack = allowed.position_tolerance + allowed.heading_tolerance * np.hypot(*feet.T)
+    slack = tolerances.position_tolerance + tolerances.heading_tolerance * np.hypot(*feet.T)
     return float(np.average(np.maximum(distances - slack, 0.0), weights=obj.capacities))
 
 
-def gap(scenario):
+def gap(scenario: Scenario) -> float:
     """
-    Distance that the robot must drive at least before it touches [m].
+    Return the distance that the robot must drive at least before it touches the object [m].
 
     :param scenario: the ``Scenario``.
     """
@@ -49,9 +53,9 @@ def gap(scenario):
                         scenario.true_robot.radius)[2]
 
 
-def least_time(scenario, drive=None):
+def least_time(scenario: Scenario, drive: Optional[DriveSettings] = None) -> float:
     """
-    Time that a task takes at least [s].
+    Return the time that a task takes at least [s].
 
     :param scenario: the ``Scenario``.
     :param drive: ``DriveSettings``, or None for the defaults.

@@ -1,33 +1,34 @@
-"""Random tasks, sorted by what they have in common."""
+"""Groups of random tasks: by object and drive, by map, by disturbance."""
 
 import re
-from typing import NamedTuple
+from typing import Callable, NamedTuple, Optional, Sequence
 
-from benchmarks.controller.tables import ALL
+from benchmarks.controller.tables import ALL, Job, Pair, Record
 import numpy as np
+from push_model.geometry import FloatArray
 
 NUMBER = r'-?\d+(\.\d+)?'
 
 
 class Group(NamedTuple):
     """
-    Tasks of one part that have something in common.
+    Tasks of one part that share a property.
 
-    :param part: one of ``tasks_cases.PARTS``.
-    :param name: what they have in common, or ``ALL``.
+    :param part: one of ``PARTS`` in ``benchmarks.tasks.cases``.
+    :param name: the property, or ``ALL``.
     :param tasks: (job, record) of each.
     """
 
     part: str
     name: str
-    tasks: list
+    tasks: list[Pair]
 
     @property
-    def successes(self):
+    def successes(self) -> int:
         """Number of those that succeeded."""
         return sum(record['success'] for _, record in self.tasks)
 
-    def values(self, name, successful=True):
+    def values(self, name: str, successful: bool = True) -> FloatArray:
         """
         Gather a figure.
 
@@ -38,51 +39,53 @@ class Group(NamedTuple):
         return np.array([record[name] for _, record in self.tasks
                          if name in record and (record['success'] or not successful)])
 
-    def ratios(self, name, other):
+    def ratios(self, name: str, other: str) -> FloatArray:
         """
-        Gather one figure over another, of the tasks that succeeded.
+        Gather the ratios of two figures, of the tasks that succeeded.
 
         :param name: of the figure.
-        :param other: of the one that it is divided by; 0 where that is infinite.
+        :param other: of its divisor; the ratio is 0 where that is infinite.
         :return: array, shape (n,).
         """
         return np.array([record[name] / record[other] for _, record in self.tasks
                          if record['success'] and record.get(other, 0.0) > 0.0])
 
     @property
-    def planning(self):
-        """CPU time of every answer of the planner, in all tasks [s]."""
+    def planning(self) -> FloatArray:
+        """CPU time of every plan, in all tasks [s]."""
         return np.array([float(value) for value in
                          ' '.join(self.values('planning', successful=False)).split()])
 
 
-def grouped(pairs, part, key=None):
+def grouped(pairs: Sequence[Pair], part: str,
+            key: Optional[Callable[[Job, Record], str]] = None) -> list[Group]:
     """
-    Sort tasks of one part; all together come first.
+    Group the tasks of one part; all together come first.
 
     :param pairs: (job, record) of all tasks.
-    :param part: one of ``tasks_cases.PARTS``.
-    :param key: of (job, record), what they have in common; None for all together alone.
+    :param part: one of ``PARTS`` in ``benchmarks.tasks.cases``.
+    :param key: function of (job, record) that names the group; None for all together alone.
     :return: list of ``Group``, none of them empty.
     """
     chosen = [(job, record) for job, record in pairs if job['part'] == part]
     found = {ALL: chosen} if chosen else {}
-    for job, record in chosen if key else ():
-        found.setdefault(key(job, record), []).append((job, record))
+    if key is not None:
+        for job, record in chosen:
+            found.setdefault(key(job, record), []).append((job, record))
     return [Group(part, name, tasks) for name, tasks in found.items()]
 
 
-def kind(job, _):
-    """Key of ``grouped``: object and drive."""
+def kind(job: Job, _: Record) -> str:
+    """Name the group by object and drive."""
     return job['kind']
 
 
-def variety(_, record):
-    """Key of ``grouped``: the sort of map, or of disturbance."""
+def variety(_: Job, record: Record) -> str:
+    """Name the group by the sort of map, or of disturbance."""
     return record.get('variety', '')
 
 
-def faults_of(_, record):
+def faults_of(_: Job, record: Record) -> list[str]:
     """
     Name the classes of a failure: the supervisor's reason without its numbers, and collisions.
 
@@ -98,9 +101,9 @@ def faults_of(_, record):
     return [*found, without_numbers(record['reason'])]
 
 
-def without_numbers(reason):
+def without_numbers(reason: str) -> str:
     """
-    Name the class of a reason.
+    Name the class of a reason: replace its numbers.
 
     :param reason: one sentence.
     """

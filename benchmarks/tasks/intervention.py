@@ -1,31 +1,42 @@
-"""Somebody who shoves or turns the object while the robot is at its task."""
+"""A person who displaces or rotates the object while the robot is at its task."""
 
 import math
+from typing import Optional
 
+from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
 from push_sim_node.disturbance import ObjectDisplacement
+from push_sim_node.simulation import Simulation
 
+# The texts stand in records.
 INTERVENTIONS = ('shoved by 0.2 m', 'turned by 45 degrees')
-DISPLACEMENT, ROTATION, DIRECTIONS = 0.2, math.radians(45.0), 8
+# Displacement [m] and rotation [rad]; chosen: far beyond what the supervisor tolerates.
+DISPLACEMENT = 0.2
+ROTATION = math.radians(45.0)
+# Number of directions that are tried where the robot stands in the first.
+DIRECTIONS = 8
 
 
 class Intervention:
     """
-    Moves the object once, as soon as the robot is not in the way.
+    Move the object once, as soon as the robot does not stand where it would go.
 
     :param move: one of ``INTERVENTIONS``.
-    :param moment: when [s].
-    :param direction: of the shove, in the object frame [rad]; where the robot is in the way
-        another is taken. Its sign is that of the turn.
+    :param moment: earliest time [s].
+    :param direction: of the displacement, in the object frame [rad]; where the robot stands there
+        another is taken. Its sign is that of the rotation.
     """
 
-    def __init__(self, move, moment, direction):
-        self._move, self._moment, self._direction = move, moment, direction
-        self.displacement, self.state = None, ''
+    def __init__(self, move: str, moment: float, direction: float) -> None:
+        self._move = move
+        self._moment = moment
+        self._direction = direction
+        self.displacement: Optional[ObjectDisplacement] = None
+        self.state = ''
 
-    def __call__(self, simulation, supervisor):
+    def __call__(self, simulation: Simulation, supervisor: Supervisor) -> None:
         """
-        Look whether it is time.
+        Move the object if it is time; record the displacement and the supervisor's state.
 
         :param simulation: the ``Simulation``.
         :param supervisor: the ``Supervisor``.
@@ -41,10 +52,10 @@ class Intervention:
             self.state = supervisor.status.state.value
             return
 
-    def _displacements(self):
+    def _displacements(self) -> list[Pose]:
         if self._move == INTERVENTIONS[1]:
-            turn = math.copysign(ROTATION, self._direction)
-            return [Pose(0.0, 0.0, turn), Pose(0.0, 0.0, -turn)]
+            rotation = math.copysign(ROTATION, self._direction)
+            return [Pose(0.0, 0.0, rotation), Pose(0.0, 0.0, -rotation)]
         angles = [self._direction + 2.0 * math.pi * number / DIRECTIONS
                   for number in range(DIRECTIONS)]
         return [Pose(DISPLACEMENT * math.cos(angle), DISPLACEMENT * math.sin(angle), 0.0)

@@ -1,52 +1,68 @@
 """
-Maps that tasks are set in: two rooms with a door or a corridor between them, a cluttered room.
+Random maps: two rooms joined by a door or by a corridor, and one cluttered room.
 
-Walls and things are rectangles of whole cells, so that collisions can be looked for in what the
-map stands for, and not only in its cells.
+Walls and obstacles are rectangles of whole cells, so that collisions are found with the exact
+geometry that the map represents, and not only with its cells.
 """
 
 import math
-from typing import NamedTuple
+from typing import cast, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
+from push_model.geometry import FloatArray, IntArray
+from push_model.parameters import PushedObject, RoundRobot
 from push_scenario.definition.floor_map import FloorMap, FREE, OCCUPIED
 from scipy.ndimage import label
 
-RESOLUTION, WALL = 0.05, 2
+# Side of a cell [m]; chosen: usual for occupancy maps of buildings.
+RESOLUTION = 0.05
+# The texts stand in records, and their order enters the draws: append only.
 MAPS = ('door', 'corridor', 'cluttered room')
+# Lengths in cells, chosen for floors as in homes: thickness of walls, range of the widths of
+# doors (0.9 to 1.2 m), (width, length) of the corridor, side of the square cluttered room, and
+# size of the floor of two rooms without what joins them: columns of one room, rows.
+WALL = 2
 DOORS = 18, 24
 CORRIDOR = 20, 40
-CLUTTER, THINGS = (6, 9), (6, 14)
-STILL = 1e-3
+CLUTTERED_ROOM = 120
+ROOM_COLUMNS = 60
+ROOM_ROWS = 64
+# Ranges of the number of obstacles in the cluttered room, and of their sides in cells.
+CLUTTER = 6, 9
+OBSTACLE_SIDES = 6, 14
+# Poses are rounded to this before the clearance is computed once for each [m, rad]; chosen: far
+# below a cell.
+POSE_ROUNDING = 1e-3
 
 
 class Floor(NamedTuple):
     """
-    What stands on a floor.
+    Walls and obstacles on a floor.
 
     :param size: columns and rows of cells.
     :param blocks: occupied cells, (first column, first row, last column + 1, last row + 1) of each
         block, shape (n, 4).
     """
 
-    size: tuple
-    blocks: np.ndarray
+    size: tuple[int, int]
+    blocks: IntArray
 
     @property
-    def rectangles(self):
-        """The same as (least x, least y, most x, most y), shape (n, 4) [m]."""
-        return RESOLUTION * self.blocks
+    def rectangles(self) -> FloatArray:
+        """The blocks as (x_min, y_min, x_max, y_max), shape (n, 4) [m]."""
+        return cast(FloatArray, RESOLUTION * self.blocks)
 
     @property
-    def map(self):  # noqa: A003
-        """The same as a ``FloorMap``."""
+    def map(self) -> FloorMap:  # noqa: A003
+        """The floor as a ``FloorMap``."""
         cells = np.full(self.size[::-1], FREE)
         for first, low, last, high in self.blocks:
             cells[low:high, first:last] = OCCUPIED
         return FloorMap(RESOLUTION, '\n'.join(''.join(row) for row in cells[::-1]))
 
 
-def draw_floor(name, rng):
+def draw_floor(name: str, rng: np.random.Generator) -> Floor:
     """
     Draw a floor.
 
@@ -55,42 +71,47 @@ def draw_floor(name, rng):
     :return: ``Floor``.
     """
     if name == 'cluttered room':
-        size = 120, 120
+        size = CLUTTERED_ROOM, CLUTTERED_ROOM
         count = rng.integers(*CLUTTER, endpoint=True)
-        corners = rng.integers(WALL, size[0] - WALL - THINGS[1], (count, 2))
-        sides = rng.integers(*THINGS, (count, 2), endpoint=True)
-        things = np.hstack([corners, corners + sides])
-        return Floor(size, np.vstack([_walls(*size), things]))
-    width, length = (rng.integers(*DOORS, endpoint=True), WALL) if name == 'door' else CORRIDOR
-    room, rows = 60, 64
+        corners = rng.integers(WALL, size[0] - WALL - OBSTACLE_SIDES[1], (count, 2))
+        sides = rng.integers(*OBSTACLE_SIDES, (count, 2), endpoint=True)
+        obstacles = np.hstack([corners, corners + sides])
+        return Floor(size, np.vstack([_walls(*size), obstacles]))
+    width, length = CORRIDOR
+    if name == 'door':
+        width, length = rng.integers(*DOORS, endpoint=True), WALL
+    room, rows = ROOM_COLUMNS, ROOM_ROWS
     low = rng.integers(rows // 4, rows - rows // 4 - width, endpoint=True)
     size = 2 * room + length, rows
-    sides = [(room, WALL, room + length, low), (room, low + width, room + length, rows - WALL)]
+    sides = np.array([(room, WALL, room + length, low),
+                      (room, low + width, room + length, rows - WALL)])
     return Floor(size, np.vstack([_walls(*size), sides]))
 
 
-def places(floor, room):
+def places(floor: Floor, radius: float) -> tuple[IntArray, FloatArray]:
     """
-    Find where a disc has room, by the region that such a disc stays in.
+    Find where a disc fits, and the connected regions that it can move in.
 
     :param floor: ``Floor``.
-    :param room: radius of the disc [m].
-    :return: number of the region of each place, 0 where there is no room, and the places (x, y)
-        [m], shapes (n,) and (n, 2).
+    :param radius: of the disc [m].
+    :return: number of the region of each place, 0 where the disc does not fit, and the places
+        (x, y) [m], shapes (n,) and (n, 2).
     """
     columns, rows = floor.size
     x, y = np.meshgrid(*(RESOLUTION * (np.arange(count) + 0.5) for count in (columns, rows)))
     points = np.column_stack([x.ravel(), y.ravel()])
-    free = to_rectangles(points, floor.rectangles).min(axis=1) > room
-    return label(free.reshape(rows, columns))[0].ravel(), points
+    free = to_rectangles(points, floor.rectangles).min(axis=1) > radius
+    regions = np.empty((rows, columns), dtype=np.int_)
+    label(free.reshape(rows, columns), output=regions)
+    return regions.ravel(), points
 
 
-def to_rectangles(points, rectangles):
+def to_rectangles(points: FloatArray, rectangles: FloatArray) -> FloatArray:
     """
-    Distance of points from rectangles, negative inside.
+    Compute the signed distances of points from rectangles, negative inside.
 
     :param points: (x, y), shape (n, 2) [m].
-    :param rectangles: (least x, least y, most x, most y), shape (m, 4) [m].
+    :param rectangles: (x_min, y_min, x_max, y_max), shape (m, 4) [m].
     :return: distances [m], shape (n, m).
     """
     points = np.asarray(points)[:, None, :]
@@ -99,58 +120,60 @@ def to_rectangles(points, rectangles):
         beyond.max(axis=-1), 0.0)
 
 
-def robot_clearance(robot, poses, rectangles):
+def robot_clearance(robot: RoundRobot, poses: ArrayLike, rectangles: FloatArray) -> float:
     """
-    Least distance of the robot from obstacles on its way [m]; negative where it collides.
+    Return the least clearance of the robot along its path [m]; negative where it collides.
 
     :param robot: the ``RoundRobot``.
     :param poses: of the robot, shape (n, 3).
     :param rectangles: of the floor, shape (m, 4) [m].
     """
-    return float(to_rectangles(_moved(poses)[:, :2], rectangles).min() - robot.radius)
+    return float(to_rectangles(_distinct(poses)[:, :2], rectangles).min() - robot.radius)
 
 
-def object_clearance(obj, poses, rectangles):
+def object_clearance(obj: PushedObject, poses: ArrayLike, rectangles: FloatArray) -> float:
     """
-    Least distance of the object from obstacles on its way [m]; negative where it collides.
+    Return the least clearance of the object along its path [m]; negative where it collides.
 
-    Between two corners it is rather too short: the widest gap across an edge of either.
+    By separating axes: the largest gap across an edge of either polygon, over both. It is exact in
+    sign, and underestimates the distance between two corners.
 
     :param obj: the ``PushedObject``.
     :param poses: of the object, shape (n, 3).
     :param rectangles: of the floor, shape (m, 4) [m].
     """
-    poses = _moved(poses)
+    distinct = _distinct(poses)
     if not obj.outline:
-        return float(to_rectangles(poses[:, :2], rectangles).min() - obj.radius)
+        return float(to_rectangles(distinct[:, :2], rectangles).min() - obj.radius)
     outline = np.array(obj.outline) @ (1.0, 1j)
-    turn, place = np.exp(1j * poses[:, 2, None]), poses[:, 0, None] + 1j * poses[:, 1, None]
-    corners = place + turn * outline
+    rotation = np.exp(1j * distinct[:, 2, None])
+    position = distinct[:, 0, None] + 1j * distinct[:, 1, None]
+    corners = position + rotation * outline
     low = np.column_stack([corners.real.min(axis=1), corners.imag.min(axis=1)])[:, None]
     high = np.column_stack([corners.real.max(axis=1), corners.imag.max(axis=1)])[:, None]
     across = np.maximum(rectangles[:, :2] - high, low - rectangles[:, 2:]).max(axis=-1)
     edges = np.roll(outline, -1) - outline
     for edge, corner in zip(edges / abs(edges), outline):
-        seen = [((x + 1j * y - place) / turn - corner) / edge
+        seen = [((x + 1j * y - position) / rotation - corner) / edge
                 for x in rectangles.T[[0, 2]] for y in rectangles.T[[1, 3]]]
         across = np.maximum(across, -np.max([points.imag for points in seen], axis=0))
     return float(across.min())
 
 
-def reach(obj):
+def reach(obj: PushedObject) -> float:
     """
-    Radius of a disc about the object frame that holds the object [m].
+    Return the radius of the disc about the object frame that contains the object [m].
 
     :param obj: the ``PushedObject``.
     """
     return max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
 
 
-def _walls(columns, rows):
+def _walls(columns: int, rows: int) -> IntArray:
     return np.array([(0, 0, columns, WALL), (0, rows - WALL, columns, rows), (0, 0, WALL, rows),
                      (columns - WALL, 0, columns, rows)])
 
 
-def _moved(poses):
-    """Leave out poses that are as good as others."""
-    return STILL * np.unique(np.round(np.asarray(poses) / STILL), axis=0)
+def _distinct(poses: ArrayLike) -> FloatArray:
+    """Round the poses and drop duplicates."""
+    return POSE_ROUNDING * np.unique(np.round(np.asarray(poses) / POSE_ROUNDING), axis=0)

@@ -1,24 +1,39 @@
-"""What the benchmark of tasks found, as text and a picture."""
+"""Report of the benchmark of tasks: text and a figure."""
 
 from pathlib import Path
+from typing import Iterator, NamedTuple, Sequence, Union
 
-from benchmarks.controller.tables import ALL, table
+from benchmarks.controller.tables import ALL, Job, Pair, Record, table
 from benchmarks.tasks.cases import ALONE, DISTURBED, IN_MAPS, OPEN, PARTS
-from benchmarks.tasks.groups import grouped, kind, variety
+from benchmarks.tasks.groups import Group, grouped, kind, variety
 from benchmarks.tasks.tables import (
     collision_table, effort_table, failure_table, recovery_table, state_table, success_table,
 )
 import numpy as np
+from push_model.geometry import FloatArray
 
 TEXT = Path(__file__).with_name('tasks.md.in')
-SUCCESS_AIM, RATIO_AIM = 99.5, 0.5
+# Aims that were set for tasks: successes [%]; time and distance over those of the best single
+# push; (percentile, CPU time of a plan [s]).
+SUCCESS_AIM = 99.5
+RATIO_AIM = 0.5
 PLANNING_AIMS = (50, 0.3), (95, 1.0)
 NOT_MEASURED = 'Not measured in this run.'
+# Ratio at the left edge of the figure; tasks that no single push solves have a ratio of 0.
 LEAST_SHOWN = 0.1
-COLOURS = dict(zip(PARTS, ('C0', 'C1', 'C2', 'C3')))
+COLOURS: dict[str, str] = dict(zip(PARTS, ('C0', 'C1', 'C2', 'C3')))
 
 
-def aim_table(pairs):
+class Aim(NamedTuple):
+    """One line of the table of aims: its title, aim and measured value as text, whether met."""
+
+    title: str
+    aim: str
+    measured: str
+    is_met: bool
+
+
+def aim_table(pairs: Sequence[Pair]) -> str:
     """
     Write every aim beside what was measured.
 
@@ -27,34 +42,36 @@ def aim_table(pairs):
     rows = [row for part in PARTS if part != ALONE
             for group in grouped(pairs, part) for row in _rows(group)] + _against_alone(pairs)
     return table(['', 'aim', 'measured', 'met'],
-                 [(*row[:3], 'yes' if row[3] else '**no**') for row in rows])
+                 [(*row[:3], 'yes' if row.is_met else '**no**') for row in rows])
 
 
-def _rows(group):
-    share = 100.0 * group.successes / len(group.tasks)
-    yield (f'{group.part}: success, %', f'{SUCCESS_AIM:g}',
-           f'{share:.1f} ({group.successes} of {len(group.tasks)})', share >= SUCCESS_AIM)
+def _rows(group: Group) -> Iterator[Aim]:
+    rate = 100.0 * group.successes / len(group.tasks)
+    yield Aim(
+        f'{group.part}: success, %', f'{SUCCESS_AIM:g}',
+        f'{rate:.1f} ({group.successes} of {len(group.tasks)})', rate >= SUCCESS_AIM)
     if group.part == IN_MAPS:
         hits = sum(int((group.values(f'{body}_clearance', successful=False) < 0.0).sum())
                    for body in ('robot', 'object'))
-        yield f'{group.part}: collisions', '0', str(hits), hits == 0
+        yield Aim(f'{group.part}: collisions', '0', str(hits), hits == 0)
     if group.part != OPEN:
         return
     for name, unit in (('duration', 'time'), ('distance', 'distance')):
         single = 'single' if name == 'duration' else 'single_push_distance'
         value = _median(group.ratios(name, single))
-        yield (f'{group.part}: {unit} over that of the best single push, median',
-               f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM)
+        yield Aim(f'{group.part}: {unit} over that of the best single push, median',
+                  f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM)
     for percent, aim in PLANNING_AIMS:
-        value = np.percentile(group.planning, percent) if len(group.planning) else np.nan
-        yield (f'{group.part}: planning, CPU s, ' + ('median' if percent == 50 else f'p{percent}'),
-               f'{aim:g}', f'{value:.2f}', value <= aim)
+        value = float(np.percentile(group.planning, percent)) if len(group.planning) else np.nan
+        title = 'median' if percent == 50 else f'p{percent}'
+        yield Aim(f'{group.part}: planning, CPU s, {title}', f'{aim:g}', f'{value:.2f}',
+                  value <= aim)
     below = int((group.ratios('duration', 'least') < 1.0).sum())
-    yield f'{group.part}: tasks quicker than the bound', '0', str(below), below == 0
+    yield Aim(f'{group.part}: tasks quicker than the bound', '0', str(below), below == 0)
 
 
-def _against_alone(pairs):
-    """Compare with the same tasks done with single pushes only, where both succeed."""
+def _against_alone(pairs: Sequence[Pair]) -> list[Aim]:
+    """Compare with the same tasks under single pushes only, where both succeed."""
     alone = {(job['kind'], job['seed']): record for job, record in pairs if job['part'] == ALONE}
     both = [(record, alone[job['kind'], job['seed']]) for job, record in pairs
             if job['part'] == OPEN and (job['kind'], job['seed']) in alone]
@@ -62,29 +79,29 @@ def _against_alone(pairs):
             if record['success'] and other['success']]
     if not done:
         return []
-    rows = []
+    rows: list[Aim] = []
     for name, unit in (('duration', 'time'), ('distance', 'distance')):
         value = _median([record[name] / other[name] for record, other in done])
-        rows.append((f'{OPEN}: {unit} over that with single pushes only, as driven, median of '
-                     f'{len(done)}', f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM))
+        rows.append(Aim(f'{OPEN}: {unit} over that with single pushes only, as driven, median of '
+                        f'{len(done)}', f'{RATIO_AIM:g}', f'{value:.2f}', value <= RATIO_AIM))
     return rows
 
 
-def _median(values):
+def _median(values: Union[Sequence[float], FloatArray]) -> float:
     return float(np.median(values)) if len(values) else np.nan
 
 
-def text(jobs, records):
+def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
     """
     Fill the template.
 
     :param jobs: dicts of ``part``, ``kind`` and ``seed``.
-    :param records: what ``tasks_run.run`` gave for them.
+    :param records: what ``benchmarks.tasks.run.run`` returned for them.
     """
     pairs, filled = list(zip(jobs, records)), TEXT.read_text(encoding='utf-8')
     kinds = grouped(pairs, OPEN, kind)
     mapped, moved = (grouped(pairs, part, variety) for part in (IN_MAPS, DISTURBED))
-    moved += grouped(pairs, DISTURBED, _moved)[1:]
+    moved += grouped(pairs, DISTURBED, _state_when_moved)[1:]
     alone = grouped(pairs, ALONE)
     everything = [group for part in PARTS for group in grouped(pairs, part)]
     for name, value in (
@@ -102,18 +119,18 @@ def text(jobs, records):
     return filled
 
 
-def _moved(_, record):
+def _state_when_moved(_: Job, record: Record) -> str:
     state = record.get('moved_in', '')
     return f'while it was in: {state}' if state else 'after the end'
 
 
-def picture(path, jobs, records):
+def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
     """
-    Draw times over those of one push and over the bound, and how many pushes it takes.
+    Draw times over those of a single push and over the bound, and the numbers of pushes.
 
-    :param path: of the picture.
+    :param path: of the figure.
     :param jobs: as for ``text``.
-    :param records: likewise.
+    :param records: as for ``text``.
     """
     from matplotlib.figure import Figure
     pairs = list(zip(jobs, records))
@@ -126,7 +143,7 @@ def picture(path, jobs, records):
             times.step(ratios, np.arange(1, len(ratios) + 1) / len(group.tasks), where='post',
                        label=f'over {label}')
     times.plot(RATIO_AIM, 0.5, 'k+', ms=10, label='aim as stated')
-    times.set(xlabel='time of the task as driven, over ...', ylabel='share of the tasks',
+    times.set(xlabel='time of the task as driven, over ...', ylabel='fraction of the tasks',
               xscale='log', xlim=(LEAST_SHOWN, 100.0), ylim=(0.0, 1.01))
     times.xaxis.set_major_formatter('{x:g}')
     for group in [group for part in PARTS for group in grouped(pairs, part)
@@ -134,7 +151,7 @@ def picture(path, jobs, records):
         counts = np.bincount(group.values('pushes').astype(int))
         pushes.plot(np.cumsum(counts) / len(group.tasks), 'o-', color=COLOURS[group.part],
                     label=group.part)
-    pushes.set(xlabel='pushes', ylabel='share of the tasks done with so many', ylim=(0.0, 1.01))
+    pushes.set(xlabel='pushes', ylabel='fraction of the tasks done with so many', ylim=(0.0, 1.01))
     for axis in (times, pushes):
         axis.grid(alpha=0.3)
         axis.legend(fontsize=8, loc='lower right')

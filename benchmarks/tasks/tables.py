@@ -1,20 +1,22 @@
-"""What random tasks came to, as tables."""
+"""Tables of the benchmark of tasks, in Markdown."""
 
 from collections import Counter
+from typing import Any, Sequence
 
-from benchmarks.controller.tables import spread, table, TO_DEGREES, wilson
-from benchmarks.tasks.groups import faults_of, without_numbers
+from benchmarks.controller.tables import Pair, spread, table, TO_DEGREES, wilson
+from benchmarks.tasks.groups import faults_of, Group, without_numbers
 from benchmarks.tasks.run import TIMED_STATES
 import numpy as np
+from push_model.geometry import FloatArray
 
 
-def success_table(groups):
+def success_table(groups: Sequence[Group]) -> str:
     """
     Write successes, errors, pushes.
 
     :param groups: list of ``Group``.
     """
-    rows = []
+    rows: list[Sequence[Any]] = []
     for group in groups:
         count, pushes = len(group.tasks), group.values('pushes')
         low, high = wilson(group.successes, count)
@@ -29,13 +31,13 @@ def success_table(groups):
                   'pushes mean; median, p95', 'recoveries median, p95', 's median, p95'], rows)
 
 
-def effort_table(groups):
+def effort_table(groups: Sequence[Group]) -> str:
     """
-    Write time and way over those of one push and over the bound, and the time of planning.
+    Write times and distances over those of a single push and over the bounds, and planning times.
 
     :param groups: list of ``Group``.
     """
-    rows = []
+    rows: list[Sequence[Any]] = []
     for group in groups:
         rows.append((group.name, spread(group.values('sequence'), '.0f'),
                      int(np.isinf(group.values('single')).sum()),
@@ -46,22 +48,22 @@ def effort_table(groups):
                      spread(group.ratios('distance', 'least_distance'), '.2f'),
                      spread(group.planning, '.2f')))
     return table(['', 'pushes planned at first', 'no single push', 'planned time over single',
-                  'time over single', 'way over single', 'time over bound', 'way over straight',
-                  'planning, s CPU'], rows)
+                  'time over single', 'distance over single', 'time over bound',
+                  'distance over bound', 'planning, s CPU'], rows)
 
 
-def _finite(ratios):
-    """Leave out tasks that no single push does."""
+def _finite(ratios: FloatArray) -> FloatArray:
+    """Drop tasks that no single push solves."""
     return ratios[ratios > 0.0]
 
 
-def state_table(groups):
+def state_table(groups: Sequence[Group]) -> str:
     """
-    Write where the time goes.
+    Write the fractions of time in each state.
 
     :param groups: list of ``Group``.
     """
-    rows = []
+    rows: list[Sequence[Any]] = []
     for group in groups:
         spent = [group.values(f'in_{state.value}').sum() for state in TIMED_STATES]
         if sum(spent):
@@ -69,13 +71,13 @@ def state_table(groups):
     return table(['', *(state.value for state in TIMED_STATES)], rows)
 
 
-def collision_table(groups):
+def collision_table(groups: Sequence[Group]) -> str:
     """
-    Write collisions with what stands in the maps, by the true poses.
+    Write collisions with walls and obstacles, by the true poses.
 
     :param groups: list of ``Group``.
     """
-    rows = []
+    rows: list[Sequence[Any]] = []
     for group in groups:
         clearance = [group.values(f'{body}_clearance', successful=False)
                      for body in ('robot', 'object')]
@@ -88,13 +90,14 @@ def collision_table(groups):
                   'of the object, mm'], rows)
 
 
-def failure_table(pairs):
+def failure_table(pairs: Sequence[Pair]) -> str:
     """
     List the classes of failures, each with the first task that shows it.
 
     :param pairs: (job, record) of all tasks.
     """
-    faults, first = Counter(), {}
+    faults: Counter[tuple[str, str, str]] = Counter()
+    first: dict[tuple[str, str, str], int] = {}
     for job, record in pairs:
         for name in faults_of(job, record):
             key = job['part'], job['kind'], name
@@ -107,13 +110,13 @@ def failure_table(pairs):
                  rows) if rows else 'None.'
 
 
-def recovery_table(pairs):
+def recovery_table(pairs: Sequence[Pair]) -> str:
     """
-    List what went wrong on the way, successful or not.
+    List the reasons of recoveries, in all tasks.
 
     :param pairs: (job, record) of all tasks.
     """
-    found = Counter()
+    found: Counter[str] = Counter()
     for _, record in pairs:
         found.update(without_numbers(reason)
                      for reason in record.get('recovery_reasons', '').split('; ') if reason)
