@@ -1,4 +1,4 @@
-"""What a node is told beside physics and tuning: frames, modes, files."""
+"""Settings of a node besides physics and tuning: frames, modes, files."""
 
 import dataclasses
 import math
@@ -34,7 +34,7 @@ class ControllerOptions:
     task: bool = quantity('bring the object to the goal with as many pushes as that takes, the '
                           'robot anywhere at first; else follow one plan from its start',
                           default=False)
-    wait_for_plans: bool = quantity('in a task: answer no measurement while a plan is wanted, so '
+    wait_for_plans: bool = quantity('in a task: answer no measurement while a plan is pending, so '
                                     'that time in lockstep waits for the planner', default=False)
     watchdog_timeout: float = quantity('time without odometry after which the robot is stopped',
                                        's', above=0.0, high=5.0, default=0.25)

@@ -54,7 +54,8 @@ OFFENCES = [
     ('clocks', {'push_sim_node/a.py': 'import numpy as np\nnp.random.default_rng()'}),
     ('crowd', {f'push_model/{name}.py': '' for name in 'cdefghijklmnopqrst'}),
     ('signature', {'push_model/a.py': 'def f(a, b, c, d, e, f, g):\n    pass'}),
-    ('signature', {'push_model/a.py': 'class A:\n    def f(self, a, b, c, d, e, f, g=1):\n        pass'}),
+    ('signature', {'push_model/a.py': 'class A:\n    def f(self, a, b, c, d, e, f, g=1):\n'
+                                      '        pass'}),
     ('words', {'push_model/a.py': 'robot_way = 1'}),
     ('words', {'push_model/a.py': 'class ChainHunt:\n    pass'}),
     ('words', {'push_model/a.py': 'def f(wanted):\n    pass'}),
@@ -68,8 +69,8 @@ OFFENCES = [
 ]
 GOOD = {
     'push_model/a.py': 'import math\nimport numpy as np\nrng = np.random.default_rng(1)\n',
-    'push_model/b.py': 'from push_model.a import rng\nclass A:\n    def f(self, a, b, c, d, e, f, *, g):'
-                       '\n        self.path_length = a\n',
+    'push_model/b.py': 'from push_model.a import rng\nclass A:\n'
+                       '    def f(self, a, b, c, d, e, f, *, g):\n        self.path_length = a\n',
     'config/b.yaml': 'task:\n  correction_time: 1.0\n',
     'push_planner/a.py': 'from push_model import a, b\n',
     'push_control/controller_node.py': 'import rclpy\nfrom push_ros.run import spin\n',

@@ -257,8 +257,8 @@ def old_words(root):
             wrong += [f'{path}:{line} {name}' for name, line in identifiers(parse(root, path))
                       if words_of(name) & OLD_WORDS]
         else:
-            wrong += [f'{path}: {key}' for key in re.findall(r'(?m)^[\s-]*(\w+):', (root / path).read_text())
-                      if words_of(key) & OLD_WORDS]
+            keys = re.findall(r'(?m)^[\s-]*(\w+):', (root / path).read_text(encoding='utf-8'))
+            wrong += [f'{path}: {key}' for key in keys if words_of(key) & OLD_WORDS]
     return wrong
 
 
