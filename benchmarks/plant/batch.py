@@ -1,13 +1,14 @@
 """
 Throughput of batches: variations of one push in this process, on all cores, on a Dask cluster.
 
-Prints a Markdown table; says whether all ways gave the same bits.
+Prints a Markdown table, and whether all of them gave the same results to the bit.
 """
 
 import argparse
 from pathlib import Path
 import tempfile
 import time
+from typing import Any, Iterator, NamedTuple
 
 import numpy as np
 from push_model.parameters import PushedObject, RoundRobot, Support
@@ -15,7 +16,11 @@ from push_scenario.batch.batch import run_batch, seeds
 from push_scenario.batch.varied_push import VariedPush
 from push_scenario.batch.workers import available_cores
 
-SIDE, STEPS, STEP = 0.4, 400, 5e-3
+DESCRIPTION = 'Throughput of batches: in this process, on all cores, on a Dask cluster.'
+# Side of the box [m], number of steps of the plant and their length [s]; chosen: a push of 2 s.
+SIDE = 0.4
+STEPS = 400
+STEP = 5e-3
 CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 OUTLINE = tuple((SIDE * x, SIDE * y) for x, y in CORNERS)
 ROBOT = RoundRobot(0.17, 'holonomic')
@@ -25,7 +30,21 @@ PUSH = VariedPush(
     STEP)
 
 
-def job(seed):
+class BatchRun(NamedTuple):
+    """
+    One batch.
+
+    :param table: bytes of its table.
+    :param seconds: wall time [s].
+    :param rate: jobs per second after the first result.
+    """
+
+    table: bytes
+    seconds: float
+    rate: float
+
+
+def job(seed: int) -> dict[str, Any]:
     """Draw mass, friction, start and command of one variation."""
     rng = np.random.default_rng(seed)
     return {'object': {'mass': rng.uniform(1.0, 5.0),
@@ -35,19 +54,19 @@ def job(seed):
             'segments': [[STEPS * STEP, rng.uniform(0.05, 0.3), 0.0, rng.uniform(-0.2, 0.2)]]}
 
 
-def timed(jobs, out, **how):
-    """Run a batch; return its table, total seconds and jobs per second after startup."""
-    marks = []
+def timed(jobs: list[dict[str, Any]], out: Path, mode: dict[str, Any]) -> BatchRun:
+    """Run a batch with options of ``run_batch``."""
+    marks: list[tuple[float, int]] = []
     began = time.perf_counter()
-    run_batch(PUSH, jobs, out, progress=lambda done, total: marks.append(
-        (time.perf_counter(), done)), **how)
+    run_batch(PUSH, jobs, out, progress=lambda done, _: marks.append(
+        (time.perf_counter(), done)), **mode)
     seconds = time.perf_counter() - began
     first = next(mark for mark in marks if mark[1])
     rate = (marks[-1][1] - first[1]) / (marks[-1][0] - first[0])
-    return out.with_suffix('.csv').read_bytes(), seconds, rate
+    return BatchRun(out.with_suffix('.csv').read_bytes(), seconds, rate)
 
 
-def execution_modes(cores, with_cluster):
+def execution_modes(cores: int, with_cluster: bool) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield (name, options of ``run_batch``)."""
     yield 'one process', {'workers': 1}
     yield f'{cores} processes', {'workers': cores}
@@ -59,25 +78,27 @@ def execution_modes(cores, with_cluster):
             yield f'Dask, {cores} workers', {'scheduler': client}
 
 
-def main():
+def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=DESCRIPTION)
     parser.add_argument('--jobs', type=int, default=10000, help='number of variations')
     parser.add_argument('--repeat', type=int, default=3, help='runs of each, the fastest counts')
-    parser.add_argument('--no-cluster', action='store_true', help='leave Dask out')
+    parser.add_argument('--no-cluster', action='store_true', help='skip Dask')
     arguments = parser.parse_args()
     jobs = [job(seed) for seed in seeds(1, arguments.jobs)]
     PUSH(jobs[0])
-    tables, base = set(), None
+    tables: set[bytes] = set()
+    base = None
     print(f'{len(jobs)} variations of {STEPS} steps of {1e3 * STEP:g} ms\n')
     print('| | total [s] | variations/s | million steps/s | scaling | after startup |')
     print('|---|---|---|---|---|---|')
-    for name, how in execution_modes(available_cores(), not arguments.no_cluster):
+    for name, mode in execution_modes(available_cores(), not arguments.no_cluster):
         with tempfile.TemporaryDirectory() as directory:
-            runs = [timed(jobs, Path(directory) / f'{i}.jsonl', **how)
+            runs = [timed(jobs, Path(directory) / f'{i}.jsonl', mode)
                     for i in range(arguments.repeat)]
-        tables.update(table for table, _, _ in runs)
-        seconds, rate = min(run[1] for run in runs), max(run[2] for run in runs)
+        tables.update(run.table for run in runs)
+        seconds = min(run.seconds for run in runs)
+        rate = max(run.rate for run in runs)
         base = base or (seconds, rate)
         print(f'| {name} | {seconds:.2f} | {len(jobs) / seconds:.0f} '
               f'| {len(jobs) * STEPS / seconds / 1e6:.2f} | {base[0] / seconds:.2f} '

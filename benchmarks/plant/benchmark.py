@@ -1,9 +1,9 @@
 """
 Speed and error of the plant, against MuJoCo on the same pushes.
 
-Both are judged by fine steps of their own law, so that MuJoCo is not charged for differing from
-Coulomb's. Takes about three minutes, ``--quick`` some seconds; prints Markdown, and writes it with
-a picture to a directory if one is given (``--out docs/validation``).
+The reference of each is itself at a fine step, so that MuJoCo's deviation from Coulomb's law does
+not count as an error. Takes about three minutes, ``--quick`` some seconds; prints Markdown, and
+writes it with a figure to a directory if one is given (``--out docs/validation``).
 """
 
 import argparse
@@ -11,24 +11,35 @@ import dataclasses
 from pathlib import Path
 import statistics
 import time
+from typing import Callable, Optional, Sequence
 
-from benchmarks.plant.mujoco_scene import DEFAULT, HARD, Rival, TUNED
-from benchmarks.plant.scenes import apart, extrapolated, ORIGIN, SCENES
+from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, TUNED
+from benchmarks.plant.scenes import apart, extrapolated, MovingObject, ORIGIN, Scene, SCENES
 from benchmarks.progress_bar import progress
+from push_model.geometry import Pose
 
+DESCRIPTION = 'Speed and error of the plant, against MuJoCo on the same pushes.'
+# Error at which speeds are compared [m]; chosen.
 ALLOWED = 1e-3
+# Steps that are compared [s].
 PLANT_STEPS = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2)
 ENGINES = {'default': DEFAULT, 'hard': HARD, 'tuned': TUNED}
 ENGINE_STEPS = (2.5e-4, 5e-4, 1e-3, 2e-3, 5e-3)
+# Step of MuJoCo's reference [s]; a fifth of its finest compared step.
 REFERENCE_STEP = 5e-5
-HOLD = 0.01
+# Time between two settings of MuJoCo's robot velocity [s]; chosen: long enough that the time spent
+# in Python does not count.
+COMMAND_PERIOD = 0.01
 TEXT = Path(__file__).with_name('plant.md.in')
+PlantMaker = Callable[[Scene], MovingObject]
+Choice = Callable[[Sequence[float]], float]
+CHOICES: tuple[tuple[str, Choice], ...] = (('max', max), ('median', statistics.median))
 
 
 @dataclasses.dataclass(frozen=True)
 class Run:
     """
-    Runs of all scenes with one setting.
+    Runs of all scenes with one simulator at one step.
 
     :param name: of the simulator.
     :param step: [s].
@@ -39,95 +50,91 @@ class Run:
 
     name: str
     step: float
-    errors: tuple
-    cpu: tuple
-    simulated: tuple
+    errors: tuple[float, ...]
+    cpu: tuple[float, ...]
+    simulated: tuple[float, ...]
 
     @property
-    def speed(self):
+    def speed(self) -> float:
         """Simulated seconds per CPU second, over all scenes."""
         return sum(self.simulated) / sum(self.cpu)
 
     @property
-    def step_cost(self):
+    def step_cost(self) -> float:
         """CPU time per step [s]."""
         return sum(self.cpu) * self.step / sum(self.simulated)
 
 
-class Paced(Rival):
-    """MuJoCo whose robot gets its velocity every 10 ms: Python costs it nothing that counts."""
-
-    def advance(self, duration, command):
-        """Let time pass while one command stands."""
-        super().advance(duration, command, max(1, round(HOLD / self.engine.step)))
-
-
-def plant_maker(step):
-    """Return what makes a plant of a scene."""
+def plant_maker(step: float) -> PlantMaker:
+    """Return a function that builds the plant of a scene."""
     return lambda scene: scene.plant(step)
 
 
-def engine_maker(engine, step):
-    """Return what makes MuJoCo of a scene."""
+def engine_maker(engine: Engine, step: float) -> PlantMaker:
+    """Return a function that builds the MuJoCo plant of a scene."""
     engine = dataclasses.replace(engine, step=step)
-    return lambda scene: Paced(scene.object, scene.robot, ORIGIN, scene.robot_pose, engine)
+    return lambda scene: MujocoPlant(
+        scene.object, scene.robot, ORIGIN, scene.robot_pose, engine,
+        steps_per_command=max(1, round(COMMAND_PERIOD / engine.step)))
 
 
-def timed(scene, make, rounds=1):
+def timed(scene: Scene, make: PlantMaker, rounds: int = 1) -> tuple[Pose, float]:
     """Return the object's pose at the end of a scene, and the least CPU time of some runs [s]."""
-    best = float('inf')
+    best, pose = float('inf'), ORIGIN
     for _ in range(rounds):
-        mover = make(scene)
+        plant = make(scene)
         began = time.process_time()
-        pose = scene.end(mover)
+        pose = scene.end(plant)
         best = min(best, time.process_time() - began)
     return pose, best
 
 
-def measure(name, step, make, references, scenes, rounds=1):
-    """Run all scenes with one setting."""
+def measure(name: str, step: float, make: PlantMaker, references: Sequence[Pose],
+            scenes: Sequence[Scene], rounds: int = 1) -> Run:
+    """Run all scenes with one simulator at one step."""
     ends = [timed(scene, make, rounds) for scene in scenes]
     return Run(name, step, tuple(apart(end[0], pose) for end, pose in zip(ends, references)),
                tuple(end[1] for end in ends), tuple(scene.duration for scene in scenes))
 
 
-def plant_runs(scenes, fine):
-    """Return runs of the plant; reference: two fine steps, extrapolated to none."""
+def plant_runs(scenes: Sequence[Scene], fine: float) -> list[Run]:
+    """Run the plant; reference: two fine steps, extrapolated to a step of 0."""
     references = [extrapolated(scene.end(scene.plant(2.0 * fine)), scene.end(scene.plant(fine)))
                   for scene in progress(scenes, 'plant, reference')]
     return [measure('plant', step, plant_maker(step), references, scenes, 5)
             for step in progress(PLANT_STEPS, 'plant')]
 
 
-def engine_runs(name, engine, scenes, steps, fine):
-    """Return runs of MuJoCo with some settings; reference: the same settings, a fine step."""
+def engine_runs(name: str, engine: Engine, scenes: Sequence[Scene], steps: Sequence[float],
+                fine: float) -> list[Run]:
+    """Run MuJoCo with some settings; reference: the same settings at a fine step."""
     references = [scene.end(engine_maker(engine, fine)(scene))
                   for scene in progress(scenes, f'MuJoCo {name}, reference')]
     return [measure(name, step, engine_maker(engine, step), references, scenes)
             for step in progress(steps, f'MuJoCo {name}')]
 
 
-def table(head, rows):
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Write a Markdown table."""
     return '\n'.join('| ' + ' | '.join(line) + ' |'
                      for line in (head, ['---'] * len(head), *rows))
 
 
-def milli(values, digits=3):
-    """Write the most and the median of some lengths [mm]."""
+def milli(values: Sequence[float], digits: int = 3) -> list[str]:
+    """Write maximum and median of some lengths [mm]."""
     return [f'{1e3 * max(values):.{digits}f}', f'{1e3 * statistics.median(values):.{digits}f}']
 
 
-def scene_table(runs, scenes):
+def scene_table(runs: Sequence[Run], scenes: Sequence[Scene]) -> str:
     """Write the plant's error per scene and step."""
     rows = [[scene.name, *(f'{1e3 * run.errors[i]:.3f}' for run in runs)]
             for i, scene in enumerate(scenes)]
-    for title, choose in (('max', max), ('median', statistics.median)):
+    for title, choose in CHOICES:
         rows.append([f'**{title}**', *(f'**{1e3 * choose(run.errors):.3f}**' for run in runs)])
     return table(['error mm', *(f'{1e3 * run.step:g} ms' for run in runs)], rows)
 
 
-def run_table(runs):
+def run_table(runs: Sequence[Run]) -> str:
     """Write error and cost of all runs."""
     return table(['simulator', 'step ms', 'max mm', 'median mm', 'us per step',
                   'simulated s per CPU s'],
@@ -135,31 +142,35 @@ def run_table(runs):
                    f'{1e6 * run.step_cost:.2f}', f'{run.speed:.0f}'] for run in runs])
 
 
-def cheapest(runs, choose):
-    """Return the fastest run whose errors, all or the median, are within what is allowed."""
+def cheapest(runs: Sequence[Run], choose: Choice) -> Optional[Run]:
+    """Return the fastest run whose errors, all or the median, are below ``ALLOWED``."""
     good = [run for run in runs if choose(run.errors) < ALLOWED]
     return max(good, key=lambda run: run.speed, default=None)
 
 
-def ratio_table(ours, theirs):
-    """Write how many times faster the plant is, at equal step and at equal accuracy."""
-    rows = []
-    millisecond = next(run for run in ours if run.step == 1e-3)
-    for title, choose in (('max', max), ('median', statistics.median)):
+def ratio_table(ours: Sequence[Run], theirs: dict[str, list[Run]]) -> str:
+    """Write the ratios of speeds, at equal step and at equal accuracy."""
+    rows: list[list[str]] = []
+    ours_at_1_ms = next(run for run in ours if run.step == 1e-3)
+    for title, choose in CHOICES:
         best = cheapest(ours, choose)
-        for name in theirs:
-            run, same = cheapest(theirs[name], choose), [
-                run for run in theirs[name] if run.step == 1e-3][0]
-            rows.append([name, f'{same.step_cost / millisecond.step_cost:.0f}', title,
+        if best is None:
+            raise RuntimeError(f'{title}: got no run of the plant with an error below '
+                               f'{ALLOWED:g} m, expected one')
+        for name, runs in theirs.items():
+            run = cheapest(runs, choose)
+            at_1_ms = next(run for run in runs if run.step == 1e-3)
+            ratio = f'above {best.speed / min(slow.speed for slow in runs):.0f}'
+            if run is not None:
+                ratio = f'{best.speed / run.speed:.0f}'
+            rows.append([name, f'{at_1_ms.step_cost / ours_at_1_ms.step_cost:.0f}', title,
                          f'{1e3 * best.step:g} ms',
-                         f'{1e3 * run.step:g} ms' if run else 'none',
-                         f'{best.speed / run.speed:.0f}' if run else
-                         f'above {best.speed / min(r.speed for r in theirs[name]):.0f}'])
+                         'none' if run is None else f'{1e3 * run.step:g} ms', ratio])
     return table(['MuJoCo', 'times faster per 1 ms step', 'error below 1 mm', 'plant at',
                   'MuJoCo at', 'times faster then'], rows)
 
 
-def picture(path, ours, theirs):
+def picture(path: Path, ours: list[Run], theirs: dict[str, list[Run]]) -> None:
     """Draw error against step, and error against cost."""
     from matplotlib.figure import Figure
     figure = Figure(figsize=(11, 4.6), layout='constrained')
@@ -183,7 +194,7 @@ def picture(path, ours, theirs):
     figure.savefig(path, dpi=110)
 
 
-def report(quick):
+def report(quick: bool) -> tuple[str, list[Run], dict[str, list[Run]]]:
     """Measure everything; return the text and the runs."""
     scenes = SCENES[3:6] if quick else SCENES
     ours = plant_runs(scenes, 5e-5 if quick else 1e-5)
@@ -198,9 +209,9 @@ def report(quick):
     return text, ours, theirs
 
 
-def main():
+def main() -> None:
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
+    parser = argparse.ArgumentParser(description=DESCRIPTION)
     parser.add_argument('--quick', action='store_true', help='three scenes, coarse references')
     parser.add_argument('--out', type=Path, help='directory for plant.md and plant.png')
     arguments = parser.parse_args()

@@ -1,18 +1,30 @@
-"""Pushes that the plant and MuJoCo both make, and how far apart they end."""
+"""The same pushes in the plant and in MuJoCo, and the differences of the final poses."""
 
 import dataclasses
 import math
+from typing import Callable, NamedTuple, Sequence
 
-from benchmarks.plant.mujoco_scene import DEFAULT, HARD, Rival, TUNED
+from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, TUNED
 from push_model.geometry import Pose, wrap_angle
-from push_model.parameters import PushedObject, RoundRobot, Support
+from push_model.parameters import Outline, PushedObject, RoundRobot, Support
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
+from push_sim_node.truth import ContactMode
 
 ENGINES = {'default': DEFAULT, 'hard': HARD, 'tuned': TUNED}
 ORIGIN = Pose(0.0, 0.0, 0.0)
+# Shift of the robot's start for the sensitivity [m]; chosen: well above rounding, well below what
+# changes the contact mode.
 SHIFT = 1e-4
+# Number of poses along a push; chosen for the figure.
 SAMPLES = 20
+
+
+class PoseDifference(NamedTuple):
+    """Distance [m] and absolute angle [rad] between two poses."""
+
+    distance: float
+    angle: float
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,13 +34,13 @@ class Push:
 
     :param kind: 'box', 'uneven box', 'three feet', 'bin' or 'table'.
     :param mass: [kg].
-    :param friction: of the feet; of an uneven box the mean.
-    :param grip: friction between robot and object.
+    :param friction: coefficient of the feet; of an uneven box the mean.
+    :param grip: coefficient of friction between robot and object.
     :param offset: of the robot's centre line, to the left [m].
     :param speed: (v_x, v_y) of the robot [m/s].
     :param spin: yaw rate of the robot [rad/s].
     :param radius: of the robot [m].
-    :param distance: how far the robot goes [m].
+    :param distance: that the robot drives [m].
     """
 
     kind: str
@@ -36,34 +48,35 @@ class Push:
     friction: float
     grip: float
     offset: float
-    speed: tuple
+    speed: tuple[float, float]
     spin: float = 0.0
     radius: float = 0.17
     distance: float = 0.6
 
     @property
-    def object(self):
+    def object(self) -> PushedObject:
         """The ``PushedObject``."""
         return OBJECTS[self.kind](self.mass, self.friction, self.grip)
 
     @property
-    def robot(self):
+    def robot(self) -> RoundRobot:
         """The ``RoundRobot``: no lag, so that both engines move it the same way."""
         return RoundRobot(self.radius, 'holonomic', 2.0, 4.0, 2.0, 10.0, 0.0)
 
     @property
-    def command(self):
+    def command(self) -> Twist:
         """``Twist`` of the robot; a spinning one drives along a wide arc."""
-        return Twist(*self.speed, self.spin)
+        v_x, v_y = self.speed
+        return Twist(v_x, v_y, self.spin)
 
     @property
-    def duration(self):
-        """How long the push takes [s], a multiple of 10 ms."""
+    def duration(self) -> float:
+        """Duration of the push [s], a multiple of 10 ms."""
         return round(self.distance / math.hypot(*self.speed), 2)
 
-    def robot_pose(self, shift=0.0):
+    def robot_pose(self, shift: float = 0.0) -> Pose:
         """
-        Pose of the robot that touches the object at rest in the origin.
+        Return the pose of the robot that touches the object at rest in the origin.
 
         :param shift: of the robot to the left [m].
         """
@@ -73,38 +86,42 @@ class Push:
         return Pose(min(x for x, _ in obj.outline) - self.radius, offset, 0.0)
 
 
-def rectangle(length, width, places, mass, frictions, grip, com=(0.0, 0.0)):
-    """Return a box-shaped object."""
+def rectangle(size: tuple[float, float], places: Outline, mass: float,
+              frictions: Sequence[float], grip: float,
+              com: tuple[float, float] = (0.0, 0.0)) -> PushedObject:
+    """Return an object with a rectangular outline of a length and a width."""
+    length, width = size
     x, y = length / 2, width / 2
-    supports = [Support(*place, mu) for place, mu in zip(places, frictions)]
+    supports = tuple(Support(foot_x, foot_y, mu)
+                     for (foot_x, foot_y), mu in zip(places, frictions))
     return PushedObject(mass=mass, inertia=mass * (length ** 2 + width ** 2) / 12,
                         supports=supports, outline=((-x, -y), (x, -y), (x, y), (-x, y)),
                         center_of_mass=com, contact_friction_coefficient=grip)
 
 
-def corners(x, y):
-    """Return four places about the origin."""
+def corners(x: float, y: float) -> Outline:
+    """Return the corners of a rectangle about the origin."""
     return (-x, -y), (x, -y), (x, y), (-x, y)
 
 
-def bin_(mass, friction, grip):
+def bin_(mass: float, friction: float, grip: float) -> PushedObject:
     """Return a round bin on three feet."""
     angles = [2.0 * math.pi * i / 3 for i in range(3)]
     return PushedObject(mass=mass, inertia=0.5 * mass * 0.2 ** 2, radius=0.2,
-                        supports=[Support(0.16 * math.cos(a), 0.16 * math.sin(a), friction)
-                                  for a in angles], contact_friction_coefficient=grip)
+                        supports=tuple(Support(0.16 * math.cos(a), 0.16 * math.sin(a), friction)
+                                       for a in angles), contact_friction_coefficient=grip)
 
 
-# Three feet carry what statics says; four equal ones share evenly about a mass centre amid them.
-OBJECTS = {
-    'box': lambda m, mu, grip: rectangle(0.4, 0.4, corners(0.17, 0.17), m, 4 * [mu], grip),
+# Statics determines the loads of three feet; four equal ones around the mass centre share evenly.
+OBJECTS: dict[str, Callable[[float, float, float], PushedObject]] = {
+    'box': lambda m, mu, grip: rectangle((0.4, 0.4), corners(0.17, 0.17), m, 4 * [mu], grip),
     'uneven box': lambda m, mu, grip: rectangle(
-        0.4, 0.4, corners(0.17, 0.17), m, [0.8 * mu, 1.3 * mu, 1.1 * mu, 0.8 * mu], grip),
+        (0.4, 0.4), corners(0.17, 0.17), m, [0.8 * mu, 1.3 * mu, 1.1 * mu, 0.8 * mu], grip),
     'three feet': lambda m, mu, grip: rectangle(
-        0.4, 0.4, ((-0.15, -0.12), (-0.15, 0.12), (0.15, 0.0)), m, 3 * [mu], grip,
+        (0.4, 0.4), ((-0.15, -0.12), (-0.15, 0.12), (0.15, 0.0)), m, 3 * [mu], grip,
         (-0.05, 0.0)),
     'bin': bin_,
-    'table': lambda m, mu, grip: rectangle(0.5, 0.8, corners(0.2, 0.3), m, 4 * [mu], grip),
+    'table': lambda m, mu, grip: rectangle((0.5, 0.8), corners(0.2, 0.3), m, 4 * [mu], grip),
 }
 PUSHES = (
     Push('box', 2.0, 0.3, 0.5, 0.0, (0.05, 0.0)),
@@ -137,17 +154,19 @@ PUSHES = (
 )
 
 
-def by_plant(push, shift=0.0, step=1e-3):
+def by_plant(push: Push, shift: float = 0.0,
+             step: float = 1e-3) -> tuple[list[Pose], set[ContactMode]]:
     """
     Push in the plant.
 
     :param push: ``Push``.
     :param shift: of the robot at the start [m].
     :param step: longest step [s].
-    :return: poses of the object at equal times (list of ``Pose``), contact modes met (set).
+    :return: poses of the object at equal times (list of ``Pose``), set of the contact modes.
     """
     plant = Plant(push.object, push.robot, ORIGIN, push.robot_pose(shift), step)
-    poses, modes = [], set()
+    poses: list[Pose] = []
+    modes: set[ContactMode] = set()
     for _ in range(SAMPLES):
         plant.advance(push.duration / SAMPLES, push.command)
         poses.append(plant.object_pose)
@@ -155,7 +174,7 @@ def by_plant(push, shift=0.0, step=1e-3):
     return poses, modes
 
 
-def by_mujoco(push, engine):
+def by_mujoco(push: Push, engine: Engine) -> list[Pose]:
     """
     Push in MuJoCo.
 
@@ -163,23 +182,23 @@ def by_mujoco(push, engine):
     :param engine: ``Engine``.
     :return: poses of the object at the times of ``by_plant``.
     """
-    rival = Rival(push.object, push.robot, ORIGIN, push.robot_pose(), engine)
+    plant = MujocoPlant(push.object, push.robot, ORIGIN, push.robot_pose(), engine)
     edges = [round(push.duration * i / SAMPLES / engine.step) for i in range(SAMPLES + 1)]
-    poses = []
+    poses: list[Pose] = []
     for begin, end in zip(edges, edges[1:]):
-        rival.advance((end - begin) * engine.step, push.command)
-        poses.append(rival.object_pose)
+        plant.advance((end - begin) * engine.step, push.command)
+        poses.append(plant.object_pose)
     return poses
 
 
-def apart(one, other):
-    """Return distance [m] and turn [rad] between two poses."""
-    return (math.hypot(one.x - other.x, one.y - other.y),
-            abs(wrap_angle(one.theta - other.theta)))
+def pose_difference(one: Pose, other: Pose) -> PoseDifference:
+    """Return the difference of two poses."""
+    return PoseDifference(math.hypot(one.x - other.x, one.y - other.y),
+                          abs(wrap_angle(one.theta - other.theta)))
 
 
-def sensitivity(push):
-    """Return how far the end moves per shift of the start."""
+def sensitivity(push: Push) -> float:
+    """Return the displacement of the final position over the shift of the start."""
     shifted, _ = by_plant(push, SHIFT)
     poses, _ = by_plant(push)
-    return apart(poses[-1], shifted[-1])[0] / SHIFT
+    return pose_difference(poses[-1], shifted[-1]).distance / SHIFT

@@ -1,23 +1,36 @@
 """
-The same push in MuJoCo: an object on small feet, and a velocity-controlled cylinder.
+The planar push in MuJoCo: an object on small feet, and a velocity-controlled cylinder.
 
-Everything that acts between the bodies acts at floor height, the mass centre too: there the plane
-model and a spatial engine must agree, as no load moves from foot to foot.
+All contact forces and the mass centre lie at floor height: there the planar model and a spatial
+engine must agree, as no load shifts from foot to foot.
 """
 
 import dataclasses
 import math
+from typing import Any
 
 import mujoco
 import numpy as np
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import Twist
 from push_sim_node.kernel.actuation import chord_velocity, limit_command, track_command
 
-FOOT = 0.005
+# MuJoCo defines these in an extension module without type stubs.
+_mujoco: Any = mujoco
+# Shapes [m], chosen: radius of the spheres that stand for point supports; half the height of the
+# outline, low as all forces act at floor height; half the height of the robot, well above that.
+FOOT_RADIUS = 0.005
 HALF_HEIGHT = 0.002
-IMMOVABLE = 1e6
-SKIN = 1e-3
-TALL = 0.2
+ROBOT_HALF_HEIGHT = 0.2
+# Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down, and mass,
+# inertia and damping of its bumper, which may follow the object's height; chosen: far above and
+# far below those of any object.
+BASE_MASS = 1e6
+BUMPER_MASS = 1e-3
+# Time that the object gets to sink to its rest on the soft floor [s]; chosen: many time constants.
+SETTLING_TIME = 0.5
+SolverParameters = tuple[float, float]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,71 +45,75 @@ class Engine:
     :param bumper: the same for the contact of robot and object.
     :param margin: distance at which a contact becomes active [m]; the robot is drawn smaller by
         it, so that it pushes where it should.
-    :param floor_impedance: of the feet (at first touch, 1 mm deep).
+    :param floor_impedance: of the feet, (at first touch, 1 mm deep).
     :param bumper_impedance: of the contact of robot and object.
     :param cone: 'elliptic' or 'pyramidal'.
     :param tolerance: of the solver.
-    :param iterations: most iterations of the solver.
+    :param iterations: limit on the iterations of the solver.
     """
 
     step: float = 1e-3
     impratio: float = 1.0
-    floor: tuple = (0.02, 1.0)
-    floor_friction: tuple = (0.0, 0.0)
-    bumper: tuple = (0.02, 1.0)
+    floor: SolverParameters = (0.02, 1.0)
+    floor_friction: SolverParameters = (0.0, 0.0)
+    bumper: SolverParameters = (0.02, 1.0)
     margin: float = 0.0
-    floor_impedance: tuple = (0.9, 0.95)
-    bumper_impedance: tuple = (0.9, 0.95)
+    floor_impedance: SolverParameters = (0.9, 0.95)
+    bumper_impedance: SolverParameters = (0.9, 0.95)
     cone: str = 'pyramidal'
     tolerance: float = 1e-8
     iterations: int = 100
 
 
-EXACT = {'cone': 'elliptic', 'tolerance': 1e-10}
 DEFAULT = Engine()
+# Stiff contacts and an exact cone.
 HARD = Engine(step=5e-4, impratio=10.0, floor=(0.002, 1.0), bumper=(0.002, 1.0),
-              floor_impedance=(0.999, 0.999), bumper_impedance=(0.999, 0.999), **EXACT)
+              floor_impedance=(0.999, 0.999), bumper_impedance=(0.999, 0.999), cone='elliptic',
+              tolerance=1e-10)
+# Chosen for a small difference from the plant on ``comparison.PUSHES``, see
+# docs/validation/mujoco.md.
 TUNED = Engine(step=2.5e-4, impratio=10.0, floor=(0.02, 1.0), floor_friction=(0.1, 1.0),
                bumper=(0.004, 1.0), margin=0.001, floor_impedance=(0.3, 0.3),
-               bumper_impedance=(0.9999, 0.9999), **EXACT)
+               bumper_impedance=(0.9999, 0.9999), cone='elliptic', tolerance=1e-10)
 
 
-def words(*numbers):
+def xml(*numbers: float) -> str:
     """Write numbers as an XML attribute."""
     return ' '.join(f'{number:.12g}' for number in numbers)
 
 
-def outline_geom(obj):
+def outline_geom(obj: PushedObject) -> str:
     """Write the outline: a box for a rectangle about the frame's axes, a cylinder for a disc."""
     if obj.radius:
-        return f'type="cylinder" size="{words(obj.radius, HALF_HEIGHT)}"'
+        return f'type="cylinder" size="{xml(obj.radius, HALF_HEIGHT)}"'
     low, high = np.min(obj.outline, axis=0), np.max(obj.outline, axis=0)
     if len(obj.outline) != 4 or not np.isin(obj.outline, [low, high]).all():
         raise ValueError(f'outline: got {obj.outline}, expected a rectangle along the axes')
     size, middle = (high - low) / 2, (high + low) / 2
-    return f'type="box" size="{words(*size, HALF_HEIGHT)}" pos="{words(*middle, 0)}"'
+    return f'type="box" size="{xml(*size, HALF_HEIGHT)}" pos="{xml(*middle, 0)}"'
 
 
-def pair(one, other, mu, solref, friction_solref, impedance, margin):
-    """Write a pair of shapes that touch."""
-    return (f'<pair geom1="{one}" geom2="{other}" condim="3" friction="{words(mu, mu, 0, 0, 0)}"'
-            f' solref="{words(*solref)}" solreffriction="{words(*friction_solref)}"'
-            f' solimp="{words(*impedance, 1e-3, 0.5, 2)}" margin="{margin}"/>')
+def pair(one: str, other: str, mu: float, margin: float, *, solref: SolverParameters,
+         friction_solref: SolverParameters, impedance: SolverParameters) -> str:
+    """Write a pair of shapes that may touch."""
+    return (f'<pair geom1="{one}" geom2="{other}" condim="3" friction="{xml(mu, mu, 0, 0, 0)}"'
+            f' solref="{xml(*solref)}" solreffriction="{xml(*friction_solref)}"'
+            f' solimp="{xml(*impedance, 1e-3, 0.5, 2)}" margin="{margin}"/>')
 
 
-def scene_xml(obj, robot, engine):
+def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
     """Write the scene; only the pairs named in it touch."""
-    feet = ''.join(f'<geom name="foot{i}" type="sphere" size="{FOOT}" '
-                   f'pos="{words(foot.x, foot.y, FOOT)}"/>'
+    feet = ''.join(f'<geom name="foot{i}" type="sphere" size="{FOOT_RADIUS}" '
+                   f'pos="{xml(foot.x, foot.y, FOOT_RADIUS)}"/>'
                    for i, foot in enumerate(obj.supports))
-
     pairs = ''.join(
-        pair('floor', f'foot{i}', foot.friction_coefficient, engine.floor,
-             engine.floor_friction, engine.floor_impedance, engine.margin)
+        pair('floor', f'foot{i}', foot.friction_coefficient, engine.margin, solref=engine.floor,
+             friction_solref=engine.floor_friction, impedance=engine.floor_impedance)
         for i, foot in enumerate(obj.supports))
-    pairs += pair('robot', 'outline', obj.contact_friction_coefficient, engine.bumper,
-                  (0.0, 0.0), engine.bumper_impedance, engine.margin)
-    inertia = words(obj.inertia, obj.inertia, obj.inertia)
+    pairs += pair('robot', 'outline', obj.contact_friction_coefficient, engine.margin,
+                  solref=engine.bumper, friction_solref=(0.0, 0.0),
+                  impedance=engine.bumper_impedance)
+    inertia = xml(obj.inertia, obj.inertia, obj.inertia)
     return f"""
 <mujoco>
   <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
@@ -106,17 +123,17 @@ def scene_xml(obj, robot, engine):
     <geom name="floor" type="plane" size="9 9 1"/>
     <body name="object">
       <freejoint/>
-      <inertial pos="{words(*obj.center_of_mass, 0)}" mass="{obj.mass}" diaginertia="{inertia}"/>
+      <inertial pos="{xml(*obj.center_of_mass, 0)}" mass="{obj.mass}" diaginertia="{inertia}"/>
       <geom name="outline" {outline_geom(obj)}/>{feet}
     </body>
     <body name="robot">
-      <inertial pos="0 0 0" mass="{IMMOVABLE}" diaginertia="{words(*3 * [IMMOVABLE])}"/>
+      <inertial pos="0 0 0" mass="{BASE_MASS}" diaginertia="{xml(*3 * [BASE_MASS])}"/>
       <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
       <joint type="hinge" axis="0 0 1"/>
       <body gravcomp="1">
-        <inertial pos="0 0 0" mass="{SKIN}" diaginertia="{words(*3 * [SKIN])}"/>
-        <joint type="slide" axis="0 0 1" damping="{SKIN}"/>
-        <geom name="robot" type="cylinder" size="{words(robot.radius - engine.margin, TALL)}"/>
+        <inertial pos="0 0 0" mass="{BUMPER_MASS}" diaginertia="{xml(*3 * [BUMPER_MASS])}"/>
+        <joint type="slide" axis="0 0 1" damping="{BUMPER_MASS}"/>
+        <geom name="robot" type="cylinder" size="{xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)}"/>
       </body>
     </body>
   </worldbody>
@@ -124,9 +141,9 @@ def scene_xml(obj, robot, engine):
 </mujoco>"""
 
 
-class Rival:
+class MujocoPlant:
     """
-    The plant's interface, by MuJoCo.
+    The plant in MuJoCo, with the interface of ``push_sim_node.plant.Plant``.
 
     :param obj: the ``PushedObject``; its outline a disc or a rectangle along the axes, its load
         shares those that equal feet would take.
@@ -134,54 +151,59 @@ class Rival:
     :param object_pose: ``Pose`` of the object frame.
     :param robot_pose: ``Pose`` of the robot.
     :param engine: ``Engine``.
+    :param steps_per_command: steps between two settings of the robot's velocity.
     """
 
-    def __init__(self, obj, robot, object_pose, robot_pose, engine=DEFAULT):
-        self.engine, self.robot = engine, robot
-        self.model = mujoco.MjModel.from_xml_string(scene_xml(obj, robot, engine))
-        self.data = mujoco.MjData(self.model)
+    def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
+                 engine: Engine = DEFAULT, *, steps_per_command: int = 1) -> None:
+        self.engine = engine
+        self.robot = robot
+        self.steps_per_command = steps_per_command
+        self.model = _mujoco.MjModel.from_xml_string(scene_xml(obj, robot, engine))
+        self.data = _mujoco.MjData(self.model)
         self.drive = (robot.time_constant, robot.max_acceleration, robot.max_yaw_acceleration)
         self._settle()
-        place = self.data.qpos
-        place[0:2] = object_pose[:2]
-        place[3:7] = math.cos(object_pose[2] / 2), 0.0, 0.0, math.sin(object_pose[2] / 2)
-        place[7:10] = robot_pose
-        self.twist, self.turns, self._last = (0.0, 0.0, 0.0), 0.0, object_pose[2]
+        q = self.data.qpos
+        q[0:2] = object_pose[:2]
+        q[3:7] = math.cos(object_pose[2] / 2), 0.0, 0.0, math.sin(object_pose[2] / 2)
+        q[7:10] = robot_pose
+        self.twist = Twist()
 
-    def _settle(self):
+    def _settle(self) -> None:
         """Let the object sink to its rest on the soft floor, far from the robot."""
         self.data.qpos[7:10] = 5.0, 5.0, 0.0
-        mujoco.mj_step(self.model, self.data, int(round(0.5 / self.engine.step)))
+        _mujoco.mj_step(self.model, self.data, int(round(SETTLING_TIME / self.engine.step)))
         self.data.qvel[:] = 0.0
         self.data.qpos[:2] = 0.0
 
-    def advance(self, duration, command, together=1):
+    def advance(self, duration: float, command: Twist) -> None:
         """
-        Let time pass while one command stands.
+        Advance time under a constant command.
 
         :param duration: how long [s].
-        :param command: ``Twist`` for the robot, its own axes.
-        :param together: steps between two settings of the robot's velocity.
+        :param command: ``Twist`` for the robot, in its own axes.
         """
         command = limit_command(self.robot, command)
         count = int(round(duration / self.engine.step))
         data, h = self.data, self.engine.step
         while count > 0:
-            steps = min(together, count)
-            *self.twist, m_x, m_y, m_omega = track_command(*self.twist, command, self.drive,
-                                                           steps * h)
+            steps = min(self.steps_per_command, count)
+            v_x, v_y, omega, m_x, m_y, m_omega = track_command(
+                self.twist.v_x, self.twist.v_y, self.twist.omega, command, self.drive, steps * h)
+            self.twist = Twist(v_x, v_y, omega)
             u_x, u_y = chord_velocity(data.qpos[9], m_x, m_y, m_omega, steps * h)
             data.qvel[6:9] = u_x, u_y, m_omega
-            mujoco.mj_step(self.model, data, steps)
+            _mujoco.mj_step(self.model, data, steps)
             count -= steps
 
     @property
-    def object_pose(self):
+    def object_pose(self) -> Pose:
         """Pose of the object frame in the world; the angle within +-pi."""
-        w, _, _, z = self.data.qpos[3:7]
-        return Pose(*self.data.qpos[:2], 2.0 * math.atan2(z, w))
+        x, y, _, w, _, _, z = self.data.qpos[:7].tolist()
+        return Pose(x, y, 2.0 * math.atan2(z, w))
 
     @property
-    def robot_pose(self):
+    def robot_pose(self) -> Pose:
         """Pose of the robot in the world."""
-        return Pose(*self.data.qpos[7:10])
+        x, y, theta = self.data.qpos[7:10].tolist()
+        return Pose(x, y, theta)

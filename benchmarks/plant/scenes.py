@@ -1,7 +1,8 @@
-"""Twelve pushes over every kind of contact, about a metre each, to judge a time step by."""
+"""Twelve pushes of about a metre over every kind of contact, to measure errors of a time step."""
 
 import dataclasses
 import math
+from typing import Protocol
 
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot, Support
@@ -11,8 +12,23 @@ from push_sim_node.plant import Plant
 ORIGIN = Pose(0.0, 0.0, 0.0)
 SQUARE = ((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))
 FEET = ((-0.17, -0.17), (0.17, -0.17), (0.17, 0.17), (-0.17, 0.17))
+# Of the robot [m]: that of config/robots/holonomic_017.yaml.
 RADIUS = 0.17
+# Lever by which rotations enter the error [m]: half the width of the square.
 LEVER = 0.2
+Commands = tuple[tuple[float, Twist], ...]
+
+
+class MovingObject(Protocol):
+    """What a scene moves: the plant, or anything with the same interface."""
+
+    @property
+    def object_pose(self) -> Pose:
+        """Pose of the object in the world."""
+        ...
+
+    def advance(self, duration: float, command: Twist) -> None:
+        """Advance time under a constant command."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -20,70 +36,71 @@ class Scene:
     """
     An object at the origin and a robot that follows commands.
 
-    :param name: what it shows.
-    :param grip: friction between robot and object.
-    :param robot_pose: where the robot starts.
+    :param name: what the scene shows.
+    :param grip: coefficient of friction between robot and object.
+    :param robot_pose: of the robot at the start.
     :param commands: (duration [s], ``Twist``), one after another.
-    :param shares: load shares of the feet.
+    :param load_fractions: of the feet, relative to each other.
     :param radius: of the robot [m].
     """
 
     name: str
     grip: float
     robot_pose: Pose
-    commands: tuple
-    shares: tuple = (1.0, 1.0, 1.0, 1.0)
+    commands: Commands
+    load_fractions: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)
     radius: float = RADIUS
 
     @property
-    def object(self):
-        """The ``PushedObject``: a square of 2 kg on four feet, its mass centre above the loads."""
-        total = sum(self.shares)
-        middle = tuple(sum(share * place[i] for share, place in zip(self.shares, FEET)) / total
-                       for i in (0, 1))
-        supports = [Support(*place, 0.3, share) for place, share in zip(FEET, self.shares)]
+    def object(self) -> PushedObject:
+        """The ``PushedObject``: a square of 2 kg on four feet, its mass centre as the loads say."""
+        total = sum(self.load_fractions)
+        x, y = (sum(fraction * place[i] for fraction, place in zip(self.load_fractions, FEET))
+                / total for i in (0, 1))
+        supports = tuple(Support(foot_x, foot_y, 0.3, fraction)
+                         for (foot_x, foot_y), fraction in zip(FEET, self.load_fractions))
         return PushedObject(mass=2.0, inertia=2.0 * 0.16 / 6, supports=supports, outline=SQUARE,
-                            center_of_mass=middle, contact_friction_coefficient=self.grip)
+                            center_of_mass=(x, y), contact_friction_coefficient=self.grip)
 
     @property
-    def robot(self):
+    def robot(self) -> RoundRobot:
         """The ``RoundRobot``: it ramps up at 2 m/s^2."""
         return RoundRobot(self.radius, 'holonomic', 2.0, 4.0, 2.0, 10.0, 0.0)
 
     @property
-    def duration(self):
-        """Length [s]."""
+    def duration(self) -> float:
+        """Duration [s]."""
         return sum(seconds for seconds, _ in self.commands)
 
-    def plant(self, step):
+    def plant(self, step: float) -> Plant:
         """Return a ``Plant`` at the start."""
         return Plant(self.object, self.robot, ORIGIN, self.robot_pose, step)
 
-    def end(self, plant):
-        """Run a plant, or whatever moves as one, to the end; return the object's pose."""
+    def end(self, plant: MovingObject) -> Pose:
+        """Run a plant to the end; return the object's pose."""
         for seconds, command in self.commands:
             plant.advance(seconds, command)
         return plant.object_pose
 
 
-def face(offset, gap=0.0):
-    """Return a robot's pose before the left face."""
+def face(offset: float, gap: float = 0.0) -> Pose:
+    """Return the pose of a robot at the left face."""
     return Pose(-0.2 - RADIUS - gap, offset, 0.0)
 
 
-def vertex(normal):
-    """Return a robot's pose at the lower left vertex, for a normal of that angle."""
+def vertex(normal: float) -> Pose:
+    """Return the pose of a robot at the lower left vertex, for a direction of the normal."""
     return Pose(-0.2 - RADIUS * math.cos(normal), -0.2 - RADIUS * math.sin(normal), 0.0)
 
 
-def straight(speed, angle=0.0, distance=1.0):
-    """Return one command that goes a metre."""
+def straight(speed: float, angle: float = 0.0, distance: float = 1.0) -> Commands:
+    """Return one command that drives straight over a distance."""
     return ((round(distance / speed, 2),
              Twist(speed * math.cos(angle), speed * math.sin(angle), 0.0)),)
 
 
-def spinning(speed, rate):
-    """Return commands that drive along x while the robot spins, its own axes turning."""
+def spinning(speed: float, rate: float) -> Commands:
+    """Return commands, in robot axes, that drive along x of the world while the robot spins."""
     return tuple((0.05, Twist(speed * math.cos(rate * t), -speed * math.sin(rate * t), rate))
                  for t in (0.05 * i + 0.025 for i in range(round(1.0 / speed / 0.05))))
 
@@ -106,12 +123,12 @@ SCENES = (
 )
 
 
-def apart(one, other):
-    """Return how far the object's outline is off [m]: distance, and turn at its half width."""
+def apart(one: Pose, other: Pose) -> float:
+    """Return the error of the outline [m]: distance, plus rotation times half the width."""
     return (math.hypot(one.x - other.x, one.y - other.y)
             + LEVER * abs(wrap_angle(one.theta - other.theta)))
 
 
-def extrapolated(fine, finer):
-    """Return the pose for a step of 0, from that of a step and of half of it (first order)."""
-    return Pose(*(2.0 * b - a for a, b in zip(fine, finer)))
+def extrapolated(fine: Pose, finer: Pose) -> Pose:
+    """Extrapolate to a step of 0, from a step and half of it (Richardson, first order)."""
+    return Pose(2.0 * finer.x - fine.x, 2.0 * finer.y - fine.y, 2.0 * finer.theta - fine.theta)

@@ -1,5 +1,5 @@
 """
-Write the comparison of the plant with MuJoCo: tables and a picture in docs/validation.
+Write the comparison of the plant with MuJoCo: tables and a figure in docs/validation.
 
 Takes about a minute: ``python -m benchmarks.plant.validation``.
 """
@@ -9,92 +9,113 @@ import dataclasses
 import math
 from pathlib import Path
 import statistics
+from typing import Iterator, NamedTuple, Sequence
 
 from benchmarks.plant.comparison import (
-    apart, by_mujoco, by_plant, ENGINES, Push, PUSHES, sensitivity,
+    by_mujoco, by_plant, ENGINES, pose_difference, PoseDifference, Push, PUSHES, sensitivity,
 )
 from benchmarks.plant.mujoco_scene import TUNED
 from benchmarks.progress_bar import progress
 import mujoco
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject
+from push_sim_node.truth import ContactMode
 
+DESCRIPTION = 'Write the comparison of the plant with MuJoCo: tables and a figure.'
 OUT = Path(__file__).resolve().parents[2] / 'docs' / 'validation'
+# Indices into PUSHES of those in the figure; chosen: every kind of object.
 PICTURED = (5, 6, 14, 17, 19, 26)
+# Steps of MuJoCo [s], and speeds of the robot [m/s], by factors of 2.
 STEPS = (1e-3, 5e-4, 2.5e-4)
 SPEEDS = (0.8, 0.4, 0.2, 0.1, 0.05)
 TEXT = Path(__file__).with_name('mujoco.md.in')
 
 
-def table(head, rows):
-    """Write a markdown table."""
+class Comparison(NamedTuple):
+    """
+    One push in the plant and in MuJoCo.
+
+    :param modes: contact modes that the plant met.
+    :param growth: displacement of the final position over a shift of the start.
+    :param differences: name of the settings of MuJoCo -> difference of the final poses.
+    """
+
+    modes: set[ContactMode]
+    growth: float
+    differences: dict[str, PoseDifference]
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Write a Markdown table."""
     lines = [head, ['---'] * len(head), *rows]
     return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
 
 
-def compare(push):
-    """Return modes, sensitivity, and (distance, turn) per engine for one push."""
+def compare(push: Push) -> Comparison:
+    """Run one push in the plant and in MuJoCo with all settings."""
     poses, modes = by_plant(push)
-    ends = {name: apart(by_mujoco(push, engine)[-1], poses[-1])
-            for name, engine in ENGINES.items()}
-    return modes, sensitivity(push), ends
+    differences = {name: pose_difference(by_mujoco(push, engine)[-1], poses[-1])
+                   for name, engine in ENGINES.items()}
+    return Comparison(modes, sensitivity(push), differences)
 
 
-def row(number, push, result):
+def row(number: int, push: Push, result: Comparison) -> list[str]:
     """Write one push as a table row."""
-    modes, growth, ends = result
     speed = ', '.join(f'{v:g}' for v in push.speed) + (f', {push.spin:g}' if push.spin else '')
     return [str(number), push.kind, f'{push.mass:g}', f'{push.friction:g}', f'{push.grip:g}',
             f'{push.radius:g}', f'{1e3 * push.offset:g}', speed, f'{push.distance:g}',
-            ' '.join(sorted(mode.value for mode in modes)), f'{growth:.1f}',
-            *(f'{1e3 * distance:.2f} / {math.degrees(turn):.2f}'
-              for distance, turn in ends.values())]
+            ' '.join(sorted(mode.value for mode in result.modes)), f'{result.growth:.1f}',
+            *(f'{1e3 * distance:.2f} / {math.degrees(angle):.2f}'
+              for distance, angle in result.differences.values())]
 
 
-def spread(results):
-    """Write median and maximum over the pushes, per engine."""
-    rows = []
+def spread(results: Sequence[Comparison]) -> str:
+    """Write median and maximum over the pushes, for each engine."""
+    rows: list[list[str]] = []
     for name in ENGINES:
-        distances = [1e3 * ends[name][0] for _, _, ends in results]
-        turns = [math.degrees(ends[name][1]) for _, _, ends in results]
+        distances = [1e3 * result.differences[name].distance for result in results]
+        angles = [math.degrees(result.differences[name].angle) for result in results]
         rows.append([name, f'{statistics.median(distances):.2f}', f'{max(distances):.2f}',
-                     f'{statistics.median(turns):.2f}', f'{max(turns):.2f}'])
+                     f'{statistics.median(angles):.2f}', f'{max(angles):.2f}'])
     return table(['settings', 'median mm', 'max mm', 'median deg', 'max deg'], rows)
 
 
-def step_table():
+def step_table() -> str:
     """Write median and maximum over the pushes for finer steps of the tuned engine."""
-    rows = []
+    rows: list[list[str]] = []
     for step in progress(STEPS, 'steps'):
         engine = dataclasses.replace(TUNED, step=step)
-        distances = [1e3 * apart(by_mujoco(push, engine)[-1], by_plant(push)[0][-1])[0]
-                     for push in PUSHES]
+        distances = [1e3 * pose_difference(by_mujoco(push, engine)[-1],
+                                           by_plant(push)[0][-1]).distance for push in PUSHES]
         rows.append([f'{1e3 * step:g}', f'{statistics.median(distances):.2f}',
                      f'{max(distances):.2f}'])
     return table(['step ms', 'median mm', 'max mm'], rows)
 
 
-def speed_trend():
+def speed_trend() -> list[tuple[float, PoseDifference]]:
     """
-    Push an object on unevenly rubbing feet at several speeds.
+    Push an object on feet of different friction at several speeds.
 
-    :return: rows (speed, distance [m], turn [rad]) with the tuned settings.
+    :return: (speed [m/s], difference with the tuned settings) of each push.
     """
-    rows = []
+    rows: list[tuple[float, PoseDifference]] = []
     for speed in progress(SPEEDS, 'speeds'):
         push = Push('uneven box', 3.0, 0.3, 0.6, 0.02, (speed, 0.0), distance=0.4)
         engine = dataclasses.replace(TUNED, step=5e-4)
-        rows.append((speed, *apart(by_mujoco(push, engine)[-1], by_plant(push)[0][-1])))
+        rows.append((speed, pose_difference(by_mujoco(push, engine)[-1],
+                                            by_plant(push)[0][-1])))
     return rows
 
 
-def outline(obj, pose):
+def outline(obj: PushedObject, pose: Pose) -> Iterator[tuple[float, ...]]:
     """Return the closed outline of an object in the world, as (xs, ys)."""
     points = obj.outline or [(obj.radius * math.cos(0.1 * i), obj.radius * math.sin(0.1 * i))
                              for i in range(63)]
     return zip(*(pose.transform(point) for point in (*points, points[0])))
 
 
-def picture(path):
-    """Draw courses of the object's origin, and its outline at the end."""
+def picture(path: Path) -> None:
+    """Draw the paths of the object's origin, and its outline at the end."""
     from matplotlib.figure import Figure
     figure = Figure(figsize=(12, 7.2), layout='constrained')
     axes = figure.subplots(2, 3).ravel()
@@ -118,19 +139,19 @@ def picture(path):
     figure.savefig(path, dpi=110)
 
 
-def main():
+def main() -> None:
     """Compare, write, draw."""
-    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
+    parser = argparse.ArgumentParser(description=DESCRIPTION)
     parser.add_argument('--out', type=Path, default=OUT, help='directory to write to')
     out = parser.parse_args().out
     out.mkdir(parents=True, exist_ok=True)
     results = [compare(push) for push in progress(PUSHES, 'pushes')]
-    head = ['', 'object', 'm kg', 'mu', 'mu_c', 'R_p m', 'offset mm', 'speed m/s', 'way m',
+    head = ['', 'object', 'm kg', 'mu', 'mu_c', 'R_p m', 'offset mm', 'speed m/s', 'distance m',
             'contact', 'sensitivity', *(f'{name}: mm / deg' for name in ENGINES)]
     pushes = table(head, [row(i, *pair) for i, pair in enumerate(zip(PUSHES, results), 1)])
     speeds = table(['speed m/s', 'difference mm', 'deg'],
-                   [[f'{speed:g}', f'{1e3 * distance:.2f}', f'{math.degrees(turn):.3f}']
-                    for speed, distance, turn in speed_trend()])
+                   [[f'{speed:g}', f'{1e3 * distance:.2f}', f'{math.degrees(angle):.3f}']
+                    for speed, (distance, angle) in speed_trend()])
     text = TEXT.read_text(encoding='utf-8')
     for name, value in (('VERSION', mujoco.__version__), ('COUNT', str(len(PUSHES))),
                         ('SPREAD', spread(results)), ('PUSHES', pushes), ('SPEEDS', speeds),

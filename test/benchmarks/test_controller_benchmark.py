@@ -1,4 +1,4 @@
-"""The controller's benchmark: its interval, its groups, published laws, the grid's judge."""
+"""Benchmark of the controller: confidence interval, groups, published laws, evaluated paths."""
 
 import math
 from types import SimpleNamespace
@@ -62,6 +62,7 @@ def test_the_dipole_law_turns_with_the_world():
         0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_force_angle_law_reaches_the_path_from_both_sides():
     """As its authors report; on the plant, mirrored cases end equally far off."""
     mirrored = {**CASE, **{name: -CASE[name] for name in ('aside', 'yaw', 'along')}}

@@ -1,27 +1,28 @@
-"""The plant against MuJoCo, an engine that shares no line and no law of contact with it."""
+"""The plant against MuJoCo, an engine that shares neither code nor contact law with it."""
 
 import dataclasses
 import math
 import statistics
 
 from benchmarks.plant.comparison import (
-    apart, by_mujoco, by_plant, DEFAULT, HARD, Push, PUSHES, TUNED,
+    by_mujoco, by_plant, DEFAULT, HARD, pose_difference, Push, PUSHES, TUNED,
 )
-from benchmarks.plant.mujoco_scene import Rival
+from benchmarks.plant.mujoco_scene import MujocoPlant
 from push_model.geometry import Pose
 from push_model.signals import STOP
 from push_sim_node.plant import Plant
 import pytest
 
-pytestmark = pytest.mark.physics
+pytestmark = [pytest.mark.physics, pytest.mark.slow]
 QUICK = dataclasses.replace(TUNED, step=1e-3)
+# Speed below which MuJoCo shifts the loads of the feet too little to matter [m/s].
 SLOW = 0.11
 
 
 def difference(push, engine):
-    """Return distance [mm] and turn [deg] between both engines at the end of a push."""
-    distance, turn = apart(by_mujoco(push, engine)[-1], by_plant(push)[0][-1])
-    return 1e3 * distance, math.degrees(turn)
+    """Return distance [mm] and angle [deg] between both engines at the end of a push."""
+    distance, angle = pose_difference(by_mujoco(push, engine)[-1], by_plant(push)[0][-1])
+    return 1e3 * distance, math.degrees(angle)
 
 
 def steady(push):
@@ -31,24 +32,24 @@ def steady(push):
 
 @pytest.mark.parametrize('push', [push for push in PUSHES if steady(push)])
 def test_slow_sticking_pushes_agree_closely(push):
-    distance, turn = difference(push, QUICK)
-    assert distance < 0.8 and turn < 0.15
+    distance, angle = difference(push, QUICK)
+    assert distance < 0.8 and angle < 0.15
 
 
 @pytest.mark.parametrize('push', [push for push in PUSHES if not steady(push)])
 def test_fast_spinning_and_sliding_pushes_agree(push):
-    distance, turn = difference(push, QUICK)
-    assert distance < 3.0 and turn < 0.8
+    distance, angle = difference(push, QUICK)
+    assert distance < 3.0 and angle < 0.8
 
 
 @pytest.mark.parametrize('change, push', [
     ({'grip': 0.24}, PUSHES[22]), ({'kind': 'uneven box'}, PUSHES[4]), ({'mass': 3.0}, PUSHES[9]),
     ({'offset': 0.025}, PUSHES[1]), ({'kind': 'three feet'}, PUSHES[2])])
 def test_comparison_tells_laws_apart(change, push):
-    """What matters by the model moves the end by more than the bounds; mass alone does not."""
+    """Parameters of the model move the end by more than the bounds; mass alone does not."""
     poses, _ = by_plant(push)
     changed, _ = by_plant(dataclasses.replace(push, **change))
-    distance = 1e3 * apart(poses[-1], changed[-1])[0]
+    distance = 1e3 * pose_difference(poses[-1], changed[-1]).distance
     assert distance < 0.01 if 'mass' in change else distance > 3.0
 
 
@@ -58,9 +59,9 @@ def coast(engine, push):
     poses = []
     for seconds, command in ((0.5, push.command), (0.1, STOP), (1.0, STOP)):
         if not poses:
-            mover = engine(push.object, robot, Pose(0.0, 0.0, 0.0), push.robot_pose())
-        mover.advance(seconds, command)
-        poses.append(mover.object_pose)
+            plant = engine(push.object, robot, Pose(0.0, 0.0, 0.0), push.robot_pose())
+        plant.advance(seconds, command)
+        poses.append(plant.object_pose)
     return poses[1:]
 
 
@@ -70,10 +71,10 @@ def coast(engine, push):
                                   Push('bin', 5.0, 0.3, 0.5, 0.02, (0.8, 0.0))])
 def test_object_slides_on_as_far_in_both(push):
     plant = coast(Plant, push)
-    mujoco = coast(lambda *scene: Rival(*scene, QUICK), push)
-    distance, turn = apart(plant[1], mujoco[1])
+    mujoco = coast(lambda *scene: MujocoPlant(*scene, QUICK), push)
+    distance, angle = pose_difference(plant[1], mujoco[1])
     assert plant[1].x - plant[0].x > 0.02
-    assert distance < 2e-3 and math.degrees(turn) < 0.3
+    assert distance < 2e-3 and math.degrees(angle) < 0.3
 
 
 def test_difference_shrinks_as_contacts_are_made_harder_and_tuned():
@@ -90,9 +91,9 @@ def test_difference_shrinks_as_the_contact_of_the_robot_yields_less():
 
 
 def test_difference_shrinks_as_the_push_slows_down():
-    """Loads that shift with the feet's speed are MuJoCo's; they vanish as that does."""
-    turns = []
+    """MuJoCo's loads depend on the speed of the feet; the effect vanishes with it."""
+    angles = []
     for speed in (0.4, 0.2, 0.1, 0.05):
         push = Push('uneven box', 3.0, 0.3, 0.6, 0.02, (speed, 0.0), distance=0.4)
-        turns.append(difference(push, dataclasses.replace(TUNED, step=5e-4))[1])
-    assert turns[0] > 1.3 * turns[1] > 1.6 * turns[2] > 1.6 * turns[3]
+        angles.append(difference(push, dataclasses.replace(TUNED, step=5e-4))[1])
+    assert angles[0] > 1.3 * angles[1] > 1.6 * angles[2] > 1.6 * angles[3]

@@ -1,4 +1,4 @@
-"""The benchmark's own drive of a plan: it follows long ones, and finds wrong ones out."""
+"""Open-loop check of plans in the benchmark: it follows long plans, and detects wrong ones."""
 
 import dataclasses
 import math
@@ -33,7 +33,7 @@ def answer(request, plans):
 
 
 def test_long_plans_are_followed_to_their_goal(answer):
-    """However long a steady turn or straight push is, no stretch of it is."""
+    """However long a steady turn or straight push is, none of its sections is."""
     driven, wheelbase = replay(answer), answer.problem.vehicle.wheelbase
     assert driven.path_length == pytest.approx(answer.report['path_length'])
     assert driven.path_length > 2.0 * SECTION_LENGTH * wheelbase
@@ -42,7 +42,7 @@ def test_long_plans_are_followed_to_their_goal(answer):
 
 
 def test_it_agrees_with_the_check_of_the_plan_itself(answer):
-    """Two drives of one plan, one by its samples, one by its pieces."""
+    """Two simulations of one plan, one by its samples, one by its segments."""
     own, driven = verify(answer), replay(answer)
     assert abs(own.position_error - driven.position_error) < 1e-4
     assert own.cone_usage == pytest.approx(
@@ -51,8 +51,8 @@ def test_it_agrees_with_the_check_of_the_plan_itself(answer):
 
 @pytest.mark.parametrize('what, column', [('object_poses', 0), ('object_poses', 2),
                                           ('contact_poses', 2)])
-def test_samples_that_do_not_follow_from_each_other_are_found_out(plans, what, column):
-    """A plan whose second half is somewhere else, even if it ends well: both drives see it."""
+def test_inconsistent_samples_are_detected(plans, what, column):
+    """A plan whose second half is somewhere else, even if it ends well: both simulations see it."""
     answer = plans['steady turns']
     values = getattr(answer.trajectory, what).copy()
     count = len(values)

@@ -1,4 +1,4 @@
-"""The benchmark of tasks: its bound, its maps and collisions, its draws, its groups."""
+"""Benchmark of tasks: lower bound, maps and clearances, random draws, interventions, groups."""
 
 import math
 from types import SimpleNamespace
@@ -47,8 +47,8 @@ def test_the_bound_does_not_depend_on_the_world():
     assert contact_path_bound(box(), START, START) == 0.0
 
 
-def test_feet_that_rub_more_count_more():
-    """A turn about the only foot that rubs costs nothing."""
+def test_feet_with_more_friction_count_more():
+    """A rotation about the only foot with friction costs nothing."""
     still = box(friction=(0.3, 1e-9, 1e-9, 1e-9))
     foot = still.supports[0]
     about = Pose(foot.x, foot.y, 0.0)
@@ -58,7 +58,7 @@ def test_feet_that_rub_more_count_more():
 
 
 @pytest.mark.parametrize('name', MAPS)
-def test_the_map_shows_what_stands_on_the_floor(name):
+def test_the_map_shows_the_walls_and_obstacles_of_the_floor(name):
     """Cell by cell; there is a wall all round."""
     floor = draw_floor(name, np.random.default_rng(3))
     cells = floor.map.occupancy_map.occupied
@@ -78,23 +78,25 @@ def test_a_corridor_is_1_m_wide():
     assert np.flatnonzero(np.diff(middle)).size == 2
 
 
-def test_rooms_of_robot_and_object_are_those_of_their_rims():
+def test_clearances_of_robot_and_object_are_those_of_their_outlines():
     """Compared with points all along them; poses where both are near a wall, or across it."""
     rng = np.random.default_rng(5)
     rectangles = np.array([(0.0, 0.0, 0.1, 2.0), (1.0, 0.5, 1.4, 0.9)])
     corners = np.array(box().outline)
-    share = np.linspace(0.0, 1.0, 401)[:, None]
-    rim = np.concatenate([a + share * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0))])
+    along = np.linspace(0.0, 1.0, 401)[:, None]
+    outline = np.concatenate(
+        [a + along * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0))])
     angles = np.linspace(0.0, 2.0 * math.pi, 4001)
     circle = HOLONOMIC.radius * np.column_stack([np.cos(angles), np.sin(angles)])
     for pose in np.round(rng.uniform((-0.5, -0.5, -3.0), (2.0, 2.5, 3.0), (40, 3)), 3):
         found = (object_clearance(box(), [pose], rectangles),
                  robot_clearance(HOLONOMIC, [pose], rectangles))
-        for room, points in zip(found, (rim, circle)):
+        for clearance, points in zip(found, (outline, circle)):
             seen = np.array([Pose(*pose).transform(point) for point in points])
             expected = to_rectangles(seen, rectangles).min()
-            assert (room < 0.0) == (expected < 0.0)
-            assert expected < 0.0 or room - 1e-3 < expected < math.sqrt(2.0) * room + 2e-3
+            assert (clearance < 0.0) == (expected < 0.0)
+            assert (expected < 0.0
+                    or clearance - 1e-3 < expected < math.sqrt(2.0) * clearance + 2e-3)
 
 
 @pytest.mark.parametrize('part', PARTS)
@@ -119,7 +121,7 @@ def test_the_first_tasks_do_not_depend_on_how_many_there_are():
 
 
 @pytest.mark.parametrize('seed', range(3))
-def test_in_maps_there_is_room_at_start_and_goal(seed):
+def test_in_maps_start_and_goal_are_clear(seed):
     """For the object, and for the robot where it stands."""
     case = draw(IN_MAPS, KINDS[IN_MAPS][0], seed)
     scenario, floor = case.scenario, case.floor
@@ -131,7 +133,7 @@ def test_in_maps_there_is_room_at_start_and_goal(seed):
 
 
 @pytest.mark.parametrize('move', INTERVENTIONS)
-def test_the_hand_waits_until_the_robot_is_not_in_the_way(move):
+def test_the_intervention_waits_until_the_robot_is_not_in_the_way(move):
     """Then it moves the object once."""
     puts, barred = [], [True]
 
