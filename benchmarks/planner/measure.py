@@ -1,20 +1,23 @@
-"""One plan measured: its CPU time, where it ends when driven, its time over a bound."""
+"""Figures of one plan: CPU time, errors in an open-loop simulation, duration over a bound."""
 
 import math
 import time
-from typing import NamedTuple
+from typing import Callable, NamedTuple, Optional, Sequence, TypeVar
 
 from benchmarks.planner.check import Replay, replay
 from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
 from benchmarks.progress_bar import progress
 from push_model.geometry import distance
-from push_planner.problem import PlanningFailed
+from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.single_push.planner import plan_push
+
+Item = TypeVar('Item')
+Result = TypeVar('Result')
 
 
 class Answer(NamedTuple):
     """
-    One plan, measured.
+    Figures of one plan.
 
     :param problem: the ``PushProblem``.
     :param cpu: CPU time of the plan [s].
@@ -24,17 +27,17 @@ class Answer(NamedTuple):
     :param fault: why it does not count as solved, or empty.
     """
 
-    problem: object
+    problem: PushProblem
     cpu: float
     duration: float = math.nan
     bound: float = math.nan
-    replay: Replay = None
+    replay: Optional[Replay] = None
     fault: str = ''
 
 
-def collect(items, title, work):
+def collect(items: Sequence[Item], title: str, work: Callable[[Item], Result]) -> list[Result]:
     """Work on the items with a progress bar until done or stopped; return the results so far."""
-    done = []
+    done: list[Result] = []
     try:
         for item in progress(items, title):
             done.append(work(item))
@@ -43,8 +46,8 @@ def collect(items, title, work):
     return done
 
 
-def measure(problem):
-    """Plan once, and drive the plan."""
+def measure(problem: PushProblem) -> Answer:
+    """Plan once, and simulate the plan in open loop."""
     began = time.process_time()
     try:
         found = plan_push(problem)
@@ -56,7 +59,7 @@ def measure(problem):
                   _fault(problem, driven))
 
 
-def _fault(problem, driven):
+def _fault(problem: PushProblem, driven: Replay) -> str:
     if not driven.position_error <= POSITION_TOLERANCE:
         return f'ends {1e3 * driven.position_error:.1f} mm off when driven'
     if not driven.heading_error <= HEADING_TOLERANCE:
@@ -66,7 +69,7 @@ def _fault(problem, driven):
     return ''
 
 
-def displacement_bound(problem):
+def displacement_bound(problem: PushProblem) -> float:
     """Return the least time in which the push can get from its start to its goal [s]."""
     settings, c = problem.settings, problem.contact_point
     begin, speed = problem.start.transform(c), settings.pushing_speed

@@ -1,21 +1,23 @@
 """
 Planning as in the thesis: single shooting, finite differences, a general optimiser.
 
-Unknowns are the way of the contact and some pushing angles, each held for an equal share of it;
-the push is integrated by scipy at every guess. Only for robots that turn with the object.
+Unknowns are the path length of the contact and the pushing angles, each constant over an equal
+part of it; scipy integrates the push at every iterate. Only for robots that rotate with the
+object.
 """
 
 import functools
 import math
 import time
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from benchmarks.planner.check import Push
 from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
 import numpy as np
 from push_model.dubins import dubins_paths
 from push_model.dynamics import impulse, State
-from push_model.geometry import Pose, wrap_angle
+from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_planner.problem import PushProblem
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
@@ -27,12 +29,12 @@ CONE_TOLERANCE = 1e-3
 
 class Shot(NamedTuple):
     """
-    What single shooting found.
+    Result of single shooting.
 
     :param solved: whether the push reaches the goal within the cone.
     :param path_length: of the contact [m].
     :param cpu: CPU time [s].
-    :param verdict: of the optimiser.
+    :param verdict: message of the optimiser.
     """
 
     solved: bool
@@ -41,17 +43,17 @@ class Shot(NamedTuple):
     verdict: str
 
 
-def dubins_guess(problem, segments):
+def dubins_guess(problem: PushProblem, segments: int) -> FloatArray:
     """
-    Guess from the shortest Dubins path of the flat point that the cone allows.
+    Guess from the shortest Dubins path of the flat output that the cone allows.
 
     :param problem: the ``PushProblem``.
     :param segments: number of segments.
-    :return: way of the contact [m], followed by the pushing angles [rad].
+    :return: path length of the contact [m], followed by the pushing angles [rad].
     """
     vehicle, beta, zeta = problem.vehicle, problem.planning_cone_angle, problem.normal_offset
     ahead = vehicle.c_squared / vehicle.arm
-    local = Pose(*vehicle.flat_output, vehicle.angle)
+    local = Pose(vehicle.flat_output[0], vehicle.flat_output[1], vehicle.angle)
     path = min((math.hypot(1.0, vehicle.wheelbase * max(map(abs, path.curvatures))) * path.length,
                 i, path) for i, path in enumerate(dubins_paths(
                     problem.start @ local, problem.goal @ local, ahead / (beta - zeta),
@@ -72,26 +74,26 @@ class Shooting:
     :param problem: the ``PushProblem``.
     """
 
-    def __init__(self, problem):
+    def __init__(self, problem: PushProblem) -> None:
         """Build the equation of motion."""
         self.problem, self._push = problem, Push(problem)
         self._known = functools.lru_cache(KEPT)(self._integrate)
         self._weight = problem.obj.mass
         self._friction = sum(problem.obj.capacities)
 
-    def end(self, unknowns):
-        """Return what misses the goal: x, y [m], heading [rad]."""
+    def end(self, unknowns: FloatArray) -> FloatArray:
+        """Return the errors at the goal: x, y [m], heading [rad]."""
         return self._shoot(unknowns)[0]
 
-    def reserve(self, unknowns):
+    def reserve(self, unknowns: FloatArray) -> FloatArray:
         """Return the rows of the planning cone, of impulse and forces; at least 0 inside."""
         return self._shoot(unknowns)[1]
 
-    def _shoot(self, unknowns):
+    def _shoot(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
         # Differences of both constraints ask for the same pushes.
         return self._known(tuple(unknowns.tolist()))
 
-    def _integrate(self, unknowns):
+    def _integrate(self, unknowns: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
         problem, push = self.problem, self._push
         speed, slope = problem.settings.pushing_speed, math.tan(problem.planning_cone_angle)
         count = len(unknowns) - 1
@@ -114,13 +116,13 @@ class Shooting:
                           wrap_angle(state[2] - goal.theta)]),
                 np.concatenate([slope * along - across, slope * along + across]))
 
-    def _impulse(self, state, angle):
+    def _impulse(self, state: FloatArray, angle: float) -> FloatArray:
         _, *pull = impulse(self._push.terms, State(*state[:7]), math.cos(state[4] + angle),
                            math.sin(state[4] + angle))
         return np.array([float(value) for value in pull]) / self._weight
 
 
-def shoot(problem, segments=6):
+def shoot(problem: PushProblem, segments: int = 6) -> Shot:
     """
     Plan by single shooting.
 
@@ -131,6 +133,7 @@ def shoot(problem, segments=6):
     began = time.process_time()
     shooting = Shooting(problem)
     guess = dubins_guess(problem, segments)
+    answer: Any
     answer = minimize(lambda unknowns: unknowns[0], guess, method='SLSQP', jac='2-point',
                       bounds=[(0.02, None)] + [(-1.3, 1.3)] * (len(guess) - 1),
                       constraints=[{'type': 'eq', 'fun': shooting.end},

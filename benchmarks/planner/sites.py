@@ -1,15 +1,14 @@
 """
-The choice of the contact site measured: CPU time of ``choose_site``.
+CPU time of the choice of the contact site by ``choose_site``, with a result and without.
 
-That of telling that no site reaches a goal as well.
-
-Random goals within 3 m of the 0.4 m box in ``config/objects``, seeds fixed; the programmes have
-been built before. Prints Markdown.
+Random goals within 3 m of the 0.4 m box in ``config/objects``, with fixed seeds; NLPs have been
+built before. Prints Markdown.
 """
 
 import argparse
 import math
 import time
+from typing import Any
 
 from benchmarks.planner.measure import collect
 from benchmarks.planner.tables import table
@@ -22,17 +21,19 @@ from push_scenario.definition import data
 from push_scenario.definition.loader import read_object, read_robot
 
 BOX, ORIGIN = 'box_04', Pose(0.0, 0.0, 0.0)
-KINDS = {'holonomic': ('holonomic_017', {}),
-         'holonomic, does not turn': ('holonomic_017', {'robot_yaw': 'fixed'}),
-         'differential': ('disc_017', {})}
+DESCRIPTION = 'CPU time of the choice of the contact site.'
+KINDS: dict[str, tuple[str, dict[str, Any]]] = {
+    'holonomic': ('holonomic_017', {}),
+    'holonomic, fixed yaw': ('holonomic_017', {'robot_yaw': 'fixed'}),
+    'differential': ('disc_017', {})}
 SEED, WARM_SEED = 2026, 7
 SPEEDS = 0.05, 0.15, 0.25
 
 
-def goals(count, seed):
+def goals(count: int, seed: int) -> list[tuple[Pose, float]]:
     """Draw (goal, pushing speed)."""
     rng = np.random.default_rng(seed)
-    drawn = []
+    drawn: list[tuple[Pose, float]] = []
     for _ in range(count):
         distance, bearing = rng.uniform(0.2, 3.0), rng.uniform(-math.pi, math.pi)
         drawn.append((Pose(distance * math.cos(bearing), distance * math.sin(bearing),
@@ -40,13 +41,13 @@ def goals(count, seed):
     return drawn
 
 
-def measure(kind, count, seed, title):
+def measure(kind: str, count: int, seed: int, title: str) -> list[tuple[float, bool]]:
     """Choose a site for each goal; return list of (CPU time [s], whether there is one)."""
     obj = read_object(data.config_file(f'objects/{BOX}.yaml'))
     name, settings = KINDS[kind]
     robot = read_robot(data.config_file(f'robots/{name}.yaml'))
 
-    def choose(drawn):
+    def choose(drawn: tuple[Pose, float]) -> tuple[float, bool]:
         goal, speed = drawn
         began = time.process_time()
         try:
@@ -59,13 +60,13 @@ def measure(kind, count, seed, title):
     return collect(goals(count, seed), title, choose)
 
 
-def main():
+def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
+    parser = argparse.ArgumentParser(description=DESCRIPTION)
     parser.add_argument('--goals', type=int, default=60, help='of each kind of drive')
     parser.add_argument('--warm', type=int, default=8, help='goals of each before')
     chosen = parser.parse_args()
-    rows = []
+    rows: list[tuple[Any, ...]] = []
     for kind in KINDS:
         measure(kind, chosen.warm, WARM_SEED, f'{kind}, to warm up')
         found = measure(kind, chosen.goals, SEED, kind)

@@ -1,20 +1,25 @@
-"""What the planner's benchmark found, as tables."""
+"""Tables of the benchmark of the planner, in Markdown."""
 
 import collections
 import math
+from typing import Any, Iterable, Sequence
 
+from benchmarks.planner.measure import Answer
+from benchmarks.planner.nlp_solvers import Quality, SolverRun
+from benchmarks.planner.shooting import Shot
 import numpy as np
 
+# Aim that was set for the duration above the best of random starts [%].
 GAP_AIM = 0.5
 
 
-def table(head, rows):
+def table(head: Sequence[Any], rows: Iterable[Sequence[Any]]) -> str:
     """Write a Markdown table."""
     return '\n'.join('| ' + ' | '.join(map(str, line)) + ' |'
                      for line in (head, ['---'] * len(head), *rows))
 
 
-def spread(values, form='{:.1f}', scale=1e3):
+def spread(values: Sequence[float], form: str = '{:.1f}', scale: float = 1e3) -> list[str]:
     """Write median, 95th percentile and greatest of some values; empty without any."""
     if not len(values):
         return ['', '', '']
@@ -22,12 +27,12 @@ def spread(values, form='{:.1f}', scale=1e3):
                                                      np.max(values))]
 
 
-def greatest(values, form, scale=1.0):
+def greatest(values: Sequence[float], form: str, scale: float = 1.0) -> str:
     """Write the greatest of some values; empty without any."""
     return form.format(scale * max(values)) if values else ''
 
 
-def row(name, answers):
+def row(name: str, answers: Sequence[Answer]) -> list[str]:
     """Write one kind of push."""
     good = [answer for answer in answers if not answer.fault]
     driven = [answer.replay for answer in answers if answer.replay]
@@ -45,49 +50,52 @@ HEAD = ['', 'solved', 'CPU ms median', 'p95', 'max', 'position error mm, max',
         'time over displacement bound, median / least']
 
 
-def kind_table(kinds):
+def kind_table(kinds: dict[str, list[Answer]]) -> str:
     """Write all kinds of pushes."""
     return table(HEAD, [row(name, answers) for name, answers in kinds.items()])
 
 
-def speed_table(answers):
+def speed_table(answers: Sequence[Answer]) -> str:
     """Write the pushes of one kind by their speeds."""
-    groups = collections.defaultdict(list)
+    groups: dict[float, list[Answer]] = collections.defaultdict(list)
     for answer in answers:
         groups[answer.problem.settings.pushing_speed].append(answer)
     return table(HEAD, [row(f'{speed:g} m/s', groups[speed]) for speed in sorted(groups)])
 
 
-def faults(kinds):
-    """Write what was not solved, and why, one line each kind and reason."""
-    found = collections.Counter()
+def faults(kinds: dict[str, list[Answer]]) -> str:
+    """Write the unsolved pushes, one line for each kind and reason."""
+    found: collections.Counter[tuple[str, str]] = collections.Counter()
     for name, answers in kinds.items():
         found.update((name, answer.fault) for answer in answers if answer.fault)
     lines = [f'* {name}: {count} x {fault}' for (name, fault), count in found.most_common(12)]
     more = len(found) - len(lines)
-    return '\n'.join(lines + [f'* and {more} other reasons'] * (more > 0)) or 'Nothing.'
+    if more > 0:
+        lines.append(f'* and {more} other reasons')
+    return '\n'.join(lines) or 'Nothing.'
 
 
-def shot_table(results):
+def shot_table(results: Sequence[tuple[int, list[tuple[Answer, Shot]]]]) -> str:
     """Write single shooting against the planner on the same goals."""
-    rows = []
+    rows: list[list[Any]] = []
     for segments, pairs in results:
         if not pairs:
             continue
         good = [(answer, shot) for answer, shot in pairs if shot.solved]
         ours = [answer.cpu for answer, _ in good]
         theirs = [shot.cpu for _, shot in good]
-        slower = [shot.way / answer.replay.way - 1.0 for answer, shot in good]
+        longer = [shot.path_length / answer.replay.path_length - 1.0 for answer, shot in good
+                  if answer.replay is not None]
         rows.append([segments, f'{len(good)}/{len(pairs)}', *spread(theirs, '{:.0f}'),
                      *spread(ours)[:1], *([f'{np.median(theirs) / np.median(ours):.0f}',
-                                           f'{100 * np.median(slower):.2f}',
-                                           f'{100 * max(slower):.1f}'] if good else [''] * 3)])
+                                           f'{100 * np.median(longer):.2f}',
+                                           f'{100 * max(longer):.1f}'] if good else [''] * 3)])
     return table(['segments', 'solved', 'CPU ms median', 'p95', 'max', 'planner, median',
                   'ratio of medians', 'longer than the plan by %, median', 'max'], rows)
 
 
-def again_table(pairs):
-    """Write planning anew against planning on from a plan."""
+def warm_start_table(pairs: Sequence[Sequence[tuple[float, float]]]) -> str:
+    """Write planning from nothing against planning with a warm start."""
     if not pairs:
         return 'Not measured.'
     return table(['', 'CPU ms median', 'p95', 'max', 'time of the push over that from nothing'],
@@ -96,9 +104,9 @@ def again_table(pairs):
                   for i, name in enumerate(('from nothing', 'from the plan before'))])
 
 
-def quality_table(groups):
+def quality_table(groups: dict[str, list[Quality]]) -> str:
     """Write plans against the best of random starts."""
-    rows = []
+    rows: list[list[Any]] = []
     for name, found in groups.items():
         gaps = [100.0 * item.gap for item in found]
         rows.append([name, len(found), *spread(gaps, '{:.2f}', 1.0),
@@ -109,9 +117,9 @@ def quality_table(groups):
                   f'within {GAP_AIM} %', 'starts that converged, mean', 'below the bound'], rows)
 
 
-def bound_table(groups):
+def bound_table(groups: dict[str, list[tuple[float, float]]]) -> str:
     """Write plans on the ellipsoidal limit surface against the bounds of the vehicle."""
-    rows = []
+    rows: list[list[Any]] = []
     for name, found in groups.items():
         good = np.array([pair for pair in found if math.isfinite(pair[0])])
         if len(good):
@@ -123,8 +131,8 @@ def bound_table(groups):
                   'time over following that path, median', 'greatest'], rows)
 
 
-def solver_table(rows):
-    """Write the solvers on the same programmes."""
+def solver_table(rows: Sequence[SolverRun]) -> str:
+    """Write the solvers on the same NLPs."""
     if not rows:
         return 'Not measured.'
     return table(['solver', 'solved', 'CPU ms median', 'p95', 'max', 'iterations, median',

@@ -1,27 +1,33 @@
 """
-Plans held against the vehicle bound, in the model where it is exact.
+Plans compared with the vehicle bound, in the model where it is exact.
 
-Slow pushes on the ellipsoidal limit surface turn like ones on viscous friction: velocities and
+Slow pushes on the ellipsoidal limit surface rotate as under viscous friction: velocities and
 directions of forces are the same, with c^2 the mean square of the supports' distances from F. The
-planner's program with friction that is viscous at all speeds is therefore that model.
+planner's NLP with friction that is viscous at all speeds is therefore that model.
 """
 
 import dataclasses
 import math
+from typing import Any
 
-from benchmarks.planner.nlp_solvers import solve
-from push_model.dubins import dubins_paths
+from benchmarks.planner.nlp_solvers import solve, turn_pair
+from push_model.dubins import dubins_paths, DubinsPath
 from push_model.friction import c_squared, ellipsoid_c_squared
 from push_model.geometry import Pose
+from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.nlp_solver import NlpSolver
-from push_planner.initial_guess.dubins_routes import routes, tightest_turns
+from push_planner.initial_guess.dubins_routes import routes
+from push_planner.problem import PushProblem
 
+# Smoothing of the friction, per pushing speed: all sliding speeds lie far below it; chosen.
 VISCOUS = 30.0
-EXACT = {'fatrop': {'print_level': 0, 'tol': 1e-7, 'mu_init': 1e-3, 'max_iter': 200}}
-TRIED = 12
+EXACT: dict[str, Any] = {
+    'fatrop': {'print_level': 0, 'tol': 1e-7, 'mu_init': 1e-3, 'max_iter': 200}}
+# Number of routes that are solved; chosen.
+MAX_ROUTES = 12
 
 
-def bounds(problem):
+def bounds(problem: PushProblem) -> tuple[float, float]:
     """
     Find the bounds on the time of a push on the ellipsoidal limit surface.
 
@@ -39,9 +45,9 @@ def bounds(problem):
     return paths[0].length / speed, path_length / speed
 
 
-def vehicle_bound(problem):
+def vehicle_bound(problem: PushProblem) -> float:
     """
-    Time of the shortest path of the flat output on the ellipsoidal limit surface [s].
+    Return the time of the shortest path of the flat output on the ellipsoidal limit surface [s].
 
     It holds for slow pushes on that surface, at a contact that is held and stays in the planning
     cone; for real supports and for inertia it is not exact.
@@ -59,7 +65,7 @@ def vehicle_bound(problem):
     return shortest.length / problem.settings.pushing_speed
 
 
-def flat_paths(problem, c_squared_value):
+def flat_paths(problem: PushProblem, c_squared_value: float) -> list[DubinsPath]:
     """
     List the paths of the flat output to the goal in the tightest turns that the cone allows.
 
@@ -75,16 +81,16 @@ def flat_paths(problem, c_squared_value):
     return dubins_paths(local, problem.relative_goal @ local, left, right)
 
 
-class Bounded:
-    """The planner's program on the ellipsoidal limit surface, built once for its dimensions."""
+class BoundComparison:
+    """The planner's NLP on the ellipsoidal limit surface, built once for its dimensions."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         """Begin with no solver."""
-        self._built = {}
+        self._built: dict[Dimensions, NlpSolver] = {}
 
-    def __call__(self, problem):
+    def __call__(self, problem: PushProblem) -> tuple[float, float]:
         """
-        Plan, and hold the plan against its bounds.
+        Plan, and compare the plan with its bounds.
 
         :param problem: the ``PushProblem``.
         :return: (time over the lower bound, time over the upper one), infinite without a plan.
@@ -92,11 +98,11 @@ class Bounded:
         problem = dataclasses.replace(problem, settings=dataclasses.replace(
             problem.settings, motion_model='quasi_static'))
         least, greatest = bounds(problem)
-        paths = routes(problem, tightest_turns(problem))[:TRIED]
+        paths = routes(problem, turn_pair(problem))[:MAX_ROUTES]
         quickest = min(solve(problem, route, self._nlp_solver)[0] for route in paths)
         return quickest / least, quickest / greatest
 
-    def _nlp_solver(self, dimensions):
+    def _nlp_solver(self, dimensions: Dimensions) -> NlpSolver:
         if dimensions not in self._built:
             self._built[dimensions] = NlpSolver(dimensions, options=EXACT, smoothing=VISCOUS)
         return self._built[dimensions]

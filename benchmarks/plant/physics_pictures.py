@@ -1,4 +1,4 @@
-"""Draw the figures of docs/concepts/physics.md: ``python -m benchmarks.plant.physics_pictures``."""
+"""Draw figures of concepts/physics.md: ``python -m benchmarks.plant.physics_pictures``."""
 
 import math
 from pathlib import Path

@@ -53,7 +53,7 @@ class Scene:
 
     @property
     def object(self) -> PushedObject:
-        """The ``PushedObject``: a square of 2 kg on four feet, its mass centre as the loads say."""
+        """The ``PushedObject``: a square of 2 kg on four feet, its mass centre by the loads."""
         total = sum(self.load_fractions)
         x, y = (sum(fraction * place[i] for fraction, place in zip(self.load_fractions, FEET))
                 / total for i in (0, 1))

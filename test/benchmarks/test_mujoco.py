@@ -91,7 +91,7 @@ def test_difference_shrinks_as_the_contact_of_the_robot_yields_less():
 
 
 def test_difference_shrinks_as_the_push_slows_down():
-    """MuJoCo's loads depend on the speed of the feet; the effect vanishes with it."""
+    """Loads that depend on the speed of the feet are MuJoCo's; the effect vanishes with it."""
     angles = []
     for speed in (0.4, 0.2, 0.1, 0.05):
         push = Push('uneven box', 3.0, 0.3, 0.6, 0.02, (speed, 0.0), distance=0.4)

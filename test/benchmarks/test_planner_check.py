@@ -52,7 +52,7 @@ def test_it_agrees_with_the_check_of_the_plan_itself(answer):
 @pytest.mark.parametrize('what, column', [('object_poses', 0), ('object_poses', 2),
                                           ('contact_poses', 2)])
 def test_inconsistent_samples_are_detected(plans, what, column):
-    """A plan whose second half is somewhere else, even if it ends well: both simulations see it."""
+    """A plan that leaves its path, even if it ends well: both simulations see it."""
     answer = plans['steady turns']
     values = getattr(answer.trajectory, what).copy()
     count = len(values)
