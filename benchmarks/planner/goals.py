@@ -155,7 +155,8 @@ def random_round(rng: np.random.Generator) -> PushProblem:
 
 
 def _push(rng: np.random.Generator, obj: PushedObject, contact: Contact, robot: RoundRobot,
-          normal: float, heading: float, *, speeds: Sequence[float], overrides: dict[str, Any]) -> PushProblem:
+          normal: float, heading: float, *, speeds: Sequence[float],
+          overrides: dict[str, Any]) -> PushProblem:
     return PushProblem(obj, robot, contact, Pose(0.0, 0.0, 0.0), normal, heading,
                        random_goal(rng), settings(float(rng.choice(speeds)), **overrides))
 

@@ -113,6 +113,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
     pairs += pair('robot', 'outline', obj.contact_friction_coefficient, engine.margin,
                   solref=engine.bumper, friction_solref=(0.0, 0.0),
                   impedance=engine.bumper_impedance)
+    cylinder = xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)
     inertia = xml(obj.inertia, obj.inertia, obj.inertia)
     return f"""
 <mujoco>
@@ -133,7 +134,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
       <body gravcomp="1">
         <inertial pos="0 0 0" mass="{BUMPER_MASS}" diaginertia="{xml(*3 * [BUMPER_MASS])}"/>
         <joint type="slide" axis="0 0 1" damping="{BUMPER_MASS}"/>
-        <geom name="robot" type="cylinder" size="{xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)}"/>
+        <geom name="robot" type="cylinder" size="{cylinder}"/>
       </body>
     </body>
   </worldbody>
