@@ -23,7 +23,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 
 EXECUTABLES = {'controller': 'push_controller', 'planner': 'push_planner', 'sim': 'push_sim'}
-PATIENCE = 30.0
+PATIENCE = 120.0
 SOURCED = 'AMENT_PREFIX_PATH', 'COLCON_PREFIX_PATH', 'PYTHONPATH'
 
 
@@ -118,7 +118,7 @@ def test_ros2_run_finds_the_executable(workspace, name):
 
 def test_the_installed_copy_is_what_runs(workspace, start):
     """A sourced workspace imports its own modules and finds its own data."""
-    code = 'import push_model; from push_scenario import data; ' \
+    code = 'import push_model; from push_scenario.definition import data; ' \
            'print(push_model.__file__); print(data.share_directory())'
     process = start(sys.executable, '-c', code)
     module, share = process.communicate(timeout=PATIENCE)[0].split()
@@ -207,7 +207,7 @@ def test_pip_installs_code_and_data(tmp_path):
     run([sys.executable, '-m', 'pip', 'install', '-qq', '--no-deps', '--no-build-isolation',
          '--no-index', '--ignore-installed', '--prefix', prefix, sources], tmp_path)
     library = next(prefix.glob('lib/python*/site-packages'))
-    share = run([sys.executable, '-c', 'from push_scenario import data; '
+    share = run([sys.executable, '-c', 'from push_scenario.definition import data; '
                  'print(data.config_file("objects/box_04.yaml"))'], tmp_path,
                 env={**outside(tmp_path), 'PYTHONPATH': str(library)})
     assert Path(share.strip()) == prefix / 'share/push_control/config/objects/box_04.yaml'

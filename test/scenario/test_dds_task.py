@@ -107,5 +107,5 @@ def test_a_task_without_a_path_fails_and_says_so(tmp_path):
     goal = Placement(5.0, 0.0, 0.0)
     result = run_over_dds(dataclasses.replace(walled, goal=goal, task=task), None, tmp_path,
                           record=False)
-    assert result.outcome is Outcome.FAILED and 'the planner has found none' in result.reason
+    assert result.outcome is Outcome.FAILED and 'does not fit into the map' in result.reason
     assert not result.tape['robot_v_x'].any() and result.recoveries == 2
