@@ -24,6 +24,7 @@ from rclpy.task import Future
 
 EXECUTABLES = {'controller': 'push_controller', 'planner': 'push_planner', 'sim': 'push_sim'}
 PATIENCE = 120.0
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
 SOURCED = 'AMENT_PREFIX_PATH', 'COLCON_PREFIX_PATH', 'PYTHONPATH'
 
 

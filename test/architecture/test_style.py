@@ -35,6 +35,7 @@ def run(linter, paths):
     return done.returncode, done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('linter', [FLAKE8, PEP257], ids=['flake8', 'pep257'])
 def test_sources_keep_the_style(linter):
     """No findings in the whole tree."""
