@@ -11,6 +11,7 @@ from push_planner.single_push.planner import plan_push
 from push_planner.verification.verification import verify
 import pytest
 
+pytestmark = pytest.mark.slow
 LONG = {'deceleration': 0.0, 'final_straight': 0.0, 'max_path_length': 60.0}
 PROBLEMS = {
     'steady turns': vertex_problem(Pose(-6.0, 1.0, 0.4), DIFFERENTIAL, **LONG),

@@ -19,6 +19,7 @@ from push_model.geometry import Pose
 from push_planner.single_push.site_selection import choose_site
 import pytest
 
+pytestmark = pytest.mark.slow
 START = Pose(0.3, -0.2, 0.4)
 
 

@@ -18,6 +18,7 @@ from push_planner.single_push.planner import plan_push
 from push_planner.verification.verification import verify
 import pytest
 
+pytestmark = pytest.mark.slow
 IDEAL = RoundRobot(0.17, 'holonomic', max_speed=5.0, max_yaw_rate=50.0, max_acceleration=100.0)
 QUICK = RoundRobot(0.1, 'differential', max_yaw_rate=50.0, max_acceleration=100.0,
                    max_yaw_acceleration=1000.0)

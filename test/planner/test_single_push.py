@@ -14,6 +14,7 @@ from push_planner.single_push.planner import plan_push
 from push_planner.verification.verification import verify
 import pytest
 
+pytestmark = pytest.mark.slow
 PROBLEMS = {
     'vertex, differential': vertex_problem(Pose(2.0, 0.5, -0.5)),
     'vertex, differential, loop': vertex_problem(Pose(0.9, -0.4, 0.6)),

@@ -14,6 +14,7 @@ from push_study.framework.runner import StudyRunner
 from push_study.framework.study import Finding, Outcome, Study
 import pytest
 
+pytestmark = pytest.mark.slow
 CHOSEN = {'all': {'count': 3, 'shared': 1.0}}
 FLAT = flat_object.STUDIES[0]
 
