@@ -134,7 +134,7 @@ def test_in_maps_start_and_goal_are_clear(seed):
 
 
 @pytest.mark.parametrize('move', INTERVENTIONS)
-def test_the_intervention_waits_until_the_robot_is_not_in_the_way(move):
+def test_the_intervention_waits_until_the_robot_is_clear(move):
     """Then it moves the object once."""
     puts, barred = [], [True]
 

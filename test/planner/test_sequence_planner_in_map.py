@@ -29,7 +29,7 @@ MARGIN = DriveSettings().map_clearance
 
 @pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=['differential', 'holonomic'])
 @pytest.mark.parametrize('goal', [Pose(1.0, 0.0, 0.0), Pose(1.0, 1.0, 1.5)])
-def test_nothing_is_touched_on_the_way_through_a_door(robot, goal):
+def test_nothing_is_touched_in_a_door(robot, goal):
     """The robot's path and the first push are free, and so is the object after every push."""
     occupancy_map = walled_floor(6.0, 6.0, 1.5)
     found = plan_task(box(), robot, START, HERE, goal, occupancy_map=occupancy_map)

@@ -24,7 +24,9 @@ class Standing(RobotControl):
 
     def __init__(self, scenario, end_time):
         super().__init__(scenario)
-        self.end_time, self.steps, self.plan_updates = end_time, [], []
+        self.end_time = end_time
+        self.steps = []
+        self.plan_updates = []
 
     controller = None
     stage = 'standing'

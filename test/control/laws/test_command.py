@@ -19,7 +19,7 @@ SETTINGS = ControlSettings()
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])
 @pytest.mark.parametrize('speed, angle, heading_offset, phi', [
     (0.2, 0.3, 0.1, 1.0), (0.1, -0.6, -0.4, -2.0), (0.05, 0.0, 0.0, 0.0)])
-def test_the_command_gives_the_wanted_contact_velocity(drive, speed, angle, heading_offset, phi):
+def test_the_command_gives_the_contact_velocity(drive, speed, angle, heading_offset, phi):
     """Through the kinematic rule, ``v_C = v_P + omega_p R_p t``."""
     if drive == 'differential':
         command = differential_command(speed, angle, heading_offset, 0.17)

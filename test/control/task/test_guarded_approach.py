@@ -59,7 +59,7 @@ def approach_box(drive, aside=0.0, moves=True, there=True, steps=4000):
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
-def test_it_ends_where_the_object_gives_way(drive):
+def test_it_ends_where_the_object_is_displaced(drive):
     """The robot stands where the plan starts."""
     behavior, true, _, _ = approach_box(drive)
     assert behavior.finished and not behavior.failure_reason
