@@ -37,8 +37,13 @@ def words_and_numbers(text):
 
 
 def as_expected(word):
-    """Allow a number its last digit: an open-loop push diverges from rounding errors on."""
-    return word if isinstance(word, str) else pytest.approx(word, rel=1e-3, abs=0.01)
+    """
+    Allow a number a fraction of itself.
+
+    The notebook's open-loop push diverges, and its noisy closed loop sticks and slips: both
+    enlarge the rounding errors in which one processor differs from another.
+    """
+    return word if isinstance(word, str) else pytest.approx(word, rel=0.01, abs=0.05)
 
 
 def load(name):
