@@ -36,10 +36,9 @@ setup(
         *data_below('config'),
         *data_below('launch'),
     ],
-    install_requires=['setuptools', 'numpy', 'scipy', 'casadi', 'PyYAML'],
+    install_requires=['setuptools', 'numpy', 'scipy', 'casadi', 'numba', 'PyYAML'],
     extras_require={
         'cluster': ['distributed'],
-        'fast': ['numba'],
         'plot': ['matplotlib', 'tqdm'],
         'record': ['rosbags'],
         'test': ['mcap', 'distributed', 'mujoco', 'pytest', 'pytest-xdist'],

@@ -4,8 +4,8 @@ The simulated robot and object: plant, sensors, disturbances, and a tape of what
 ``Simulation`` lets time pass from one measurement to the next; ``Plant`` is the physics alone.
 """
 
+from push_dynamics.floor import FloorPatch
 from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
-from push_sim_node.kernel.floor import FloorPatch
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings

@@ -5,19 +5,19 @@ import math
 from typing import Any, Sequence
 
 import numpy as np
-from push_model.geometry import Pose
-from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import STOP, Twist
-from push_sim_node.kernel import layout
-from push_sim_node.kernel.actuation import limit_command
-from push_sim_node.kernel.compiled import IS_COMPILED, kernel_array
-from push_sim_node.kernel.contact_law import ContactPoint, nearest_points, surface_velocity
-from push_sim_node.kernel.encoding import (
+from push_dynamics import layout
+from push_dynamics.actuation import limit_command
+from push_dynamics.compiled import IS_COMPILED, kernel_array
+from push_dynamics.contact_law import ContactPoint, nearest_points, surface_velocity
+from push_dynamics.encoding import (
     body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
     object_twist_of, resolve_overlap, robot_pose_of, robot_twist_of, support_rows,
 )
-from push_sim_node.kernel.floor import floor_rows, FloorPatch
-from push_sim_node.kernel.step import advance
+from push_dynamics.floor import floor_rows, FloorPatch
+from push_dynamics.step import advance
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import STOP, Twist
 from push_sim_node.truth import ContactMode, Energy, Truth
 
 

@@ -4,10 +4,10 @@ import dataclasses
 import math
 
 import numpy as np
+from push_dynamics.actuation import chord_velocity
 from push_model.geometry import Pose, wrap_angle
 from push_model.quantity import check, quantity
 from push_model.signals import ObjectPose, Odometry, Twist
-from push_sim_node.kernel.actuation import chord_velocity
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 import dataclasses
 
+from push_dynamics.floor import FloorPatch
 from push_model.quantity import check, quantity
 from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
-from push_sim_node.kernel.floor import FloorPatch
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,11 +6,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from push_dynamics.actuation import limit_command
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_sim_node.disturbance import change_times, friction_factors
-from push_sim_node.kernel.actuation import limit_command
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 from push_sim_node.settings import SimulationSettings

@@ -3,9 +3,9 @@
 import enum
 from typing import NamedTuple
 
+from push_dynamics import layout
 from push_model.geometry import Pose
 from push_model.signals import Twist
-from push_sim_node.kernel import layout
 
 
 class ContactMode(enum.Enum):

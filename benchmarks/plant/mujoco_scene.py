@@ -11,10 +11,10 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from push_dynamics.actuation import chord_velocity, limit_command, track_command
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
-from push_sim_node.kernel.actuation import chord_velocity, limit_command, track_command
 
 # MuJoCo defines these in an extension module without type stubs.
 _mujoco: Any = mujoco

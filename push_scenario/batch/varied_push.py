@@ -5,11 +5,11 @@ import dataclasses
 import math
 from typing import Any, TypeVar
 
+from push_dynamics.floor import FloorPatch
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
 from push_scenario.batch.chunks import Job, Record
-from push_sim_node.kernel.floor import FloorPatch
 from push_sim_node.plant import Plant
 
 JOB_KEYS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments',

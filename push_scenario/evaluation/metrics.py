@@ -5,10 +5,10 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from push_dynamics.layout import SEPARATE
 from push_model.quantity import quantity
 from push_model.trajectory import PushTrajectory
 from push_scenario.simulation.result import Outcome, RunResult
-from push_sim_node.kernel.layout import SEPARATE
 from push_sim_node.tape import Tape
 
 FloatArray = NDArray[np.float64]

@@ -9,15 +9,19 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 GENERATED = {'.git', '.venv', '.pytest_cache', '__pycache__', 'build', 'install', 'log', 'out'}
-PLAIN = ('push_model', 'push_navigation', 'push_planner', 'push_control', 'push_sim_node',
-         'push_scenario')
+PLAIN = ('push_model', 'push_dynamics', 'push_primitives', 'push_navigation', 'push_planner',
+         'push_control', 'push_sim_node', 'push_scenario')
+# What predicts pushes, below planner and controller.
+PREDICTION = {'push_model', 'push_dynamics', 'push_primitives', 'push_navigation'}
 MAY_IMPORT = {
     'push_model': set(),
+    'push_dynamics': {'push_model'},
+    'push_primitives': {'push_model', 'push_dynamics'},
     'push_navigation': {'push_model'},
     'push_ros': {'push_model', 'push_navigation'},
-    'push_planner': {'push_model', 'push_navigation'},
-    'push_control': {'push_model', 'push_navigation'},
-    'push_sim_node': {'push_model'},
+    'push_planner': PREDICTION,
+    'push_control': PREDICTION,
+    'push_sim_node': {'push_model', 'push_dynamics'},
     'push_scenario': set(PLAIN) - {'push_scenario'},
     'push_study': set(PLAIN),
 }
@@ -227,7 +231,7 @@ def long_signatures(root):
 
 def is_kernel(module):
     """Tell whether a module is compiled by numba, to which numbers are passed one by one."""
-    return module.parts[:2] == ('push_sim_node', 'kernel')
+    return module.parts[0] in ('push_dynamics', 'push_primitives')
 
 
 def words_of(identifier):

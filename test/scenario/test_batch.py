@@ -19,12 +19,12 @@ from helpers.batch_jobs import (
 )
 from helpers.objects import box
 import numpy as np
+from push_dynamics.floor import FloorPatch
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
 from push_scenario.batch.batch import run_batch, seeds
 from push_scenario.batch.varied_push import VariedPush
-from push_sim_node.kernel.floor import FloorPatch
 from push_sim_node.plant import Plant
 import pytest
 

@@ -3,10 +3,10 @@
 import dataclasses
 
 import numpy as np
+from push_dynamics.floor import FloorPatch
 from push_scenario.definition.loader import find_scenario, read_scenario
 from push_scenario.simulation.loop import simulate
 from push_sim_node.disturbance import FrictionChange
-from push_sim_node.kernel.floor import FloorPatch
 import pytest
 from scipy.integrate import trapezoid
 

@@ -4,12 +4,12 @@ import math
 
 from helpers.tapes import make_result, make_tape, straight_plan, TIMES
 import numpy as np
+from push_dynamics.layout import SEPARATE, STICK
 from push_model.geometry import Pose
 from push_scenario.evaluation.metrics import (
     deviation, distance_travelled, force_angle, is_as_expected, measure, slip_speed,
 )
 from push_scenario.simulation.result import Outcome
-from push_sim_node.kernel.layout import SEPARATE, STICK
 import pytest
 
 RADIUS = 0.17

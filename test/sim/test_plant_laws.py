@@ -139,7 +139,7 @@ def test_object_that_was_pushed_comes_to_rest_exactly():
 SCRIPT = """
 from helpers.objects import bin_, box
 from helpers.plant_course import course, forces, plant_of, poses, UNEVEN
-from push_sim_node.kernel.compiled import IS_COMPILED
+from push_dynamics.compiled import IS_COMPILED
 assert not IS_COMPILED
 for obj in (box(**UNEVEN), bin_()):
     truths = course(plant_of(obj, (0.0, 0.0, 0.2), (-0.41, 0.02, -0.1)))

@@ -6,10 +6,10 @@ import math
 from helpers.objects import bin_, box
 from helpers.plant_reference import ramp_robot
 import numpy as np
+from push_dynamics.compiled import kernel_array
+from push_dynamics.floor import floor_rows, FloorPatch, friction_factor_at
 from push_model.geometry import Pose
 from push_model.signals import Twist
-from push_sim_node.kernel.compiled import kernel_array
-from push_sim_node.kernel.floor import floor_rows, FloorPatch, friction_factor_at
 from push_sim_node.plant import Plant
 from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest

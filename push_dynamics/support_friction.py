@@ -8,8 +8,8 @@ translational block a multiple of the identity: it is inverted by eliminating th
 
 from typing import Any, NamedTuple
 
-from push_sim_node.kernel.compiled import compiled, friction_weight
-from push_sim_node.kernel.layout import INERTIA, MASS, SMOOTHING_SPEED
+from push_dynamics.compiled import compiled, friction_weight
+from push_dynamics.layout import INERTIA, MASS, SMOOTHING_SPEED
 
 
 class Velocity(NamedTuple):

@@ -9,10 +9,10 @@ scalar decay, which is solved exactly.
 import math
 from typing import Any, NamedTuple
 
+from push_dynamics.compiled import compiled
+from push_dynamics.layout import MAX_ACCELERATION, MAX_YAW_ACCELERATION, TIME_CONSTANT
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
-from push_sim_node.kernel.compiled import compiled
-from push_sim_node.kernel.layout import MAX_ACCELERATION, MAX_YAW_ACCELERATION, TIME_CONSTANT
 
 
 class TrackedCommand(NamedTuple):

@@ -2,11 +2,12 @@
 Scalar kernels: compiled by numba where it is installed, plain Python elsewhere.
 
 Machine code is kept on disk, in a directory named after the text of all modules that end up in
-it: numba itself notices changes only in the file of the outermost function. The directory is in
-the user's cache, so that a read-only installation works; where it cannot be written to either,
-every process compiles anew.
+it (this folder, and that of the function): numba itself notices changes only in the file of the
+outermost function. The directory is in the user's cache, so that a read-only installation works;
+where it cannot be written to either, every process compiles anew.
 """
 
+import functools
 import hashlib
 import importlib
 import os
@@ -18,9 +19,6 @@ from push_model import friction, geometry
 
 # Environment variable that keeps the kernel in plain Python, to debug it.
 INTERPRET = 'PUSH_SIM_INTERPRET'
-# Modules of this folder whose code ends up in the machine code.
-KERNEL = ('actuation.py', 'compiled.py', 'contact_law.py', 'floor.py', 'layout.py', 'solver.py',
-          'step.py', 'support_friction.py')
 
 
 def _import_numba() -> Any:
@@ -34,6 +32,7 @@ numba = _import_numba()
 IS_COMPILED = numba is not None and not os.environ.get(INTERPRET)
 
 Function = TypeVar('Function', bound=Callable[..., Any])
+HERE = pathlib.Path(__file__).parent
 
 
 def compiled(function: Function) -> Function:
@@ -45,7 +44,7 @@ def compiled(function: Function) -> Function:
     """
     if not IS_COMPILED:
         return function
-    directory = cache_directory()
+    directory = cache_directory(pathlib.Path(function.__code__.co_filename).parent)
     if directory is None:
         return cast(Function, numba.njit(function, **_options()))
     before = numba.config.CACHE_DIR
@@ -66,17 +65,19 @@ def kernel_array(values: Any) -> Any:
     return array if IS_COMPILED else array.tolist()
 
 
-def cache_directory() -> str | None:
+def cache_directory(folder: pathlib.Path = HERE) -> str | None:
     """
     Return the directory for machine code, made if need be; None where it cannot be written to.
 
     ``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``.
+
+    :param folder: of the compiled function's module.
     """
     root = os.environ.get('NUMBA_CACHE_DIR') or os.environ.get('XDG_CACHE_HOME')
     if not root:
         home = os.path.expanduser('~')
         root = os.path.join(home, '.cache')
-    path = pathlib.Path(root) / 'push_control' / _source_digest()
+    path = pathlib.Path(root) / 'push_control' / _source_digest(folder)
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -92,11 +93,12 @@ def _options() -> dict[str, Any]:
     return options
 
 
-def _source_digest() -> str:
-    here = pathlib.Path(__file__).parent
-    sources = [here / name for name in KERNEL] + [geometry.__file__, friction.__file__]
+# One digest for each folder: some dozen functions ask for it.
+@functools.lru_cache(maxsize=None)
+def _source_digest(folder: pathlib.Path) -> str:
+    sources = [source for part in sorted({HERE, folder}) for source in sorted(part.glob('*.py'))]
     digest = hashlib.sha256()
-    for source in sources:
+    for source in [*sources, geometry.__file__, friction.__file__]:
         digest.update(pathlib.Path(source).read_bytes())
     return digest.hexdigest()[:16]
 

@@ -8,8 +8,8 @@ The unit normal n points from the robot to the object, t is n rotated by +90 deg
 import math
 from typing import Any, NamedTuple
 
-from push_sim_node.kernel.compiled import closest_on_polygon, compiled, lowest_vertex
-from push_sim_node.kernel.layout import ANY_MODE, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+from push_dynamics.compiled import closest_on_polygon, compiled, lowest_vertex
+from push_dynamics.layout import ANY_MODE, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
 
 
 class ContactPoint(NamedTuple):

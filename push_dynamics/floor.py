@@ -4,9 +4,9 @@ import dataclasses
 import math
 from typing import Any, Sequence
 
+from push_dynamics.compiled import compiled
+from push_dynamics.layout import CAPACITY, PLAIN_CAPACITY, SUPPORT_X, SUPPORT_Y
 from push_model.quantity import check, quantity
-from push_sim_node.kernel.compiled import compiled
-from push_sim_node.kernel.layout import CAPACITY, PLAIN_CAPACITY, SUPPORT_X, SUPPORT_Y
 
 
 @dataclasses.dataclass(frozen=True)

@@ -5,18 +5,18 @@ import math
 from helpers.objects import bin_, box
 from helpers.plant_course import UNEVEN
 import numpy as np
+from push_dynamics import layout
+from push_dynamics.compiled import kernel_array
+from push_dynamics.encoding import (
+    body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, support_rows,
+)
+from push_dynamics.floor import floor_rows, FloorPatch, set_local_capacities
+from push_dynamics.step import advance, step
+from push_dynamics.support_friction import augmented_mass, Velocity, velocity_of
 from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
-from push_sim_node.kernel import layout
-from push_sim_node.kernel.compiled import kernel_array
-from push_sim_node.kernel.encoding import (
-    body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, support_rows,
-)
-from push_sim_node.kernel.floor import floor_rows, FloorPatch, set_local_capacities
-from push_sim_node.kernel.step import advance, step
-from push_sim_node.kernel.support_friction import augmented_mass, Velocity, velocity_of
 import pytest
 
 pytestmark = pytest.mark.physics

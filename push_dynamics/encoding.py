@@ -3,11 +3,11 @@
 import math
 from typing import Any, Sequence
 
+from push_dynamics import layout
 from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
-from push_sim_node.kernel import layout
 
 # Overlap of robot and object at the start that is corrected [m], chosen: what rounded numbers of
 # a scenario come to. A deeper one is a mistake.

@@ -14,20 +14,20 @@ the step [s].
 import math
 from typing import Any, NamedTuple
 
-from push_sim_node.kernel.actuation import chord_velocity, track_command
-from push_sim_node.kernel.compiled import compiled
-from push_sim_node.kernel.contact_law import (
+from push_dynamics.actuation import chord_velocity, track_command
+from push_dynamics.compiled import compiled
+from push_dynamics.contact_law import (
     ContactGeometry, nearest_points, surface_velocity, SurfaceVelocity,
 )
-from push_sim_node.kernel.floor import set_local_capacities
-from push_sim_node.kernel.layout import (
+from push_dynamics.floor import set_local_capacities
+from push_dynamics.layout import (
     A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, IMPACT_LOSS, INERTIA, ITERATIONS,
     MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA, ROBOT_RADIUS, ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y,
     ROBOT_X, ROBOT_Y, STEPS, SUPPORT_LOSS, TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK,
     X, Y,
 )
-from push_sim_node.kernel.solver import solve, StepSolution
-from push_sim_node.kernel.support_friction import Velocity, write_friction_forces
+from push_dynamics.solver import solve, StepSolution
+from push_dynamics.support_friction import Velocity, write_friction_forces
 
 # Gap that counts as none [m], chosen a little above the rounding errors of world coordinates of
 # some metres: a robot that touches without moving must not push the object by them.

@@ -16,14 +16,14 @@ object, ``guess`` is the predicted v, ``contact`` and ``surface`` are what
 import math
 from typing import Any, NamedTuple
 
-from push_sim_node.kernel.compiled import compiled
-from push_sim_node.kernel.contact_law import (
+from push_dynamics.compiled import compiled
+from push_dynamics.contact_law import (
     contact_impulse, ContactGeometry, ContactImpulse, law_violation, SurfaceVelocity,
 )
-from push_sim_node.kernel.layout import (
+from push_dynamics.layout import (
     ANY_MODE, CONTACT_FRICTION, INERTIA, MASS, MODE_COUNT, OMEGA, SEPARATE, V_X, V_Y,
 )
-from push_sim_node.kernel.support_friction import (
+from push_dynamics.support_friction import (
     augmented_mass, AugmentedMass, Velocity, velocity_of,
 )
 

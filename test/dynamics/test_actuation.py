@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
+from push_dynamics.actuation import chord_velocity, decay, limit_command, track_command
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
-from push_sim_node.kernel.actuation import chord_velocity, decay, limit_command, track_command
 import pytest
 from scipy.integrate import solve_ivp
 

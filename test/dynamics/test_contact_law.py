@@ -4,13 +4,13 @@ import math
 
 from helpers.objects import box
 import numpy as np
-from push_model.geometry import Pose
-from push_sim_node.kernel.compiled import kernel_array
-from push_sim_node.kernel.contact_law import (
+from push_dynamics.compiled import kernel_array
+from push_dynamics.contact_law import (
     contact_impulse, ContactImpulse, law_violation, nearest_points, surface_velocity,
 )
-from push_sim_node.kernel.encoding import NO_OUTLINE
-from push_sim_node.kernel.layout import ANY_MODE, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+from push_dynamics.encoding import NO_OUTLINE
+from push_dynamics.layout import ANY_MODE, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+from push_model.geometry import Pose
 import pytest
 
 MIRRORED = {SEPARATE: SEPARATE, STICK: STICK, SLIDE_LEFT: SLIDE_RIGHT, SLIDE_RIGHT: SLIDE_LEFT}

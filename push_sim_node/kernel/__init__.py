@@ -1,1 +1,0 @@
-"""Kernel of the plant: contact, friction and actuation, compiled where numba is installed."""
