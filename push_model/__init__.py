@@ -11,11 +11,11 @@ from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.quasi_static import quasi_static_yaw_rate, Vehicle, vehicle
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
-from push_model.trajectory import PushTrajectory
+from push_model.trajectory import PushStyle, PushTrajectory
 
 __all__ = [
     'Contact', 'contact_point', 'find_contact', 'FloatArray', 'FoundContact', 'friction_center',
     'normal_range', 'ObjectPose', 'Odometry', 'PlanFailure', 'PlanRequest', 'Pose',
-    'PushedObject', 'PushTrajectory', 'quasi_static_yaw_rate', 'RoundRobot', 'STOP', 'Support',
-    'Twist', 'Vehicle', 'vehicle', 'with_friction_center', 'wrap_angle',
+    'PushedObject', 'PushStyle', 'PushTrajectory', 'quasi_static_yaw_rate', 'RoundRobot', 'STOP',
+    'Support', 'Twist', 'Vehicle', 'vehicle', 'with_friction_center', 'wrap_angle',
 ]

@@ -1,6 +1,7 @@
 """Trajectory of a push: object, contact and robot over time, from planner to controller."""
 
 import dataclasses
+import enum
 import os
 
 import numpy as np
@@ -8,6 +9,19 @@ from push_model.geometry import FloatArray
 
 COLUMNS = ('object_poses', 'object_twists', 'contact_poses', 'contact_twists', 'robot_poses',
            'robot_twists')
+
+
+class PushStyle(enum.Enum):
+    """
+    How the contact behaves while a push is driven, and so what the driver may do.
+
+    A steered push holds the contact where it is on the object: the robot corrects the pushing
+    angle and stops where the contact is lost. In an unsteered push the robot keeps to a straight
+    line or one arc; the contact may roll and slide along the side, and neither is an error.
+    """
+
+    STEERED = 'steered'
+    UNSTEERED = 'unsteered'
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -23,6 +37,8 @@ class PushTrajectory:
         normal (v_x, v_y, gamma'), shape (n, 3).
     :param robot_poses: robot centre and heading (x, y, phi), shape (n, 3).
     :param robot_twists: its (v_x, v_y, omega_p), world axes, shape (n, 3).
+    :param style: how the push is driven; the trajectory of an unsteered push is the mean of what
+        may happen.
     :raises ValueError: naming the array, its shape or the sample that is wrong.
     """
 
@@ -33,6 +49,7 @@ class PushTrajectory:
     contact_twists: FloatArray
     robot_poses: FloatArray
     robot_twists: FloatArray
+    style: PushStyle = PushStyle.STEERED
 
     def __post_init__(self) -> None:
         """Check shapes and values, and freeze the arrays."""
@@ -81,7 +98,8 @@ class PushTrajectory:
 
         :param path: of the file, by convention ``*.npz``.
         """
-        np.savez(path, times=self.times, **{name: getattr(self, name) for name in COLUMNS})
+        np.savez(path, times=self.times, style=np.array(self.style.value),
+                 **{name: getattr(self, name) for name in COLUMNS})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> 'PushTrajectory':
@@ -89,10 +107,19 @@ class PushTrajectory:
         Read a trajectory that ``save`` wrote.
 
         :param path: the file.
-        :raises ValueError: where an array is missing or wrong.
+        :raises ValueError: where an array or the style is missing or wrong.
         """
         with np.load(path) as data:
-            missing = sorted(({'times'} | set(COLUMNS)) - set(data.files))
+            missing = sorted(({'times', 'style'} | set(COLUMNS)) - set(data.files))
             if missing:
                 raise ValueError(f'{path}: got no {", ".join(missing)}, expected a PushTrajectory')
-            return cls(**{name: data[name] for name in ('times',) + COLUMNS})
+            arrays = {name: data[name] for name in ('times',) + COLUMNS}
+            return cls(**arrays, style=_style(str(data['style']), path))
+
+
+def _style(text: str, path: str | os.PathLike[str]) -> PushStyle:
+    try:
+        return PushStyle(text)
+    except ValueError:
+        styles = ', '.join(style.value for style in PushStyle)
+        raise ValueError(f'{path}: got the style {text!r}, expected one of {styles}') from None

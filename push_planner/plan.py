@@ -8,13 +8,13 @@ from typing import Any, NamedTuple, Union
 import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
-from push_model.trajectory import COLUMNS, PushTrajectory
+from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
 from push_planner.problem import InitialMotion, PushProblem
 from push_planner.settings import PlannerSettings
 
 FilePath = Union[str, 'os.PathLike[str]']
 # Version of the file format.
-FORMAT = 1
+FORMAT = 2
 ARRAYS = ('times',) + COLUMNS
 
 
@@ -73,7 +73,7 @@ class Plan:
         :param path: the file, by convention ``*.npz``.
         """
         problem = self.problem
-        text = {'format': FORMAT,
+        text = {'format': FORMAT, 'style': self.trajectory.style.value,
                 'problem': {
                     **{name: dataclasses.asdict(getattr(problem, name))
                        for name in ('obj', 'robot', 'contact', 'settings')},
@@ -101,7 +101,8 @@ class Plan:
             text = json.loads(str(data['plan']))
             if text['format'] != FORMAT:
                 raise ValueError(f'{path}: got format {text["format"]}, expected {FORMAT}')
-            trajectory = PushTrajectory(**{name: data[name] for name in ARRAYS})
+            trajectory = PushTrajectory(**{name: data[name] for name in ARRAYS},
+                                        style=PushStyle(text['style']))
         return cls(_problem(text['problem']), trajectory,
                    tuple(map(tuple, text['pushing_angles'])), tuple(text['segment_ends']),
                    tuple(map(tuple, text['speeds'])),

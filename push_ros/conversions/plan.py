@@ -8,7 +8,7 @@ from nav_msgs.msg import Path
 import numpy as np
 from push_model.geometry import Coordinates, FloatArray, Pose
 from push_model.plan_request import PlanFailure
-from push_model.trajectory import PushTrajectory
+from push_model.trajectory import PushStyle, PushTrajectory
 from push_ros.conversions.primitives import (
     check_frame, from_twist_message, MessageRefused, seconds, to_pose_message, to_quaternion,
     to_stamp, to_twist_message, to_yaw,
@@ -16,6 +16,8 @@ from push_ros.conversions.primitives import (
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
 JOINTS = ('object', 'contact', 'robot')
+# Name of the second joint: a contact that is free may roll and slide along the object.
+CONTACT_JOINTS = {PushStyle.STEERED: 'contact', PushStyle.UNSTEERED: 'free_contact'}
 
 
 def to_plan_message(trajectory: PushTrajectory, stamp: Time,
@@ -23,11 +25,13 @@ def to_plan_message(trajectory: PushTrajectory, stamp: Time,
     """
     Convert a trajectory to a message: joints ``object``, ``contact`` and ``robot``.
 
+    Where the push is unsteered the second joint is called ``free_contact``.
+
     :param trajectory: ``PushTrajectory``.
     :param stamp: of the newest measurement that the plan starts from, or of its request.
     :param frame: id of the world frame.
     """
-    message = MultiDOFJointTrajectory(joint_names=list(JOINTS))
+    message = MultiDOFJointTrajectory(joint_names=_joint_names(trajectory.style))
     message.header.stamp, message.header.frame_id = stamp, frame
     poses = [getattr(trajectory, f'{joint}_poses').tolist() for joint in JOINTS]
     twists = [getattr(trajectory, f'{joint}_twists').tolist() for joint in JOINTS]
@@ -81,16 +85,17 @@ def from_plan_message(message: MultiDOFJointTrajectory, frame: str,
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
-    _check_joints(message, topic)
+    style = _style_of(message, topic)
+    _check_points(message, topic)
     arrays: dict[str, Any] = {
         'times': [seconds(point.time_from_start) for point in message.points]}
-    for joint in JOINTS:
-        index = list(message.joint_names).index(joint)
+    for joint, name in zip(JOINTS, _joint_names(style)):
+        index = list(message.joint_names).index(name)
         arrays[f'{joint}_poses'] = _poses([p.transforms[index] for p in message.points], topic)
         arrays[f'{joint}_twists'] = np.array(
             [from_twist_message(p.velocities[index], topic) for p in message.points])
     try:
-        return PushTrajectory(**arrays)
+        return PushTrajectory(**arrays, style=style)
     except ValueError as error:
         raise MessageRefused(f'{topic}: {error}') from error
 
@@ -110,12 +115,24 @@ def to_path_message(object_poses: Iterable[Coordinates], stamp: Time, frame: str
     return message
 
 
-def _check_joints(message: MultiDOFJointTrajectory, topic: str) -> None:
-    """Refuse a message that lacks a joint, or in which a point lacks a value of one."""
+def _joint_names(style: PushStyle) -> list[str]:
+    return [CONTACT_JOINTS[style] if joint == 'contact' else joint for joint in JOINTS]
+
+
+def _style_of(message: MultiDOFJointTrajectory, topic: str) -> PushStyle:
+    """Read the style from the name of the contact; refuse a message that lacks a joint."""
     names = list(message.joint_names)
-    if not set(JOINTS) <= set(names):
+    styles = [style for style in PushStyle if set(_joint_names(style)) <= set(names)]
+    if len(styles) != 1:
+        expected = ' or '.join(', '.join(_joint_names(style)) for style in PushStyle)
         raise MessageRefused(f'{topic}: got joints {", ".join(names) or "none"}, expected '
-                             + ', '.join(JOINTS))
+                             + expected)
+    return styles[0]
+
+
+def _check_points(message: MultiDOFJointTrajectory, topic: str) -> None:
+    """Refuse a message in which a point lacks a value of a joint."""
+    names = list(message.joint_names)
     for number, point in enumerate(message.points):
         for field in ('transforms', 'velocities'):
             count = len(getattr(point, field))

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from push_model.trajectory import COLUMNS, PushTrajectory
+from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
 import pytest
 
 
@@ -21,6 +21,7 @@ def test_trajectory_is_checked_frozen_and_kept(tmp_path):
     again = PushTrajectory.load(tmp_path / 'push.npz')
     for name in ('times',) + COLUMNS:
         assert np.array_equal(getattr(again, name), getattr(trajectory, name))
+    assert again.style is trajectory.style is PushStyle.STEERED
     assert trajectory.at(1.0)['object_poses'] == pytest.approx([0.5] * 3)
     assert trajectory.at(9.0)['robot_poses'] == pytest.approx([1.0] * 3)
     assert trajectory.path_length == pytest.approx(math.sqrt(2))
@@ -34,3 +35,18 @@ def test_trajectory_is_checked_frozen_and_kept(tmp_path):
 def test_trajectory_refuses(name, value, text):
     with pytest.raises(ValueError, match=text):
         PushTrajectory(**{**arrays(), name: value})
+
+
+@pytest.mark.parametrize('style', PushStyle)
+def test_the_style_is_kept_in_a_file(style, tmp_path):
+    PushTrajectory(**arrays(), style=style).save(tmp_path / 'push.npz')
+    assert PushTrajectory.load(tmp_path / 'push.npz').style is style
+
+
+def test_a_file_with_another_style_or_none_is_refused(tmp_path):
+    np.savez(tmp_path / 'push.npz', **arrays(), style=np.array('wobbly'))
+    with pytest.raises(ValueError, match="push.npz: got the style 'wobbly', expected one of"):
+        PushTrajectory.load(tmp_path / 'push.npz')
+    np.savez(tmp_path / 'push.npz', **arrays())
+    with pytest.raises(ValueError, match='got no style'):
+        PushTrajectory.load(tmp_path / 'push.npz')

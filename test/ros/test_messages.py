@@ -1,5 +1,6 @@
 """Values survive the way through messages, and bad messages are refused by name."""
 
+import dataclasses
 import math
 
 from builtin_interfaces.msg import Duration
@@ -7,7 +8,7 @@ from geometry_msgs.msg import Quaternion, Twist as TwistMessage
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, Twist
-from push_model.trajectory import COLUMNS, PushTrajectory
+from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
 from push_ros.conversions.measurements import (
     from_object_pose_message, from_odometry_message, to_command_message, to_object_pose_message,
     to_odometry_message, to_wrench_message,
@@ -150,6 +151,19 @@ def test_plans_survive_with_whole_turns_within_them():
         assert np.abs(difference).max() < 1e-12
 
 
+@pytest.mark.parametrize('style, joint', [(PushStyle.STEERED, 'contact'),
+                                          (PushStyle.UNSTEERED, 'free_contact')])
+def test_the_style_of_a_plan_is_the_name_of_its_contact(style, joint):
+    """Nothing else of the message differs."""
+    plan = dataclasses.replace(trajectory(), style=style)
+    message = sent(to_plan_message(plan, to_stamp(2.0), 'odom'))
+    assert list(message.joint_names) == ['object', joint, 'robot']
+    assert message.points == to_plan_message(trajectory(), to_stamp(2.0), 'odom').points
+    back = from_plan_message(message, 'odom')
+    assert back.style is style
+    assert np.abs(back.contact_poses[:, :2] - plan.contact_poses[:, :2]).max() < 1e-12
+
+
 def test_joints_may_come_in_another_order():
     """They are found by name."""
     message = to_plan_message(trajectory(), to_stamp(0.0), 'odom')
@@ -163,6 +177,10 @@ def test_joints_may_come_in_another_order():
 
 def _no_robot(message):
     message.joint_names = ['object', 'contact', 'arm']
+
+
+def _two_contacts(message):
+    message.joint_names = ['object', 'contact', 'free_contact', 'robot']
 
 
 def _short_point(message):
@@ -186,7 +204,8 @@ def _map(message):
 
 
 @pytest.mark.parametrize('spoil, text', [
-    (_no_robot, 'joints object, contact, arm'), (_short_point, '2 velocities in point 3'),
+    (_no_robot, 'joints object, contact, arm'),
+    (_two_contacts, 'expected object, contact, robot or object, free_contact, robot'), (_short_point, '2 velocities in point 3'),
     (_one_point, 'got 1 samples'), (_nan, 'not finite'), (_backwards, 'increasing'),
     (_map, "frame 'map', expected 'odom'")])
 def test_a_malformed_plan_is_refused(spoil, text):
