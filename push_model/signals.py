@@ -1,8 +1,13 @@
 """Measurements and commands, the pure counterparts of the topics."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from push_model.geometry import Pose
+import numpy as np
+from push_model.geometry import FloatArray, Pose
+
+# What the pose of odometry refers to: sums of the robot's own motion, whose error grows with the
+# distance; or the world, as of motion capture or a map, whose error stays as stated.
+OdometryReference = Literal['drifting', 'absolute']
 
 
 class Twist(NamedTuple):
@@ -16,12 +21,55 @@ class Twist(NamedTuple):
 STOP = Twist()
 
 
+class PoseCovariance(NamedTuple):
+    """
+    Covariance of the errors of a measured pose, along the axes of the world.
+
+    The fields are the entries of the upper triangle, by rows: of x and y [m^2], of one of them and
+    the heading [m rad], and of the heading [rad^2].
+    """
+
+    x_x: float
+    x_y: float
+    x_theta: float
+    y_y: float
+    y_theta: float
+    theta_theta: float
+
+    @classmethod
+    def from_deviations(cls, position: float, heading: float) -> 'PoseCovariance':
+        """
+        Make the covariance of errors that are independent of each other.
+
+        :param position: standard deviation of x and of y [m].
+        :param heading: standard deviation of the heading [rad].
+        """
+        return cls(position ** 2, 0.0, 0.0, position ** 2, 0.0, heading ** 2)
+
+    @property
+    def matrix(self) -> FloatArray:
+        """The same as a symmetric matrix of (x, y, theta), shape (3, 3)."""
+        x_x, x_y, x_theta, y_y, y_theta, theta_theta = self
+        return np.array([(x_x, x_y, x_theta), (x_y, y_y, y_theta),
+                         (x_theta, y_theta, theta_theta)])
+
+
 class Odometry(NamedTuple):
-    """Robot pose in the world frame and twist in robot axes, measured at a time [s]."""
+    """
+    Robot pose in the world frame and twist in robot axes, measured at a time [s].
+
+    :param time: of the measurement [s].
+    :param pose: ``Pose`` of the robot.
+    :param twist: ``Twist`` of the robot.
+    :param covariance: ``PoseCovariance`` of the pose as its source states it; None where it states
+        none. Whether it holds is for ``OdometryReference`` to say: many bases state a small
+        constant one for a pose that drifts.
+    """
 
     time: float
     pose: Pose
     twist: Twist
+    covariance: PoseCovariance | None = None
 
 
 class ObjectPose(NamedTuple):

@@ -63,7 +63,8 @@ class Service(NamedTuple):
 
 TOPICS = {
     'odom': Topic(Odometry, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
-                  'robot pose in the world frame, velocity in its own axes'),
+                  'robot pose in the world frame with its covariance where that is stated, '
+                  'velocity in its own axes'),
     'object_pose': Topic(PoseStamped, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
                          'measured object pose in the world frame'),
     'goal_pose': Topic(PoseStamped, (), (PLANNER, CONTROLLER), qos.EVENT, qos.EVENT,
@@ -77,11 +78,12 @@ TOPICS = {
         'and heading of object, robot and goal (object.x to goal.heading), the identified centre '
         'of friction in the object frame (friction_center.x, friction_center.y), and the fraction '
         'of the friction cone that the plan should use (cone_fraction); latched'),
-    'push_plan': Topic(MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED,
-                       qos.LATCHED, 'plan: joints object, contact and robot over time; the second '
-                       'is called free_contact where the push is not steered, so that the contact '
-                       'may roll and slide; the answer to a request has its stamp; where there is no plan it has no points, and '
-                       'the code of the reason for its only joint name; latched'),
+    'push_plan': Topic(
+        MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
+        'plan: joints object, contact and robot over time; the second is called free_contact where '
+        'the push is not steered, so that the contact may roll and slide; the answer to a request '
+        'has its stamp; where there is no plan it has no points, and the code of the reason for '
+        'its only joint name; latched'),
     'planned_path': Topic(Path, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
                           'path of the object in the plan, through all pushes of a sequence, '
                           'for viewers; latched'),

@@ -2,12 +2,15 @@
 
 import dataclasses
 import math
+from typing import get_args
 
 import numpy as np
 from push_dynamics.actuation import chord_velocity
 from push_model.geometry import Pose, wrap_angle
 from push_model.quantity import check, quantity
-from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.signals import (
+    ObjectPose, Odometry, OdometryReference, PoseCovariance, Twist,
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -15,7 +18,8 @@ class SensorSettings:
     """
     Rates and errors of the measurements; all errors are 0 by default.
 
-    A relative odometry error is its fixed part plus, drawn once per run, its random part.
+    A relative odometry error is its fixed part plus, drawn once per run, its random part. Where
+    odometry is absolute these errors are those of its velocity alone.
     """
 
     pose_rate: float = quantity('rate of object poses', 'Hz', above=0.0, high=1000.0,
@@ -32,6 +36,17 @@ class SensorSettings:
         'intervals (start, end) of measuring times without an object pose', 's', 0.0, default=())
     odometry_rate: float = quantity('rate of odometry', 'Hz', above=0.0, high=1000.0,
                                     default=50.0)
+    odometry_reference: OdometryReference = quantity(
+        "pose of odometry: drifting (the robot's motion is summed up, with its errors) or "
+        'absolute (measured in the world, as by motion capture, with noise and a covariance that '
+        'states it)',
+        choices=get_args(OdometryReference), default='drifting')
+    odometry_position_noise: float = quantity(
+        'standard deviation of the robot position where odometry is absolute, along each axis',
+        'm', above=0.0, high=1.0, default=1e-3)
+    odometry_heading_noise: float = quantity(
+        'standard deviation of the robot heading where odometry is absolute', 'rad', above=0.0,
+        high=1.0, default=2e-3)
     odometry_scale: float = quantity('relative error of the distance travelled', '', -0.5, 0.5,
                                      default=0.0)
     odometry_scale_noise: float = quantity('standard deviation of that error from run to run', '',
@@ -100,17 +115,21 @@ class OdometrySensor:
     """
     Odometry: integrates the robot's motion, with errors that grow with the distance.
 
+    Where it is absolute it measures the pose instead, with a covariance.
+
     :param settings: ``SensorSettings``.
     :param pose: true ``Pose`` of the robot at the start.
     :param biases: ``numpy.random.Generator`` of the errors that stay for a run.
     :param noise: ``numpy.random.Generator`` of the noise on velocities.
+    :param pose_noise: ``numpy.random.Generator`` of the noise on absolute poses.
     """
 
     def __init__(self, settings: SensorSettings, pose: Pose, biases: np.random.Generator,
-                 noise: np.random.Generator) -> None:
+                 noise: np.random.Generator, pose_noise: np.random.Generator) -> None:
         scale, drift = biases.standard_normal(2).tolist()
         self._settings = settings
         self._noise = noise
+        self._pose_noise = pose_noise
         self._true_pose = pose
         self._scale = 1.0 + settings.odometry_scale + settings.odometry_scale_noise * scale
         self._yaw_scale = 1.0 + settings.odometry_yaw_scale
@@ -127,6 +146,8 @@ class OdometrySensor:
         :param twist: its true ``Twist``, own axes.
         :return: ``Odometry`` with its heading in [-pi, pi].
         """
+        if self._settings.odometry_reference == 'absolute':
+            return self._measured_in_world(time, pose, twist)
         # The twist that leads from one pose to the next in 1 s.
         motion = self._biased(_arc_between(self._true_pose, pose))
         self._true_pose = pose
@@ -134,6 +155,15 @@ class OdometrySensor:
         self._pose = Pose(self._pose.x + d_x, self._pose.y + d_y, self._pose.theta + motion.omega)
         return Odometry(time, self._pose._replace(theta=wrap_angle(self._pose.theta)),
                         self._noisy(self._biased(twist)))
+
+    def _measured_in_world(self, time: float, pose: Pose, twist: Twist) -> Odometry:
+        e_x, e_y, e_theta = self._pose_noise.standard_normal(3).tolist()
+        position = self._settings.odometry_position_noise
+        heading = self._settings.odometry_heading_noise
+        measured = Pose(pose.x + position * e_x, pose.y + position * e_y,
+                        wrap_angle(pose.theta + heading * e_theta))
+        return Odometry(time, measured, self._noisy(self._biased(twist)),
+                        PoseCovariance.from_deviations(position, heading))
 
     def _biased(self, twist: Twist) -> Twist:
         v_x, v_y, omega = twist

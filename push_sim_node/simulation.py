@@ -144,12 +144,12 @@ class Simulation:
         self.plant = Plant(self.obj, self.robot, object_start, robot_start, settings.step,
                            settings.friction_smoothing, floor=settings.floor_patches)
         # A stream for each error, so that none depends on how often another is drawn.
-        pose_noise, losses, biases, twist_noise = (
+        pose_noise, losses, biases, twist_noise, odometry_noise = (
             np.random.default_rng(seed)
-            for seed in np.random.SeedSequence(settings.seed).spawn(4))
+            for seed in np.random.SeedSequence(settings.seed).spawn(5))
         self._pose_sensor = PoseSensor(self.sensors, pose_noise, losses)
         self._odometry_sensor = OdometrySensor(self.sensors, self.plant.robot_pose, biases,
-                                               twist_noise)
+                                               twist_noise, odometry_noise)
         self._now = 0
         self._command = _HeldCommand()
         self._events = _EventQueue()

@@ -1,8 +1,10 @@
 """Settings of the supervisor: when a task is done, and when an attempt has failed."""
 
 import dataclasses
+from typing import get_args
 
 from push_model.quantity import check, quantity
+from push_model.signals import Odometry, OdometryReference, PoseCovariance
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,6 +56,10 @@ class SupervisionSettings:
         'distance beyond the expected contact within which the robot probes for the object', 'm',
         above=0.0, high=1.0, default=0.1)
 
+    odometry_reference: OdometryReference = quantity(
+        "pose of odometry: drifting (from the robot's own motion; a covariance that it states is "
+        'not believed) or absolute (from motion capture or a map; its covariance is believed)',
+        choices=get_args(OdometryReference), default='drifting')
     odometry_scale: float = quantity(
         'standard deviation of the relative error of distances measured by odometry', '', 0.0, 0.5,
         default=0.02)
@@ -68,3 +74,13 @@ class SupervisionSettings:
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+
+    def believed_covariance(self, odometry: Odometry) -> PoseCovariance | None:
+        """
+        Return the covariance with which odometry measures the pose of the robot in the world.
+
+        :param odometry: ``Odometry``.
+        :return: the ``PoseCovariance`` that it states; None where it states none, or where its
+            pose drifts: then the pose measures motion only, with the errors of these settings.
+        """
+        return odometry.covariance if self.odometry_reference == 'absolute' else None

@@ -1,16 +1,27 @@
 """Whole messages to values and back: measurements, goals, commands, forces."""
 
+import math
+from typing import Sequence
+
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
     PoseStamped, Twist as TwistMessage, TwistStamped, WrenchStamped,
 )
 from nav_msgs.msg import Odometry as OdometryMessage
 from push_model.geometry import Coordinates
-from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
 from push_ros.conversions.primitives import (
-    check_frame, from_pose_message, from_twist_message, seconds, to_pose_message, to_stamp,
-    to_twist_message,
+    check_frame, from_pose_message, from_twist_message, MessageRefused, seconds, to_pose_message,
+    to_stamp, to_twist_message,
 )
+
+# Places of ``PoseCovariance`` in the 6 x 6 covariance of a message, by rows of (x, y, z, roll,
+# pitch, yaw), and of its diagonal.
+COVARIANCE_PLACES = (0, 1, 5, 7, 11, 35)
+VARIANCE_PLACES = {'x': 0, 'y': 7, 'yaw': 35}
+# What the diagonal of a covariance holds where nothing is stated: what a message is made with, and
+# what some drivers write.
+NOT_STATED = (0.0, -1.0)
 
 
 def to_odometry_message(odometry: Odometry, frame: str, child_frame: str) -> OdometryMessage:
@@ -25,6 +36,10 @@ def to_odometry_message(odometry: Odometry, frame: str, child_frame: str) -> Odo
     message.header.stamp, message.header.frame_id = to_stamp(odometry.time), frame
     message.pose.pose = to_pose_message(odometry.pose)
     message.twist.twist = to_twist_message(odometry.twist)
+    if odometry.covariance is not None:
+        for place, value in zip(COVARIANCE_PLACES, odometry.covariance):
+            row, column = divmod(place, 6)
+            message.pose.covariance[place] = message.pose.covariance[6 * column + row] = value
     return message
 
 
@@ -36,11 +51,42 @@ def from_odometry_message(message: OdometryMessage, frame: str,
     :param message: ``nav_msgs/Odometry``.
     :param frame: id of the world frame.
     :param topic: what errors call the message.
-    :raises MessageRefused: where the frame is another or a number is not finite.
+    :raises MessageRefused: where the frame is another, a number is not finite, or the covariance
+        of the pose is none.
     """
     check_frame(message.header.frame_id, frame, topic)
     return Odometry(seconds(message.header.stamp), from_pose_message(message.pose.pose, topic),
-                    from_twist_message(message.twist.twist, topic))
+                    from_twist_message(message.twist.twist, topic),
+                    from_covariance(list(map(float, message.pose.covariance)),
+                                    f'{topic}.pose.covariance'))
+
+
+def from_covariance(values: Sequence[float], name: str) -> PoseCovariance | None:
+    """
+    Read the covariance of a pose in the plane.
+
+    :param values: of (x, y, z, roll, pitch, yaw), by rows, 36 numbers; of those only the upper
+        triangle of x, y and yaw is read.
+    :param name: what errors call it.
+    :return: ``PoseCovariance``; None where the variance of x, y or yaw is 0 or -1, that is not
+        stated.
+    :raises MessageRefused: where one of them is negative or not finite, or where the errors would
+        be more than fully correlated.
+    """
+    variances = {axis: values[place] for axis, place in VARIANCE_PLACES.items()}
+    for axis, variance in variances.items():
+        if not math.isfinite(variance) or (variance < 0.0 and variance not in NOT_STATED):
+            raise MessageRefused(f'{name}: got the variance {variance:g} of {axis}, expected a '
+                                 'finite number of at least 0, or -1 where none is stated')
+    if any(variance in NOT_STATED for variance in variances.values()):
+        return None
+    covariance = PoseCovariance(*(values[place] for place in COVARIANCE_PLACES))
+    x_x, x_y, x_theta, y_y, y_theta, theta_theta = covariance
+    if not (x_y ** 2 <= x_x * y_y and x_theta ** 2 <= x_x * theta_theta
+            and y_theta ** 2 <= y_y * theta_theta):
+        raise MessageRefused(f'{name}: got {tuple(covariance)} for the upper triangle of x, y and '
+                             'yaw, expected covariances within those of full correlation')
+    return covariance
 
 
 def to_object_pose_message(object_pose: ObjectPose, frame: str) -> PoseStamped:

@@ -1,6 +1,9 @@
 """Settings of the controller refuse what is out of range."""
 
 from push_control.settings import ControlSettings
+from push_control.task.settings import SupervisionSettings
+from push_model.geometry import Pose
+from push_model.signals import Odometry, PoseCovariance, STOP
 import pytest
 
 
@@ -11,3 +14,12 @@ def test_settings_out_of_range_are_refused_by_name(field, value):
     """The error names the field."""
     with pytest.raises(ValueError, match=f'ControlSettings.{field}'):
         ControlSettings(**{field: value})
+
+
+def test_a_covariance_is_believed_only_where_odometry_is_absolute():
+    """Many bases state a small constant one for a pose that drifts."""
+    stated = Odometry(0.0, Pose(0.0, 0.0, 0.0), STOP, PoseCovariance.from_deviations(1e-3, 2e-3))
+    absolute = SupervisionSettings(odometry_reference='absolute')
+    assert SupervisionSettings().believed_covariance(stated) is None
+    assert absolute.believed_covariance(stated) == stated.covariance
+    assert absolute.believed_covariance(stated._replace(covariance=None)) is None

@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Quaternion, Twist as TwistMessage
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
-from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
 from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
 from push_ros.conversions.measurements import (
     from_object_pose_message, from_odometry_message, to_command_message, to_object_pose_message,
@@ -113,6 +113,42 @@ def test_measurements_survive():
         from_odometry_message(message, 'world')
 
 
+def test_a_stated_covariance_survives():
+    """Of x, y and yaw, in both triangles of the message; the other axes state nothing."""
+    covariance = PoseCovariance(4e-6, 1e-6, -2e-6, 9e-6, 3e-6, 1e-4)
+    odometry = Odometry(1.0, Pose(1.0, 2.0, 0.5), Twist(), covariance)
+    message = sent(to_odometry_message(odometry, 'odom', 'base_link'))
+    matrix = np.array(message.pose.covariance).reshape(6, 6)
+    plane = np.ix_((0, 1, 5), (0, 1, 5))
+    assert np.array_equal(matrix[plane], covariance.matrix)
+    assert np.count_nonzero(matrix) == 9
+    assert from_odometry_message(message, 'odom').covariance == covariance
+
+
+@pytest.mark.parametrize('diagonal', [(0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (-1.0, -1.0, -1.0),
+                                      (1e-3, 1e-3, 0.0), (0.0, 1e-3, 1e-2)])
+def test_a_covariance_that_is_not_stated_is_none(diagonal):
+    """As drivers leave it, or with the heading or a position left out."""
+    message = to_odometry_message(Odometry(1.0, Pose(0.0, 0.0, 0.0), Twist()), 'odom', 'base')
+    for place, variance in zip((0, 7, 35), diagonal):
+        message.pose.covariance[place] = variance
+    assert from_odometry_message(sent(message), 'odom').covariance is None
+
+
+@pytest.mark.parametrize('place, value, text', [
+    (0, math.nan, 'variance nan of x'), (7, -0.5, 'variance -0.5 of y'),
+    (35, math.inf, 'variance inf of yaw'), (1, 2e-3, 'full correlation'),
+    (11, math.nan, 'full correlation')])
+def test_a_covariance_that_is_none_is_refused(place, value, text):
+    """The error names the field and the axis."""
+    covariance = PoseCovariance.from_deviations(0.03, 0.03)
+    message = to_odometry_message(Odometry(1.0, Pose(0.0, 0.0, 0.0), Twist(), covariance), 'odom',
+                                  'base')
+    message.pose.covariance[place] = value
+    with pytest.raises(MessageRefused, match=rf'odom\.pose\.covariance: .*{text}'):
+        from_odometry_message(message, 'odom')
+
+
 @pytest.mark.parametrize('stamped', [True, False])
 def test_commands_survive_with_and_without_stamp(stamped):
     """The stamp is that of the measurement, untouched."""
@@ -205,9 +241,8 @@ def _map(message):
 
 @pytest.mark.parametrize('spoil, text', [
     (_no_robot, 'joints object, contact, arm'),
-    (_two_contacts, 'expected object, contact, robot or object, free_contact, robot'), (_short_point, '2 velocities in point 3'),
-    (_one_point, 'got 1 samples'), (_nan, 'not finite'), (_backwards, 'increasing'),
-    (_map, "frame 'map', expected 'odom'")])
+    (_two_contacts, 'expected object, contact, robot or object, free_contact, robot'),
+    (_short_point, '2 velocities in point 3'), (_one_point, 'got 1 samples'), (_nan, 'not finite'), (_backwards, 'increasing'), (_map, "frame 'map', expected 'odom'")])
 def test_a_malformed_plan_is_refused(spoil, text):
     """The error says what is wrong."""
     message = to_plan_message(trajectory(), to_stamp(0.0), 'odom')

@@ -20,7 +20,8 @@ def measured(settings, count=4000, seeds=(1, 2)):
 
 def odometer(settings, pose=Pose(0.0, 0.0, 0.0), seed=1):
     """Return an odometry sensor."""
-    return OdometrySensor(settings, pose, np.random.default_rng(seed), np.random.default_rng(9))
+    return OdometrySensor(settings, pose, np.random.default_rng(seed), np.random.default_rng(9),
+                          np.random.default_rng(10))
 
 
 def travelled(settings, twist, seconds=2.0, seed=1):
@@ -120,6 +121,30 @@ def test_velocity_noise():
                        for i in range(3000)])
     assert twists.std(axis=0) == pytest.approx([0.01, 0.01, 0.02], rel=0.06)
     assert twists.mean(axis=0) == pytest.approx([0.2, 0.0, 0.5], abs=2e-3)
+
+
+def test_absolute_odometry_does_not_drift_and_states_its_noise():
+    """However far the robot has gone; its velocity has the errors that it has anyway."""
+    drifting = SensorSettings(odometry_scale=0.05, odometry_heading_drift=0.1,
+                              odometry_speed_noise=0.01)
+    absolute = dataclasses.replace(drifting, odometry_reference='absolute',
+                                   odometry_position_noise=2e-3, odometry_heading_noise=5e-3)
+    before, sensor = odometer(drifting), odometer(absolute)
+    errors, covariances = [], set()
+    for i in range(3000):
+        pose, twist = Pose(0.01 * i, -0.02 * i, 0.03 * i), Twist(0.3, 0.0, 0.2)
+        odometry = sensor.measure(0.1 * i, pose, twist)
+        assert odometry.twist == before.measure(0.1 * i, pose, twist).twist
+        errors.append((odometry.pose.x - pose.x, odometry.pose.y - pose.y,
+                       math.remainder(odometry.pose.theta - pose.theta, math.tau)))
+        covariances.add(odometry.covariance)
+    covariance, = covariances
+    assert np.cov(np.array(errors).T) == pytest.approx(covariance.matrix, rel=0.1, abs=1e-6)
+    assert np.abs(np.mean(errors, axis=0)).max() < 4.0 * 5e-3 / math.sqrt(3000)
+
+
+def test_drifting_odometry_states_no_covariance():
+    assert travelled(SensorSettings(), Twist(0.3, 0.0, 0.9))[0].covariance is None
 
 
 @pytest.mark.parametrize('intervals', [((2.0, 1.0),), ((1.0,),), (1.0, 2.0)])

@@ -18,7 +18,8 @@ def driven(seed, settings, contacts):
     sensors = SensorSettings(odometry_scale_noise=settings.odometry_scale,
                              odometry_heading_drift_noise=settings.odometry_drift)
     rng, true = np.random.default_rng(seed), Pose(0.3, 0.2, 0.4)
-    odometry, localization = OdometrySensor(sensors, true, rng, rng), RobotLocalization(settings)
+    odometry = OdometrySensor(sensors, true, rng, rng, rng)
+    localization = RobotLocalization(settings)
     localization.predict(odometry.measure(0.0, true, STOP))
     for i in range(1, 401):
         turn = 0.5 * math.pi / 20 if i % 100 >= 80 else 0.0
