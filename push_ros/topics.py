@@ -80,10 +80,10 @@ TOPICS = {
         'of the friction cone that the plan should use (cone_fraction); latched'),
     'push_plan': Topic(
         MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
-        'plan: joints object, contact and robot over time; the second is called free_contact where '
-        'the push is not steered, so that the contact may roll and slide; the answer to a request '
-        'has its stamp; where there is no plan it has no points, and the code of the reason for '
-        'its only joint name; latched'),
+        'plan: joints object, contact and robot over time; the second is called free_contact '
+        'where the push is not steered, so that the contact may roll and slide; the answer to a '
+        'request has its stamp; where there is no plan it has no points, and the code of the '
+        'reason for its only joint name; latched'),
     'planned_path': Topic(Path, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
                           'path of the object in the plan, through all pushes of a sequence, '
                           'for viewers; latched'),

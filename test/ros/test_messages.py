@@ -242,7 +242,8 @@ def _map(message):
 @pytest.mark.parametrize('spoil, text', [
     (_no_robot, 'joints object, contact, arm'),
     (_two_contacts, 'expected object, contact, robot or object, free_contact, robot'),
-    (_short_point, '2 velocities in point 3'), (_one_point, 'got 1 samples'), (_nan, 'not finite'), (_backwards, 'increasing'), (_map, "frame 'map', expected 'odom'")])
+    (_short_point, '2 velocities in point 3'), (_one_point, 'got 1 samples'), (_nan, 'not finite'),
+    (_backwards, 'increasing'), (_map, "frame 'map', expected 'odom'")])
 def test_a_malformed_plan_is_refused(spoil, text):
     """The error says what is wrong."""
     message = to_plan_message(trajectory(), to_stamp(0.0), 'odom')

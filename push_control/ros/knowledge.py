@@ -1,0 +1,133 @@
+"""What was learned of objects, between tasks and, in a file, between runs of the node."""
+
+import os
+from pathlib import Path
+from typing import Any, Callable
+
+from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
+from push_control.task.settings import SupervisionSettings
+from push_model.parameters import PushedObject
+import yaml
+
+HEADER = '# What was learned of objects, by nominal parameters; delete an entry to forget it.\n'
+# Key of the time at which an object was known so, by the clock of the system [s since 1970].
+TIME = 'time'
+
+
+class KnowledgeFile:
+    """A YAML file of what was learned of objects, with the time at which it was."""
+
+    def __init__(self, path: Path) -> None:
+        """
+        Choose the file; it need not be there yet.
+
+        :param path: of the file.
+        :raises ValueError: where its folder is missing.
+        """
+        if not path.parent.is_dir():
+            raise ValueError(f'knowledge_file: got {path}, expected a file in a folder that is '
+                             'there')
+        self._path = path
+
+    def read(self, key: str) -> tuple[float, ObjectKnowledge] | None:
+        """
+        Look an object up.
+
+        :param key: of the object, as of ``object_key``.
+        :return: time at which it was known so [s since 1970], and the ``ObjectKnowledge``; None
+            where it is not in the file, or there is no file.
+        :raises ValueError: naming file and field, where they cannot be read.
+        """
+        entries = self._entries()
+        if key not in entries:
+            return None
+        values = entries[key]
+        if not isinstance(values, dict):
+            raise ValueError(f'{self._path}: {key}: got {values!r}, expected a mapping')
+        knowledge: dict[str, Any] = dict(values)
+        time = knowledge.pop(TIME, None)
+        if isinstance(time, bool) or not isinstance(time, (int, float)):
+            raise ValueError(f'{self._path}: {key}.{TIME}: got {time!r}, expected a number [s]')
+        try:
+            return float(time), ObjectKnowledge.from_mapping(knowledge)
+        except ValueError as error:
+            field = str(error).removeprefix(f'{ObjectKnowledge.__name__}.')
+            raise ValueError(f'{self._path}: {key}.{field}') from error
+
+    def write(self, key: str, time: float, knowledge: ObjectKnowledge) -> None:
+        """
+        Replace what is known of an object, at once; other objects stay.
+
+        :param key: of the object, as of ``object_key``.
+        :param time: now [s since 1970].
+        :param knowledge: the ``ObjectKnowledge``.
+        :raises ValueError: where the file is there and cannot be read.
+        :raises OSError: where it cannot be written.
+        """
+        entries = {**self._entries(), key: {TIME: time, **knowledge.to_mapping()}}
+        unfinished = self._path.with_name(f'{self._path.name}.{os.getpid()}.part')
+        unfinished.write_text(HEADER + yaml.safe_dump(entries, sort_keys=False),
+                              encoding='utf-8')
+        os.replace(unfinished, self._path)
+
+    def _entries(self) -> dict[str, Any]:
+        try:
+            entries = yaml.safe_load(self._path.read_text(encoding='utf-8'))
+        except FileNotFoundError:
+            return {}
+        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+            raise ValueError(f'{self._path}: {error}, expected a YAML file') from error
+        if entries is None:
+            return {}
+        if not isinstance(entries, dict):
+            raise ValueError(f'{self._path}: got {entries!r}, expected a mapping of objects')
+        return entries
+
+
+class KnowledgeMemory:
+    """
+    What is known of one object, with the age that it has by now.
+
+    Without a file it lasts as long as the process.
+    """
+
+    def __init__(self, obj: PushedObject, settings: SupervisionSettings,
+                 file: KnowledgeFile | None, clock: Callable[[], float]) -> None:
+        """
+        Recall what is in the file.
+
+        :param obj: the nominal ``PushedObject``.
+        :param settings: ``SupervisionSettings``, for how fast knowledge gets uncertain.
+        :param file: the ``KnowledgeFile``, or None.
+        :param clock: returns the present time [s since 1970].
+        :raises ValueError: where the file cannot be read.
+        """
+        self._key = object_key(obj)
+        self._settings = settings
+        self._file = file
+        self._clock = clock
+        self._known = None if file is None else file.read(self._key)
+
+    def recall(self) -> ObjectKnowledge | None:
+        """Return the ``ObjectKnowledge`` as it is by now; None where the object is not known."""
+        if self._known is None:
+            return None
+        time, knowledge = self._known
+        # A clock that was set back makes nothing younger.
+        dt = max(0.0, self._clock() - time)
+        return knowledge.aged(dt, self._settings.center_walk,
+                              self._settings.contact_friction_walk)
+
+    def keep(self, knowledge: ObjectKnowledge) -> None:
+        """
+        Keep what is known now.
+
+        :param knowledge: ``ObjectKnowledge``.
+        :raises ValueError: where the file cannot be read; it is known here all the same.
+        :raises OSError: where the file cannot be written; it is known here all the same.
+        """
+        if self._known is not None and self._known[1] == knowledge:
+            return
+        self._known = self._clock(), knowledge
+        if self._file is not None:
+            self._file.write(self._key, *self._known)
