@@ -3,6 +3,11 @@ Contact of a disc robot with an object: where it is, and its impulse in closed f
 
 The law is unilateral and inelastic, with Coulomb friction (Signorini's condition on velocities).
 The unit normal n points from the robot to the object, t is n rotated by +90 degrees.
+
+A contact that sticks may creep: its surfaces then slip in proportion to the tangential force and
+to the speed V of the robot's surface, ``slip = kappa V l_t / (mu_c l_n)``, as in the linear theory
+of rolling contact (Kalker 1967). At the friction limit the slip is ``kappa V``, where sliding
+begins; with kappa = 0 the law is that of Coulomb.
 """
 
 import math
@@ -138,8 +143,46 @@ def surface_velocity(robot_radius: float, n_x: float, n_y: float, arm_x: float, 
 
 
 @compiled
+def _sliding_impulse(w_nn: float, w_nt: float, need_n: float, friction_coefficient: float,
+                     mode: int) -> ContactImpulse:
+    """Compute the impulse on one edge of the cone; arguments as in ``contact_impulse``."""
+    slope = friction_coefficient if mode == SLIDE_LEFT else -friction_coefficient
+    divisor = w_nn + slope * w_nt
+    normal = need_n / divisor if divisor > 0.0 else 0.0
+    return ContactImpulse(normal, slope * normal, mode)
+
+
+@compiled
+def _creeping_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t: float,
+                      friction_coefficient: float, mode: int,
+                      creep_speed: float) -> ContactImpulse:
+    """
+    Compute the impulse of a contact that creeps; arguments as in ``contact_impulse``.
+
+    With ``l_t = r l_n`` and ``k = kappa V / mu_c`` sticking solves
+    ``w_nn l_n + w_nt l_t = need_n``, ``w_nt l_n + w_tt l_t = need_t - k r``. Without l_n this is
+    ``a r^2 + b r + c = 0``. The slip that is left falls as r grows while ``w_nn + w_nt r > 0``,
+    and of the two roots one is in that range: ``-2 c / (b + sqrt(b^2 - 4 a c))``.
+    """
+    k = creep_speed / friction_coefficient
+    a = k * w_nt
+    b = k * w_nn + need_n * w_tt - need_t * w_nt
+    c = need_n * w_nt - need_t * w_nn
+    divisor = b + math.sqrt(max(0.0, b * b - 4.0 * a * c))
+    in_cone = abs(2.0 * c) <= friction_coefficient * divisor
+    if divisor > 0.0 and (mode == STICK or (mode == ANY_MODE and in_cone)):
+        slope = -2.0 * c / divisor
+        normal = need_n / (w_nn + slope * w_nt)
+        return ContactImpulse(normal, slope * normal, STICK)
+    if mode == STICK or mode == ANY_MODE:
+        mode = SLIDE_LEFT if c < 0.0 else SLIDE_RIGHT
+    return _sliding_impulse(w_nn, w_nt, need_n, friction_coefficient, mode)
+
+
+@compiled
 def contact_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t: float,
-                    friction_coefficient: float, mode: int) -> ContactImpulse:
+                    friction_coefficient: float, mode: int,
+                    creep_speed: float = 0.0) -> ContactImpulse:
     """
     Compute the impulse that keeps the bodies apart: none, sticking, or on the edge of the cone.
 
@@ -155,10 +198,14 @@ def contact_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t
     :param need_t: tangential velocity that is missing for sticking [m/s].
     :param friction_coefficient: mu_c.
     :param mode: ANY_MODE, or the mode to impose whether it is the right one or not.
+    :param creep_speed: slip of a sticking contact at its friction limit, kappa V [m/s].
     :return: ``ContactImpulse``.
     """
     if mode == SEPARATE or (mode == ANY_MODE and need_n <= 0.0):
         return ContactImpulse(0.0, 0.0, SEPARATE)
+    if creep_speed > 0.0 and friction_coefficient > 0.0:
+        return _creeping_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient, mode,
+                                 creep_speed)
     determinant = w_nn * w_tt - w_nt * w_nt
     normal = (w_tt * need_n - w_nt * need_t) / determinant
     tangential = (w_nn * need_t - w_nt * need_n) / determinant
@@ -167,15 +214,12 @@ def contact_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t
         return ContactImpulse(normal, tangential, STICK)
     if mode == ANY_MODE:
         mode = SLIDE_LEFT if tangential > 0.0 else SLIDE_RIGHT
-    slope = friction_coefficient if mode == SLIDE_LEFT else -friction_coefficient
-    divisor = w_nn + slope * w_nt
-    normal = need_n / divisor if divisor > 0.0 else 0.0
-    return ContactImpulse(normal, slope * normal, mode)
+    return _sliding_impulse(w_nn, w_nt, need_n, friction_coefficient, mode)
 
 
 @compiled
 def law_violation(impulse: ContactImpulse, missing: float, slip: float,
-                  friction_coefficient: float, mass: float) -> float:
+                  friction_coefficient: float, mass: float, creep_speed: float = 0.0) -> float:
     """
     Measure how far a contact is from the law of its mode [m/s]; 0 where it keeps to it.
 
@@ -184,13 +228,14 @@ def law_violation(impulse: ContactImpulse, missing: float, slip: float,
     :param slip: tangential velocity of that point relative to the robot's surface [m/s].
     :param friction_coefficient: mu_c.
     :param mass: of the object, to compare impulses with velocities [kg].
+    :param creep_speed: slip at which sliding begins [m/s].
     """
     penetration = max(0.0, missing) + max(0.0, -impulse.normal) / mass
     if impulse.mode == STICK:
         outside = max(0.0, abs(impulse.tangential) - friction_coefficient * impulse.normal)
         return penetration + outside / mass
     if impulse.mode == SLIDE_LEFT:
-        return penetration + max(0.0, slip)
+        return penetration + max(0.0, slip + creep_speed)
     if impulse.mode == SLIDE_RIGHT:
-        return penetration + max(0.0, -slip)
+        return penetration + max(0.0, creep_speed - slip)
     return penetration

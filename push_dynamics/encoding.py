@@ -16,17 +16,20 @@ MAX_OVERLAP = 5e-3
 NO_OUTLINE = ((0.0, 0.0), (0.0, 0.0))
 
 
-def body_numbers(obj: PushedObject, robot: RoundRobot, smoothing: float) -> list[float]:
+def body_numbers(obj: PushedObject, robot: RoundRobot, smoothing: float,
+                 creep: float = 0.0) -> list[float]:
     """
     Encode what does not change, in the order of ``layout``.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
     :param smoothing: speed below which support friction turns viscous [m/s].
+    :param creep: slip of the contact at its friction limit over the distance that the robot's
+        surface moves, see ``contact_law``.
     """
     com_x, com_y = obj.center_of_mass
     return [obj.mass, obj.inertia, com_x, com_y, obj.radius, robot.radius,
-            obj.contact_friction_coefficient, smoothing]
+            obj.contact_friction_coefficient, smoothing, creep]
 
 
 def drive_numbers(robot: RoundRobot) -> list[float]:

@@ -21,7 +21,8 @@ from push_dynamics.contact_law import (
     contact_impulse, ContactGeometry, ContactImpulse, law_violation, SurfaceVelocity,
 )
 from push_dynamics.layout import (
-    ANY_MODE, CONTACT_FRICTION, INERTIA, MASS, MODE_COUNT, OMEGA, SEPARATE, V_X, V_Y,
+    ANY_MODE, CONTACT_CREEP, CONTACT_FRICTION, INERTIA, MASS, MODE_COUNT, OMEGA, SEPARATE, V_X,
+    V_Y,
 )
 from push_dynamics.support_friction import (
     augmented_mass, AugmentedMass, Velocity, velocity_of,
@@ -54,6 +55,12 @@ class StepSolution(NamedTuple):
 
 
 @compiled
+def creep_speed(body: Any, surface: SurfaceVelocity) -> float:
+    """Compute the slip of a sticking contact at its friction limit [m/s]."""
+    return body[CONTACT_CREEP] * math.sqrt(surface.normal ** 2 + surface.tangential ** 2)
+
+
+@compiled
 def constrained_velocity(state: Any, body: Any, augmented: AugmentedMass,
                          contact: ContactGeometry, surface: SurfaceVelocity,
                          mode: int) -> tuple[Velocity, ContactImpulse]:
@@ -73,7 +80,7 @@ def constrained_velocity(state: Any, body: Any, augmented: AugmentedMass,
         n_x * b_y - n_y * b_x + arm_t * b_omega,
         surface.required - (n_x * v_x + n_y * v_y + arm_n * omega),
         surface.tangential - (n_x * v_y - n_y * v_x + arm_t * omega), body[CONTACT_FRICTION],
-        mode)
+        mode, creep_speed(body, surface))
     normal, tangential = impulse.normal, impulse.tangential
     velocity = Velocity(v_x + normal * a_x + tangential * b_x,
                         v_y + normal * a_y + tangential * b_y,
@@ -129,7 +136,8 @@ def solve(state: Any, body: Any, supports: Any, c: float, s: float, h: float, gu
         missing = surface.required - (n_x * v_x + n_y * v_y + arm_n * omega)
         slip = n_x * v_y - n_y * v_x + arm_t * omega - surface.tangential
         residual = found.residual + law_violation(found.impulse, missing, slip,
-                                                  body[CONTACT_FRICTION], body[MASS])
+                                                  body[CONTACT_FRICTION], body[MASS],
+                                                  creep_speed(body, surface))
         count += found.iterations
         if residual < best.residual:
             best = StepSolution(found.velocity, found.weight_velocity, found.impulse, count,

@@ -60,12 +60,14 @@ class Plant:
     :param step: longest step [s].
     :param smoothing: speed below which support friction turns viscous [m/s].
     :param floor: ``FloorPatch`` sequence.
+    :param creep: slip of the contact at its friction limit over the distance that the robot's
+        surface moves.
     :raises ValueError: where robot and object overlap by more than 5 mm.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  step: float = 2e-3, smoothing: float = 1e-5, *,
-                 floor: Sequence[FloorPatch] = ()) -> None:
+                 floor: Sequence[FloorPatch] = (), creep: float = 0.0) -> None:
         self.obj = obj
         self.robot = robot
         self.step = step
@@ -74,7 +76,7 @@ class Plant:
         self._command = STOP
         self._arrays = _KernelArrays(
             state=kernel_array(initial_state(obj, object_pose, robot_pose)),
-            body=kernel_array(body_numbers(obj, robot, smoothing)),
+            body=kernel_array(body_numbers(obj, robot, smoothing, creep)),
             supports=None,
             outline=kernel_array(obj.outline or NO_OUTLINE),
             floor=kernel_array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),

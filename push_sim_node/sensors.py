@@ -34,6 +34,16 @@ class SensorSettings:
                                             1.0, default=0.0)
     pose_dropouts: tuple[tuple[float, float], ...] = quantity(
         'intervals (start, end) of measuring times without an object pose', 's', 0.0, default=())
+    pose_bias: float = quantity('largest error of the position that depends on the side from '
+                                'which the robot sees the object', 'm', 0.0, 1.0, default=0.0)
+    pose_heading_bias: float = quantity('the same of the orientation', 'rad', 0.0, 1.0,
+                                        default=0.0)
+    pose_jump_probability: float = quantity('probability that an object pose is far off', '', 0.0,
+                                            1.0, default=0.0)
+    pose_jump: float = quantity('standard deviation of the position of those, along each axis',
+                                'm', 0.0, 10.0, default=0.0)
+    pose_heading_jump: float = quantity('standard deviation of the orientation of those', 'rad',
+                                        0.0, math.pi, default=0.0)
     odometry_rate: float = quantity('rate of odometry', 'Hz', above=0.0, high=1000.0,
                                     default=50.0)
     odometry_reference: OdometryReference = quantity(
@@ -73,6 +83,42 @@ class SensorSettings:
                                  '(start, end) with end after start [s]')
 
 
+class ViewBias:
+    """
+    Error of an object pose that stays while the object is seen from the same side.
+
+    The marks by which an object is recognised are not quite where they should be, others on each
+    side, and a camera errs in another way at every angle. With the bearing phi of the robot in
+    the object frame, the error is ``(b / 2) (u_1 sin(phi + a_1) + u_2 sin(2 phi + a_2))`` in that
+    frame: at most b, b / 2 in the root mean square, and 0 on average over all sides. Directions
+    ``u`` and phases ``a`` are drawn once per run; the orientation has the same form.
+
+    :param settings: ``SensorSettings``.
+    :param draws: ``numpy.random.Generator`` of directions and phases.
+    """
+
+    def __init__(self, settings: SensorSettings, draws: np.random.Generator) -> None:
+        self._settings = settings
+        self._directions = draws.uniform(-math.pi, math.pi, 2).tolist()
+        self._phases = draws.uniform(-math.pi, math.pi, 2).tolist()
+        self._heading_phases = draws.uniform(-math.pi, math.pi, 2).tolist()
+
+    def error(self, bearing: float) -> Pose:
+        """
+        Compute the error, in the object frame.
+
+        :param bearing: direction from the object to the robot, in the object frame [rad].
+        :return: ``Pose`` of the object as it is seen, relative to the true one.
+        """
+        waves = [0.5 * self._settings.pose_bias * math.sin(k * bearing + phase)
+                 for k, phase in enumerate(self._phases, 1)]
+        heading_waves = [0.5 * self._settings.pose_heading_bias * math.sin(k * bearing + phase)
+                         for k, phase in enumerate(self._heading_phases, 1)]
+        return Pose(sum(wave * math.cos(u) for wave, u in zip(waves, self._directions)),
+                    sum(wave * math.sin(u) for wave, u in zip(waves, self._directions)),
+                    sum(heading_waves))
+
+
 class PoseSensor:
     """
     Sensor of the object pose.
@@ -83,32 +129,50 @@ class PoseSensor:
     :param settings: ``SensorSettings``.
     :param noise: ``numpy.random.Generator`` of the noise.
     :param losses: ``numpy.random.Generator`` of the losses.
+    :param outliers: ``numpy.random.Generator`` of the view bias and of poses that are far off.
     """
 
     def __init__(self, settings: SensorSettings, noise: np.random.Generator,
-                 losses: np.random.Generator) -> None:
+                 losses: np.random.Generator, outliers: np.random.Generator) -> None:
         self._settings = settings
         self._noise = noise
         self._losses = losses
+        self._outliers = outliers
+        self._bias = ViewBias(settings, outliers)
 
-    def measure(self, time: float, pose: Pose, certain: bool = False) -> ObjectPose | None:
+    def measure(self, time: float, pose: Pose, bearing: float = 0.0,
+                certain: bool = False) -> ObjectPose | None:
         """
         Take one measurement.
 
         :param time: now [s].
         :param pose: true ``Pose`` of the object.
+        :param bearing: direction from the object to the robot, in the object frame [rad].
         :param certain: whether it is delivered in any case.
         :return: ``ObjectPose`` with its orientation in [-pi, pi], or None where it is lost.
         """
         e_x, e_y, e_theta = self._noise.standard_normal(3).tolist()
         lost = self._losses.random() < self._settings.pose_drop_probability
         lost = lost or any(start <= time < end for start, end in self._settings.pose_dropouts)
+        seen = self._seen(pose, bearing)
         if lost and not certain:
             return None
         position_noise = self._settings.pose_noise
         heading_noise = self._settings.pose_heading_noise
-        return ObjectPose(time, Pose(pose.x + position_noise * e_x, pose.y + position_noise * e_y,
-                                     wrap_angle(pose.theta + heading_noise * e_theta)))
+        return ObjectPose(time, Pose(seen.x + position_noise * e_x, seen.y + position_noise * e_y,
+                                     wrap_angle(seen.theta + heading_noise * e_theta)))
+
+    def _seen(self, pose: Pose, bearing: float) -> Pose:
+        """Return the pose with its errors but for the noise; its orientation is not wrapped."""
+        settings = self._settings
+        d_x, d_y, d_theta = self._bias.error(bearing)
+        e_x, e_y, e_theta = self._outliers.standard_normal(3).tolist()
+        if self._outliers.random() < settings.pose_jump_probability:
+            d_x += settings.pose_jump * e_x
+            d_y += settings.pose_jump * e_y
+            d_theta += settings.pose_heading_jump * e_theta
+        d_x, d_y = Pose(0.0, 0.0, pose.theta).rotate((d_x, d_y))
+        return Pose(pose.x + d_x, pose.y + d_y, pose.theta + d_theta)
 
 
 class OdometrySensor:

@@ -14,6 +14,9 @@ class SimulationSettings:
     step: float = quantity('longest step of the plant', 's', above=0.0, high=0.05, default=2e-3)
     friction_smoothing: float = quantity('speed below which support friction turns viscous',
                                          'm/s', above=0.0, high=1e-2, default=1e-5)
+    contact_creep: float = quantity('slip of a sticking contact over the distance that the robot '
+                                    'pushes, at the friction limit; less in proportion to the '
+                                    'tangential force', '', 0.0, 0.5, default=0.0)
     command_timeout: float = quantity('simulated time without a command after which the robot '
                                       'stops', 's', above=0.0, high=60.0, default=0.5)
     seed: int = quantity('seed of all random errors', '', 0, default=0)

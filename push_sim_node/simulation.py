@@ -142,12 +142,13 @@ class Simulation:
         if object_pose is not None:
             object_start = Pose(*object_pose)
         self.plant = Plant(self.obj, self.robot, object_start, robot_start, settings.step,
-                           settings.friction_smoothing, floor=settings.floor_patches)
+                           settings.friction_smoothing, floor=settings.floor_patches,
+                           creep=settings.contact_creep)
         # A stream for each error, so that none depends on how often another is drawn.
-        pose_noise, losses, biases, twist_noise, odometry_noise = (
+        pose_noise, losses, biases, twist_noise, odometry_noise, outliers = (
             np.random.default_rng(seed)
-            for seed in np.random.SeedSequence(settings.seed).spawn(5))
-        self._pose_sensor = PoseSensor(self.sensors, pose_noise, losses)
+            for seed in np.random.SeedSequence(settings.seed).spawn(6))
+        self._pose_sensor = PoseSensor(self.sensors, pose_noise, losses, outliers)
         self._odometry_sensor = OdometrySensor(self.sensors, self.plant.robot_pose, biases,
                                                twist_noise, odometry_noise)
         self._now = 0
@@ -225,7 +226,10 @@ class Simulation:
         self._events.schedule(_nanoseconds(number / self.sensors.pose_rate),
                               _EventKind.MEASURE_POSE, number)
         is_first = event.number == 0
-        pose = self._pose_sensor.measure(self.time, self.plant.object_pose, certain=is_first)
+        object_pose = self.plant.object_pose
+        seen_from = object_pose.inverse().transform(self.plant.robot_pose[:2])
+        pose = self._pose_sensor.measure(self.time, object_pose,
+                                         math.atan2(seen_from[1], seen_from[0]), is_first)
         if pose is not None:
             latency = 0 if is_first else _nanoseconds(self.sensors.pose_latency)
             self._events.schedule(event.time + latency, _EventKind.DELIVER_POSE, event.number,

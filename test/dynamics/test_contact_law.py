@@ -101,6 +101,49 @@ def test_a_robot_at_rest_makes_no_energy():
         assert change <= 1e-9
 
 
+def test_a_contact_that_creeps_slips_in_proportion_to_its_force():
+    """``slip = creep l_t / (mu_c l_n)`` inside the cone; at its edge the surfaces slide."""
+    met, rng = set(), np.random.default_rng(8)
+    for case in cases(seed=8):
+        w_nn, w_nt, w_tt, need_n, need_t, friction = case
+        creep = rng.uniform(0.01, 0.5)
+        normal, tangential, mode = contact_impulse(*case, ANY_MODE, creep)
+        slip = need_t - w_nt * normal - w_tt * tangential
+        met.add(mode)
+        assert normal >= 0.0 and abs(tangential) <= friction * normal * (1.0 + 1e-9)
+        if mode == SEPARATE:
+            assert need_n <= 0.0
+            continue
+        assert w_nn * normal + w_nt * tangential == pytest.approx(need_n, abs=1e-9)
+        if mode == STICK:
+            expected = creep * tangential / (friction * normal)
+            assert slip == pytest.approx(expected, rel=1e-6, abs=1e-9)
+        else:
+            side = 1.0 if mode == SLIDE_LEFT else -1.0
+            assert tangential == pytest.approx(side * friction * normal)
+            assert side * slip >= creep * (1.0 - 1e-9)
+            assert law_violation(ContactImpulse(normal, tangential, mode), 0.0, -slip, friction,
+                                 1.0, creep) < 1e-9
+    assert met == set(MODES)
+
+
+def test_little_creep_is_nearly_none():
+    """The impulse tends to that of Coulomb's law with the creep."""
+    for case in cases(500, 9):
+        coulomb = np.array(contact_impulse(*case, ANY_MODE)[:2])
+        for creep in (1e-6, 1e-12):
+            found = np.array(contact_impulse(*case, ANY_MODE, creep)[:2])
+            assert np.abs(found - coulomb).max() <= 1e3 * creep + 1e-9
+
+
+def test_creep_is_the_same_in_a_mirror():
+    for w_nn, w_nt, w_tt, need_n, need_t, friction in cases(500, 10):
+        one = contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction, ANY_MODE, 0.1)
+        two = contact_impulse(w_nn, -w_nt, w_tt, need_n, -need_t, friction, ANY_MODE, 0.1)
+        assert (two.normal, two.tangential) == pytest.approx((one.normal, -one.tangential))
+        assert two.mode == MIRRORED[one.mode]
+
+
 def test_violation_is_that_of_the_mode():
     """Of unilaterality in any mode, of the cone where it sticks, of the side where it slides."""
     assert law_violation(ContactImpulse(0.0, 0.0, SEPARATE), 0.2, 1.0, 0.5, 2.0) == 0.2

@@ -173,3 +173,58 @@ def test_overlap_is_moved_back_or_refused():
         Plant(box(), robot, ORIGIN, Pose(-0.3, 0.0, 0.0))
     with pytest.raises(ValueError, match='object_pose'):
         Plant(box(), robot, Pose(math.nan, 0.0, 0.0), Pose(-0.5, 0.0, 0.0))
+
+
+def creeping(creep, speed=0.1, friction=0.6):
+    """Push 0.3 m straight at a face beside its middle; return plant, slip and load by distance."""
+    obj, robot = box(contact_friction_coefficient=friction), ramp_robot(0.17)
+    plant = Plant(obj, robot, ORIGIN, Pose(-0.37, 0.08, 0.0), 1e-3, creep=creep)
+    slips = loads = 0.0
+    before = plant.truth(0.0)
+    for _ in range(int(0.3 / speed / 0.01)):
+        plant.advance(0.01, Twist(speed, 0.0, 0.0))
+        truth = plant.truth(0.0)
+        # The contact rolls R_p (robot - object heading) along the face; the rest is slip.
+        found = [find_contact(obj, sample.object_pose, sample.robot_pose[:2], 0.17)[0].offset
+                 for sample in (before, truth)]
+        rolled = 0.17 * (truth.object_pose.theta - before.object_pose.theta)
+        slips += found[1] - found[0] - rolled
+        loads += 0.01 * speed * truth.force_t / (friction * truth.force_n)
+        before = truth
+    return plant, slips, loads
+
+
+def test_a_contact_that_creeps_slips_with_distance_and_load():
+    """As much as creep times the distance, weighted with the load; at any speed."""
+    plant, slip, load = creeping(0.02)
+    assert plant.mode is ContactMode.STICK
+    assert abs(load) > 0.02
+    assert abs(slip) == pytest.approx(0.02 * abs(load), rel=0.03)
+    _, slow_slip, slow_load = creeping(0.02, 0.05)
+    assert abs(slow_slip) == pytest.approx(0.02 * abs(slow_load), rel=0.03)
+    _, stuck, _ = creeping(0.0)
+    assert abs(stuck) < 1e-5 < 1e-4 < abs(slip)
+
+
+def test_the_energy_of_creep_is_lost_at_the_contact():
+    """The balance stays exact."""
+    energies = [creeping(creep)[0].energy for creep in (0.0, 0.02)]
+    for energy in energies:
+        assert energy.work == pytest.approx(energy.kinetic + energy.support_loss
+                                            + energy.contact_loss + energy.impact_loss)
+    assert abs(energies[0].contact_loss) < 1e-6 < 1e-4 < energies[1].contact_loss
+
+
+@pytest.mark.parametrize('obj', [box(contact_friction_coefficient=0.0),
+                                 bin_(contact_friction_coefficient=0.0)])
+def test_a_contact_without_friction_only_presses(obj):
+    """Nothing drags the object along the contact, and after the impact nothing is lost there."""
+    plant = Plant(obj, ramp_robot(0.17), ORIGIN, Pose(-0.37, 0.05, 0.2), creep=0.02)
+    losses = []
+    for _ in range(50):
+        plant.advance(0.02, Twist(0.2, 0.05, 0.3))
+        truth = plant.truth(0.0)
+        assert truth.force_t == 0.0
+        losses.append(truth.energy.contact_loss)
+    assert np.ptp(losses[10:]) < 1e-3 * truth.energy.work
+    assert truth.energy.work > 0.1 and plant.unsolved_steps == 0

@@ -6,16 +6,16 @@ import math
 import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import Twist
-from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
+from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings, ViewBias
 import pytest
 
 TRUE = Pose(1.0, -2.0, 3.0)
 
 
-def measured(settings, count=4000, seeds=(1, 2)):
+def measured(settings, count=4000, seeds=(1, 2, 3), bearing=0.0):
     """Measure one pose many times, at 10 Hz."""
     sensor = PoseSensor(settings, *(np.random.default_rng(seed) for seed in seeds))
-    return [sensor.measure(0.1 * i, TRUE) for i in range(count)]
+    return [sensor.measure(0.1 * i, TRUE, bearing) for i in range(count)]
 
 
 def odometer(settings, pose=Pose(0.0, 0.0, 0.0), seed=1):
@@ -70,9 +70,43 @@ def test_losses_leave_the_noise_of_other_measurements_alone():
         assert other is None or other == one
 
 
+def test_the_view_bias_is_systematic_bounded_and_averages_out():
+    """Two poses from one side agree; over all sides nothing is left; it turns with the object."""
+    settings = SensorSettings(pose_bias=0.03, pose_heading_bias=0.02)
+    bearings = np.linspace(-math.pi, math.pi, 360, endpoint=False)
+    for seed in range(20):
+        bias = ViewBias(settings, np.random.default_rng(seed))
+        errors = np.array([bias.error(bearing) for bearing in bearings])
+        assert np.hypot(*errors[:, :2].T).max() <= 0.03
+        assert np.abs(errors[:, 2]).max() <= 0.02
+        assert np.abs(errors.mean(axis=0)).max() < 1e-12
+        assert np.sqrt(np.mean(errors[:, 0] ** 2 + errors[:, 1] ** 2)) == pytest.approx(0.015)
+        # One degree further on it is nearly the same.
+        assert np.abs(np.diff(errors[:, :2], axis=0)).max() < 1.5 * 0.03 * math.radians(1.0)
+    poses = {pose.pose for pose in measured(settings, 50, bearing=0.7)}
+    assert len(poses) == 1 and poses != {TRUE}
+    turned = PoseSensor(settings, *(np.random.default_rng(seed) for seed in (1, 2, 3))).measure(
+        0.0, Pose(0.0, 0.0, 0.0), 0.7).pose
+    assert TRUE.inverse() @ poses.pop() == pytest.approx(turned, abs=1e-12)
+
+
+def test_some_poses_jump():
+    """As often and as far as stated; the others, and the noise, are as without jumps."""
+    noisy = SensorSettings(pose_noise=1e-4)
+    jumping = dataclasses.replace(noisy, pose_jump_probability=0.1, pose_jump=0.05,
+                                  pose_heading_jump=0.2)
+    errors = np.array([np.subtract(pose.pose, other.pose)
+                       for pose, other in zip(measured(jumping), measured(noisy))])
+    errors[:, 2] = np.arctan2(np.sin(errors[:, 2]), np.cos(errors[:, 2]))
+    jumps = errors[np.abs(errors).max(axis=1) > 0.0]
+    assert len(jumps) / len(errors) == pytest.approx(0.1, abs=0.015)
+    assert jumps.std(axis=0) == pytest.approx([0.05, 0.05, 0.2], rel=0.12)
+    assert np.abs(jumps.mean(axis=0)).max() < 0.04
+
+
 def test_headings_are_wrapped():
     rotated = Pose(0.0, 0.0, 100.0)
-    sensor = PoseSensor(SensorSettings(), np.random.default_rng(1), np.random.default_rng(2))
+    sensor = PoseSensor(SensorSettings(), *(np.random.default_rng(seed) for seed in range(3)))
     measured_heading = sensor.measure(0.0, rotated).pose.theta
     assert measured_heading == pytest.approx(math.remainder(100.0, math.tau))
     heading = odometer(SensorSettings(), rotated).measure(0.0, rotated, Twist()).pose.theta
