@@ -75,9 +75,10 @@ TOPICS = {
     'push_request': Topic(
         JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
         'in a task: request for a plan, one point whose joint names say what each number is: x, y '
-        'and heading of object, robot and goal (object.x to goal.heading), the identified centre '
-        'of friction in the object frame (friction_center.x, friction_center.y), and the fraction '
-        'of the friction cone that the plan should use (cone_fraction); latched'),
+        'and heading of object, robot and goal (object.x to goal.heading), the identified '
+        'friction coefficient of each support (support_friction.0 and so on), the identified '
+        'contact friction (contact_friction), and the fraction of the friction cone that the plan '
+        'should use (cone_fraction); latched'),
     'push_plan': Topic(
         MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
         'plan: joints object, contact and robot over time; the second is called free_contact '

@@ -2,14 +2,15 @@
 Plan requests to messages and back.
 
 A request is a ``trajectory_msgs/JointTrajectory`` of one point, whose joint names say what each
-of its positions is: poses of object, robot and goal in the world frame, the centre of friction in
-the object frame, and the fraction of the friction cone that the plan should use.
+of its positions is: poses of object, robot and goal in the world frame, the friction of each
+support and the contact friction as identified, and the fraction of the friction cone that the plan
+should use.
 """
 
+import dataclasses
 import math
-from typing import Any, Dict
+from typing import Any
 
-from push_model.friction import friction_center, with_friction_center
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.plan_request import PlanRequest
@@ -17,10 +18,21 @@ from push_ros.conversions.primitives import check_frame, MessageRefused, to_quat
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 POSES = ('object', 'robot', 'goal')
-FRICTION_CENTER = ('friction_center.x', 'friction_center.y')
+# Prefix of the names of the friction coefficients of the supports, before their numbers from 0.
+SUPPORT_FRICTION = 'support_friction.'
+CONTACT_FRICTION = 'contact_friction'
 CONE_FRACTION = 'cone_fraction'
-FIELDS = (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')),
-          *FRICTION_CENTER, CONE_FRACTION)
+
+
+def request_fields(obj: PushedObject) -> tuple[str, ...]:
+    """
+    List the names of the numbers in a request.
+
+    :param obj: the ``PushedObject``, for the number of its supports.
+    """
+    return (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')),
+            *(f'{SUPPORT_FRICTION}{number}' for number in range(len(obj.supports))),
+            CONTACT_FRICTION, CONE_FRACTION)
 
 
 def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTrajectory:
@@ -36,8 +48,10 @@ def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTra
     for pose in (request.object_pose, request.robot_pose, request.goal):
         # The heading as a quaternion carries it, like that of every other pose on a topic.
         values += [pose.x, pose.y, to_yaw(to_quaternion(pose.theta), 'push_request')]
-    values += [*friction_center(request.obj), request.cone_fraction]
-    message = JointTrajectory(joint_names=list(FIELDS))
+    obj = request.obj
+    values += [*(support.friction_coefficient for support in obj.supports),
+               obj.contact_friction_coefficient, request.cone_fraction]
+    message = JointTrajectory(joint_names=list(request_fields(obj)))
     message.header.stamp, message.header.frame_id = stamp, frame
     message.points = [JointTrajectoryPoint(positions=[float(value) for value in values])]
     return message
@@ -52,11 +66,11 @@ def from_request_message(message: JointTrajectory, frame: str, obj: PushedObject
     :param frame: id of the world frame.
     :param obj: the nominal ``PushedObject``.
     :param topic: what errors call the message.
-    :return: the ``PlanRequest``, of an object whose centre of friction is that of the message.
+    :return: the ``PlanRequest``, of an object with the friction of the message.
     :raises MessageRefused: naming the field, what came and what was expected.
     """
     check_frame(message.header.frame_id, frame, topic)
-    values = _values(message, topic)
+    values = _values(message, request_fields(obj), topic)
     for name, value in values.items():
         if not math.isfinite(value):
             raise MessageRefused(f'{topic}: {name}: got {value:g}, expected a finite number')
@@ -67,22 +81,34 @@ def from_request_message(message: JointTrajectory, frame: str, obj: PushedObject
     object_pose, robot_pose, goal = (
         Pose(values[f'{pose}.x'], values[f'{pose}.y'], values[f'{pose}.heading'])
         for pose in POSES)
-    center = tuple(values[name] for name in FRICTION_CENTER)
-    return PlanRequest(object_pose, robot_pose, goal, with_friction_center(obj, center), fraction)
+    return PlanRequest(object_pose, robot_pose, goal, _with_friction(obj, values, topic), fraction)
 
 
-def _values(message: JointTrajectory, topic: str) -> Dict[str, float]:
-    """Read the numbers of a message by name, each of ``FIELDS`` once and no other."""
+def _with_friction(obj: PushedObject, values: dict[str, float], topic: str) -> PushedObject:
+    """Give an object the friction of a message."""
+    try:
+        supports = tuple(
+            dataclasses.replace(support,
+                                friction_coefficient=values[f'{SUPPORT_FRICTION}{number}'])
+            for number, support in enumerate(obj.supports))
+        return dataclasses.replace(obj, supports=supports,
+                                   contact_friction_coefficient=values[CONTACT_FRICTION])
+    except ValueError as error:
+        raise MessageRefused(f'{topic}: {error}') from error
+
+
+def _values(message: JointTrajectory, fields: tuple[str, ...], topic: str) -> dict[str, float]:
+    """Read the numbers of a message by name, each of ``fields`` once and no other."""
     names = list(message.joint_names)
-    unknown = sorted(set(names) - set(FIELDS))
+    unknown = sorted(set(names) - set(fields))
     if unknown:
         raise MessageRefused(f'{topic}: got the unknown fields {", ".join(unknown)}, expected '
-                             + ', '.join(FIELDS))
-    missing = [name for name in FIELDS if name not in names]
+                             + ', '.join(fields))
+    missing = [name for name in fields if name not in names]
     if missing:
         raise MessageRefused(f'{topic}: {", ".join(missing)}: got nothing, expected a number')
-    if len(names) != len(FIELDS):
-        twice = sorted(name for name in FIELDS if names.count(name) > 1)
+    if len(names) != len(fields):
+        twice = sorted(name for name in fields if names.count(name) > 1)
         raise MessageRefused(f'{topic}: {", ".join(twice)}: got more than one, expected one')
     if len(message.points) != 1:
         raise MessageRefused(f'{topic}: got {len(message.points)} points, expected 1')

@@ -1,25 +1,30 @@
 """Requests for plans and maps survive the way through messages, and bad ones are refused."""
 
+import dataclasses
 import math
 import re
 
 from helpers.objects import box
 from nav_msgs.msg import OccupancyGrid
 import numpy as np
-from push_model.friction import friction_center, with_friction_center
+from push_model.friction import with_friction_center
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import from_map_message, to_map_message
 from push_ros.conversions.plan import from_plan_message, no_plan_message, plan_failure
-from push_ros.conversions.plan_request import FIELDS, from_request_message, to_request_message
+from push_ros.conversions.plan_request import (
+    from_request_message, request_fields, to_request_message,
+)
 from push_ros.conversions.primitives import exact_stamp, MessageRefused, nanoseconds, to_stamp
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
 BELIEVED = box(mass=3.0)
+FIELDS = request_fields(BELIEVED)
 WANTED = PlanRequest(Pose(1.0, -2.0, 0.4), Pose(0.2, 3.0, -2.9), Pose(-1.0, 0.5, 3.0),
-                     with_friction_center(BELIEVED, (0.02, -0.03)), 0.64)
+                     dataclasses.replace(with_friction_center(BELIEVED, (0.02, -0.03)),
+                                         contact_friction_coefficient=0.27), 0.64)
 NUMBERS = np.arange(35).reshape(5, 7)
 FLOOR = OccupancyMap(0.05, Pose(-1.0, 2.0, 0.7), NUMBERS % 3 == 0)
 
@@ -51,16 +56,23 @@ def test_requests_survive():
     for name in ('object_pose', 'robot_pose', 'goal'):
         assert getattr(back, name) == pytest.approx(getattr(WANTED, name), abs=1e-14)
     assert back.cone_fraction == WANTED.cone_fraction
-    assert friction_center(back.obj) == pytest.approx(friction_center(WANTED.obj), abs=1e-12)
-    assert back.obj.capacities == pytest.approx(WANTED.obj.capacities, rel=1e-9)
-    assert back.obj.outline == BELIEVED.outline
+    assert back.obj == WANTED.obj
 
 
 def test_what_nobody_has_learnt_stays_as_believed():
-    """The friction centre of the belief changes nothing."""
+    """The friction of the belief changes nothing."""
     message = to_request_message(WANTED._replace(obj=BELIEVED), to_stamp(2.0), 'odom')
     back = from_request_message(sent(message), 'odom', BELIEVED)
-    assert back.obj.capacities == pytest.approx(BELIEVED.capacities, rel=1e-12)
+    assert back.obj == BELIEVED
+
+
+@pytest.mark.parametrize('name', ['contact_friction', 'support_friction.2'])
+def test_a_request_with_impossible_friction_is_refused(name):
+    """The error names the parameter and what came."""
+    message = request()
+    set_field(message, name, -0.1)
+    with pytest.raises(MessageRefused, match='push_request: .*friction_coefficient: got -0.1'):
+        from_request_message(sent(message), 'odom', BELIEVED)
 
 
 def _frame(message):
@@ -125,7 +137,7 @@ def _no_point(message):
     (_frame, "got frame 'map', expected 'odom'"),
     (_unknown, 'got the unknown fields boldness, expected object.x, '),
     (_twice, 'goal.x: got more than one, expected one'),
-    (_short, 'got 11 positions, expected 12'), (_no_point, 'got 0 points, expected 1'),
+    (_short, 'got 14 positions, expected 15'), (_no_point, 'got 0 points, expected 1'),
     (lambda m: set_field(m, 'cone_fraction', 1.5),
      'cone_fraction: got 1.5, expected a number above 0, at most 1'),
     (lambda m: set_field(m, 'cone_fraction', 0.0), 'cone_fraction: got 0, expected')])
