@@ -1,0 +1,147 @@
+"""
+Primitives of an object, made once and kept on disk.
+
+They lie in the user's cache, beside the machine code of the dynamics, in a file named after a
+digest of everything that they depend on: shape, supports, robot, settings and the source text.
+"""
+
+import contextlib
+import dataclasses
+import functools
+import hashlib
+import os
+import pathlib
+import tempfile
+from typing import Any
+
+import numpy as np
+from push_dynamics.compiled import cache_directory
+from push_model.parameters import PushedObject, RoundRobot
+from push_primitives.contact_places import ContactPlace
+from push_primitives.cost_to_go import CostSettings, CostToGo, solve_cost_to_go
+from push_primitives.table import build_table, FrictionDraws, PrimitiveTable
+
+# Friction of the object that tables are made for: theirs must not depend on what a robot has
+# learned of friction so far, lest they be made anew with every push. All supports are alike, and
+# the contact is that of rubber bumpers; draws lie about both, and weights choose among them.
+REFERENCE_SUPPORT_FRICTION = 0.35
+REFERENCE_CONTACT_FRICTION = 0.5
+HERE = pathlib.Path(__file__).parent
+# Arrays of a table that are kept as they are.
+ARRAYS = ('place_indices', 'faces', 'tilts', 'curvatures', 'starts', 'lengths', 'displacements')
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PushPrimitives:
+    """
+    What a planner and a controller know of the pushes of an object.
+
+    :param table: ``PrimitiveTable``.
+    :param cost_to_go: ``CostToGo``.
+    """
+
+    table: PrimitiveTable
+    cost_to_go: CostToGo
+
+
+def reference_object(obj: PushedObject) -> PushedObject:
+    """
+    Replace what can be learned of an object by common values.
+
+    :param obj: the ``PushedObject``, with its friction as known by now.
+    :return: ``PushedObject`` of the same shape, mass centre and supports.
+    """
+    supports = tuple(dataclasses.replace(support,
+                                         friction_coefficient=REFERENCE_SUPPORT_FRICTION)
+                     for support in obj.supports)
+    return dataclasses.replace(obj, supports=supports,
+                               contact_friction_coefficient=REFERENCE_CONTACT_FRICTION)
+
+
+def load_primitives(obj: PushedObject, robot: RoundRobot,
+                    settings: CostSettings | None = None) -> PushPrimitives:
+    """
+    Load the primitives of an object, or make them and keep them.
+
+    :param obj: the ``PushedObject``; its friction does not matter.
+    :param robot: the ``RoundRobot``.
+    :param settings: ``CostSettings``, or None for those of the robot with the usual tolerances.
+    :raises ValueError: where the robot is not round or no face of the object is long enough.
+    """
+    settings = settings or CostSettings(robot_speed=robot.max_speed, drive=robot.drive)
+    return _load(reference_object(obj), robot.radius, settings)
+
+
+# Tens of megabytes each: a process has few objects at a time.
+@functools.lru_cache(maxsize=8)
+def _load(obj: PushedObject, radius: float, settings: CostSettings) -> PushPrimitives:
+    return PushPrimitives(_table(obj, radius), _cost_to_go(obj, radius, settings))
+
+
+@functools.lru_cache(maxsize=8)
+def _table(obj: PushedObject, radius: float) -> PrimitiveTable:
+    path = _path('table', obj, radius)
+    arrays = _read(path)
+    if arrays is None:
+        table = build_table(obj, radius)
+        _write(path, _table_arrays(table))
+        return table
+    return _table_from(arrays)
+
+
+def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings) -> CostToGo:
+    path = _path('cost', obj, radius, settings)
+    arrays = _read(path)
+    if arrays is None:
+        cost_to_go = solve_cost_to_go(_table(obj, radius), settings)
+        _write(path, {'values': cost_to_go.values, 'distances': cost_to_go.distances,
+                      'headings': cost_to_go.headings})
+        return cost_to_go
+    return CostToGo(**arrays)
+
+
+def _table_arrays(table: PrimitiveTable) -> dict[str, Any]:
+    places = [(place.face, *place.point, place.normal, place.offset) for place in table.places]
+    return {'places': np.array(places), **{name: getattr(table, name) for name in ARRAYS},
+            **table.draws._asdict()}
+
+
+def _table_from(arrays: dict[str, Any]) -> PrimitiveTable:
+    places = tuple(ContactPlace(int(face), (x, y), normal, offset)
+                   for face, x, y, normal, offset in arrays['places'].tolist())
+    draws = FrictionDraws(*(arrays[name] for name in FrictionDraws._fields))
+    return PrimitiveTable(places, **{name: arrays[name] for name in ARRAYS}, draws=draws)
+
+
+def _path(kind: str, *key: object) -> pathlib.Path | None:
+    """Return the file of what depends on a key; None where no file can be written."""
+    directory = cache_directory(HERE)
+    if directory is None:
+        return None
+    digest = hashlib.sha256(repr(key).encode()).hexdigest()[:24]
+    return pathlib.Path(directory) / f'{kind}-{digest}.npz'
+
+
+def _read(path: pathlib.Path | None) -> dict[str, Any] | None:
+    if path is None:
+        return None
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            return {name: data[name] for name in data.files}
+    # A file that another program has spoilt is made anew.
+    except (OSError, ValueError, EOFError):
+        return None
+
+
+def _write(path: pathlib.Path | None, arrays: dict[str, Any]) -> None:
+    """Write arrays so that others see the whole file or none."""
+    if path is None:
+        return
+    with contextlib.suppress(OSError):
+        handle, name = tempfile.mkstemp(dir=path.parent, suffix='.part')
+        try:
+            with os.fdopen(handle, 'wb') as file:
+                np.savez(file, **arrays)
+            os.replace(name, path)
+        except OSError:
+            os.unlink(name)

@@ -1,0 +1,246 @@
+"""
+Table of push primitives: what straight pushes and arcs do to the object, simulated.
+
+A primitive begins at rest in contact at a place of the outline. The robot then drives straight
+ahead, or on an arc, without steering; the contact may stick, roll and slide. One simulation for
+each primitive and each guess of friction gives the effect of all lengths. Motion at pushing speed
+is nearly quasi-static: neither mass nor the level of friction on the floor matter, only how it is
+spread over the supports, and the friction of the contact.
+"""
+
+import dataclasses
+import math
+from typing import Any, NamedTuple, Sequence
+
+import numpy as np
+from push_dynamics.compiled import compiled
+from push_dynamics.encoding import body_numbers, drive_numbers, NO_OUTLINE, support_rows
+from push_dynamics.layout import (
+    COM_X, COM_Y, PATCH_SIZE, ROBOT_OMEGA, ROBOT_THETA, ROBOT_V_X, ROBOT_X, ROBOT_Y,
+    STATE_SIZE, THETA, X, Y,
+)
+from push_dynamics.step import advance
+from push_model.friction import friction_center
+from push_model.geometry import FloatArray, IntArray
+from push_model.parameters import PushedObject, RoundRobot
+from push_primitives.contact_places import contact_places, ContactPlace
+
+# Angles of straight pushes from the inward normal [rad], chosen: inside the friction cone of a
+# rubber bumper, and just outside.
+TILTS = (-0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45)
+# Curvatures of arcs that begin along the normal [1/m], chosen: beyond 2 / m contacts slide off.
+CURVATURES = (-2.0, -1.0, 1.0, 2.0)
+# Driven lengths at which the effect is kept [m], chosen: linear interpolation between them is
+# below 1 mm off; a metre is as far as a push stays predictable without steering.
+LENGTHS = (0.0, 0.003, 0.006, 0.01, 0.015, 0.022, 0.032, 0.045, 0.065, 0.09, 0.12, 0.16, 0.21,
+           0.28, 0.37, 0.48, 0.62, 0.8, 1.0)
+# Speed of the simulated robot [m/s]: that of a slow push, so that inertia hardly counts.
+SPEED = 0.1
+# Longest steps in driven length [m]: up to the first length they are short, as contacts settle
+# there, further on longer. Measured against steps of 0.3 mm: see test_table.
+FINE_STEP = 1.5e-3
+FINE_LENGTH = 0.1
+COARSE_STEP = 4e-3
+# Speed below which support friction turns viscous [m/s], as in the simulated plant.
+SMOOTHING = 1e-5
+# Guesses of friction, chosen: every support up to 40 % more or less than believed, the contact
+# 40 % less to 20 % more.
+COMMON_DRAWS = 15
+SUPPORT_SPREAD = 0.4
+CONTACT_RANGE = (0.6, 1.2)
+# Guesses that matter once a slippery contact has been learned: as fractions of the believed
+# contact friction.
+SLIPPERY_DRAWS = 8
+SLIPPERY_RANGE = (0.0, 0.6)
+
+
+class FrictionDraws(NamedTuple):
+    """
+    Guesses of friction; number 0 is what the object states, the rest are drawn about it.
+
+    :param support_factors: factors on the friction of each support, shape (K, supports).
+    :param contact_frictions: coefficients of contact friction, shape (K,).
+    :param centers: centres of friction in the object frame, shape (K, 2) [m].
+    """
+
+    support_factors: FloatArray
+    contact_frictions: FloatArray
+    centers: FloatArray
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PrimitiveTable:
+    """
+    Effect of all primitives of an object; arrays are read-only.
+
+    :param places: ``ContactPlace`` of the outline.
+    :param place_indices: place of each primitive, shape (n,).
+    :param faces: face of that place, shape (n,).
+    :param tilts: angle of the first direction of motion from the inward normal, counter-clockwise,
+        shape (n,) [rad].
+    :param curvatures: of the robot's path, left positive, shape (n,) [1/m].
+    :param starts: robot centre at the first contact and direction of motion (x, y, phi) in the
+        object frame, shape (n, 3).
+    :param lengths: driven lengths, increasing from 0, shape (L,) [m].
+    :param displacements: pose (x, y, theta) of the object frame after driving each length, in the
+        frame at the start, angle unwrapped, shape (n, K, L, 3).
+    :param draws: the ``FrictionDraws``.
+    """
+
+    places: tuple[ContactPlace, ...]
+    place_indices: IntArray
+    faces: IntArray
+    tilts: FloatArray
+    curvatures: FloatArray
+    starts: FloatArray
+    lengths: FloatArray
+    displacements: FloatArray
+    draws: FrictionDraws
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays."""
+        arrays = [getattr(self, field.name) for field in dataclasses.fields(self)]
+        for array in (*arrays, *self.draws):
+            if isinstance(array, np.ndarray):
+                array.setflags(write=False)
+
+    @property
+    def face_count(self) -> int:
+        """Number of faces that are pushed at."""
+        return self.places[-1].face + 1
+
+
+class PrimitiveKinds(NamedTuple):
+    """
+    Primitives by place, tilt and curvature, one after the other.
+
+    :param place_indices: shape (n,).
+    :param tilts: shape (n,) [rad].
+    :param curvatures: shape (n,) [1/m].
+    """
+
+    place_indices: IntArray
+    tilts: FloatArray
+    curvatures: FloatArray
+
+
+def draw_friction(obj: PushedObject, seed: int = 0) -> FrictionDraws:
+    """
+    Draw guesses of friction about what the object states.
+
+    :param obj: the ``PushedObject``.
+    :param seed: of the random numbers.
+    """
+    rng = np.random.default_rng(seed)
+    count = 1 + COMMON_DRAWS + SLIPPERY_DRAWS
+    factors = 1.0 + SUPPORT_SPREAD * rng.uniform(-1.0, 1.0, (count, len(obj.supports)))
+    factors[0] = 1.0
+    contact = np.concatenate([[1.0], rng.uniform(*CONTACT_RANGE, COMMON_DRAWS),
+                              np.linspace(*SLIPPERY_RANGE, SLIPPERY_DRAWS)])
+    contact *= obj.contact_friction_coefficient
+    centers = np.array([friction_center(_with_friction(obj, row, obj.contact_friction_coefficient))
+                        for row in factors])
+    return FrictionDraws(factors, contact, centers)
+
+
+def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
+                lengths: Sequence[float] = LENGTHS,
+                draws: FrictionDraws | None = None) -> PrimitiveTable:
+    """
+    Simulate all primitives of an object.
+
+    :param obj: the ``PushedObject``.
+    :param robot_radius: radius of the robot [m], finite.
+    :param seed: of the guesses of friction.
+    :param lengths: driven lengths to keep, increasing from 0 [m].
+    :param draws: ``FrictionDraws`` in place of those of the seed.
+    :raises ValueError: where the radius is infinite or no face is long enough.
+    """
+    if not math.isfinite(robot_radius):
+        raise ValueError(f'robot_radius: got {robot_radius}, expected a finite radius [m]')
+    places = contact_places(obj)
+    kinds = _primitive_kinds(obj, len(places))
+    starts = np.array([_start(places[place], tilt, robot_radius)
+                       for place, tilt in zip(kinds.place_indices.tolist(), kinds.tilts.tolist())])
+    draws = draws or draw_friction(obj, seed)
+    robot = RoundRobot(radius=robot_radius, time_constant=0.0)
+    bodies = [_with_friction(obj, factors, friction) for factors, friction
+              in zip(draws.support_factors, draws.contact_frictions.tolist())]
+    displacements = np.zeros((len(starts), len(bodies), len(lengths), 3))
+    _simulate(
+        starts, kinds.curvatures,
+        np.array([body_numbers(body, robot, SMOOTHING) for body in bodies]),
+        np.array([support_rows(body, body.capacities, [1.0] * len(body.supports))
+                  for body in bodies]),
+        np.array(obj.outline or NO_OUTLINE, dtype=float), np.array(drive_numbers(robot)),
+        np.array(lengths, dtype=float), displacements, np.zeros(STATE_SIZE),
+        np.zeros(2 * len(obj.supports)), np.zeros(3), np.zeros((0, PATCH_SIZE)))
+    return PrimitiveTable(
+        places, kinds.place_indices,
+        np.array([places[place].face for place in kinds.place_indices.tolist()]), kinds.tilts,
+        kinds.curvatures, starts, np.array(lengths, dtype=float), displacements, draws)
+
+
+def _primitive_kinds(obj: PushedObject, place_count: int) -> PrimitiveKinds:
+    kinds = [(tilt, 0.0) for tilt in TILTS]
+    if obj.radius == 0.0:
+        kinds += [(0.0, curvature) for curvature in CURVATURES]
+    rows = [(place, *kind) for place in range(place_count) for kind in kinds]
+    places, tilts, curvatures = zip(*rows)
+    return PrimitiveKinds(np.array(places), np.array(tilts), np.array(curvatures))
+
+
+def _start(place: ContactPlace, tilt: float, radius: float) -> tuple[float, float, float]:
+    """Robot centre at the first contact and direction of motion, object frame."""
+    (x, y), normal = place.point, place.normal
+    return (x - radius * math.cos(normal), y - radius * math.sin(normal),
+            math.remainder(normal + tilt, 2.0 * math.pi))
+
+
+def _with_friction(obj: PushedObject, factors: FloatArray, friction: float) -> PushedObject:
+    supports = tuple(
+        dataclasses.replace(support,
+                            friction_coefficient=support.friction_coefficient * float(factor))
+        for support, factor in zip(obj.supports, factors))
+    return dataclasses.replace(obj, supports=supports, contact_friction_coefficient=friction)
+
+
+@compiled
+def _simulate(starts: Any, curvatures: Any, bodies: Any, supports: Any, outline: Any, drive: Any,
+              lengths: Any, displacements: Any, state: Any, forces: Any, command: Any,
+              floor: Any) -> None:
+    """
+    Simulate every primitive under every guess of friction.
+
+    Arguments are as in ``push_dynamics.step``, with a row for each primitive or guess;
+    ``displacements``, shape (n, K, L, 3), is written; the last four are memory to work with.
+    """
+    for i in range(starts.shape[0]):
+        for k in range(bodies.shape[0]):
+            _simulate_one(starts[i], curvatures[i], bodies[k], supports[k], outline, drive,
+                          lengths, displacements[i, k], state, forces, command, floor)
+
+
+@compiled
+def _simulate_one(start: Any, curvature: float, body: Any, supports: Any, outline: Any,
+                  drive: Any, lengths: Any, displacements: Any, state: Any, forces: Any,
+                  command: Any, floor: Any) -> None:
+    com_x, com_y = body[COM_X], body[COM_Y]
+    for i in range(state.shape[0]):
+        state[i] = 0.0
+    state[X], state[Y] = com_x, com_y
+    state[ROBOT_X], state[ROBOT_Y], state[ROBOT_THETA] = start[0], start[1], start[2]
+    state[ROBOT_V_X] = SPEED
+    command[0], command[1], command[2] = SPEED, 0.0, curvature * SPEED
+    state[ROBOT_OMEGA] = command[2]
+    driven = 0.0
+    for i in range(1, lengths.shape[0]):
+        distance = lengths[i] - driven
+        longest = FINE_STEP if driven < FINE_LENGTH else COARSE_STEP
+        advance(state, body, supports, outline, floor, forces, command, drive, distance / SPEED,
+                longest / SPEED)
+        driven = lengths[i]
+        c, s = math.cos(state[THETA]), math.sin(state[THETA])
+        displacements[i, 0] = state[X] - c * com_x + s * com_y
+        displacements[i, 1] = state[Y] - s * com_x - c * com_y
+        displacements[i, 2] = state[THETA]

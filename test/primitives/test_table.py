@@ -1,0 +1,104 @@
+"""Laws of contact places and of the table of primitives."""
+
+import dataclasses
+import math
+
+from helpers.objects import bin_, box
+import numpy as np
+from push_model.parameters import PushedObject
+from push_primitives.contact_places import contact_places
+from push_primitives.table import build_table, draw_friction, FrictionDraws
+import pytest
+
+RADIUS = 0.17
+BOX = box(foot=0.17)
+BIN = bin_()
+
+
+def nominal(obj):
+    """Return the single guess that friction is as the object states."""
+    return FrictionDraws(*(array[:1] for array in draw_friction(obj)))
+
+
+@pytest.fixture(scope='module', params=['box', 'bin'])
+def pushed(request):
+    """Return an object and its table for the stated friction."""
+    obj = {'box': BOX, 'bin': BIN}[request.param]
+    return obj, build_table(obj, RADIUS, draws=nominal(obj))
+
+
+def test_places_lie_on_the_outline_with_their_normal_inwards():
+    """Touching there, the robot's centre is one radius away, against the normal."""
+    for obj in (BOX, BIN):
+        for place in contact_places(obj):
+            x, y = place.point
+            inward = (math.cos(place.normal), math.sin(place.normal))
+            reach = obj.radius or 0.2
+            assert max(abs(x), abs(y)) == pytest.approx(reach) or math.hypot(x, y) == \
+                pytest.approx(reach)
+            assert x * inward[0] + y * inward[1] < 0.0
+    assert [place.face for place in contact_places(BOX)] == [i // 15 for i in range(60)]
+    assert [place.face for place in contact_places(BIN)] == [i // 6 for i in range(24)]
+
+
+def test_places_keep_from_the_vertices():
+    """The outermost are 15 mm beside them, the middle one has offset 0."""
+    face = contact_places(BOX)[:15]
+    assert face[0].point == pytest.approx((-0.185, -0.2))
+    assert face[7].offset == pytest.approx(0.0, abs=1e-12)
+    assert face[14].point == pytest.approx((0.185, -0.2))
+
+
+def test_an_object_of_short_faces_is_refused():
+    """The error names the field and the length."""
+    corners = [2.0 * math.pi * i / 20 for i in range(20)]
+    obj = PushedObject(mass=1.0, supports=BIN.supports,
+                       outline=tuple((0.2 * math.cos(a), 0.2 * math.sin(a)) for a in corners))
+    with pytest.raises(ValueError, match=r'PushedObject\.outline: got faces of at most 0\.06'):
+        contact_places(obj)
+
+
+def test_no_length_no_displacement(pushed):
+    """At length 0 nothing has moved, and further on every push moves the object."""
+    _, table = pushed
+    assert not table.displacements[:, :, 0].any()
+    moved = np.hypot(table.displacements[..., 0], table.displacements[..., 1])
+    assert np.isfinite(moved).all()
+    assert (moved[..., 1:] > 0.1 * table.lengths[1:]).all()
+
+
+def test_the_mirrored_push_has_the_mirrored_effect(pushed):
+    """Both objects are symmetric about their x axis."""
+    _, table = pushed
+    for number in range(len(table.tilts)):
+        x, y, phi = table.starts[number]
+        mirrored = np.flatnonzero(
+            np.isclose(table.starts[:, 0], x) & np.isclose(table.starts[:, 1], -y)
+            & np.isclose(np.cos(table.starts[:, 2]), math.cos(phi))
+            & np.isclose(np.sin(table.starts[:, 2]), -math.sin(phi))
+            & np.isclose(table.curvatures, -table.curvatures[number]))
+        assert len(mirrored) == 1
+        # What is symmetric itself may roll to either side, by rounding.
+        unstable = abs(y) < 1e-9 and abs(math.sin(phi)) < 1e-9
+        if not unstable:
+            np.testing.assert_allclose(table.displacements[mirrored[0]] * (1.0, -1.0, -1.0),
+                                       table.displacements[number], atol=2e-4)
+
+
+def test_level_of_friction_and_mass_do_not_matter():
+    """Only how friction is spread decides where a slow push leads."""
+    supports = tuple(
+        dataclasses.replace(support, friction_coefficient=1.7 * support.friction_coefficient)
+        for support in BIN.supports)
+    heavy = dataclasses.replace(BIN, mass=3.0 * BIN.mass, inertia=3.0 * BIN.inertia,
+                                supports=supports)
+    lengths = (0.0, 0.03, 0.1)
+    tables = [build_table(obj, RADIUS, draws=nominal(obj), lengths=lengths)
+              for obj in (BIN, heavy)]
+    np.testing.assert_allclose(tables[0].displacements, tables[1].displacements, atol=2e-3)
+
+
+def test_infinite_radius_is_refused():
+    """A flat pusher has no place of contact."""
+    with pytest.raises(ValueError, match='robot_radius: got inf'):
+        build_table(BIN, math.inf)
