@@ -8,6 +8,9 @@ steers by
     omega = v (kappa - e / R^2 - 2 sin(d) / R)
 
 which returns it to the path within a distance R, critically damped for small errors.
+
+A path may end at a speed: the robot then passes its end and drives on, while whatever comes next
+takes over.
 """
 
 import math
@@ -38,6 +41,13 @@ HEADING_TOLERANCE = math.radians(0.6)
 # A section is done within these of its end: a third of the tolerances at the goal.
 SECTION_POSITION_TOLERANCE = 0.001
 SECTION_HEADING_TOLERANCE = math.radians(0.2)
+# It passes the end of a path rightly within these, across. Chosen: what a push allows its contact
+# place and its direction to be off, with a margin of two over what is measured in the tests.
+PASSING_POSITION_TOLERANCE = 0.01
+PASSING_HEADING_TOLERANCE = math.radians(2.5)
+# The predicted pose, a lag ahead, is at most so far behind the robot that passes the end [m].
+# Chosen: above what feedback of a disturbed pose makes of it, far below a detour.
+PASSING_RANGE = 0.05
 # At rest for this long beside the goal, the robot drives there directly [s]. Chosen: several
 # lags of a drive and periods of localization.
 REST_TIMEOUT = 0.4
@@ -65,6 +75,25 @@ def limit_command(previous: Twist, requested: Twist, limits: DriveSettings, dt: 
     return Twist(x / excess, y / excess, min(limits.yaw_rate, max(-limits.yaw_rate, omega)))
 
 
+def keep_curvature(previous: Twist, requested: Twist, limits: DriveSettings, dt: float) -> Twist:
+    """
+    Speed up no faster than the yaw rate can follow, so that the curvature is kept.
+
+    :param previous: ``Twist`` that was commanded.
+    :param requested: ``Twist`` of a differential drive.
+    :param limits: ``DriveSettings`` within the limits of the robot.
+    :param dt: time between the two [s].
+    :return: ``Twist``.
+    """
+    reached = (math.copysign(1.0, requested.omega) * previous.omega
+               + limits.yaw_acceleration * dt)
+    rises = requested.v_x * previous.v_x >= 0.0 and reached < abs(requested.omega)
+    if requested.omega == 0.0 or not rises:
+        return requested
+    speed = max(abs(previous.v_x), abs(requested.v_x) * max(0.0, reached / abs(requested.omega)))
+    return requested._replace(v_x=math.copysign(min(abs(requested.v_x), speed), requested.v_x))
+
+
 def turn_in_place(left: float, limits: DriveSettings) -> float:
     """
     Yaw rate of a rotation in place [rad/s].
@@ -89,12 +118,12 @@ def track_differential(section: MotionSection, pose: Pose, s: float, lateral: fl
     :return: ``Twist``.
     """
     speed = section.speed(s)
-    direction, curvature = section.smooth_direction(s, speed)
+    direction, curvature, offset = section.smooth_motion(s)
     reversal = math.pi if section.is_backwards else 0.0
     error = wrap_angle(pose.theta + reversal - direction)
     if abs(error) > MAX_HEADING_ERROR:
         return Twist(0.0, 0.0, turn_in_place(-error, limits))
-    lateral = min(RETURN_DISTANCE, max(-RETURN_DISTANCE, lateral))
+    lateral = min(RETURN_DISTANCE, max(-RETURN_DISTANCE, lateral - offset))
     omega = max(0.0, speed) * (curvature - lateral / RETURN_DISTANCE ** 2
                                - 2.0 * math.sin(error) / RETURN_DISTANCE)
     # Slower where the yaw rate is limited, so that the curvature is kept.
@@ -115,9 +144,9 @@ def track_holonomic(section: MotionSection, pose: Pose, s: float, lateral: float
     :return: ``Twist``.
     """
     speed = section.speed(s)
-    direction, _ = section.smooth_direction(s, speed)
+    direction, _, offset = section.smooth_motion(s)
     heading, heading_rate = section.heading(s)
-    across = min(MAX_LATERAL_SPEED, max(-MAX_LATERAL_SPEED, lateral / FADE_TIME))
+    across = min(MAX_LATERAL_SPEED, max(-MAX_LATERAL_SPEED, (lateral - offset) / FADE_TIME))
     x, y = Pose(0.0, 0.0, direction - pose.theta).rotate((speed, -across))
     return Twist(x, y, speed * heading_rate
                  + turn_in_place(wrap_angle(heading - pose.theta), limits))
@@ -127,25 +156,42 @@ class PathFollower:
     """
     Commands along a path, one after the other.
 
-    The robot starts at rest. Where it has come to the end and is not at the last pose, it drives
-    there directly.
+    A robot that shall stop at the end and is not at the last pose when it stops drives there
+    directly. One that shall pass the end has ``finished`` when it does so within
+    ``PASSING_POSITION_TOLERANCE`` and ``PASSING_HEADING_TOLERANCE``; whoever follows may take
+    over from the command that it has then, and until that comes it drives straight on. If it
+    passes farther off, it has ``missed`` the end, and stops.
 
     :param robot: the ``RoundRobot``.
     :param settings: ``DriveSettings``.
     :param path: the ``Path``.
+    :param end_speed: speed at which the robot passes the end, 0 where it shall stop there [m/s].
+    :param handover_distance: distance before the end at which it counts as passed [m].
+    :param motion: ``Twist`` of the robot at the beginning, in its own axes.
+    :raises ValueError: where a speed or distance is not finite, or is negative.
     """
 
-    def __init__(self, robot: RoundRobot, settings: DriveSettings, path: Path) -> None:
+    def __init__(self, robot: RoundRobot, settings: DriveSettings, path: Path, *,
+                 end_speed: float = 0.0, handover_distance: float = 0.0,
+                 motion: Twist = STOP) -> None:
+        for name, value in (('end_speed', end_speed), ('handover_distance', handover_distance)):
+            if not (math.isfinite(value) and value >= 0.0):
+                raise ValueError(f'{name}: got {value!r}, expected a finite number of at least 0')
         self._robot = robot
         self._limits = settings.limited_to(robot)
         self._goal = path.poses[-1]
-        self._sections = split_at_stops(path, self._limits)
+        self._sections = split_at_stops(path, self._limits, end_speed)
+        # A rotation in place at the end is a stop at any rate.
+        self._passes_end = (end_speed > 0.0 and bool(self._sections)
+                            and isinstance(self._sections[-1], MotionSection))
+        self._handover_distance = handover_distance
         self._progress = _SectionProgress()
         self._rest_time = 0.0
-        self._command = STOP
+        self._command = motion
         # Motion of the robot as its lag lets it follow the commands.
-        self._motion = STOP
+        self._motion = motion
         self.finished = False
+        self.missed = False
 
     @property
     def remaining_distance(self) -> float:
@@ -170,8 +216,14 @@ class PathFollower:
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
         pose = Pose(*pose)
         predicted = self._predict(pose, dt)
-        arrived = self._check_arrival(pose, predicted, dt)
-        requested = STOP if arrived else self._track(predicted, dt)
+        if self._passes_end:
+            self._check_passing(pose)
+            stops = self.missed
+        else:
+            stops = self._check_arrival(pose, predicted, dt)
+        requested = STOP if stops else self._track(predicted, dt)
+        if self._robot.drive == 'differential':
+            requested = keep_curvature(self._command, requested, self._limits, dt)
         self._command = limit_command(self._command, requested, self._limits, dt)
         return self._command
 
@@ -193,6 +245,23 @@ class PathFollower:
         if self._rest_time > REST_TIMEOUT and not self.finished:
             self._sections = split_at_stops(self._direct_path(pose), self._limits)
         return not self._sections
+
+    def _check_passing(self, pose: Pose) -> None:
+        """Find out whether the robot passes the end, and whether it does so on the path."""
+        section = self._sections[-1]
+        if (self.finished or self.missed or len(self._sections) > 1
+                or not isinstance(section, MotionSection)):
+            return
+        if self._progress.distance < section.length - self._handover_distance - PASSING_RANGE:
+            return
+        direction = section.direction(section.length)
+        ahead, aside = Pose(0.0, 0.0, -direction).rotate((pose.x - self._goal.x,
+                                                          pose.y - self._goal.y))
+        if ahead >= -self._handover_distance:
+            self.finished = (
+                abs(aside) <= PASSING_POSITION_TOLERANCE
+                and abs(wrap_angle(pose.theta - self._goal.theta)) <= PASSING_HEADING_TOLERANCE)
+            self.missed = not self.finished
 
     def _is_at_goal(self, pose: Pose) -> bool:
         return (distance(pose, self._goal) <= POSITION_TOLERANCE
@@ -239,6 +308,8 @@ class PathFollower:
             error, track = complex(left, lateral), track_holonomic
         else:
             error, track = left, track_differential
+        if self._passes_end and len(self._sections) == 1:
+            return track(section, predicted, s, lateral, self._limits)
         if self._progress.settle(error, SECTION_POSITION_TOLERANCE, dt):
             return None
         return track(section, predicted, s, lateral, self._limits)

@@ -87,7 +87,7 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
     if not 0.0 < robot.radius < math.inf:
         raise ValueError(f'robot.radius: got {robot.radius:g} m, expected a round robot, neither '
                          'a point nor a flat pusher')
-    object_pose, start, goal = (_finite(name, pose) for name, pose in (
+    object_pose, start, goal = (finite_pose(name, pose) for name, pose in (
         ('object_pose', object_pose), ('start', start), ('goal', goal)))
     body = inflate(obj.outline, obj.radius, robot.radius + settings.clearance)
     to_object = object_pose.inverse()
@@ -104,7 +104,7 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
                      for x, y, arc_angle in route]
         paths += assemble_paths(robot, ends, waypoints, settings.max_reverse_distance)
     if occupancy_map is not None:
-        margin = _map_margin(robot, start, goal, settings, occupancy_map)
+        margin = map_margin(robot, start, goal, settings, occupancy_map)
         paths = [path for path in paths if occupancy_map.robot_is_free(
             robot, sample_path(path, robot, occupancy_map.resolution), margin)]
         if not paths:
@@ -261,9 +261,18 @@ def assemble_paths(robot: RoundRobot, ends: PathEnds, waypoints: Sequence[Waypoi
     return paths if reversing.length <= max_reverse_distance else [forwards]
 
 
-def _map_margin(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
-                occupancy_map: OccupancyMap) -> float:
-    """Distance that the path keeps from obstacles of the map [m]."""
+def map_margin(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
+               occupancy_map: OccupancyMap) -> float:
+    """
+    Find the distance that a path keeps from obstacles of a map [m].
+
+    :param robot: the ``RoundRobot``.
+    :param start: ``Pose`` of the robot.
+    :param goal: ``Pose`` of the robot.
+    :param settings: ``DriveSettings``.
+    :param occupancy_map: ``OccupancyMap``.
+    :raises NoPathFound: where the robot would overlap an obstacle at one of both.
+    """
     here, there = occupancy_map.clearance([start[:2], goal[:2]]) - robot.radius
     if here < 0.0:
         raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m is in an obstacle of '
@@ -275,7 +284,14 @@ def _map_margin(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSetti
     return margin
 
 
-def _finite(name: str, pose: Pose) -> Pose:
+def finite_pose(name: str, pose: Pose) -> Pose:
+    """
+    Return a pose, of which all numbers are finite.
+
+    :param name: of the pose, for the message.
+    :param pose: the ``Pose``.
+    :raises ValueError: where one is not.
+    """
     pose = Pose(*pose)
     if not pose.is_finite():
         raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')

@@ -5,12 +5,22 @@ Along a section the squared speed grows by ``2 a`` per distance at most, and fal
 
     v_i+1^2 <= v_i^2 + 2 a_i l_i,    v_i^2 <= v_i+1^2 + 2 a_i l_i
 
-with l_i and a_i the length and the acceleration limit of segment i, and v = 0 at every stop.
+with l_i and a_i the length and the acceleration limit of segment i, and v = 0 at every stop. At
+both ends of the path the robot may be moving.
+
+Where the curvature jumps by k, the yaw rate needs a distance of 2 w to follow, with alpha its
+acceleration,
+
+    w = v^2 k / (2 alpha)
+
+so that the heading that can be followed is that of the path averaged over w to both sides. On an
+arc the robot is then inside the path by ``k w^2 / 6``, which bounds the speed at the joint.
 """
 
 from collections.abc import Sequence
 import itertools
 import math
+from typing import NamedTuple
 
 from push_model.geometry import Coordinates, wrap_angle
 from push_model.parameters import RoundRobot
@@ -26,6 +36,14 @@ LATERAL_FRACTION = 0.7
 # Fraction of the acceleration limit that braking is planned with. Chosen: leaves a tenth to
 # feedback.
 BRAKING_FRACTION = 0.9
+# Fraction of the yaw acceleration that curvature is planned with. Chosen: leaves some to feedback.
+YAW_FRACTION = 0.85
+# A robot whose yaw rate takes time to build up is inside an arc by at most this [m]. Chosen: well
+# below the clearance from the object, and as much as feedback lets it deviate elsewhere.
+MAX_CORNER_CUT = 0.004
+# Below this distance the averaging of directions is left out [m]. Chosen: far below what can be
+# measured, far above rounding.
+MIN_WINDOW = 1e-6
 # Time constant with which the speed fades out at a stop; a trapezoid takes as much longer [s].
 # Chosen: somewhat above the usual lag of a drive, so that it does not overshoot.
 FADE_TIME = 0.15
@@ -69,47 +87,137 @@ def is_continuous(before: PathSegment, after: PathSegment) -> bool:
     return abs(wrap_angle(after.directions[0] - before.directions[1])) < SAME_DIRECTION
 
 
-def joint_speeds(segments: Sequence[PathSegment], limits: DriveSettings) -> list[float]:
+class CurvatureJump(NamedTuple):
     """
-    Greatest speeds at the joints of the segments, both ends included.
+    Joint of two segments with different curvatures.
+
+    :param s: arc length from the beginning of the section [m].
+    :param jump: change of the curvature [1/m].
+    :param window: distance to both sides over which the direction is averaged [m].
+    """
+
+    s: float
+    jump: float
+    window: float
+
+
+def smoothing_window(speed: float, jump: float, limits: DriveSettings) -> float:
+    """
+    Compute the distance before and behind a jump of curvature on which the yaw rate changes [m].
+
+    :param speed: of the robot there [m/s].
+    :param jump: of the curvature [1/m].
+    :param limits: ``DriveSettings`` within the limits of the robot.
+    """
+    return speed * speed * abs(jump) / (2.0 * YAW_FRACTION * limits.yaw_acceleration)
+
+
+def joint_speed_limit(before: PathSegment, after: PathSegment, room: float,
+                      limits: DriveSettings) -> tuple[float, float]:
+    """
+    Speed at which the yaw rate of the robot can follow from one segment to the next.
+
+    :param before: ``PathSegment``, with a length above 0.
+    :param after: the ``PathSegment`` that follows, with a length above 0.
+    :param room: distance from the joint in which the yaw rate must have settled [m].
+    :param limits: ``DriveSettings`` within the limits of the robot.
+    :return: (speed [m/s], distance before and behind the joint for which it holds [m]).
+    """
+    jump = abs(after.heading_change / after.length - before.heading_change / before.length)
+    top = min(segment_limits(before, limits)[0], segment_limits(after, limits)[0])
+    window = smoothing_window(top, jump, limits)
+    if window < MIN_WINDOW:
+        return top, 0.0
+    longest = min(room, math.sqrt(6.0 * MAX_CORNER_CUT / jump))
+    if window <= longest:
+        return top, window
+    return top * math.sqrt(longest / window), longest
+
+
+class JointSpeeds(NamedTuple):
+    """
+    Greatest speeds at the joints of segments, both ends included.
+
+    :param speeds: one more than segments; 0 where the robot stops [m/s].
+    :param windows: distance before and behind each joint on which the speed is that [m].
+    """
+
+    speeds: list[float]
+    windows: list[float]
+
+    def ramp_length(self, number: int, length: float) -> float:
+        """
+        Length on which the speed changes on a segment [m].
+
+        :param number: of the segment.
+        :param length: of the segment [m].
+        """
+        return max(0.0, length - self.windows[number] - self.windows[number + 1])
+
+
+def joint_speeds(segments: Sequence[PathSegment], limits: DriveSettings, *,
+                 start_speed: float = 0.0, end_speed: float = 0.0) -> JointSpeeds:
+    """
+    Find the greatest speeds at the joints of the segments, both ends included.
 
     :param segments: ``PathSegment`` sequence.
     :param limits: ``DriveSettings`` within the limits of the robot.
-    :return: speeds [m/s], one more than segments; 0 where the robot stops.
+    :param start_speed: speed along the path at its beginning, at most [m/s].
+    :param end_speed: the same at its end [m/s].
+    :return: ``JointSpeeds``.
     """
     bounds = [segment_limits(segment, limits) if segment.length else (0.0, 0.0)
               for segment in segments]
-    v_squared = [0.0] * (len(segments) + 1)
+    speeds, windows = [0.0] * (len(segments) + 1), [0.0] * (len(segments) + 1)
     for i in range(1, len(segments)):
         if is_continuous(segments[i - 1], segments[i]):
-            v_squared[i] = min(bounds[i - 1][0], bounds[i][0]) ** 2
+            # Half of a segment for each of its joints; all of it where the robot passes the end.
+            passes = end_speed > 0.0 and i + 1 == len(segments)
+            room = min(0.5 * segments[i - 1].length, (1.0 if passes else 0.5) * segments[i].length)
+            speeds[i], windows[i] = joint_speed_limit(segments[i - 1], segments[i], room, limits)
+    joints = JointSpeeds(speeds, windows)
+    if segments:
+        speeds[0] = min(start_speed, bounds[0][0])
+        speeds[-1] = min(end_speed, bounds[-1][0])
     for i, (segment, (_, acceleration)) in enumerate(zip(segments, bounds)):
-        v_squared[i + 1] = min(v_squared[i + 1],
-                               v_squared[i] + 2.0 * acceleration * segment.length)
+        ramp = joints.ramp_length(i, segment.length)
+        speeds[i + 1] = min(speeds[i + 1], math.sqrt(speeds[i] ** 2 + 2.0 * acceleration * ramp))
     for i in reversed(range(len(segments))):
-        v_squared[i] = min(v_squared[i],
-                           v_squared[i + 1] + 2.0 * bounds[i][1] * segments[i].length)
-    return [math.sqrt(value) for value in v_squared]
+        ramp = joints.ramp_length(i, segments[i].length)
+        speeds[i] = min(speeds[i], math.sqrt(speeds[i + 1] ** 2 + 2.0 * bounds[i][1] * ramp))
+    return joints
 
 
-def travel_time(path: Path, robot: RoundRobot, settings: DriveSettings) -> float:
+def travel_time(path: Path, robot: RoundRobot, settings: DriveSettings, *,
+                start_speed: float = 0.0, end_speed: float = 0.0) -> float:
     """
-    Time that a robot takes for a path, from rest to rest [s].
+    Time that a robot takes for a path [s].
 
-    The drive lags behind its commands once at each stop.
+    The drive lags behind its commands once at each stop, and where the robot passes the end of
+    the path. A robot that moves the other way at the beginning first brakes; how far it rolls
+    meanwhile is not counted.
 
     :param path: the ``Path``.
     :param robot: the ``RoundRobot``.
     :param settings: ``DriveSettings``.
+    :param start_speed: speed along the path at its beginning, negative against it [m/s].
+    :param end_speed: speed at which it passes the end, if it can [m/s].
     """
     segments, limits = path.segments, settings.limited_to(robot)
-    speeds = joint_speeds(segments, limits)
-    time = 0.0
-    for segment, first, last in zip(segments, speeds, speeds[1:]):
+    joints = joint_speeds(segments, limits, start_speed=max(0.0, start_speed),
+                          end_speed=end_speed)
+    time = max(0.0, -start_speed) / limits.acceleration
+    if joints.speeds[-1] > 0.0:
+        time += robot.time_constant
+    for i, segment in enumerate(segments):
+        first, last = joints.speeds[i:i + 2]
         if last == 0.0 and (segment.length or segment.heading_change):
             time += robot.time_constant + FADE_TIME
         if segment.length:
-            time += _trapezoid_time(segment.length, first, last, *segment_limits(segment, limits))
+            time += sum(window / speed for speed, window in zip((first, last),
+                                                                joints.windows[i:i + 2]) if window)
+            time += _trapezoid_time(joints.ramp_length(i, segment.length), first, last,
+                                    *segment_limits(segment, limits))
         elif segment.heading_change:
             time += _trapezoid_time(abs(segment.heading_change), 0.0, 0.0, limits.yaw_rate,
                                     limits.yaw_acceleration)
@@ -148,13 +256,16 @@ class MotionSection:
 
     :param segments: ``PathSegment`` sequence, each with a length.
     :param limits: ``DriveSettings`` within the limits of the robot.
+    :param end_speed: speed at which the robot passes its end, 0 where it stops there [m/s].
     """
 
-    def __init__(self, segments: Sequence[PathSegment], limits: DriveSettings) -> None:
+    def __init__(self, segments: Sequence[PathSegment], limits: DriveSettings,
+                 end_speed: float = 0.0) -> None:
         self.segments = tuple(segments)
         self._limits = limits
         self._starts = [0.0, *itertools.accumulate(segment.length for segment in self.segments)]
-        self._speeds = joint_speeds(self.segments, limits)
+        self._speeds, self._windows = joint_speeds(self.segments, limits, end_speed=end_speed)
+        self._joints = self._curvature_jumps()
         # The segment that the robot is on.
         self._number = 0
         first = self.segments[0]
@@ -183,17 +294,20 @@ class MotionSection:
         """
         Speed from which everything ahead is still reached slowly enough [m/s].
 
-        It is below 0 beyond the end.
+        Beyond an end at which the robot stops it is below 0; beyond others it stays.
 
         :param s: arc length from the beginning [m].
         """
         i = self._number
         top, braking = segment_limits(self.segments[i], self._limits)
         left = self._starts[i + 1] - s
-        if i == len(self.segments) - 1:
+        if self._windows[i] and s - self._starts[i] < self._windows[i]:
+            top = min(top, self._speeds[i])
+        if i == len(self.segments) - 1 and self._speeds[-1] == 0.0:
             return math.copysign(min(top, stopping_speed(abs(left), braking)), left)
+        left = max(0.0, left - self._windows[i + 1])
         return min(top, math.sqrt(self._speeds[i + 1] ** 2
-                                  + 2.0 * BRAKING_FRACTION * braking * max(0.0, left)))
+                                  + 2.0 * BRAKING_FRACTION * braking * left))
 
     def direction(self, s: float) -> float:
         """
@@ -204,25 +318,29 @@ class MotionSection:
         segment, along = self._segment_at(s)
         return segment.direction(along)
 
-    def smooth_direction(self, s: float, speed: float) -> tuple[float, float]:
+    def smooth_motion(self, s: float) -> tuple[float, float, float]:
         """
-        Direction of motion that a robot can follow whose yaw rate does not jump.
+        Motion that a robot can follow whose yaw rate does not jump, on and beside the path.
 
-        It is averaged over the distance on which the yaw rate of the sharpest arc builds up.
+        The direction is averaged over the distance on which the yaw rate builds up at the nearest
+        joint of two segments.
 
         :param s: arc length from the beginning [m].
-        :param speed: of the robot [m/s].
-        :return: direction [rad], curvature [1/m].
+        :return: direction [rad], curvature [1/m], offset to the left of the path [m].
         """
-        sharpest = max(abs(segment.arc_angle) / segment.length for segment in self.segments)
-        window = speed * speed * sharpest / (2.0 * self._limits.yaw_acceleration)
-        here = self.direction(s)
-        if window < 1e-6:
-            segment, _ = self._segment_at(s)
-            return here, segment.arc_angle / segment.length
-        before, after = (math.remainder(self.direction(s + offset) - here, 2.0 * math.pi)
-                         for offset in (-window, window))
-        return here + 0.25 * (before + after), (after - before) / (2.0 * window)
+        segment, along = self._segment_at(s)
+        direction, curvature = segment.direction(along), segment.arc_angle / segment.length
+        joint = min(self._joints, key=lambda joint: abs(s - joint.s), default=None)
+        if joint is None:
+            return direction, curvature, 0.0
+        offset = curvature * joint.window ** 2 / 6.0
+        left = joint.window - abs(s - joint.s)
+        if left > 0.0:
+            beyond = math.copysign(1.0, s - joint.s)
+            direction += joint.jump * left ** 2 / (4.0 * joint.window)
+            curvature -= beyond * joint.jump * left / (2.0 * joint.window)
+            offset -= beyond * joint.jump * left ** 3 / (12.0 * joint.window)
+        return direction, curvature, offset
 
     def heading(self, s: float) -> tuple[float, float]:
         """
@@ -234,6 +352,11 @@ class MotionSection:
         segment, along = self._segment_at(s)
         return segment.heading(along), segment.heading_change / segment.length
 
+    def _curvature_jumps(self) -> list[CurvatureJump]:
+        curvatures = [segment.arc_angle / segment.length for segment in self.segments]
+        return [CurvatureJump(s, after - before, window) for s, window, before, after in zip(
+            self._starts[1:], self._windows[1:], curvatures, curvatures[1:]) if window]
+
     def _segment_at(self, s: float) -> tuple[PathSegment, float]:
         s = min(self.length, max(0.0, s))
         number = len(self.segments) - 1
@@ -242,12 +365,14 @@ class MotionSection:
         return self.segments[number], s - self._starts[number]
 
 
-def split_at_stops(path: Path, limits: DriveSettings) -> list[MotionSection | PathSegment]:
+def split_at_stops(path: Path, limits: DriveSettings,
+                   end_speed: float = 0.0) -> list[MotionSection | PathSegment]:
     """
     Split a path where the robot must stop.
 
     :param path: the ``Path``.
     :param limits: ``DriveSettings`` within the limits of the robot.
+    :param end_speed: speed at which it passes the end of the path [m/s].
     :return: list of ``MotionSection``, and of the ``PathSegment`` of each rotation in place.
     """
     groups: list[list[PathSegment]] = []
@@ -256,4 +381,6 @@ def split_at_stops(path: Path, limits: DriveSettings) -> list[MotionSection | Pa
             groups[-1].append(segment)
         elif segment.length or segment.heading_change:
             groups.append([segment])
-    return [MotionSection(group, limits) if group[0].length else group[0] for group in groups]
+    speeds = [0.0] * (len(groups) - 1) + [end_speed]
+    return [MotionSection(group, limits, speed) if group[0].length else group[0]
+            for group, speed in zip(groups, speeds)]

@@ -17,7 +17,7 @@ MAY_IMPORT = {
     'push_model': set(),
     'push_dynamics': {'push_model'},
     'push_primitives': {'push_model', 'push_dynamics'},
-    'push_navigation': {'push_model'},
+    'push_navigation': {'push_model', 'push_dynamics'},
     'push_ros': {'push_model', 'push_navigation'},
     'push_planner': PREDICTION,
     'push_control': PREDICTION,

@@ -1,0 +1,237 @@
+"""
+Approach paths: the quickest path of the robot to a contact, which ends along the line of a push.
+
+The robot leaves the object, turns by arcs rather than in place, and meets the line of the push
+straight, without a stop before the contact. Candidates are manoeuvres of ``manoeuvres``, scanned
+coarsely and refined, and the path with rotations in place of ``path_planner``.
+"""
+
+from collections.abc import Callable, Iterator
+import functools
+import itertools
+import math
+
+import numpy as np
+from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_model.parameters import Outline, PushedObject, RoundRobot
+from push_navigation.manoeuvres import (
+    ANGLE, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, DEPARTURE, DEPARTURE_ANGLE, DEPARTURE_RADIUS,
+    DIRECTION, FIRST_RADIUS, LAST_RADIUS, lay_out, LENGTH, MANOEUVRE_SIZE, Manoeuvring,
+    MAX_SEGMENTS, moved, NO_LENGTH, refine, REVERSES, scan, SEGMENT_SIZE, SHAPES, THETA, X, Y,
+)
+from push_navigation.obstacle import inflate, InflatedObstacle
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import differential_path, holonomic_path, Path, sample_path, Waypoint
+from push_navigation.path_planner import (
+    finite_pose, map_margin, MAX_ARC_ANGLE, MAX_DEPARTURE_ANGLE, plan_path,
+)
+from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import LATERAL_FRACTION
+
+# Length of the straight line on to the object, at least [m]. Chosen: a path follower with a usual
+# lag has settled on the line of the push by then (measured in its tests).
+FINAL_STRAIGHT = 0.03
+# Length of the straight line off the object, at least [m]. Chosen: far enough to be free of the
+# contact, wherever an uncertain contact normal points.
+FIRST_STRAIGHT = 0.02
+# By so much arcs at both ends of the path may be nearer to the object than the clearance [m]: they
+# are short, slow, and next to a contact that is meant. Measured: the prototype of such paths
+# with a clearance of 40 mm did not bump more often.
+ARC_ALLOWANCE = 0.018
+# Radius of arcs that are scanned, as a fraction of the least that can be driven at full speed, and
+# the least radius that refinement comes to [m].
+RADIUS_FRACTION = 0.8
+MIN_RADIUS = 0.08
+# Angles of the arcs at departure and arrival that are scanned [rad].
+SHUNT_ANGLES = (0.0, 0.6, -0.6, 1.2, -1.2)
+# What is added to the least straight lines off and on to the object [m].
+EXTRA_STRAIGHTS = (0.0, 0.08)
+# Directions in which a holonomic base departs, from the outward normal [rad].
+HOLONOMIC_DIRECTIONS = (0.0, 0.6, -0.6, 1.2, -1.2)
+
+
+def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
+                  contact_pose: Pose, settings: DriveSettings, *,
+                  occupancy_map: OccupancyMap | None = None,
+                  final_straight: float = FINAL_STRAIGHT, end_speed: float = 0.2) -> Path:
+    """
+    Plan the quickest path to a contact, which ends moving along the line of the push.
+
+    :param robot: the ``RoundRobot``, neither a point nor a flat pusher.
+    :param obj: the ``PushedObject``.
+    :param object_pose: ``Pose`` of the object.
+    :param start: ``Pose`` of the robot, at rest.
+    :param contact_pose: the robot's centre at the first touch, and the direction of motion there;
+        a holonomic base keeps the heading that it has.
+    :param settings: ``DriveSettings``.
+    :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
+    :param final_straight: length of the straight line on to the object, at least [m].
+    :param end_speed: speed at the contact, 0 where the robot stops there [m/s].
+    :return: ``Path`` up to the contact.
+    :raises NoPathFound: where a pose lies inside the object, or obstacles are in the way.
+    :raises ValueError: naming what is not finite, or a robot that is not round.
+    """
+    object_pose, start, contact_pose = (finite_pose(name, pose) for name, pose in (
+        ('object_pose', object_pose), ('start', start), ('contact_pose', contact_pose)))
+    is_holonomic = robot.drive == 'holonomic'
+    goal = contact_pose._replace(theta=start.theta) if is_holonomic else contact_pose
+    is_free = _free_of_obstacles(robot, start, goal, settings, occupancy_map)
+    limits = settings.limited_to(robot)
+    to_object = object_pose.inverse()
+    for segments in _manoeuvres(robot, obj, (to_object @ start, to_object @ contact_pose), limits,
+                                final_straight, end_speed):
+        path = _to_path(robot, object_pose, (start, goal), segments)
+        if is_free(path):
+            return path
+    return _stopping_path(robot, obj, object_pose, (start, contact_pose), settings,
+                          occupancy_map)
+
+
+def _manoeuvres(robot: RoundRobot, obj: PushedObject, ends: tuple[Pose, Pose],
+                limits: DriveSettings, final_straight: float,
+                end_speed: float) -> Iterator[FloatArray]:
+    """Yield the segments of manoeuvres that keep clear, the quickest first."""
+    start, goal = ends
+    body = inflate(obj.outline, obj.radius, robot.radius + limits.clearance)
+    departures = _departures(robot, body, start, limits)
+    if departures is None:
+        return
+    given = Manoeuvring(
+        _corners(body.core), obj.radius + robot.radius, limits.clearance, ARC_ALLOWANCE,
+        robot.drive == 'holonomic', start.x, start.y, robot.drive == 'differential',
+        goal.x, goal.y, goal.theta, limits.speed, limits.yaw_rate, limits.acceleration,
+        limits.yaw_acceleration, end_speed, robot.time_constant)
+    found = np.zeros((SHAPES + 1, MANOEUVRE_SIZE + 2))
+    segments = np.zeros((MAX_SEGMENTS, SEGMENT_SIZE))
+    steps, least = _refinement(robot.drive, final_straight)
+    scan(given, departures, _arrivals(limits, robot.drive, final_straight), found, segments)
+    refine(given, steps, least, found, segments)
+    for number in np.argsort(found[:SHAPES, 0], kind='stable'):
+        if not math.isfinite(found[number, 0]):
+            break
+        count = lay_out(given, found[number, 1:], segments)
+        yield segments[:count]
+
+
+def _departures(robot: RoundRobot, body: InflatedObstacle, start: Pose,
+                limits: DriveSettings) -> FloatArray | None:
+    """List the beginnings of manoeuvres, None where none leads off the object."""
+    gap, outward = body.nearest(start.x, start.y)
+    patterns = _departure_patterns(limits, robot.drive)
+    rows = patterns.copy()
+    is_clear = gap > -NO_LENGTH
+    if robot.drive == 'holonomic':
+        rows[:, DIRECTION] += outward
+        if not is_clear:
+            rows[:, DEPARTURE] += [body.ray_exit(start.x, start.y, direction)
+                                   for direction in rows[:, DIRECTION].tolist()]
+        return rows
+    rows[:, DIRECTION] = start.theta + math.pi
+    if is_clear:
+        return rows
+    inclination = wrap_angle(outward - start.theta - math.pi)
+    if abs(inclination) > MAX_DEPARTURE_ANGLE:
+        return None
+    rows[:, DEPARTURE] += body.ray_exit(start.x, start.y, start.theta + math.pi)
+    return rows
+
+
+# The drives and settings of a process are few.
+@functools.lru_cache(maxsize=16)
+def _departure_patterns(limits: DriveSettings, drive: str) -> FloatArray:
+    radius = RADIUS_FRACTION * _full_speed_radius(limits, drive)
+    directions = HOLONOMIC_DIRECTIONS if drive == 'holonomic' else (0.0,)
+    angles = (0.0,) if drive == 'holonomic' else SHUNT_ANGLES
+    rows: list[FloatArray] = []
+    for direction, length, angle, sense in itertools.product(
+            directions, EXTRA_STRAIGHTS, angles, (0.0, 1.0, -1.0)):
+        row = np.zeros(MANOEUVRE_SIZE)
+        row[[DIRECTION, DEPARTURE, DEPARTURE_ANGLE, DEPARTURE_RADIUS, FIRST_RADIUS]] = (
+            direction, length, angle, radius, sense * radius)
+        rows.append(row)
+    return np.array(rows)
+
+
+@functools.lru_cache(maxsize=16)
+def _arrivals(limits: DriveSettings, drive: str, final_straight: float) -> FloatArray:
+    radius = RADIUS_FRACTION * _full_speed_radius(limits, drive)
+    angles = (0.0,) if drive == 'holonomic' else SHUNT_ANGLES
+    rows: list[FloatArray] = []
+    for angle, length, sense in itertools.product(angles, EXTRA_STRAIGHTS, (0.0, 1.0, -1.0)):
+        row = np.zeros(MANOEUVRE_SIZE)
+        straight = max(final_straight, limits.clearance) + length
+        row[[LAST_RADIUS, ARRIVAL_ANGLE, ARRIVAL_RADIUS, ARRIVAL]] = (
+            sense * radius, angle, radius, straight)
+        rows.append(row)
+    return np.array(rows)
+
+
+def _full_speed_radius(limits: DriveSettings, drive: str) -> float:
+    """Least radius of an arc that is driven at full speed [m]."""
+    lateral = limits.speed ** 2 / (LATERAL_FRACTION * limits.acceleration)
+    return lateral if drive == 'holonomic' else max(lateral, limits.speed / limits.yaw_rate)
+
+
+@functools.lru_cache(maxsize=16)
+def _refinement(drive: str, final_straight: float) -> tuple[FloatArray, FloatArray]:
+    """First steps of the numbers of a manoeuvre, and their least magnitudes."""
+    steps, least = np.zeros(MANOEUVRE_SIZE), np.zeros(MANOEUVRE_SIZE)
+    steps[[DEPARTURE, ARRIVAL]] = 0.05
+    steps[[FIRST_RADIUS, LAST_RADIUS]] = 0.04
+    least[[FIRST_RADIUS, LAST_RADIUS, DEPARTURE_RADIUS, ARRIVAL_RADIUS]] = MIN_RADIUS
+    least[[DEPARTURE, ARRIVAL]] = FIRST_STRAIGHT, final_straight
+    if drive == 'holonomic':
+        steps[DIRECTION] = 0.2
+    else:
+        steps[[DEPARTURE_ANGLE, ARRIVAL_ANGLE]] = 0.3
+        steps[[DEPARTURE_RADIUS, ARRIVAL_RADIUS]] = 0.04
+    return steps, least
+
+
+@functools.lru_cache(maxsize=64)
+def _corners(core: Outline) -> FloatArray:
+    return np.array(core, dtype=float)
+
+
+def _to_path(robot: RoundRobot, object_pose: Pose, ends: tuple[Pose, Pose],
+             segments: FloatArray) -> Path:
+    """Make a path in the world of the segments of a manoeuvre."""
+    waypoints: list[Waypoint] = []
+    backwards: list[bool] = []
+    for row in segments.tolist():
+        if row[LENGTH] == 0.0:
+            continue
+        count = max(1, math.ceil(abs(row[ANGLE]) / MAX_ARC_ANGLE))
+        for i in range(count):
+            part = (i + 1) / count
+            x, y, _ = moved((row[X], row[Y], row[THETA]), part * row[LENGTH],
+                            part * row[ANGLE])
+            waypoints.append(Waypoint(*object_pose.transform((x, y)), row[ANGLE] / count))
+            backwards.append(row[REVERSES] > 0.0)
+    if robot.drive == 'holonomic':
+        return holonomic_path(*ends, waypoints)
+    return differential_path(*ends, waypoints, backwards)
+
+
+def _stopping_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose,
+                   ends: tuple[Pose, Pose], settings: DriveSettings,
+                   occupancy_map: OccupancyMap | None) -> Path:
+    """Plan a path that stops before the contact, and goes straight on to it."""
+    start, contact = ends
+    c, s = math.cos(contact.theta), math.sin(contact.theta)
+    goal = contact._replace(theta=start.theta) if robot.drive == 'holonomic' else contact
+    standoff = goal._replace(x=contact.x - settings.standoff * c,
+                             y=contact.y - settings.standoff * s)
+    path = plan_path(robot, obj, object_pose, start, standoff, settings,
+                     occupancy_map=occupancy_map)
+    return Path((*path.poses, goal), (*path.arc_angles, 0.0))
+
+
+def _free_of_obstacles(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
+                       occupancy_map: OccupancyMap | None) -> Callable[[Path], bool]:
+    """Return the test whether a path keeps clear of the obstacles of a map."""
+    if occupancy_map is None:
+        return lambda path: True
+    margin = map_margin(robot, start, goal, settings, occupancy_map)
+    return lambda path: occupancy_map.robot_is_free(
+        robot, sample_path(path, robot, occupancy_map.resolution), margin)
