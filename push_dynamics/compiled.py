@@ -65,6 +65,15 @@ def kernel_array(values: Any) -> Any:
     return array if IS_COMPILED else array.tolist()
 
 
+def numbers_of(values: Any) -> list[float]:
+    """
+    List the numbers of a ``kernel_array`` of one dimension.
+
+    :param values: as ``kernel_array`` made it.
+    """
+    return [float(value) for value in values] if isinstance(values, list) else values.tolist()
+
+
 def cache_directory(folder: pathlib.Path = HERE) -> str | None:
     """
     Return the directory for machine code, made if need be; None where it cannot be written to.

@@ -7,7 +7,7 @@ from typing import Any, Sequence
 import numpy as np
 from push_dynamics import layout
 from push_dynamics.actuation import limit_command
-from push_dynamics.compiled import IS_COMPILED, kernel_array
+from push_dynamics.compiled import IS_COMPILED, kernel_array, numbers_of
 from push_dynamics.contact_law import ContactPoint, nearest_points, surface_velocity
 from push_dynamics.encoding import (
     body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
@@ -174,11 +174,7 @@ class Plant:
     @property
     def energy(self) -> Energy:
         """``Energy`` since the start."""
-        v_x, v_y, omega = (self._number(i) for i in (layout.V_X, layout.V_Y, layout.OMEGA))
-        kinetic = 0.5 * (self.obj.mass * (v_x * v_x + v_y * v_y)
-                         + self.obj.inertia * omega * omega)
-        return Energy(self._number(layout.WORK), kinetic, self._number(layout.SUPPORT_LOSS),
-                      self._number(layout.CONTACT_LOSS), self._number(layout.IMPACT_LOSS))
+        return self._energy_of(self._arrays.state)
 
     def truth(self, time: float) -> Truth:
         """
@@ -187,33 +183,41 @@ class Plant:
         :param time: simulated time that the sample carries [s].
         :return: ``Truth``.
         """
-        object_pose = self.object_pose
-        robot_pose = self.robot_pose
+        # Numbers of a list are read several times faster than those of an array.
+        state = numbers_of(self._arrays.state)
+        forces = numbers_of(self._arrays.forces)
+        center_of_mass = self.obj.center_of_mass
+        object_pose = object_pose_of(state, center_of_mass)
+        robot_pose = robot_pose_of(state)
+        robot_twist = robot_twist_of(state)
+        mode = ContactMode.from_code(state[layout.MODE])
         nearest = nearest_points(self._arrays.outline, self.obj.radius, self.robot.radius,
                                  *object_pose, *robot_pose)
-        forces = self._arrays.forces
         return Truth(
             time=time,
             object_pose=object_pose,
-            object_twist=self.object_twist,
+            object_twist=object_twist_of(state, center_of_mass),
             robot_pose=robot_pose,
-            robot_twist=self.robot_twist,
-            mode=self.mode,
+            robot_twist=robot_twist,
+            mode=mode,
             contact_point=(nearest.x, nearest.y),
             normal=math.atan2(nearest.n_y, nearest.n_x),
             gap=nearest.gap,
-            pushing_angle=self._pushing_angle(nearest),
-            force_n=self._number(layout.NORMAL_FORCE),
-            force_t=self._number(layout.TANGENTIAL_FORCE),
-            support_forces=tuple((float(x), float(y))
-                                 for x, y in zip(forces[::2], forces[1::2])),
-            energy=self.energy)
+            pushing_angle=(math.nan if mode is ContactMode.SEPARATE
+                           else self._pushing_angle(nearest, robot_pose, robot_twist)),
+            force_n=state[layout.NORMAL_FORCE],
+            force_t=state[layout.TANGENTIAL_FORCE],
+            support_forces=tuple(zip(forces[::2], forces[1::2])),
+            energy=self._energy_of(state))
 
-    def _pushing_angle(self, nearest: ContactPoint) -> float:
-        if self.mode is ContactMode.SEPARATE:
-            return math.nan
-        robot_pose = self.robot_pose
-        robot_twist = self.robot_twist
+    def _energy_of(self, state: Any) -> Energy:
+        v_x, v_y, omega = (float(state[i]) for i in (layout.V_X, layout.V_Y, layout.OMEGA))
+        kinetic = 0.5 * (self.obj.mass * (v_x * v_x + v_y * v_y)
+                         + self.obj.inertia * omega * omega)
+        return Energy(float(state[layout.WORK]), kinetic, float(state[layout.SUPPORT_LOSS]),
+                      float(state[layout.CONTACT_LOSS]), float(state[layout.IMPACT_LOSS]))
+
+    def _pushing_angle(self, nearest: ContactPoint, robot_pose: Pose, robot_twist: Twist) -> float:
         v_x, v_y = robot_pose.rotate(robot_twist)
         normal, tangential = surface_velocity(
             self.robot.radius, nearest.n_x, nearest.n_y, nearest.x - robot_pose.x,

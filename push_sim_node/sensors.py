@@ -110,6 +110,8 @@ class ViewBias:
         :param bearing: direction from the object to the robot, in the object frame [rad].
         :return: ``Pose`` of the object as it is seen, relative to the true one.
         """
+        if not (self._settings.pose_bias or self._settings.pose_heading_bias):
+            return Pose(0.0, 0.0, 0.0)
         waves = [0.5 * self._settings.pose_bias * math.sin(k * bearing + phase)
                  for k, phase in enumerate(self._phases, 1)]
         heading_waves = [0.5 * self._settings.pose_heading_bias * math.sin(k * bearing + phase)

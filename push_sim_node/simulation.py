@@ -2,6 +2,7 @@
 
 import enum
 import heapq
+import itertools
 import math
 from typing import NamedTuple
 
@@ -276,7 +277,7 @@ class Simulation:
                 *truth.robot_twist, *self._active_command(), float(truth.mode.code),
                 truth.force_n, truth.force_t, truth.gap, truth.pushing_angle,
                 *truth.contact_point, truth.normal, *truth.energy,
-                *(value for force in truth.support_forces for value in force))
+                *itertools.chain.from_iterable(truth.support_forces))
 
 
 def _nanoseconds(seconds: float) -> int:

@@ -1,10 +1,10 @@
 """
 Benchmark of tasks: how many random goals are reached, how soon, with how many pushes.
 
-Tasks on open floor, in maps, and with an object that a person displaces and pose drop-outs (see
-``cases.py``); those on open floor are repeated with single pushes only. Takes about an hour on two
-cores, ``--quick`` some six minutes. Records are stored in ``--records`` as tasks finish, and the
-same command resumes after Ctrl-C. ``--seed`` runs one task and prints what happened.
+Tasks on open floor, in maps, disturbed, and variations of those on open floor (see ``cases.py``),
+planned by every method. Takes some hours on two cores, ``--quick`` some minutes. Records are
+stored in ``--records`` as tasks finish, and the same command resumes after Ctrl-C. ``--seed`` runs
+one task and prints what happened.
 """
 
 import argparse
@@ -14,15 +14,27 @@ from pathlib import Path
 import sys
 
 from benchmarks.controller.tables import Job, Record
-from benchmarks.tasks.cases import ALONE, Case, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
-from benchmarks.tasks.report import picture, text
-from benchmarks.tasks.run import run, run_case
+from benchmarks.tasks.cases import (
+    Case, IN_MAPS, jobs, KINDS, METHODS, OPEN, PARTS, STRICT,
+)
+from benchmarks.tasks.picture import picture
+from benchmarks.tasks.reference import refer
+from benchmarks.tasks.report import text
+from benchmarks.tasks.run import drawn, run, run_case
 from push_scenario.batch.batch import run_batch
+from push_scenario.batch.chunks import JobFunction
 from push_scenario.definition.loader import scenario_text
 from push_scenario.definition.scenario import Scenario
 from tqdm import tqdm
 
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
+# Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
+# tolerances.
+COUNTS = {OPEN: 1000, STRICT: 400}
+OTHER_COUNT = 200
+# With ``--quick``: one of each kind; strict two of each, for both tolerances.
+QUICK_COUNTS = {IN_MAPS: 5, STRICT: 14}
+OTHER_QUICK_COUNT = 7
 # Exit status after Ctrl-C: 128 + SIGINT, the convention of shells.
 INTERRUPTED = 130
 
@@ -30,61 +42,97 @@ INTERRUPTED = 130
 def options() -> argparse.Namespace:
     """Parse the command line."""
     parser = argparse.ArgumentParser(description=DESCRIPTION)
-    parser.add_argument('--tasks', type=int, default=1000, help='on open floor')
-    parser.add_argument('--mapped', type=int, default=200, help='in maps')
-    parser.add_argument('--disturbed', type=int, default=200, help='disturbed')
-    parser.add_argument('--alone', type=int, default=100, help='with single pushes only')
-    parser.add_argument('--quick', action='store_true', help='only 100, 20, 20 and 20')
+    parser.add_argument('--part', choices=PARTS, action='append', dest='parts',
+                        help='only this part; may be given several times')
+    parser.add_argument('--method', choices=METHODS, action='append', dest='methods',
+                        help='only this method; may be given several times')
+    parser.add_argument('--kind', help='only this object and drive, such as "box_04, holonomic"')
+    parser.add_argument('--count', type=int, help='number of tasks of every part')
+    parser.add_argument('--quick', action='store_true', help='a few tasks of every part')
     parser.add_argument('--records', type=Path, default=Path('out/tasks'))
     parser.add_argument('--out', type=Path, help='directory for tasks.md and tasks.png')
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
-    parser.add_argument('--part', choices=PARTS, default=OPEN, help='part of the task of --seed')
-    parser.add_argument('--kind', default=KINDS[OPEN][0],
-                        help='object and drive of the task of --seed')
-    parser.add_argument('--seed', type=int, help='run this task only')
+    parser.add_argument('--seed', type=int,
+                        help='run this task of the part only, and print what happens')
     chosen = parser.parse_args()
-    if chosen.kind not in KINDS[chosen.part]:
-        parser.error(f'--kind: got {chosen.kind!r}, expected one of '
-                     + '; '.join(KINDS[chosen.part]))
-    if chosen.quick:
-        chosen.tasks, chosen.mapped, chosen.disturbed, chosen.alone = 100, 20, 20, 20
+    chosen.parts = chosen.parts or (PARTS if chosen.seed is None else [OPEN])
+    chosen.methods = chosen.methods or METHODS
+    for part in chosen.parts:
+        if chosen.kind is not None and chosen.kind not in KINDS[part]:
+            parser.error(f'--kind: got {chosen.kind!r}, expected one of ' + '; '.join(KINDS[part]))
+    if chosen.count is not None and chosen.count < 1:
+        parser.error(f'--count: got {chosen.count}, expected at least 1')
     return chosen
 
 
-def records(chosen: argparse.Namespace, part: str, count: int) -> tuple[list[Job], list[Record]]:
-    """Run tasks of one part, or resume them; return jobs and records."""
-    todo = jobs({part: count})
-    with tqdm(total=len(todo), desc=part) as bar:
+def count_of(chosen: argparse.Namespace, part: str) -> int:
+    """
+    Return the number of tasks of a part.
+
+    :param chosen: command line.
+    :param part: one of ``PARTS``.
+    """
+    if chosen.count is not None:
+        return chosen.count
+    if chosen.quick:
+        return QUICK_COUNTS.get(part, OTHER_QUICK_COUNT)
+    return COUNTS.get(part, OTHER_COUNT)
+
+
+def batch(chosen: argparse.Namespace, function: JobFunction, title: str,
+          todo: list[Job]) -> list[Record]:
+    """Run jobs, or resume them; return their records."""
+    kind = '' if chosen.kind is None else f'-{chosen.kind.replace(", ", "-")}'
+    path = chosen.records / f'{title.replace(" ", "_").replace(",", "")}{kind}-{len(todo)}.jsonl'
+    with tqdm(total=len(todo), desc=title) as bar:
         def advance(done: int, _: int) -> None:
             bar.update(done - bar.n)
 
-        result = run_batch(run, todo, chosen.records / f'{part.replace(" ", "_")}-{count}.jsonl',
-                           workers=chosen.workers, chunk=1,
+        result = run_batch(function, todo, path, workers=chosen.workers, chunk=1,
                            progress=advance)
-    return todo, [record or {'success': False, 'outcome': 'error', 'reason': result.errors[index]}
-                  for index, record in enumerate(result.records)]
+    return [record or {'success': False, 'outcome': 'error', 'reason': result.errors[index]}
+            for index, record in enumerate(result.records)]
+
+
+def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
+    """Run all tasks by all methods; return jobs and records."""
+    all_jobs: list[Job] = []
+    all_records: list[Record] = []
+    for part in chosen.parts:
+        tasks = jobs(part, count_of(chosen, part), [chosen.kind] if chosen.kind else [])
+        references: list[Record] = [{} for _ in tasks]
+        if part == OPEN:
+            references = batch(chosen, refer, f'{part}, reference', tasks)
+        for method in chosen.methods:
+            todo = [{**task, 'method': method} for task in tasks]
+            done = batch(chosen, run, f'{part}, {method}', todo)
+            all_jobs += todo
+            all_records += [{**reference, **record}
+                            for reference, record in zip(references, done)]
+    return all_jobs, all_records
 
 
 def one(chosen: argparse.Namespace) -> None:
-    """Run one task and print what happened; write it as a scenario."""
-    case = draw(chosen.part, chosen.kind, chosen.seed)
-    result, clock = run_case(case)
-    for change in result.history:
-        print(f'{change.time:7.2f} s {change.state.value:9} {change.reason}')
-    for number, plan in enumerate(result.sequence_plans, 1):
-        pushes = ', '.join(f'{push.contact.kind} {push.contact.index}: {push.path_length:.2f} m'
-                           for push in plan.pushes)
-        print(f'plan {number}: {plan.duration:.1f} s '
-              f'(single push {plan.single_push_time:.1f} s): {pushes}')
-    if case.intervention is not None and case.intervention.displacement is not None:
-        print(f'moved in {case.intervention.state}: {case.intervention.displacement}')
-    print(f'{result.outcome.value} after {result.duration:.1f} s {result.reason}: '
-          f'{1e3 * result.position_error:.1f} mm, {math.degrees(result.heading_error):.2f} deg; '
-          f'planning {", ".join(f"{value:.2f} s" for value in clock.planning)}')
-    chosen.records.mkdir(parents=True, exist_ok=True)
-    path = chosen.records / 'random.yaml'
-    path.write_text(scenario_text(disturbed(case)), encoding='utf-8')
-    print(f'written: {path}; replay {path} --in-process')
+    """Run one task by each method and print what happened; write it as a scenario."""
+    part = chosen.parts[0]
+    for method in chosen.methods:
+        job = {'part': part, 'kind': chosen.kind or KINDS[part][0], 'seed': chosen.seed,
+               'method': method}
+        case = drawn(job)
+        result, clock = run_case(case)
+        print(', '.join(f'{name} {value}' for name, value in job.items()))
+        for change in result.history:
+            print(f'{change.time:7.2f} s {change.state.value:9} {change.reason}')
+        if case.intervention is not None and case.intervention.displacement is not None:
+            print(f'moved in {case.intervention.state}: {case.intervention.displacement}')
+        print(f'{result.outcome.value} after {result.duration:.1f} s {result.reason}: '
+              f'{1e3 * result.position_error:.1f} mm, '
+              f'{math.degrees(result.heading_error):.2f} deg (tolerance {case.tolerance}); '
+              f'planning {", ".join(f"{value:.2f} s" for value in clock.planning)}')
+        chosen.records.mkdir(parents=True, exist_ok=True)
+        path = chosen.records / f'random-{method}.yaml'
+        path.write_text(scenario_text(disturbed(case)), encoding='utf-8')
+        print(f'written: {path}; replay {path} --in-process')
 
 
 def disturbed(case: Case) -> Scenario:
@@ -101,21 +149,17 @@ def main() -> int:
     if chosen.seed is not None:
         one(chosen)
         return 0
-    counts = {OPEN: chosen.tasks, IN_MAPS: chosen.mapped, DISTURBED: chosen.disturbed,
-              ALONE: chosen.alone}
     try:
-        found = [records(chosen, part, count) for part, count in counts.items() if count]
+        all_jobs, all_records = measure(chosen)
     except KeyboardInterrupt:
         print('\ninterrupted; the same command resumes', file=sys.stderr)
         return INTERRUPTED
-    todo = [job for jobs_of_part, _ in found for job in jobs_of_part]
-    done = [record for _, records_of_part in found for record in records_of_part]
-    written = text(todo, done)
+    written = text(all_jobs, all_records)
     print(written)
     if chosen.out:
         chosen.out.mkdir(parents=True, exist_ok=True)
         (chosen.out / 'tasks.md').write_text(written, encoding='utf-8')
-        picture(chosen.out / 'tasks.png', todo, done)
+        picture(chosen.out / 'tasks.png', all_jobs, all_records)
     return 0
 
 

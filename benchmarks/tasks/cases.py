@@ -1,13 +1,14 @@
 """
-Random tasks: on open floor, in maps, disturbed, and on open floor with single pushes only.
+Random tasks: on open floor, in maps, disturbed; and those of open floor made harder or easier.
 
 Nominal and true parameters differ as in ``benchmarks.controller.cases``. A task is drawn from its
-part, kind and seed alone.
+part, kind and seed alone. Variations keep everything else of the task on open floor that has the
+same kind and seed, so that both can be compared one by one.
 """
 
 import dataclasses
 import math
-from typing import NamedTuple, Optional
+from typing import Any, Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
@@ -18,29 +19,36 @@ from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.settings import DriveSettings
-from push_planner.settings import PlannerSettings, TaskSettings
+from push_planner.settings import PlannerSettings
 from push_scenario.definition import data
 from push_scenario.definition.loader import read_robot
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
 from push_scenario.definition.task import Task
+from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 
 OPEN = 'open floor'
 IN_MAPS = 'maps'
 DISTURBED = 'disturbed'
-ALONE = 'single pushes'
+SLIPPERY = 'slippery'
+CREEPING = 'creeping'
+FRICTIONLESS = 'frictionless'
+WHEELS = 'wheels'
+TAG = 'tag'
+STRICT = 'strict'
+INFORMED = 'informed'
 # The order enters the seeds of the draws: append only.
-PARTS = OPEN, IN_MAPS, DISTURBED, ALONE
+PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
+         INFORMED)
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be rotated between the walls; a differential drive cannot hold
 # its contact on a round side.
-FITTING = {OPEN: OBJECTS, IN_MAPS: ('box_04', 'carton', 'bin'), DISTURBED: OBJECTS,
-           ALONE: OBJECTS}
-KINDS = {part: tuple(f'{name}, {drive}' for name in names for drive in ROBOTS
+FITTING = {IN_MAPS: ('box_04', 'carton', 'bin')}
+KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
-         for part, names in FITTING.items()}
+         for part in PARTS}
 # Range of the distance of goals, and largest distance of the robot from the object at the start
 # [m]; chosen: the size of a room.
 NEAREST = 0.05
@@ -52,6 +60,46 @@ LATEST = 30.0
 LONGEST_DROPOUT = 2.0
 # Simulated time after which a task is given up [s]; chosen: far longer than tasks take.
 TIME_LIMIT = 900.0
+# True contact friction of slippery contacts, where 0.5 is believed: range that was set for tasks.
+SLIPPERY_FRICTION = 0.15, 0.3
+# Slip over the distance pushed at the friction limit; half of it under half the load, which is
+# about what pushes have.
+CREEP = 0.02
+# Relative error of the angles that wheels of a wrong track width tell: set for tasks.
+YAW_SCALE = 0.02
+# Poses as a camera sees them on a tag: bias, rate and latency were set for tasks; the heading has
+# a bias of half its tolerance, and one pose in fifty is far off.
+TAG_SENSORS = {'pose_rate': 10.0, 'pose_latency': 0.15, 'pose_bias': 0.03,
+               'pose_heading_bias': math.radians(1.0), 'pose_jump_probability': 0.02,
+               'pose_jump': 0.1, 'pose_heading_jump': math.radians(10.0)}
+# What a user of such poses sets: noise in place of the bias, half of which is its root mean
+# square over both axes; latency and three periods as the age at which poses are too old; and what
+# moves between two looks by no more than the bias has not been moved.
+TAG_CONTROL = {'pose_noise': 0.011, 'heading_noise': math.radians(0.5), 'pose_timeout': 0.45}
+TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
+# How tasks are planned: as of ``TaskSettings.method``.
+METHODS = ('sequences',)
+
+
+class Tolerance(NamedTuple):
+    """
+    Errors of the true object pose at rest that count as success.
+
+    :param position: distance from the goal [m].
+    :param heading: error of the heading [rad].
+    """
+
+    position: float = 0.01
+    heading: float = math.radians(1.0)
+
+    def __str__(self) -> str:
+        """Write it as a title."""
+        return f'{1e3 * self.position:g} mm, {math.degrees(self.heading):g} deg'
+
+
+# Set for tasks.
+TAG_TOLERANCE = Tolerance(0.02, math.radians(2.0))
+STRICT_TOLERANCES = (Tolerance(0.005, math.radians(0.5)), Tolerance(0.003, math.radians(0.3)))
 
 
 class Case(NamedTuple):
@@ -59,27 +107,45 @@ class Case(NamedTuple):
     One task.
 
     :param scenario: the ``Scenario``.
-    :param variety: sort of map or of disturbance, empty on open floor.
+    :param variety: sort of map, of disturbance or of variation; empty where there is one only.
     :param floor: the ``Floor``, or None for open floor.
     :param intervention: ``Intervention`` that disturbs it, or None.
+    :param tolerance: ``Tolerance`` by which it is judged.
     """
 
     scenario: Scenario
     variety: str = ''
     floor: Optional[Floor] = None
     intervention: Optional[Intervention] = None
+    tolerance: Tolerance = Tolerance()
 
 
-def jobs(counts: dict[str, int]) -> list[Job]:
+def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
     """
-    List the tasks; the first ones do not depend on how many there are.
+    List the tasks of a part; the first ones do not depend on how many there are.
 
-    :param counts: number of tasks of each of ``PARTS``.
+    :param part: one of ``PARTS``.
+    :param count: number of tasks.
+    :param kinds: of the ``KINDS`` of this part; empty for all of them.
     :return: keyword arguments of ``draw``.
     """
-    return [{'part': part, 'kind': KINDS[part][index % len(KINDS[part])],
-             'seed': index // len(KINDS[part])}
-            for part, count in counts.items() for index in range(count)]
+    kinds = kinds or KINDS[part]
+    return [{'part': part, 'kind': kinds[index % len(kinds)], 'seed': index // len(kinds)}
+            for index in range(count)]
+
+
+def with_method(case: Case, method: str) -> Case:
+    """
+    Let a task be planned by a method.
+
+    :param case: ``Case``.
+    :param method: one of ``METHODS``.
+    """
+    if method == METHODS[-1]:
+        return case
+    task = case.scenario.task or Task()
+    return case._replace(scenario=dataclasses.replace(case.scenario, task=dataclasses.replace(
+        task, planning=dataclasses.replace(task.planning, method=method))))
 
 
 def draw(part: str, kind: str, seed: int) -> Case:
@@ -91,9 +157,22 @@ def draw(part: str, kind: str, seed: int) -> Case:
     :param seed: of all draws.
     :return: ``Case``.
     """
-    # Single pushes get the very tasks of open floor.
-    drawn_as = OPEN if part == ALONE else part
-    rng = np.random.default_rng((PARTS.index(drawn_as), KINDS[part].index(kind), seed))
+    if part in (OPEN, IN_MAPS, DISTURBED):
+        return _draw(part, kind, seed)
+    rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
+    if part == STRICT:
+        # Every task comes once with each tolerance.
+        number, index = divmod(seed, len(STRICT_TOLERANCES))
+        case = _strict(_draw(OPEN, kind, number), STRICT_TOLERANCES[index])
+    else:
+        case = VARIATIONS[part](_draw(OPEN, kind, seed), rng)
+    return case._replace(scenario=dataclasses.replace(
+        case.scenario, description=f'{part}, {kind}, seed {seed}'))
+
+
+def _draw(part: str, kind: str, seed: int) -> Case:
+    """Draw a task on open floor, in a map, or disturbed."""
+    rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
     name, drive = kind.split(', ')
     robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
     believed, true = objects(name, rng, STRESSES[0], seed)
@@ -119,8 +198,7 @@ def draw(part: str, kind: str, seed: int) -> Case:
         planner=PlannerSettings(pushing_speed=speed),
         sensors=dataclasses.replace(SENSORS, pose_dropouts=dropouts),
         simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
-        task=Task(map=None if floor is None else floor.map, planning=TaskSettings(
-            max_pushes=1 if part == ALONE else 4))), variety, floor, intervention)
+        task=Task(map=None if floor is None else floor.map)), variety, floor, intervention)
 
 
 def _goal(rng: np.random.Generator) -> Pose:
@@ -171,3 +249,68 @@ def _robot_start(obj: PushedObject, robot: RoundRobot, start: Pose, floor: Optio
         if clear and (occupancy_map is None
                       or occupancy_map.robot_is_free(robot, [pose], 2.0 * drive.map_clearance)):
             return pose
+
+
+def _with_contact_friction(case: Case, friction: float) -> Case:
+    return case._replace(scenario=dataclasses.replace(case.scenario, true_object=(
+        dataclasses.replace(case.scenario.true_object, contact_friction_coefficient=friction))))
+
+
+def _with_sensors(case: Case, **errors: Any) -> Case:
+    return case._replace(scenario=dataclasses.replace(
+        case.scenario, sensors=dataclasses.replace(case.scenario.sensors, **errors)))
+
+
+def _with_supervision(case: Case, **settings: Any) -> Case:
+    task = case.scenario.task or Task()
+    return case._replace(scenario=dataclasses.replace(case.scenario, task=dataclasses.replace(
+        task, supervision=dataclasses.replace(task.supervision, **settings))))
+
+
+def _with_tolerance(case: Case, tolerance: Tolerance) -> Case:
+    return _with_supervision(case, position_tolerance=tolerance.position,
+                             heading_tolerance=tolerance.heading)._replace(tolerance=tolerance)
+
+
+def _slippery(case: Case, rng: np.random.Generator) -> Case:
+    return _with_contact_friction(case, float(rng.uniform(*SLIPPERY_FRICTION)))
+
+
+def _creeping(case: Case, _: np.random.Generator) -> Case:
+    return case._replace(scenario=dataclasses.replace(
+        case.scenario, simulation=dataclasses.replace(case.scenario.simulation,
+                                                      contact_creep=CREEP)))
+
+
+def _frictionless(case: Case, _: np.random.Generator) -> Case:
+    return _with_contact_friction(case, 0.0)
+
+
+def _wheels(case: Case, rng: np.random.Generator) -> Case:
+    scale = YAW_SCALE if rng.uniform() < 0.5 else -YAW_SCALE
+    return _with_sensors(case, odometry_yaw_scale=scale)._replace(
+        variety=f'{100.0 * scale:+g} %')
+
+
+def _tag(case: Case, _: np.random.Generator) -> Case:
+    seen = _with_supervision(_with_sensors(case, **TAG_SENSORS), **TAG_SUPERVISION)
+    seen = _with_tolerance(seen, TAG_TOLERANCE)
+    return seen._replace(scenario=dataclasses.replace(
+        seen.scenario, control=dataclasses.replace(seen.scenario.control, **TAG_CONTROL)))
+
+
+def _informed(case: Case, _: np.random.Generator) -> Case:
+    """Let the robot know the true object, and measure without errors, as late as before."""
+    sensors = SensorSettings(pose_rate=SENSORS.pose_rate, pose_latency=SENSORS.pose_latency,
+                             odometry_rate=SENSORS.odometry_rate)
+    return case._replace(scenario=dataclasses.replace(
+        case.scenario, object=case.scenario.true_object, sensors=sensors))
+
+
+def _strict(case: Case, tolerance: Tolerance) -> Case:
+    return _with_tolerance(case, tolerance)._replace(variety=str(tolerance))
+
+
+VARIATIONS: dict[str, Callable[[Case, np.random.Generator], Case]] = {
+    SLIPPERY: _slippery, CREEPING: _creeping, FRICTIONLESS: _frictionless, WHEELS: _wheels,
+    TAG: _tag, INFORMED: _informed}

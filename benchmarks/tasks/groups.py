@@ -1,25 +1,30 @@
-"""Groups of random tasks: by object and drive, by map, by disturbance."""
+"""Groups of random tasks: by method, object and drive, map, disturbance, variation."""
 
 import re
 from typing import Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.tables import ALL, Job, Pair, Record
+from benchmarks.tasks.cases import INFORMED, OPEN
 import numpy as np
 from push_model.geometry import FloatArray
 
-NUMBER = r'-?\d+(\.\d+)?'
+# A number, also with an exponent; the turns of a route, such as LSR; any white space.
+VARIABLE = r'-?\d+(\.\d*)?(e[+-]?\d+)?|\b[LSR]{3}\b'
+FALSELY_DONE = 'says that it is done, and is not'
 
 
 class Group(NamedTuple):
     """
-    Tasks of one part that share a property.
+    Tasks of one part, planned by one method, that share a property.
 
     :param part: one of ``PARTS`` in ``benchmarks.tasks.cases``.
+    :param method: one of ``METHODS`` there.
     :param name: the property, or ``ALL``.
     :param tasks: (job, record) of each.
     """
 
     part: str
+    method: str
     name: str
     tasks: list[Pair]
 
@@ -27,6 +32,11 @@ class Group(NamedTuple):
     def successes(self) -> int:
         """Number of those that succeeded."""
         return sum(record['success'] for _, record in self.tasks)
+
+    @property
+    def falsely_done(self) -> int:
+        """Number of those that were reported as done, and were not."""
+        return sum(is_falsely_done(record) for _, record in self.tasks)
 
     def values(self, name: str, successful: bool = True) -> FloatArray:
         """
@@ -57,22 +67,41 @@ class Group(NamedTuple):
                          ' '.join(self.values('planning', successful=False)).split()])
 
 
-def grouped(pairs: Sequence[Pair], part: str,
+def grouped(pairs: Sequence[Pair], part: str, method: str,
             key: Optional[Callable[[Job, Record], str]] = None) -> list[Group]:
     """
-    Group the tasks of one part; all together come first.
+    Group the tasks of one part and method; all together come first.
 
     :param pairs: (job, record) of all tasks.
     :param part: one of ``PARTS`` in ``benchmarks.tasks.cases``.
+    :param method: one of ``METHODS`` there.
     :param key: function of (job, record) that names the group; None for all together alone.
     :return: list of ``Group``, none of them empty.
     """
-    chosen = [(job, record) for job, record in pairs if job['part'] == part]
+    chosen = [(job, record) for job, record in pairs
+              if job['part'] == part and job['method'] == method]
     found = {ALL: chosen} if chosen else {}
     if key is not None:
         for job, record in chosen:
             found.setdefault(key(job, record), []).append((job, record))
-    return [Group(part, name, tasks) for name, tasks in found.items()]
+    return [Group(part, method, name, tasks) for name, tasks in found.items()]
+
+
+def side_by_side(pairs: Sequence[Pair], parts: Sequence[str], methods: Sequence[str],
+                 key: Optional[Callable[[Job, Record], str]] = None) -> list[Group]:
+    """
+    Group the tasks of some parts; the methods of a group follow each other.
+
+    :param pairs: (job, record) of all tasks.
+    :param parts: of ``PARTS`` in ``benchmarks.tasks.cases``.
+    :param methods: of ``METHODS`` there.
+    :param key: function of (job, record) that names the group; None for all together alone.
+    """
+    found = [group for part in parts for method in methods
+             for group in grouped(pairs, part, method, key)]
+    order = list(dict.fromkeys((group.part, group.name) for group in found))
+    return sorted(found, key=lambda group: (order.index((group.part, group.name)),
+                                            methods.index(group.method)))
 
 
 def kind(job: Job, _: Record) -> str:
@@ -80,9 +109,36 @@ def kind(job: Job, _: Record) -> str:
     return job['kind']
 
 
+def drive(job: Job, _: Record) -> str:
+    """Name the group by the drive."""
+    return job['kind'].split(', ')[1]
+
+
 def variety(_: Job, record: Record) -> str:
-    """Name the group by the sort of map, or of disturbance."""
+    """Name the group by the sort of map, disturbance or variation."""
     return record.get('variety', '')
+
+
+def with_informed_times(pairs: Sequence[Pair]) -> list[Pair]:
+    """
+    Give tasks on open floor the time of the robot that knows everything, as ``informed`` [s].
+
+    :param pairs: (job, record) of all tasks.
+    """
+    times = {(job['method'], job['kind'], job['seed']): record['duration']
+             for job, record in pairs if job['part'] == INFORMED and record['success']}
+    return [(job, {**record, 'informed': times[key]})
+            if job['part'] == OPEN and (key := (job['method'], job['kind'], job['seed'])) in times
+            else (job, record) for job, record in pairs]
+
+
+def is_falsely_done(record: Record) -> bool:
+    """
+    Tell whether a task was reported as done, and was not.
+
+    :param record: of the task.
+    """
+    return record['outcome'] == 'done' and not record['success']
 
 
 def faults_of(_: Job, record: Record) -> list[str]:
@@ -96,15 +152,15 @@ def faults_of(_: Job, record: Record) -> list[str]:
              if record.get(f'{body}_clearance', 0.0) < 0.0]
     if record['success']:
         return found
-    if record['outcome'] == 'done':
-        return [*found, 'says that it is done, and is not']
-    return [*found, without_numbers(record['reason'])]
+    if is_falsely_done(record):
+        return [*found, FALSELY_DONE]
+    return [*found, f'{record["outcome"]}: {without_numbers(record["reason"])}']
 
 
 def without_numbers(reason: str) -> str:
     """
-    Name the class of a reason: replace its numbers.
+    Name the class of a reason: replace its numbers and routes.
 
     :param reason: one sentence.
     """
-    return re.sub(NUMBER, '#', reason)
+    return re.sub(VARIABLE, '#', ' '.join(reason.split()))

@@ -5,32 +5,21 @@ import time
 from typing import Optional, Union
 
 from benchmarks.controller.tables import Job, Record
-from benchmarks.tasks.bound import contact_path_bound, gap, least_time
-from benchmarks.tasks.cases import Case, draw, OPEN
+from benchmarks.tasks.cases import Case, draw, Tolerance, with_method
+from benchmarks.tasks.corrections import correcting_pushes
 from benchmarks.tasks.intervention import Intervention
 from benchmarks.tasks.maps import Floor, object_clearance, robot_clearance
-import numpy as np
 from push_control.push.controller import Controller
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
-from push_model.geometry import Pose
 from push_model.plan_request import PlanRequest
-from push_navigation.path import NoPathFound
-from push_navigation.settings import DriveSettings
-from push_planner.problem import PlanningFailed
-from push_planner.sequence.costs import plan_approach
-from push_planner.single_push.site_selection import choose_site
-from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import distance_travelled
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, simulate
 from push_scenario.simulation.result import Outcome, RunResult
 from push_sim_node.simulation import Simulation
 from push_sim_node.tape import Tape
 
-# Errors of the true object pose [m], [rad] that count as success: the supervisor's tolerances, in
-# spite of the sensors' noise; and least gap between robot and object at the end [m].
-POSITION_TOLERANCE = 0.01
-HEADING_TOLERANCE = math.radians(1.0)
+# Least gap between robot and object at the end of a task that counts as success [m].
 MIN_GAP = 0.02
 TIMED_STATES = (TaskState.PLAN, TaskState.APPROACH, TaskState.ALIGN, TaskState.PUSH,
                 TaskState.RETREAT)
@@ -78,27 +67,37 @@ def run(job: Job) -> Record:
     :return: flat dict of numbers and texts.
     :raises RuntimeError: where the run has no status of a supervisor.
     """
-    case = draw(**job)
+    case = drawn(job)
+    begin = time.process_time()
     result, clock = run_case(case)
+    cpu = time.process_time() - begin
     if result.status is None:
         raise RuntimeError(f'status: got none of {job}, expected that of a supervisor')
     record: Record = {
         'variety': case.variety, 'outcome': result.outcome.value, 'reason': result.reason,
         'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
-        'planning': ' '.join(f'{value:.4f}' for value in clock.planning),
-        'least': least_time(case.scenario), **_end(result),
-        **_state_times(result.status, result.duration)}
-    if result.sequence_plans:
-        first = result.sequence_plans[0]
-        record.update(sequence=len(first.pushes), planned=first.duration,
-                      single=first.single_push_time)
-    if job['part'] == OPEN:
-        record.update(_robot_distances(case.scenario))
+        'planning': ' '.join(f'{value:.4f}' for value in clock.planning), 'cpu': cpu,
+        **_end(result, case.tolerance), **_state_times(result.status, result.duration)}
+    corrections = correcting_pushes(result.status.history, result.duration, _tape(result),
+                                    case.scenario.goal.pose)
+    record['corrections'] = corrections.pushes
+    if corrections.pushes:
+        record['correction_time'] = corrections.seconds / corrections.pushes
     if case.floor is not None:
         record.update(_clearances(case, case.floor, _tape(result)))
     if case.intervention is not None:
         record['moved_in'] = case.intervention.state
     return record
+
+
+def drawn(job: Job) -> Case:
+    """
+    Draw the task of a job, to be planned by its method.
+
+    :param job: ``method``, and the keyword arguments of ``draw``.
+    """
+    case = draw(job['part'], job['kind'], job['seed'])
+    return with_method(case, job['method'])
 
 
 def run_case(case: Case) -> tuple[RunResult, PlanningClock]:
@@ -118,14 +117,14 @@ def _tape(result: RunResult) -> Tape:
     return result.tape
 
 
-def _end(result: RunResult) -> Record:
+def _end(result: RunResult, tolerance: Tolerance) -> Record:
     """Gather how the task ended, by the true poses."""
     tape = _tape(result)
     last = dict(zip(tape.columns, tape.rows[-1]))
     still = (math.hypot(last['object_v_x'], last['object_v_y']) < REST_SPEED
              and abs(last['object_omega']) < REST_YAW_RATE)
-    there = (abs(result.position_error) <= POSITION_TOLERANCE
-             and abs(result.heading_error) <= HEADING_TOLERANCE)
+    there = (abs(result.position_error) <= tolerance.position
+             and abs(result.heading_error) <= tolerance.heading)
     return {'position_error': result.position_error, 'heading_error': abs(result.heading_error),
             'gap': float(last['gap']), 'duration': result.duration,
             'distance': float(distance_travelled(tape)[-1]),
@@ -144,21 +143,6 @@ def _state_times(status: SupervisorStatus, duration: float) -> Record:
     return {**{f'in_{state.value}': seconds for state, seconds in spent.items()},
             'recovery_reasons': '; '.join(
                 change.reason for change in history[1:-1] if change.reason)}
-
-
-def _robot_distances(scenario: Scenario) -> Record:
-    """Bound the robot's path length from below, and compute that of the fastest single push."""
-    start, goal, robot = scenario.start.object.pose, scenario.goal.pose, scenario.robot_start
-    least = gap(scenario) + contact_path_bound(scenario.true_object, start, goal)
-    try:
-        push = choose_site(scenario.object, scenario.robot, start, goal,
-                           scenario.planner).plan.trajectory
-        path = plan_approach(scenario.robot, scenario.object, start, robot,
-                             Pose(*push.robot_poses[0].tolist()), DriveSettings())
-    except (PlanningFailed, NoPathFound):
-        return {'least_distance': least, 'single_push_distance': math.inf}
-    pushed = np.hypot(*np.diff(push.robot_poses[:, :2], axis=0).T).sum()
-    return {'least_distance': least, 'single_push_distance': float(path.length + pushed)}
 
 
 def _clearances(case: Case, floor: Floor, tape: Tape) -> Record:

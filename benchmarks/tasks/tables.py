@@ -10,51 +10,71 @@ import numpy as np
 from push_model.geometry import FloatArray
 
 
-def success_table(groups: Sequence[Group]) -> str:
+def success_table(groups: Sequence[Group], with_part: bool = False) -> str:
     """
-    Write successes, errors, pushes.
+    Write successes, errors, pushes, times.
 
     :param groups: list of ``Group``.
+    :param with_part: name a group by its part too.
     """
     rows: list[Sequence[Any]] = []
     for group in groups:
         count, pushes = len(group.tasks), group.values('pushes')
         low, high = wilson(group.successes, count)
-        rows.append((group.name, count, f'{100.0 * group.successes / count:.1f} %',
-                     f'{100.0 * low:.1f} to {100.0 * high:.1f}',
+        name = f'{group.part}, {group.name}' if with_part else group.name
+        rows.append((name, group.method, count, f'{100.0 * group.successes / count:.1f} %',
+                     f'{100.0 * low:.1f} to {100.0 * high:.1f}', group.falsely_done,
                      spread(1e3 * group.values('position_error')),
                      spread(TO_DEGREES * group.values('heading_error'), '.2f'),
                      f'{np.mean(pushes):.1f}; {spread(pushes, ".0f")}' if len(pushes) else '-',
                      spread(group.values('recoveries'), '.0f'),
                      spread(group.values('duration'), '.0f')))
-    return table(['', 'tasks', 'success', '95 % interval', 'mm median, p95', 'deg median, p95',
-                  'pushes mean; median, p95', 'recoveries median, p95', 's median, p95'], rows)
+    return table(['', 'method', 'tasks', 'success', '95 % interval', 'says done and is not',
+                  'mm median, p95', 'deg median, p95', 'pushes mean; median, p95',
+                  'recoveries median, p95', 's median, p95'], rows)
 
 
 def effort_table(groups: Sequence[Group]) -> str:
     """
-    Write times and distances over those of a single push and over the bounds, and planning times.
+    Write times and distances over those of a single push and over the bounds, and CPU times.
 
     :param groups: list of ``Group``.
     """
     rows: list[Sequence[Any]] = []
     for group in groups:
-        rows.append((group.name, spread(group.values('sequence'), '.0f'),
-                     int(np.isinf(group.values('single')).sum()),
-                     spread(_finite(group.ratios('planned', 'single')), '.2f'),
+        rows.append((group.name, group.method,
                      spread(_finite(group.ratios('duration', 'single')), '.2f'),
-                     spread(_finite(group.ratios('distance', 'single_push_distance')), '.2f'),
+                     int(np.isinf(group.values('single')).sum()),
                      spread(group.ratios('duration', 'least'), '.2f'),
+                     spread(group.ratios('duration', 'informed'), '.2f'),
+                     spread(_finite(group.ratios('distance', 'single_distance')), '.2f'),
                      spread(group.ratios('distance', 'least_distance'), '.2f'),
-                     spread(group.planning, '.2f')))
-    return table(['', 'pushes planned at first', 'no single push', 'planned time over single',
-                  'time over single', 'distance over single', 'time over bound',
-                  'distance over bound', 'planning, s CPU'], rows)
+                     spread(group.planning, '.3f'),
+                     spread(group.values('cpu', successful=False), '.1f')))
+    return table(['', 'method', 'time over single', 'no single push', 'time over bound',
+                  'time over informed', 'distance over single', 'distance over straight',
+                  'planning, s CPU', 'simulation of a task, s CPU'], rows)
 
 
 def _finite(ratios: FloatArray) -> FloatArray:
     """Drop tasks that no single push solves."""
     return ratios[ratios > 0.0]
+
+
+def correction_table(groups: Sequence[Group]) -> str:
+    """
+    Write how many correcting pushes tasks need, and the time of each.
+
+    :param groups: list of ``Group``.
+    """
+    rows: list[Sequence[Any]] = []
+    for group in groups:
+        counts = group.values('corrections')
+        if len(counts):
+            rows.append((group.name, group.method, f'{100.0 * np.mean(counts > 0):.0f} %',
+                         f'{np.mean(counts):.2f}', spread(group.values('correction_time'))))
+    return table(['', 'method', 'tasks with any', 'per task, mean',
+                  's each, median, p95'], rows) if rows else 'None.'
 
 
 def state_table(groups: Sequence[Group]) -> str:
@@ -67,8 +87,9 @@ def state_table(groups: Sequence[Group]) -> str:
     for group in groups:
         spent = [group.values(f'in_{state.value}').sum() for state in TIMED_STATES]
         if sum(spent):
-            rows.append((group.part, *(f'{100.0 * part / sum(spent):.0f} %' for part in spent)))
-    return table(['', *(state.value for state in TIMED_STATES)], rows)
+            rows.append((group.part, group.method,
+                         *(f'{100.0 * part / sum(spent):.0f} %' for part in spent)))
+    return table(['', 'method', *(state.value for state in TIMED_STATES)], rows)
 
 
 def collision_table(groups: Sequence[Group]) -> str:
@@ -81,11 +102,11 @@ def collision_table(groups: Sequence[Group]) -> str:
     for group in groups:
         clearance = [group.values(f'{body}_clearance', successful=False)
                      for body in ('robot', 'object')]
-        rows.append((group.name, len(group.tasks),
+        rows.append((group.name, group.method, len(group.tasks),
                      *(int((values < 0.0).sum()) for values in clearance),
                      *(f'{1e3 * min(values):.0f}' if len(values) else '-'
                        for values in clearance)))
-    return table(['', 'tasks', 'robot collides', 'object collides',
+    return table(['', 'method', 'tasks', 'robot collides', 'object collides',
                   'least clearance of the robot, mm',
                   'of the object, mm'], rows)
 
@@ -97,27 +118,39 @@ def failure_table(pairs: Sequence[Pair]) -> str:
     :param pairs: (job, record) of all tasks.
     """
     faults: Counter[tuple[str, str, str]] = Counter()
-    first: dict[tuple[str, str, str], int] = {}
+    first: dict[tuple[str, str, str], str] = {}
     for job, record in pairs:
         for name in faults_of(job, record):
-            key = job['part'], job['kind'], name
+            key = job['method'], job['part'], name
             faults[key] += 1
-            first.setdefault(key, job['seed'])
-    rows = [(part, kind_, name, count,
-             f'`--part "{part}" --kind "{kind_}" --seed {first[part, kind_, name]}`')
-            for (part, kind_, name), count in faults.most_common()]
-    return table(['part', 'object and drive', 'class', 'n', 'for example'],
-                 rows) if rows else 'None.'
+            first.setdefault(key, arguments(job))
+    rows = [(method, part, name, count, f'`{first[method, part, name]}`')
+            for (method, part, name), count in faults.most_common()]
+    return table(['method', 'part', 'class', 'n', 'for example'], rows) if rows else 'None.'
 
 
-def recovery_table(pairs: Sequence[Pair]) -> str:
+def arguments(job: dict[str, Any]) -> str:
+    """
+    Write the command line that shows one task.
+
+    :param job: dict of ``method``, ``part``, ``kind`` and ``seed``.
+    """
+    return (f'--part "{job["part"]}" --method {job["method"]} --kind "{job["kind"]}" '
+            f'--seed {job["seed"]}')
+
+
+def recovery_table(pairs: Sequence[Pair], methods: Sequence[str]) -> str:
     """
     List the reasons of recoveries, in all tasks.
 
     :param pairs: (job, record) of all tasks.
+    :param methods: those to list.
     """
-    found: Counter[str] = Counter()
-    for _, record in pairs:
-        found.update(without_numbers(reason)
-                     for reason in record.get('recovery_reasons', '').split('; ') if reason)
-    return table(['what', 'n'], found.most_common()) if found else 'Nothing.'
+    found = {method: Counter(
+        without_numbers(reason) for job, record in pairs if job['method'] == method
+        for reason in record.get('recovery_reasons', '').split('; ') if reason)
+        for method in methods}
+    reasons = sum(found.values(), Counter()).most_common()
+    return table(['what', *methods],
+                 [(reason, *(found[method][reason] for method in methods))
+                  for reason, _ in reasons]) if reasons else 'Nothing.'

@@ -15,8 +15,8 @@ from push_scenario.definition.data import share_directory
 
 FORMAT = 'push_control batch 1'
 # What may compute a record: all packages but ``push_ros``; see ``_is_shell`` for what is left out.
-PACKAGES = ('push_model', 'push_navigation', 'push_planner', 'push_control', 'push_sim_node',
-            'push_scenario', 'push_study')
+PACKAGES = ('push_model', 'push_dynamics', 'push_primitives', 'push_navigation', 'push_planner',
+            'push_control', 'push_sim_node', 'push_scenario', 'push_study')
 SHELL_FOLDERS = {'ros', 'dds'}
 
 

@@ -174,7 +174,7 @@ class _Loop:
         else:
             self._observation = Observation(now, before.odometry, measurement)
         self._simulation.command(self._robot.step(self._observation, now - before.time))
-        object_pose = self._simulation.truth.object_pose
+        object_pose = self._simulation.plant.object_pose
         self._report(Progress(stage or self._robot.stage, now,
                               distance(object_pose, self._robot.goal)))
 

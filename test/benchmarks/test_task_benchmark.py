@@ -1,12 +1,20 @@
 """Benchmark of tasks: lower bound, maps and clearances, random draws, interventions, groups."""
 
+import dataclasses
 import math
 from types import SimpleNamespace
 
 from benchmarks.controller.tables import ALL
+from benchmarks.tasks.aims import aim_table, aims
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
-from benchmarks.tasks.cases import ALONE, DISTURBED, draw, IN_MAPS, jobs, KINDS, OPEN, PARTS
-from benchmarks.tasks.groups import faults_of, grouped, kind
+from benchmarks.tasks.cases import (
+    CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS, METHODS, OPEN, PARTS,
+    SLIPPERY, STRICT, TAG, Tolerance, WHEELS,
+)
+from benchmarks.tasks.corrections import correcting_pushes, push_intervals
+from benchmarks.tasks.groups import (
+    faults_of, grouped, kind, side_by_side, with_informed_times, without_numbers,
+)
 from benchmarks.tasks.intervention import Intervention, INTERVENTIONS
 from benchmarks.tasks.maps import (
     draw_floor, MAPS, object_clearance, robot_clearance, to_rectangles,
@@ -14,13 +22,15 @@ from benchmarks.tasks.maps import (
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
-from push_control.task.status import TaskState
+from push_control.task.status import StateChange, TaskState
 from push_model.geometry import Pose
 from push_planner.single_push.site_selection import choose_site
+from push_sim_node.tape import Tape
 import pytest
 
 pytestmark = pytest.mark.slow
 START = Pose(0.3, -0.2, 0.4)
+METHOD = METHODS[-1]
 
 
 @pytest.mark.parametrize('goal', [Pose(1.2, 0.0, 0.0), Pose(0.8, 0.6, 1.0), Pose(0.5, -0.3, -2.0)])
@@ -104,21 +114,54 @@ def test_clearances_of_robot_and_object_are_those_of_their_outlines():
 def test_a_task_is_drawn_from_its_seed_alone(part):
     """Every kind and every seed gets another; the robot stands clear of the object."""
     drawn = {}
-    for job in jobs({part: 3 * len(KINDS[part])}):
+    for job in jobs(part, 3 * len(KINDS[part])):
         case, again = draw(**job), draw(**job)
         assert case.scenario == again.scenario and case.variety == again.variety
-        drawn[case.scenario.goal] = case
+        drawn[case.scenario.goal, case.variety] = case
         assert gap(case.scenario) >= 0.05
         assert math.dist(case.scenario.robot_start[:2], case.scenario.start.object.pose[:2]) <= 2.0
         assert 0.0 < least_time(case.scenario) < case.scenario.time_limit
     assert len(drawn) == 3 * len(KINDS[part])
-    varieties = {OPEN: 1, ALONE: 1, IN_MAPS: 3, DISTURBED: 2}
-    assert len({case.variety for case in drawn.values()}) == varieties[part]
+    varieties = {IN_MAPS: 3, DISTURBED: 2, WHEELS: 2, STRICT: 2}
+    assert len({case.variety for case in drawn.values()}) == varieties.get(part, 1)
 
 
 def test_the_first_tasks_do_not_depend_on_how_many_there_are():
     """So that few of them say something about many."""
-    assert jobs({OPEN: 100})[:9] == jobs({OPEN: 9})
+    assert jobs(OPEN, 100)[:9] == jobs(OPEN, 9)
+    only = jobs(OPEN, 3, [KINDS[OPEN][2]])
+    assert [(job['kind'], job['seed']) for job in only] == [(KINDS[OPEN][2], i) for i in range(3)]
+
+
+def test_a_variation_changes_one_thing_of_the_task_on_open_floor():
+    """Goal, start, object and noise stay, so that both can be compared one by one."""
+    changed = {SLIPPERY: {'true_object'}, FRICTIONLESS: {'true_object'}, CREEPING: {'simulation'},
+               WHEELS: {'sensors'}, TAG: {'sensors', 'control', 'task'},
+               INFORMED: {'object', 'sensors'}}
+    for part, fields in changed.items():
+        for job in jobs(OPEN, 2 * len(KINDS[OPEN])):
+            plain, varied = draw(**job).scenario, draw(**{**job, 'part': part}).scenario
+            different = {field.name for field in dataclasses.fields(plain)
+                         if getattr(plain, field.name) != getattr(varied, field.name)}
+            assert different - {'description'} == fields
+    slippery = [draw(**{**job, 'part': SLIPPERY}).scenario for job in jobs(OPEN, 50)]
+    frictions = [scenario.true_object.contact_friction_coefficient for scenario in slippery]
+    assert 0.15 <= min(frictions) < 0.17 and 0.28 < max(frictions) <= 0.3
+    assert {scenario.object.contact_friction_coefficient for scenario in slippery} == {0.5}
+
+
+def test_strict_tasks_are_those_of_open_floor_with_each_tolerance():
+    """The supervisor has the tolerance by which the task is judged."""
+    name = KINDS[OPEN][1]
+    for seed in range(4):
+        plain, strict = draw(OPEN, name, seed // 2), draw(STRICT, name, seed)
+        assert strict.scenario.goal == plain.scenario.goal
+        assert strict.scenario.true_object == plain.scenario.true_object
+        assert strict.tolerance != plain.tolerance == Tolerance()
+        supervision = strict.scenario.task.supervision
+        assert strict.tolerance == (supervision.position_tolerance, supervision.heading_tolerance)
+        assert strict.variety == str(strict.tolerance)
+    assert str(Tolerance(0.003, math.radians(0.3))) == '3 mm, 0.3 deg'
 
 
 @pytest.mark.parametrize('seed', range(3))
@@ -162,19 +205,92 @@ def test_the_intervention_waits_until_the_robot_is_clear(move):
 def test_tasks_are_counted_by_kind():
     """Failures by their reason without its numbers; collisions besides; no single push counts."""
     names = KINDS[OPEN][:2]
-    pairs = [({'part': OPEN, 'kind': names[index % 2], 'seed': index}, record)
+    pairs = [({'part': OPEN, 'kind': names[index % 2], 'seed': index, 'method': METHOD}, record)
              for index, record in enumerate([
                  {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': 60.0,
                   'planning': '0.25 0.50'},
                  {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': math.inf,
                   'planning': '1.0', 'robot_clearance': -0.01},
-                 {'success': False, 'outcome': 'done', 'planning': ''},
+                 {'success': False, 'outcome': 'done', 'planning': '', 'reason': ''},
                  {'success': False, 'outcome': 'failed', 'reason': 'off by 3.5 mm'}])]
-    everything, first, second = grouped(pairs, OPEN, kind)
+    everything, first, second = grouped(pairs, OPEN, METHOD, kind)
     assert (everything.name, first.name, second.name) == (ALL, *names)
     assert (everything.successes, first.successes, second.successes) == (2, 1, 1)
     assert everything.ratios('duration', 'single') == pytest.approx([0.5, 0.0])
     assert everything.planning == pytest.approx([0.25, 0.5, 1.0])
     assert [faults_of(*pair) for pair in pairs] == [
-        [], ['robot collides'], ['says that it is done, and is not'], ['off by # mm']]
-    assert grouped(pairs, IN_MAPS, kind) == []
+        [], ['robot collides'], ['says that it is done, and is not'], ['failed: off by # mm']]
+    assert (everything.falsely_done, first.falsely_done) == (1, 1)
+    assert grouped(pairs, IN_MAPS, METHOD, kind) == []
+    assert grouped(pairs, OPEN, 'another', kind) == []
+
+
+def test_classes_of_failure_have_no_numbers():
+    """Nor routes and line ends, which a table could not hold."""
+    assert without_numbers('among them RSL of 2.1 m: [1.0e-01\n 3.]') == (
+        'among them # of # m: [# #]')
+
+
+def result_of(part, seed, method=METHOD, **record):
+    """Return (job, record) of a task that succeeded after a minute."""
+    return ({'part': part, 'kind': KINDS[OPEN][0], 'seed': seed, 'method': method},
+            {'success': True, 'outcome': 'done', 'reason': '', 'duration': 60.0, 'planning': '0.5',
+             'pushes': 2, **record})
+
+
+def test_methods_stand_side_by_side():
+    """Group by group, in the order of the methods; only those that were measured."""
+    pairs = [result_of(part, 0, method) for method in ('b', 'a') for part in (OPEN, WHEELS)]
+    groups = side_by_side(pairs[:-1], (OPEN, WHEELS), ('a', 'b'))
+    assert [(group.part, group.method) for group in groups] == [
+        (OPEN, 'a'), (OPEN, 'b'), (WHEELS, 'b')]
+
+
+def test_time_over_that_of_the_informed_robot_is_of_the_same_task_and_method():
+    """Tasks in which that robot fails are left out."""
+    pairs = [result_of(OPEN, 0), result_of(OPEN, 1), result_of(OPEN, 0, 'other'),
+             result_of(INFORMED, 0, duration=40.0), result_of(INFORMED, 1, success=False)]
+    group, = grouped(with_informed_times(pairs), OPEN, METHOD)
+    assert group.ratios('duration', 'informed') == pytest.approx([1.5])
+    group, = grouped(with_informed_times(pairs), OPEN, 'other')
+    assert len(group.ratios('duration', 'informed')) == 0
+
+
+def test_what_falls_short_of_its_aim_is_bold():
+    """One row for every aim, one column for each method; what is not measured is not bold."""
+    good = [result_of(OPEN, seed, 'good', duration=20.0, planning='0.01') for seed in range(3)]
+    poor = [result_of(OPEN, seed, 'poor', success=seed > 0) for seed in range(3)]
+    lines = aim_table(good + poor, ('good', 'poor')).splitlines()
+    assert len(lines) == 2 + len(aims())
+    rows = {cells[0]: cells[2:] for cells in
+            ([cell.strip() for cell in line.strip('|').split('|')] for line in lines)}
+    assert rows['open floor: at rest within 10 mm and 1 deg'] == [
+        '100.0 % (43.8 to 100.0; 3 of 3), 20 s', '**66.7 % (20.8 to 93.9; 2 of 3), 60 s**']
+    assert rows['differential drive: time, median / p95, s'] == ['20 / 20', '**60 / 60**']
+    assert rows['holonomic drive: time, median / p95, s'] == ['-', '-']
+    assert rows['says done and is not, in all parts'] == ['0 of 3', '**1 of 3**']
+
+
+def history_of(*changes):
+    """Return a history from (time, state)."""
+    return [StateChange(time, state, '') for time, state in changes]
+
+
+def test_the_time_to_mend_a_miss_is_per_correcting_push():
+    """From the end of the first push that ended near the goal to the end of the last one."""
+    history = history_of((0.0, TaskState.PLAN), (1.0, TaskState.PUSH), (10.0, TaskState.RETREAT),
+                         (15.0, TaskState.PUSH), (16.0, TaskState.PLAN), (20.0, TaskState.PUSH),
+                         (22.0, TaskState.RETREAT), (24.0, TaskState.DONE))
+    assert push_intervals(history, 24.0) == [(1.0, 10.0), (15.0, 16.0), (20.0, 22.0)]
+    goal = Pose(1.0, 0.0, 0.1)
+    columns = ('time', 'object_x', 'object_y', 'object_theta')
+
+    def tape(second, third):
+        return Tape(columns, np.array([(0.0, 0.0, 0.0, 0.0), (15.0, second, 0.0, 0.0),
+                                       (20.0, third, 0.0, 0.0), (24.0, 1.0, 0.0, 0.1)]))
+
+    assert correcting_pushes(history, 24.0, tape(0.95, 0.99), goal) == (2, 12.0)
+    assert correcting_pushes(history, 24.0, tape(0.9, 0.99), goal) == (1, 6.0)
+    assert correcting_pushes(history, 24.0, tape(0.9, 0.93), goal) == (0, 0.0)
+    turned = goal._replace(theta=0.2)
+    assert correcting_pushes(history, 24.0, tape(0.95, 0.99), turned) == (0, 0.0)

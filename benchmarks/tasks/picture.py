@@ -1,0 +1,77 @@
+"""Picture of the benchmark of tasks: times, errors and success of each method."""
+
+from pathlib import Path
+from typing import Any, Sequence
+
+from benchmarks.controller.tables import Job, Record, TO_DEGREES, wilson
+from benchmarks.tasks.cases import METHODS, OPEN, PARTS, Tolerance
+from benchmarks.tasks.groups import drive, grouped, side_by_side
+from benchmarks.tasks.report import methods_of
+import numpy as np
+
+COLOURS: dict[str, str] = dict(zip(METHODS, ('C0', '0.5')))
+LINES = {'differential': '-', 'holonomic': '--'}
+# Distance of the rows of two methods in the pictures of all parts, and half of a row's height.
+OFFSET = 0.28
+
+
+def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
+    """
+    Draw times and errors on open floor, and success and times of all parts.
+
+    :param path: of the figure.
+    :param jobs: as for ``benchmarks.tasks.report.text``.
+    :param records: likewise.
+    """
+    from matplotlib.figure import Figure
+    pairs = list(zip(jobs, records))
+    methods = methods_of(pairs)
+    figure = Figure(figsize=(12, 8.5), layout='constrained')
+    (times, errors), (success, spans) = figure.subplots(2, 2)
+    for method in methods:
+        for group in grouped(pairs, OPEN, method, drive)[1:]:
+            values = np.sort(group.values('duration'))
+            times.step(values, np.arange(1, len(values) + 1) / len(group.tasks), where='post',
+                       color=COLOURS[method], ls=LINES[group.name],
+                       label=f'{method}, {group.name}')
+        for group in grouped(pairs, OPEN, method):
+            errors.plot(1e3 * group.values('position_error', successful=False),
+                        TO_DEGREES * group.values('heading_error', successful=False), '.', ms=4,
+                        alpha=0.5, color=COLOURS[method], label=method)
+    _finish_open_floor(times, errors)
+    for row, part in enumerate(PARTS):
+        for group in side_by_side(pairs, (part,), methods):
+            y = row + OFFSET * (methods.index(group.method) - 0.5 * (len(methods) - 1))
+            low, high = wilson(group.successes, len(group.tasks))
+            success.plot((100.0 * low, 100.0 * high), (y, y), color=COLOURS[group.method], lw=4,
+                         alpha=0.4)
+            success.plot(100.0 * group.successes / len(group.tasks), y, 'o',
+                         color=COLOURS[group.method])
+            values = group.values('duration')
+            if len(values):
+                quantiles = np.percentile(values, (5, 50, 95))
+                spans.plot(quantiles[::2], (y, y), color=COLOURS[group.method], lw=4, alpha=0.4)
+                spans.plot(quantiles[1], y, 'o', color=COLOURS[group.method])
+    success.set(xlabel='success and its 95 % interval, %')
+    spans.set(xlabel='time of the tasks that succeed, s: median, 5 and 95 %', xscale='log')
+    spans.xaxis.set_major_formatter('{x:g}')
+    for axis in (success, spans):
+        axis.set_yticks(range(len(PARTS)), PARTS)
+        axis.set_ylim(len(PARTS) - 0.5, -0.5)
+    for axis in (times, errors, success, spans):
+        axis.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)
+
+
+def _finish_open_floor(times: Any, errors: Any) -> None:
+    times.set(xlabel='time, s', ylabel='fraction of the tasks on open floor that are done',
+              ylim=(0.0, 1.01))
+    times.set_xlim(left=0.0)
+    tolerance = Tolerance()
+    x, y = 1e3 * tolerance.position, TO_DEGREES * tolerance.heading
+    errors.plot((0.0, x, x), (y, y, 0.0), 'k-', lw=1, label='tolerance')
+    errors.set(xlabel='distance from the goal at the end, mm', ylabel='error of the heading, deg',
+               xlim=(0.0, 2.0 * x), ylim=(0.0, 2.0 * y))
+    for axis in (times, errors):
+        if axis.get_legend_handles_labels()[0]:
+            axis.legend(fontsize=8, loc='lower right' if axis is times else 'upper right')
