@@ -17,8 +17,8 @@ class DriveSettings:
                                    default=0.6)
     yaw_acceleration: float = quantity('yaw acceleration on the path', 'rad/s^2', above=0.0,
                                        high=1000.0, default=4.0)
-    clearance: float = quantity('distance that the robot keeps from the object', 'm', above=0.0,
-                                high=1.0, default=0.05)
+    clearance: float = quantity('distance that a robot whose pose is certain keeps from the '
+                                'object', 'm', above=0.0, high=1.0, default=0.03)
     map_clearance: float = quantity('distance that robot and object keep from obstacles', 'm',
                                     0.0, 1.0, default=0.05)
     standoff: float = quantity('gap at which the straight final approach to the contact begins',

@@ -1,17 +1,20 @@
 """Approach: drive round the object to the pose from which the robot goes straight to contact."""
 
+import dataclasses
 import math
 
 from push_control.push.start import robot_start_pose
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.path_execution import displacement, PathExecution
 from push_control.task.perception import has_moved, TaskPerception
+from push_control.task.settings import SupervisionSettings
 from push_model.geometry import distance, Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.path import Path
 from push_navigation.path_planner import plan_path
+from push_navigation.settings import DriveSettings
 
 # Paths that may be driven until the pre-push pose is reached within its tolerance; chosen: the
 # second one corrects the first, a third one is needed where the object moves meanwhile.
@@ -19,8 +22,28 @@ MAX_PATHS = 3
 # Overlap of robot and object, and motion of the object, that are no errors of measurement [m];
 # chosen: five standard deviations of an object pose with 2 mm of noise.
 OVERLAP_TOLERANCE = 0.01
+# Standard deviations by which the clearance of a path is widened, and by how much at most [m];
+# chosen: a detour of a decimetre costs half a second, running into the object several.
+CLEARANCE_SIGMAS = 2.0
+MAX_UNCERTAIN_CLEARANCE = 0.06
 # Standard deviations of the robot's position that a gap must exceed to be there for certain.
 CERTAIN_SIGMAS = 3.0
+
+
+def with_uncertain_clearance(drive: DriveSettings, supervision: SupervisionSettings,
+                             deviation: float, path_length: float) -> DriveSettings:
+    """
+    Widen the clearance by what the robot's position is, and becomes, uncertain.
+
+    :param drive: ``DriveSettings``.
+    :param supervision: ``SupervisionSettings``, for the errors of odometry.
+    :param deviation: standard deviation of the robot's position [m].
+    :param path_length: how far the robot drives, about [m].
+    :return: ``DriveSettings`` with two standard deviations more clearance.
+    """
+    growth = max(supervision.odometry_scale, supervision.odometry_drift) * path_length
+    margin = min(MAX_UNCERTAIN_CLEARANCE, CLEARANCE_SIGMAS * math.hypot(deviation, growth))
+    return dataclasses.replace(drive, clearance=drive.clearance + margin)
 
 
 def approach_direction(robot: RoundRobot, target: PushTrajectory, start: Pose) -> float:
@@ -74,7 +97,7 @@ class Approach(Behavior):
         object_pose = perception.object_at_rest.pose
         if self._execution is None:
             try:
-                path = self._plan_path(robot_pose, object_pose)
+                path = self._plan_path(perception, object_pose)
             except ValueError as error:
                 self.failure_reason = str(error)
                 return STOP
@@ -87,10 +110,13 @@ class Approach(Behavior):
             self._check_arrival(robot_pose, object_pose)
         return command
 
-    def _plan_path(self, robot_pose: Pose, object_pose: Pose) -> Path:
+    def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> Path:
         context = self._context
-        return plan_path(context.robot, context.obj, object_pose, robot_pose,
-                         self._pre_push_pose(object_pose), context.drive,
+        drive = with_uncertain_clearance(
+            context.drive, context.supervision, perception.localization.position_deviation,
+            distance(perception.robot_pose, object_pose))
+        return plan_path(context.robot, context.obj, object_pose, perception.robot_pose,
+                         self._pre_push_pose(object_pose), drive,
                          occupancy_map=context.occupancy_map)
 
     def _check_object(self, perception: TaskPerception) -> None:

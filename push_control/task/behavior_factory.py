@@ -8,16 +8,18 @@ from push_control.settings import ControlSettings
 from push_control.task.approach import Approach
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.guarded_approach import GuardedApproach
-from push_control.task.object_model import ObjectModelEstimator
 from push_control.task.perception import TaskPerception
+from push_control.task.primitive_push import PrimitivePush
 from push_control.task.push import SupervisedPush
 from push_control.task.retreat import Retreat
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
+from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.trajectory import PushTrajectory
+from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
+from push_primitives.store import load_primitives, PushPrimitives
 
 # Standard deviations below which no push knows the centre of friction, over its distance from the
 # contact, and the push direction [rad]; chosen: the floor is not the same everywhere.
@@ -30,6 +32,9 @@ FEEDBACK_CONE_FRACTION = 0.9
 # Standard deviation of the gap of a robot whose pose overlaps the object [m]; chosen: the noise of
 # one object pose.
 OVERLAP_STD = 0.002
+# Length of the retreat after an unsteered push [m]; chosen: what the robot covers while the object
+# is measured, and more than the clearance that a path around the object needs at least.
+SHORT_RETREAT = 0.06
 # Tolerance that every push keeps [m, rad].
 ANY_ERROR = 1.0
 
@@ -38,8 +43,7 @@ class BehaviorFactory:
     """
     Makes the behaviour of each state.
 
-    ``object_model``: the ``ObjectModelEstimator``. ``occupancy_map``: the ``OccupancyMap``, or
-    None on open floor.
+    ``occupancy_map``: the ``OccupancyMap``, or None on open floor.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
@@ -53,37 +57,48 @@ class BehaviorFactory:
         :param drive: ``DriveSettings``.
         :param supervision: ``SupervisionSettings``.
         """
+        self._obj = obj
         self._robot = robot
         self._control = _for_task(control)
         self._drive = drive
         self._supervision = supervision
-        self.object_model = ObjectModelEstimator(obj, control)
         self.occupancy_map: OccupancyMap | None = None
 
-    def create(self, state: TaskState, target: PushTrajectory | None,
+    def create(self, state: TaskState, target: PushTrajectory | None, goal: Pose | None,
                perception: TaskPerception) -> Behavior | None:
         """
         Make the behaviour of a state.
 
         :param state: the ``TaskState``.
         :param target: the ``PushTrajectory``, or None.
+        :param goal: goal ``Pose`` of the object, or None.
         :param perception: ``TaskPerception`` of robot and object.
         :return: ``Behavior``, or None where the robot stands.
         """
-        context = BehaviorContext(self.object_model.obj, self._robot, self._control, self._drive,
-                                  self._supervision, self.occupancy_map)
+        context = BehaviorContext(
+            perception.localization.obj, self._robot, self._control, self._drive,
+            self._supervision, self.occupancy_map)
         if state is TaskState.RETREAT:
-            return Retreat(context)
+            unsteered = target is not None and target.style is PushStyle.UNSTEERED
+            return Retreat(context, min(
+                self._drive.retreat_distance,
+                SHORT_RETREAT if unsteered else self._drive.retreat_distance))
         if target is None:
             return None
         if state is TaskState.APPROACH:
             return Approach(context, target)
         if state is TaskState.ALIGN:
             return GuardedApproach(context, target, perception.object_at_rest)
+        if state is TaskState.PUSH and target.style is PushStyle.UNSTEERED and goal is not None:
+            return PrimitivePush(context, self._primitives(), perception.localization, target,
+                                 goal)
         if state is TaskState.PUSH:
             control = self._with_present_uncertainty(target, perception)
-            return SupervisedPush(context._replace(control=control), self.object_model, target)
+            return SupervisedPush(context._replace(control=control), target)
         return None
+
+    def _primitives(self) -> PushPrimitives:
+        return load_primitives(self._obj, self._robot)
 
     def correct_overlap(self, perception: TaskPerception) -> None:
         """
@@ -91,12 +106,14 @@ class BehaviorFactory:
 
         :param perception: ``TaskPerception`` of robot and object.
         """
-        perception.correct_overlap(self.object_model.obj, self._robot, OVERLAP_STD)
+        perception.correct_overlap(self._obj, self._robot, OVERLAP_STD)
 
     def _with_present_uncertainty(self, target: PushTrajectory,
                                   perception: TaskPerception) -> ControlSettings:
-        center_std_ratio = self.object_model.relative_deviation(contact_start_point(target))
-        heading_std = perception.localization.standard_deviations[2]
+        localization = perception.localization
+        distance_to_center = distance(contact_start_point(target), localization.friction_center)
+        center_std_ratio = localization.center_deviation / distance_to_center
+        heading_std = localization.standard_deviations[2]
         return dataclasses.replace(
             self._control, center_std_ratio=math.hypot(CENTER_STD_RATIO, center_std_ratio),
             push_direction_std=math.hypot(PUSH_DIRECTION_STD, heading_std))

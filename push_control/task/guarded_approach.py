@@ -2,7 +2,7 @@
 Guarded approach: go straight to the contact, slowly, until the object is seen to move.
 
 The pose of the robot drifts, and so the contact comes earlier or later than expected. A CUSUM
-test of the object's motion along the contact normal detects it, which tells where the robot is.
+test of the object's motion along the contact normal detects it.
 """
 
 import math
@@ -33,7 +33,7 @@ class _Search(NamedTuple):
 
 
 class GuardedApproach(Behavior):
-    """Probes for the object, and localizes the robot by the contact."""
+    """Probes for the object."""
 
     def __init__(self, context: BehaviorContext, target: PushTrajectory,
                  object_at_rest: ObjectAtRest) -> None:
@@ -65,7 +65,7 @@ class GuardedApproach(Behavior):
 
     def step(self, perception: TaskPerception, dt: float) -> Twist:
         """
-        Compute the command; localize the robot once it touches the object.
+        Compute the command.
 
         :param perception: ``TaskPerception`` of robot and object.
         :param dt: time since the last call [s].
@@ -126,7 +126,6 @@ class GuardedApproach(Behavior):
         n_x, n_y = Pose(0.0, 0.0, before.theta).rotate((math.cos(normal), math.sin(normal)))
         motion = (x - x_before) * n_x + (y - y_before) * n_y
         if self._contact_test.update(motion / self._noise) > 0:
-            perception.update_from_contact(context.obj, context.robot, self._noise)
             self.failure_reason = sentence(start_fault(
                 context.robot, context.control, self._target, perception.corrected_observation))
             self.finished = not self.failure_reason

@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
 from push_control.events import sentence
+from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
-from push_control.task.localization import RobotLocalization
 from push_control.task.settings import SupervisionSettings
 from push_model.contact import find_contact, FoundContact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectPose
+from push_model.signals import ObjectPose, Odometry
 
 # Moves of an object that nothing explains, of which the last one relocalizes the robot; chosen:
 # the first one may have been somebody else.
@@ -119,18 +119,23 @@ class TaskPerception:
     """
     Estimates where robot and object are.
 
-    ``localization``: the ``RobotLocalization``.
+    ``localization``: the ``PushEnsemble``.
     """
 
-    def __init__(self, control: ControlSettings, supervision: SupervisionSettings) -> None:
+    def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                 supervision: SupervisionSettings) -> None:
         """
         Start without measurements.
 
+        :param obj: the nominal ``PushedObject``.
+        :param robot: the ``RoundRobot``.
         :param control: ``ControlSettings``.
         :param supervision: ``SupervisionSettings``.
         """
         self._control = control
-        self.localization = RobotLocalization(supervision)
+        self.localization = PushEnsemble(obj, robot, control, OdometryNoise(
+            supervision.odometry_scale, supervision.odometry_drift, supervision.odometry_walk,
+            supervision.odometry_heading_walk))
         self._window = StationarityWindow(control, supervision)
         self._rest_from = 0.0
         self._pose_time: float | None = None
@@ -146,12 +151,20 @@ class TaskPerception:
         odometry, measured = observation.odometry, observation.object_pose
         if is_finite_odometry(odometry):
             self.localization.predict(odometry)
-            odometry = odometry._replace(pose=self.localization.pose)
+            odometry = self._corrected(odometry)
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
+            self.localization.update(measured)
+            odometry = self._corrected(odometry)
             if measured.time >= self._rest_from:
                 self._window.add(measured)
         self._observation = observation._replace(odometry=odometry)
+
+    def _corrected(self, odometry: Odometry) -> Odometry:
+        """Put the robot where it is localized."""
+        if not self.localization.is_initialized:
+            return odometry
+        return odometry._replace(pose=self.localization.pose)
 
     @property
     def time(self) -> float:

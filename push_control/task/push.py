@@ -1,30 +1,18 @@
-"""One push of a task, and what it tells of the robot's pose and of the object."""
+"""One steered push of a task, along a plan whose contact is held."""
 
-import math
 from typing import Any, Callable
 
 import numpy as np
-from push_control.estimation.contact_site import initial_contact_site
 from push_control.push.controller import Controller
-from push_control.push.start import contact_start_point
 from push_control.push.status import ControllerStatus, Phase
 from push_control.task.behavior import Behavior, BehaviorContext
-from push_control.task.object_model import ObjectModelEstimator
 from push_control.task.perception import TaskPerception
-from push_control.task.push_innovation import (
-    deviation_factor, DISTURBANCE_FACTOR, disturbances, lateral_offset, LateralOffset,
-    POSITION_STD, push_innovation,
-)
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 
 # Standard deviation of the gap at the end of a push, in which the robot is in contact [m]; chosen.
 GAP_STD = 0.005
-# Rotation of the object relative to the push beyond which somebody else has rotated it [rad], and
-# standard deviations of the heading besides; chosen.
-MAX_HEADING_ERROR = 0.2
-HEADING_SIGMAS = 4.0
 # Clearance in a map that neither robot nor object may lack where the plan does not [m]; chosen:
 # half of the clearance of plans, and none at all.
 GUARDED_CLEARANCES = (0.025, 0.0)
@@ -36,24 +24,19 @@ MAX_REJECTED_POSES = 1
 
 
 class SupervisedPush(Behavior):
-    """Pushes along a plan, localizes the robot at the end and identifies the object."""
+    """Pushes along a plan."""
 
-    def __init__(self, context: BehaviorContext, object_model: ObjectModelEstimator,
-                 target: PushTrajectory) -> None:
+    def __init__(self, context: BehaviorContext, target: PushTrajectory) -> None:
         """
         Start.
 
         :param context: the ``BehaviorContext``; its ``control`` with the present uncertainty.
-        :param object_model: the ``ObjectModelEstimator``, which this push updates.
         :param target: the ``PushTrajectory``.
         """
         super().__init__()
         self._context = context
-        self._object_model = object_model
         self._target = target
-        self._controller = Controller(object_model.obj, context.robot, context.control)
-        # Standard deviation of the robot's position before the push [m].
-        self._start_deviation: float | None = None
+        self._controller = Controller(context.obj, context.robot, context.control)
 
     @property
     def push_status(self) -> ControllerStatus:
@@ -71,8 +54,6 @@ class SupervisedPush(Behavior):
         :param dt: time since the last call [s].
         :return: ``Twist``.
         """
-        if self._start_deviation is None:
-            self._start_deviation = perception.localization.position_deviation
         command = self._controller.step(self._target, perception.observation, dt)
         status = self._controller.status
         self.finished = status.phase is Phase.DONE
@@ -83,7 +64,7 @@ class SupervisedPush(Behavior):
                                    or self._near_obstacle(status))
         has_estimate = self._context.control.control_law != 'open_loop'
         if (self.finished or self.failure_reason) and has_estimate and status.in_contact:
-            self._evaluate(perception, status, command)
+            self._evaluate(perception, status)
         return STOP if self.failure_reason else command
 
     def _path_deviation(self, pose: Pose) -> str:
@@ -101,7 +82,7 @@ class SupervisedPush(Behavior):
             return ''
         path = target.object_poses[:, :2] - status.object_pose[:2]
         nearest = int(np.hypot(*path.T).argmin())
-        if _loses_clearance(occupancy_map.object_is_free, self._object_model.obj,
+        if _loses_clearance(occupancy_map.object_is_free, self._context.obj,
                             status.object_pose, Pose(*target.object_poses[nearest])):
             return 'the object deviates towards an obstacle of the map'
         if _loses_clearance(occupancy_map.robot_is_free, self._context.robot,
@@ -109,49 +90,15 @@ class SupervisedPush(Behavior):
             return 'the robot deviates towards an obstacle of the map'
         return ''
 
-    def _evaluate(self, perception: TaskPerception, status: ControllerStatus,
-                  command: Twist) -> None:
-        """Localize the robot and identify the object; less where the contact did not hold."""
-        robot, obj = self._context.robot, self._object_model.obj
-        was_steady = disturbances(status) == 0 and status.rejected_poses <= MAX_REJECTED_POSES
-        if not self.finished and not was_steady:
-            perception.localization.inflate_covariance(FAILED_PUSH_STD)
-            perception.correct_overlap(obj, robot, GAP_STD)
+    def _evaluate(self, perception: TaskPerception, status: ControllerStatus) -> None:
+        """Note whether the contact held, as the ensemble expects of a contact that does."""
+        was_steady = (status.slips + status.contact_losses == 0
+                      and status.rejected_poses <= MAX_REJECTED_POSES)
+        if self.finished or was_steady:
+            perception.on_push_succeeded()
             return
-        perception.update_from_contact(obj, robot, GAP_STD, is_certain=False)
-        self._localize(perception, status, command)
-        perception.on_push_succeeded()
-        self._identify(status)
-
-    def _localize(self, perception: TaskPerception, status: ControllerStatus,
-                  command: Twist) -> None:
-        robot, factor = self._context.robot, deviation_factor(status)
-        offset = LateralOffset()
-        if self._contact_can_be_off or factor > 1:
-            offset = lateral_offset(self._object_model, robot, status)
-        seen = push_innovation(status, perception.corrected_observation.odometry, command,
-                               robot.time_constant, offset)
-        heading_std = perception.localization.standard_deviations[2]
-        if abs(seen.error[2]) > MAX_HEADING_ERROR + HEADING_SIGMAS * heading_std:
-            # Somebody has rotated the object: what it tells of the robot is wrong.
-            return
-        perception.localization.update_pose(seen.error, seen.covariance,
-                                            self.finished and factor == 1)
-
-    def _identify(self, status: ControllerStatus) -> None:
-        start_deviation = 0.0
-        if self._contact_can_be_off and self._start_deviation is not None:
-            start_deviation = self._start_deviation
-        deviation = math.hypot(start_deviation,
-                               DISTURBANCE_FACTOR * disturbances(status) * POSITION_STD)
-        self._object_model.update(contact_start_point(self._target), status.friction_center,
-                                  deviation)
-
-    @property
-    def _contact_can_be_off(self) -> bool:
-        """Whether a robot that is off touches elsewhere, as it does not at a vertex."""
-        site = initial_contact_site(self._object_model.obj, self._context.robot, self._target)
-        return site.kind != 'vertex'
+        perception.localization.inflate_covariance(FAILED_PUSH_STD)
+        perception.correct_overlap(self._context.obj, self._context.robot, GAP_STD)
 
 
 def _loses_clearance(is_free: Callable[..., bool], body: Any, pose: Pose, planned: Pose) -> bool:

@@ -20,14 +20,16 @@ MIN_GAP_RATIO = 0.5
 class Retreat(Behavior):
     """Drives straight off the object, where drive and map allow it."""
 
-    def __init__(self, context: BehaviorContext) -> None:
+    def __init__(self, context: BehaviorContext, distance: float) -> None:
         """
         Start.
 
         :param context: the ``BehaviorContext``.
+        :param distance: how far to drive [m].
         """
         super().__init__()
         self._context = context
+        self._distance = distance
         self._execution: PathExecution | None = None
 
     def pause(self) -> None:
@@ -43,7 +45,8 @@ class Retreat(Behavior):
         :return: ``Twist``; STOP once there is a ``failure_reason``.
         """
         if self._execution is None:
-            path = retreat_path(self._context, perception.robot_pose, perception.object_pose.pose)
+            path = retreat_path(self._context, perception.robot_pose,
+                                perception.object_pose.pose, self._distance)
             if path is None:
                 self.finished = True
                 return STOP
@@ -55,16 +58,18 @@ class Retreat(Behavior):
         return command
 
 
-def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose) -> Path | None:
+def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
+                 retreat_distance: float) -> Path | None:
     """
     Find the straight path off an object; half the length where the whole one is not free.
 
     :param context: the ``BehaviorContext``.
     :param robot_pose: ``Pose`` of the robot, at the object.
     :param object_pose: ``Pose`` of the object.
+    :param retreat_distance: length of the path [m].
     :return: ``Path``, or None where drive or map allow none that leads away.
     """
-    robot, retreat_distance = context.robot, context.drive.retreat_distance
+    robot = context.robot
     _, normal, gap = find_contact(context.obj, object_pose, robot_pose[:2], robot.radius)
     x, y, heading = robot_pose
     directions = [normal + math.pi]

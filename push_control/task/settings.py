@@ -20,7 +20,7 @@ class SupervisionSettings:
         '', 0.0, 10.0, default=2.0)
     min_averaging_time: float = quantity(
         'time over which poses of the object at rest are averaged', 's', above=0.0, high=10.0,
-        default=0.5)
+        default=0.35)
     max_averaging_time: float = quantity(
         'longest time over which they are averaged while it is uncertain whether the task is done',
         's', above=0.0, high=60.0, default=2.0)

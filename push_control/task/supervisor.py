@@ -26,7 +26,7 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import STOP, Twist
-from push_model.trajectory import PushTrajectory
+from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 
@@ -90,7 +90,7 @@ class Supervisor:
         self._settings = supervision
         self._progress = ProgressMonitor(supervision)
         self._behaviors = BehaviorFactory(obj, robot, control, drive, supervision)
-        self._perception = TaskPerception(control, supervision)
+        self._perception = TaskPerception(obj, robot, control, supervision)
         self._goal: Pose | None = None
         self._plan: PushTrajectory | None = None
         self._behavior: Behavior | None = None
@@ -253,14 +253,22 @@ class Supervisor:
         elif check is GoalCheck.MISSED:
             self._behaviors.correct_overlap(perception)
             request = PlanRequest(object_at_rest.pose, perception.robot_pose, self._goal,
-                                  self._behaviors.object_model.obj, self._progress.cone_fraction)
+                                  perception.localization.obj, self._progress.cone_fraction)
             self._pending = _PendingRequest(request, now)
 
     def _advance(self) -> None:
         state = self._entered.state
         if state is TaskState.PUSH:
             self._progress.count_attempt()
-        self._enter(TRANSITIONS[state].success)
+        next_state = TRANSITIONS[state].success
+        if next_state is TaskState.ALIGN and self._is_unsteered:
+            # Such a push finds the contact by itself, without a stop before it.
+            next_state = TaskState.PUSH
+        self._enter(next_state)
+
+    @property
+    def _is_unsteered(self) -> bool:
+        return self._plan is not None and self._plan.style is PushStyle.UNSTEERED
 
     def _recover(self, failure_reason: str) -> None:
         self._progress.count_attempt(failure_reason)
@@ -275,9 +283,11 @@ class Supervisor:
     def _enter(self, state: TaskState, reason: str = '') -> None:
         push, now = self._push_status(), self._perception.time
         self._pending = None
-        self._behavior = self._behaviors.create(state, self._plan, self._perception)
+        self._behavior = self._behaviors.create(state, self._plan, self._goal, self._perception)
         if state is TaskState.RETREAT:
-            self._perception.restart_averaging(now + SETTLING_TIME)
+            # An unsteered push ends at rest.
+            settling_time = 0.0 if self._is_unsteered else SETTLING_TIME
+            self._perception.restart_averaging(now + settling_time)
         pushes = self._entered.pushes
         if state is TaskState.PUSH:
             pushes += 1

@@ -1,0 +1,1 @@
+"""Where robot and object are, and what their motion reveals of friction."""

@@ -1,0 +1,187 @@
+"""
+Members of an ensemble: copies of robot and object that differ in what is not known.
+
+Each member has poses of robot and object, errors of its odometry, friction factors of the
+supports and a contact friction of its own. It is moved by odometry and by the compiled dynamics,
+so that contact, rolling and sliding need no model of their own here.
+"""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+from push_dynamics import layout
+from push_dynamics.compiled import kernel_array
+from push_dynamics.encoding import body_numbers, initial_state, NO_OUTLINE, support_rows
+from push_model.geometry import FloatArray, Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_primitives.member_motion import close_gaps, IDEAL_DRIVE, move_members
+
+# Number of members; chosen: correlations below 0.1 are noise, and a step in contact takes a tenth
+# of a millisecond.
+MEMBER_COUNT = 100
+# Longest step of the dynamics [s]; chosen: half a period of odometry.
+LONGEST_STEP = 0.01
+# Speed below which support friction turns viscous [m/s]; chosen: far below pushing speeds.
+FRICTION_SMOOTHING = 1e-4
+# Standard deviation of the logarithm of the friction of one support; chosen: as uneven as
+# plus or minus 40 %.
+SUPPORT_LOG_STD = 0.23
+# Standard deviation of the contact friction over its nominal value, and the range it is kept in;
+# chosen: frictionless contacts are three of them away.
+CONTACT_FRICTION_STD = 0.3
+CONTACT_FRICTION_RANGE = (0.0, 1.5)
+# Columns of the odometry errors: relative error of distances and of rotations, and heading error
+# per distance.
+SCALE, YAW_SCALE, DRIFT = 0, 1, 2
+ODOMETRY_ERRORS = 3
+ROBOT = [layout.ROBOT_X, layout.ROBOT_Y, layout.ROBOT_THETA]
+OBJECT = [layout.X, layout.Y, layout.THETA]
+
+
+class Members:
+    """
+    States and parameters of all members.
+
+    ``states``: shape (n, 25), rows in the order of ``push_dynamics.layout``. ``parameters``: shape
+    (n, 3 + supports + 1): odometry errors, logarithms of the friction factors of the supports,
+    contact friction.
+    """
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, count: int = MEMBER_COUNT) -> None:
+        """
+        Make equal members with the nominal parameters.
+
+        :param obj: the nominal ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param count: number of members.
+        """
+        self.obj = obj
+        state = initial_state(obj, Pose(0.0, 0.0, 0.0), Pose(1.0e3, 0.0, 0.0))
+        self.states: FloatArray = np.tile(np.array(state), (count, 1))
+        self.bodies: FloatArray = np.tile(
+            np.array(body_numbers(obj, robot, FRICTION_SMOOTHING)), (count, 1))
+        rows = support_rows(obj, obj.capacities, [1.0] * len(obj.supports))
+        self._nominal_supports: FloatArray = np.array(rows)
+        self.supports: FloatArray = np.tile(self._nominal_supports, (count, 1, 1))
+        self.parameters: FloatArray = np.zeros((count, ODOMETRY_ERRORS + len(rows) + 1))
+        self.parameters[:, -1] = obj.contact_friction_coefficient
+        self.scratch = Scratch(obj)
+
+    @property
+    def count(self) -> int:
+        """Number of members."""
+        return len(self.states)
+
+    @property
+    def robot_poses(self) -> FloatArray:
+        """Poses (x, y, theta) of the robots, shape (n, 3); angles not wrapped."""
+        return self.states[:, ROBOT]
+
+    @property
+    def object_poses(self) -> FloatArray:
+        """Poses (x, y, theta) of the object frame, shape (n, 3); angles not wrapped."""
+        poses = self.states[:, OBJECT]
+        poses[:, :2] -= self._rotated_center(poses[:, 2])
+        return poses
+
+    @property
+    def in_contact(self) -> FloatArray:
+        """Whether each robot touches its object, shape (n,)."""
+        return self.states[:, layout.NORMAL_FORCE] > 0.0
+
+    def set_robot_poses(self, poses: FloatArray) -> None:
+        """
+        Place the robots.
+
+        :param poses: (x, y, theta), shape (n, 3).
+        """
+        self.states[:, ROBOT] = poses
+
+    def set_object_poses(self, poses: FloatArray) -> None:
+        """
+        Place the objects.
+
+        :param poses: (x, y, theta) of the object frame, shape (n, 3).
+        """
+        self.states[:, OBJECT] = poses
+        self.states[:, OBJECT[:2]] += self._rotated_center(poses[:, 2])
+
+    def apply_parameters(self) -> None:
+        """Bring the parameters within their ranges, and into the numbers of the dynamics."""
+        friction = self.parameters[:, -1]
+        friction[:] = np.clip(friction, *CONTACT_FRICTION_RANGE)
+        self.bodies[:, layout.CONTACT_FRICTION] = friction
+        factors = np.exp(self.parameters[:, ODOMETRY_ERRORS:-1])
+        capacities = factors * self._nominal_supports[:, layout.CAPACITY]
+        self.supports[:, :, layout.CAPACITY] = capacities
+        self.supports[:, :, layout.PLAIN_CAPACITY] = capacities
+
+    def move(self, increments: FloatArray, duration: float) -> int:
+        """
+        Move robots, and the objects with them.
+
+        :param increments: motion (x, y, theta) of each robot in its own axes, shape (n, 3).
+        :param duration: time that it takes [s].
+        :return: number of members in contact.
+        """
+        # The twist whose arc ends at the increment: the chord is shorter by sin(h) / h.
+        half = 0.5 * increments[:, 2]
+        c, s = np.cos(half), np.sin(half)
+        ratio = duration * np.sinc(half / np.pi)
+        twists = np.stack(((c * increments[:, 0] + s * increments[:, 1]) / ratio,
+                           (c * increments[:, 1] - s * increments[:, 0]) / ratio,
+                           increments[:, 2] / duration), axis=1)
+        scratch = self.scratch
+        return move_members(self.states, self.bodies, self.supports, scratch.outline,
+                            scratch.floor, scratch.forces, scratch.drive, scratch.command, twists,
+                            duration, LONGEST_STEP)
+
+    def close_gaps(self) -> None:
+        """Move robots off overlaps; those that were in contact touch again."""
+        gaps = np.zeros(self.count)
+        close_gaps(self.states, self.bodies, self.scratch.outline, gaps)
+
+    def _rotated_center(self, angles: FloatArray) -> FloatArray:
+        x, y = self.obj.center_of_mass
+        c, s = np.cos(angles), np.sin(angles)
+        return np.stack((c * x - s * y, s * x + c * y), axis=1)
+
+
+class Scratch:
+    """Arrays that the dynamics read or overwrite, the same for all members."""
+
+    def __init__(self, obj: PushedObject) -> None:
+        """
+        Allocate them.
+
+        :param obj: the ``PushedObject``.
+        """
+        self.outline: Any = kernel_array(obj.outline or NO_OUTLINE)
+        self.floor: Any = np.zeros((0, layout.PATCH_SIZE))
+        self.forces: Any = np.zeros(2 * len(obj.supports))
+        self.drive: Any = np.array(IDEAL_DRIVE)
+        self.command: Any = np.zeros(3)
+        self.state: Any = np.zeros(layout.STATE_SIZE)
+
+
+def identified_object(obj: PushedObject, parameters: FloatArray) -> PushedObject:
+    """
+    Give an object the mean friction of an ensemble.
+
+    :param obj: the nominal ``PushedObject``.
+    :param parameters: of all members, as of ``Members``.
+    :return: ``PushedObject`` with the mean distribution of friction, its sum unchanged, and the
+        mean contact friction.
+    """
+    factors = np.exp(parameters[:, ODOMETRY_ERRORS:-1].mean(axis=0))
+    capacities = np.array(obj.capacities)
+    factors *= capacities.sum() / (factors @ capacities)
+    supports = tuple(
+        dataclasses.replace(support, friction_coefficient=support.friction_coefficient * factor)
+        for support, factor in zip(obj.supports, factors.tolist()))
+    friction = max(0.0, float(parameters[:, -1].mean()))
+    if not math.isfinite(friction):
+        raise ValueError(f'parameters: got a contact friction of {friction}, expected a number')
+    return dataclasses.replace(obj, supports=supports, contact_friction_coefficient=friction)

@@ -1,0 +1,440 @@
+"""
+Ensemble filter of robot and object: localization, and what pushes reveal of friction.
+
+The state of a member is
+
+    x = (robot pose, object pose, former object poses, odometry errors s, g, d,
+         logarithms of the support friction, contact friction).
+
+**Prediction.** A step (dx, dy, dtheta) of odometry, of length l, moves the robot of a member by
+
+    (dx, dy) / (1 + s),    (1 + g) dtheta - d l,
+
+plus a random walk in proportion to l; the compiled dynamics move the object with it.
+
+**Update.** With the anomalies A of the state and B of what is measured, at its own time, as
+columns of n members, the deterministic ensemble Kalman filter (Sakov and Oke, Tellus A 60 (2008))
+moves the mean by K (z - mean) and the anomalies by half as much:
+
+    K = A B' (B B' + (n - 1) R)^-1,    A <- A - K B / 2
+
+An object that nobody touches tells nothing of the robot: then only the object is updated. A pose
+that nothing explains is an outlier; several in a row are an object that somebody has moved.
+"""
+
+from collections import deque
+import math
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from push_control.localization.members import (
+    CONTACT_FRICTION_STD, DRIFT, identified_object, MEMBER_COUNT, Members, ODOMETRY_ERRORS, SCALE,
+    SUPPORT_LOG_STD, YAW_SCALE,
+)
+from push_control.settings import ControlSettings
+from push_model.friction import friction_center
+from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose, Odometry
+
+# Time for which former poses are kept [s]; chosen: longer than object poses are late.
+HISTORY_TIME = 0.4
+# Time after the last contact for which object poses still tell of the robot [s]; chosen: longer
+# than they are late, and than the object slides on.
+COUPLING_TIME = 0.4
+# Random walk of the object's motion against the dynamics per root of its path length [m/sqrt(m)]
+# and [rad/sqrt(m)]; chosen: contacts that creep by 1 % of the way are within it.
+POSITION_WALK = 0.006
+HEADING_WALK = 0.012
+# Standard deviations below which averaging does not bring the object's pose, as errors of
+# successive measurements may be correlated [m], [rad]; chosen.
+LEAST_POSITION_STD = 0.0004
+LEAST_HEADING_STD = 0.001
+# Standard deviations of the first robot pose relative to the world [m], [rad]; chosen: odometry
+# begins in the frame of the poses.
+START_POSITION_STD = 0.002
+START_HEADING_STD = 0.003
+# Relative error of rotations measured by odometry; chosen: one per cent of the track width.
+YAW_SCALE_STD = 0.01
+# Squared Mahalanobis distance beyond which a pose is an outlier, and the number of outliers in a
+# row after which the object has been moved; chosen: beyond five standard deviations, and longer
+# than jumps of a tracker last.
+OUTLIER_GATE = 27.0
+MAX_OUTLIERS = 3
+# Standard deviations by which the robots are spread where an object next to them is not where it
+# was pushed to [m], [rad]; chosen.
+LOST_POSITION_STD = 0.03
+LOST_HEADING_STD = 0.05
+# Below this a step of odometry is rest [m], [rad].
+REST = 1e-9
+POSE = 3
+
+
+class OdometryNoise(NamedTuple):
+    """
+    Standard deviations of the errors of odometry.
+
+    :param scale: relative error of distances.
+    :param drift: heading error per distance [rad/m].
+    :param walk: random walk of the position [m/sqrt(m)].
+    :param heading_walk: random walk of the heading [rad/sqrt(m)].
+    """
+
+    scale: float
+    drift: float
+    walk: float
+    heading_walk: float
+
+
+class _Snapshot(NamedTuple):
+    """Poses of all members at a time."""
+
+    time: float
+    robots: FloatArray
+    objects: FloatArray
+
+
+class PushEnsemble:
+    """Estimates poses of robot and object, errors of odometry, and friction."""
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                 odometry_noise: OdometryNoise, seed: int = 0) -> None:
+        """
+        Start without poses; the first measurements give them.
+
+        :param obj: the nominal ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param control: ``ControlSettings``, for the noise of object poses.
+        :param odometry_noise: ``OdometryNoise``.
+        :param seed: of the random draws of the members.
+        """
+        self.members = Members(obj, robot, MEMBER_COUNT)
+        self._noise = np.array((control.pose_noise, control.pose_noise, control.heading_noise))
+        self._odometry_noise = odometry_noise
+        self._rng = np.random.default_rng(seed)
+        self._odometry: Odometry | None = None
+        self._history: deque[_Snapshot] = deque()
+        self._last_contact = -math.inf
+        self._pose_time: float | None = None
+        self._outliers = 0
+        self._draw_parameters()
+
+    def _draw_parameters(self) -> None:
+        members, noise = self.members, self._odometry_noise
+        parameters = members.parameters
+        spread = self._normal(parameters.shape)
+        parameters[:, SCALE] = noise.scale * spread[:, SCALE]
+        parameters[:, YAW_SCALE] = YAW_SCALE_STD * spread[:, YAW_SCALE]
+        parameters[:, DRIFT] = noise.drift * spread[:, DRIFT]
+        parameters[:, ODOMETRY_ERRORS:-1] = SUPPORT_LOG_STD * spread[:, ODOMETRY_ERRORS:-1]
+        parameters[:, -1] *= 1.0 + CONTACT_FRICTION_STD * spread[:, -1]
+        members.apply_parameters()
+
+    # Estimates.
+
+    @property
+    def is_initialized(self) -> bool:
+        """Whether there was any odometry yet."""
+        return self._odometry is not None
+
+    @property
+    def has_object(self) -> bool:
+        """Whether there was any object pose yet."""
+        return self._pose_time is not None
+
+    @property
+    def pose(self) -> Pose:
+        """
+        Mean ``Pose`` of the robot at the last odometry.
+
+        :raises RuntimeError: before the first odometry.
+        """
+        if self._odometry is None:
+            raise RuntimeError('localization: got no odometry, expected some before its pose')
+        return Pose(*self.members.robot_poses.mean(axis=0).tolist())
+
+    @property
+    def object_pose(self) -> Pose:
+        """Mean ``Pose`` of the object at the last odometry."""
+        return Pose(*self.members.object_poses.mean(axis=0).tolist())
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Standard deviations of x, y [m] and heading [rad] of the robot, shape (3,)."""
+        return self.members.robot_poses.std(axis=0)
+
+    @property
+    def position_deviation(self) -> float:
+        """Standard deviation of x or y of the robot, the greater one [m]."""
+        return float(self.standard_deviations[:2].max())
+
+    @property
+    def contact_ratio(self) -> float:
+        """Ratio of members in which the robot touches the object."""
+        return float(self.members.in_contact.mean())
+
+    @property
+    def obj(self) -> PushedObject:
+        """The ``PushedObject`` with friction as identified."""
+        return identified_object(self.members.obj, self.members.parameters)
+
+    @property
+    def center_deviation(self) -> float:
+        """Standard deviation of the centre of friction along either axis, the greater one [m]."""
+        factors = np.exp(self.members.parameters[:, ODOMETRY_ERRORS:-1])
+        weights = factors * np.array(self.members.obj.capacities)
+        feet = np.array([(support.x, support.y) for support in self.members.obj.supports])
+        centers = weights @ feet / weights.sum(axis=1, keepdims=True)
+        return float(centers.std(axis=0).max())
+
+    @property
+    def contact_friction_deviation(self) -> float:
+        """Standard deviation of the contact friction."""
+        return float(self.members.parameters[:, -1].std())
+
+    @property
+    def friction_center(self) -> tuple[float, float]:
+        """Centre of friction as identified, object frame (x, y) [m]."""
+        x, y = friction_center(self.obj)
+        return float(x), float(y)
+
+    def pose_at(self, time: float) -> Pose:
+        """
+        Look up where the robot was, by linear interpolation.
+
+        :param time: not more than ``HISTORY_TIME`` ago [s].
+        :return: its mean ``Pose``, as estimated by now.
+        """
+        robots, _ = self._at(time)
+        return Pose(*robots.mean(axis=0).tolist())
+
+    # Prediction.
+
+    def predict(self, odometry: Odometry) -> None:
+        """
+        Move all members by odometry.
+
+        :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
+        """
+        if self._odometry is None:
+            deviations = (START_POSITION_STD, START_POSITION_STD, START_HEADING_STD)
+            spread = self._normal((self.members.count, POSE)) * deviations
+            self.members.set_robot_poses(np.array(odometry.pose) + spread)
+        elif odometry.time > self._odometry.time:
+            self._move(self._odometry.pose.inverse() @ odometry.pose,
+                       odometry.time - self._odometry.time, odometry.time)
+        else:
+            return
+        self._odometry = odometry
+        members = self.members
+        self._history.append(
+            _Snapshot(odometry.time, members.robot_poses, members.object_poses))
+        while odometry.time - self._history[0].time > HISTORY_TIME:
+            self._history.popleft()
+
+    def _move(self, step: Pose, duration: float, time: float) -> None:
+        members, noise = self.members, self._odometry_noise
+        rotation = wrap_angle(step.theta)
+        length = math.hypot(step.x, step.y)
+        if length < REST and abs(rotation) < REST and not members.in_contact.any():
+            return
+        s, g, d = members.parameters[:, :ODOMETRY_ERRORS].T
+        walk = math.sqrt(length) * self._normal((members.count, POSE)) * (
+            noise.walk, noise.walk, noise.heading_walk)
+        increments = walk + np.stack((step.x / (1.0 + s), step.y / (1.0 + s),
+                                      (1.0 + g) * rotation - d * length), axis=1)
+        before = members.object_poses if self.has_object else None
+        if members.move(increments, duration):
+            self._last_contact = time
+            if before is not None:
+                self._disturb_objects(before)
+
+    def _disturb_objects(self, before: FloatArray) -> None:
+        """Add what the dynamics do not know to the motion of the objects."""
+        members = self.members
+        after = members.object_poses
+        lengths = np.hypot(*(after - before)[:, :2].T)
+        noise = self._normal(after.shape) * (POSITION_WALK, POSITION_WALK, HEADING_WALK)
+        members.set_object_poses(after + np.sqrt(lengths)[:, None] * noise)
+
+    # Updates.
+
+    def update(self, measured: ObjectPose) -> None:
+        """
+        Correct all members by a measured object pose.
+
+        :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
+        """
+        if self._pose_time is None:
+            self._place_objects(measured.pose)
+            self._pose_time = measured.time
+            return
+        if measured.time <= self._pose_time or not self._history:
+            return
+        self._pose_time = measured.time
+        _, objects = self._at(measured.time)
+        mean = objects.mean(axis=0)
+        innovation = np.array(measured.pose) - mean
+        innovation[2] = wrap_angle(innovation[2])
+        spread = objects - mean
+        covariance = spread.T @ spread / (len(spread) - 1) + np.diag(self._noise ** 2)
+        if innovation @ np.linalg.solve(covariance, innovation) > OUTLIER_GATE:
+            self._outliers += 1
+            if self._outliers >= MAX_OUTLIERS:
+                self._on_object_displaced(measured.pose)
+            return
+        self._outliers = 0
+        is_coupled = measured.time - self._last_contact < COUPLING_TIME
+        self._correct(spread, innovation, np.diag(self._noise ** 2), is_coupled)
+        self._keep_object_spread()
+
+    def update_pose(self, error: Sequence[float], covariance: FloatArray,
+                    is_certain: bool = True) -> None:
+        """
+        Correct the robot's pose by a measured error.
+
+        :param error: true minus estimated pose, (x, y, heading) [m, m, rad].
+        :param covariance: of that measurement, shape (3, 3).
+        :param is_certain: whether the measurement holds even where the ensemble does not explain
+            it; else it is rejected then.
+        """
+        innovation = np.array([*error[:2], wrap_angle(error[2])])
+        robots = self.members.robot_poses
+        self._correct_robot(robots - robots.mean(axis=0), innovation, covariance, is_certain)
+
+    def update_along(self, direction: float, error: float, deviation: float,
+                     is_certain: bool = True) -> None:
+        """
+        Correct the robot's pose by an error along one direction, as by a contact.
+
+        :param direction: world angle [rad].
+        :param error: true minus estimated position along it [m].
+        :param deviation: standard deviation of that measurement [m].
+        :param is_certain: as of ``update_pose``.
+        """
+        robots = self.members.robot_poses
+        along = robots[:, 0] * math.cos(direction) + robots[:, 1] * math.sin(direction)
+        self._correct_robot((along - along.mean())[:, None], np.array([error]),
+                            np.array([[deviation ** 2]]), is_certain)
+
+    def inflate_covariance(self, deviation: float, heading_deviation: float = 0.0) -> None:
+        """
+        Spread the robots, as after a search in vain.
+
+        :param deviation: standard deviation of x and of y that is added [m].
+        :param heading_deviation: standard deviation of the heading that is added [rad].
+        """
+        members = self.members
+        spread = self._normal((members.count, POSE))
+        members.set_robot_poses(
+            members.robot_poses + spread * (deviation, deviation, heading_deviation))
+        members.states[:, _FORCES] = 0.0
+        if self.has_object:
+            members.close_gaps()
+        self._forget_history()
+
+    def _correct_robot(self, spread: FloatArray, innovation: FloatArray, noise: FloatArray,
+                       is_certain: bool) -> None:
+        covariance = spread.T @ spread / (len(spread) - 1) + noise
+        is_outlier = (innovation @ np.linalg.solve(covariance, innovation)
+                      > OUTLIER_GATE * len(innovation))
+        if is_outlier and not is_certain:
+            return
+        if is_outlier:
+            # The robot has jumped: all members jump with it.
+            gain = spread.T @ (self.members.robot_poses
+                               - self.members.robot_poses.mean(axis=0))
+            jump = np.linalg.solve(spread.T @ spread, gain).T @ innovation
+            self.members.set_robot_poses(self.members.robot_poses + jump)
+            self._forget_history()
+            return
+        self._correct(spread, innovation, noise, True)
+
+    def _correct(self, spread: FloatArray, innovation: FloatArray, noise: FloatArray,
+                 is_coupled: bool) -> None:
+        """
+        Update all members by a measurement.
+
+        :param spread: anomalies of what was measured, shape (n, m).
+        :param innovation: measured minus mean, shape (m,).
+        :param noise: covariance of the measurement, shape (m, m).
+        :param is_coupled: whether it tells of the robot and of friction too.
+        """
+        members, history = self.members, self._history
+        columns = [members.object_poses, *(snapshot.objects for snapshot in history)]
+        if is_coupled:
+            columns += [members.robot_poses, *(snapshot.robots for snapshot in history),
+                        members.parameters]
+        state = np.concatenate(columns, axis=1)
+        mean = state.mean(axis=0)
+        anomalies = state - mean
+        count = len(state) - 1
+        gain = np.linalg.solve(spread.T @ spread + count * noise, spread.T @ anomalies).T
+        updated = (mean + gain @ innovation) + anomalies - 0.5 * spread @ gain.T
+        parts = np.split(updated, np.cumsum([column.shape[1] for column in columns])[:-1], axis=1)
+        members.set_object_poses(parts[0])
+        steps = len(history)
+        objects, robots = parts[1:1 + steps], [snapshot.robots for snapshot in history]
+        if is_coupled:
+            members.set_robot_poses(parts[1 + steps])
+            robots = parts[2 + steps:2 + 2 * steps]
+            members.parameters[:] = parts[-1]
+            members.apply_parameters()
+            members.close_gaps()
+        self._history = deque(
+            _Snapshot(snapshot.time, robot, obj)
+            for snapshot, robot, obj in zip(history, robots, objects))
+
+    def _keep_object_spread(self) -> None:
+        """Spread the objects a little where averaging has made them too equal."""
+        members = self.members
+        poses = members.object_poses
+        least = np.array((LEAST_POSITION_STD, LEAST_POSITION_STD, LEAST_HEADING_STD))
+        missing = np.sqrt(np.maximum(0.0, least ** 2 - poses.var(axis=0)))
+        if missing.any() and self.contact_ratio == 0.0:
+            members.set_object_poses(poses + missing * self._normal(poses.shape))
+
+    def _on_object_displaced(self, pose: Pose) -> None:
+        """Accept that the object is elsewhere: somebody has moved it, or the robot is lost."""
+        was_pushed = self.contact_ratio > 0.0
+        self._place_objects(pose)
+        if was_pushed:
+            self.inflate_covariance(LOST_POSITION_STD, LOST_HEADING_STD)
+
+    def _place_objects(self, pose: Pose) -> None:
+        members = self.members
+        members.set_object_poses(
+            np.array(pose) + self._noise * self._normal((members.count, POSE)))
+        members.states[:, _MOTION] = 0.0
+        self._outliers = 0
+        self._forget_history()
+
+    def _forget_history(self) -> None:
+        """Former poses are those of a former estimate."""
+        if self._odometry is not None:
+            members = self.members
+            self._history = deque([_Snapshot(self._odometry.time, members.robot_poses,
+                                             members.object_poses)])
+
+    def _at(self, time: float) -> tuple[FloatArray, FloatArray]:
+        """Poses of robots and objects at a time within the history, by linear interpolation."""
+        history = self._history
+        after = next((i for i, snapshot in enumerate(history) if snapshot.time >= time), None)
+        if after is None:
+            return history[-1].robots, history[-1].objects
+        if after == 0:
+            return history[0].robots, history[0].objects
+        first, last = history[after - 1], history[after]
+        ratio = (time - first.time) / (last.time - first.time)
+        return (first.robots + ratio * (last.robots - first.robots),
+                first.objects + ratio * (last.objects - first.objects))
+
+    def _normal(self, shape: tuple[int, ...]) -> FloatArray:
+        """Standard normal numbers whose mean over the members is 0."""
+        numbers = self._rng.standard_normal(shape)
+        return numbers - numbers.mean(axis=0)
+
+
+# Numbers of a state that are motion and force: velocities, accelerations, mode and forces.
+_MOTION = list(range(3, 9)) + list(range(15, 18))
+_FORCES = list(range(15, 18))

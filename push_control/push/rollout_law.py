@@ -1,0 +1,145 @@
+"""
+Law of an unsteered push: the arc with the least expected time, by rollouts of the dynamics.
+
+A few members of the ensemble are moved on along each of several arcs by the compiled dynamics. The
+cost of stopping after a distance is their mean cost-to-go plus the time to get there, so that one
+minimum says how to steer, how far to push, and when to stop (``push_primitives.rollouts``).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_control.localization.members import Members, OBJECT, ROBOT
+from push_model.geometry import FloatArray, Pose
+from push_primitives.cost_to_go import CostToGo
+from push_primitives.rollouts import roll_out
+
+# Members that are rolled out; chosen: their mean is that of all, and a decision takes some
+# milliseconds.
+ROLLED_OUT = 6
+# Curvatures between which a differential drive chooses [1/m]; chosen: beyond two, contacts slide.
+CURVATURES = (-2.0, -1.0, -0.4, 0.0, 0.4, 1.0, 2.0)
+# Distance for which a curvature holds before the later one [m]; chosen: about a radius.
+SWITCH_DISTANCE = 0.2
+# Time that a change of curvature by 1/m must gain [s m]; chosen: against chattering.
+CHANGE_COST = 0.04
+# Speed and longest step of the rollouts [m/s], [s]; quasi-static, so that any speed will do, and
+# as coarse as the result allows.
+ROLLOUT_SPEED = 0.2
+ROLLOUT_STEP = 0.016
+# Distances at which stopping is evaluated [m]: as fine as a tap needs at first, then coarser.
+FINE_SPACING, FINE_RANGE = 0.002, 0.03
+MIDDLE_SPACING, MIDDLE_RANGE = 0.01, 0.1
+COARSE_SPACING = 0.03
+
+
+class Decision(NamedTuple):
+    """
+    What to do next.
+
+    :param curvature: of the robot's path [1/m].
+    :param stopping_distance: after which it is best to stop [m].
+    :param cost: expected time from here to the goal [s].
+    """
+
+    curvature: float
+    stopping_distance: float
+    cost: float
+
+
+class RolloutLaw:
+    """Chooses curvature and stopping distance of a push."""
+
+    def __init__(self, members: Members, cost_to_go: CostToGo, face: int, goal: Pose,
+                 speed: float) -> None:
+        """
+        Take the goal of a push.
+
+        :param members: the ``Members`` of the ensemble.
+        :param cost_to_go: the ``CostToGo``.
+        :param face: number of the face at which the robot pushes.
+        :param goal: goal ``Pose`` of the object.
+        :param speed: of the push [m/s].
+        """
+        self._members = members
+        self._cost_to_go = cost_to_go
+        self._face = face
+        self._goal = np.array(goal)
+        self._speed = speed
+
+    def steer(self, curvature: float, planned: float, horizon: float,
+              direction: float) -> Decision:
+        """
+        Choose among arcs.
+
+        :param curvature: present curvature [1/m].
+        :param planned: curvature of the plan [1/m].
+        :param horizon: how far to look [m].
+        :param direction: of motion in the robot's axes [rad].
+        :return: ``Decision``.
+        """
+        arcs = [(curvature, curvature), (planned, planned), (curvature, 0.0)]
+        arcs += [(first, later) for first in CURVATURES for later in {0.0, first}]
+        table = np.array(arcs)
+        stops, costs = self._evaluate(table, horizon, direction)
+        total = costs + stops / self._speed
+        total += CHANGE_COST * np.abs(table[:, :1] - curvature)
+        best, stop = np.unravel_index(int(total.argmin()), total.shape)
+        return Decision(float(table[best, 0]), float(stops[stop]), float(total[best, stop]))
+
+    def stop(self, curvature: float, horizon: float, direction: float) -> Decision:
+        """
+        Choose where to stop on the present arc.
+
+        :param curvature: of the arc [1/m].
+        :param horizon: how far to look [m].
+        :param direction: of motion in the robot's axes [rad].
+        :return: ``Decision``.
+        """
+        stops, costs = self._evaluate(np.array([(curvature, curvature)]), horizon, direction)
+        total = costs[0] + stops / self._speed
+        best = int(total.argmin())
+        return Decision(curvature, _vertex(stops, total, best), float(total[best]))
+
+    def _evaluate(self, arcs: FloatArray, horizon: float,
+                  direction: float) -> tuple[FloatArray, FloatArray]:
+        members, scratch, table = self._members, self._members.scratch, self._cost_to_go
+        chosen = np.linspace(0, members.count - 1, ROLLED_OUT).astype(int)
+        states = members.states[chosen]
+        # Their mean is that of all members.
+        for columns in (ROBOT, OBJECT):
+            states[:, columns] += (members.states[:, columns].mean(axis=0)
+                                   - states[:, columns].mean(axis=0))
+        stops = _stops(horizon)
+        costs = np.zeros((len(arcs), len(stops)))
+        roll_out(states, members.bodies[chosen], members.supports[chosen], scratch.outline,
+                 scratch.floor, scratch.forces, scratch.drive, scratch.command, scratch.state,
+                 arcs, SWITCH_DISTANCE, direction, ROLLOUT_SPEED, ROLLOUT_STEP, stops,
+                 table.values, table.distances, table.headings, self._goal, self._face, costs)
+        return stops, costs
+
+
+def _stops(horizon: float) -> FloatArray:
+    """Distances at which stopping is evaluated, from 0 to the horizon [m]."""
+    spans = ((0.0, FINE_RANGE, FINE_SPACING), (FINE_RANGE, MIDDLE_RANGE, MIDDLE_SPACING),
+             (MIDDLE_RANGE, max(horizon, MIDDLE_RANGE), COARSE_SPACING))
+    parts = [np.linspace(first, last, 1 + math.ceil((last - first) / spacing - 1e-9))[1:]
+             for first, last, spacing in spans]
+    stops = np.concatenate(([0.0], *parts))
+    return stops[stops <= max(horizon, FINE_RANGE)]
+
+
+def _vertex(stops: FloatArray, costs: FloatArray, best: int) -> float:
+    """Refine the least of sampled costs by the parabola through its neighbours."""
+    if best == 0 or best == len(stops) - 1:
+        return float(stops[best])
+    before, here, after = costs[best - 1:best + 2]
+    left, right = stops[best] - stops[best - 1], stops[best + 1] - stops[best]
+    slope_before, slope_after = (here - before) / left, (after - here) / right
+    bend = slope_after - slope_before
+    if bend <= 0.0:
+        return float(stops[best])
+    # Where the slope, linear between the middles of both intervals, is 0.
+    shift = -slope_before / bend * 0.5 * (left + right) - 0.5 * left
+    return float(stops[best] + min(right, max(-left, shift)))

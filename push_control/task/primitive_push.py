@@ -1,0 +1,296 @@
+"""
+Unsteered push: straight, or along an arc, into a face or round side, until stopping is best.
+
+First the robot drives on to the contact along the line of the push. From the touch on the
+``RolloutLaw`` chooses the curvature and where to stop. The contact may roll and slide: the
+ensemble follows it.
+"""
+
+import enum
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_control.laws.braking import braking_distance
+from push_control.localization.push_ensemble import PushEnsemble
+from push_control.push.rollout_law import RolloutLaw
+from push_control.push.status import ControllerStatus, Phase
+from push_control.task.behavior import Behavior, BehaviorContext
+from push_control.task.perception import TaskPerception
+from push_model.contact import find_contact
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.signals import STOP, Twist
+from push_model.trajectory import PushTrajectory
+from push_primitives.store import PushPrimitives
+
+# Slowest push [m/s], and time in which what is left of a push is covered as it ends [s]; chosen:
+# slow enough for a lag of 0.1 s, and poses as late as that.
+LEAST_SPEED = 0.035
+ENDING_TIME = 0.45
+# Deceleration towards the touch over the limit of the robot; chosen: leaves half to the lag.
+APPROACH_DECELERATION = 0.6
+# Gap beyond the expected one and its two standard deviations at which the robot drives at touch
+# speed already [m]; chosen.
+TOUCH_MARGIN = 0.004
+# Distance on which the robot returns to the line of the push before the touch [m]; chosen: about
+# what is left from where the approach ends.
+RETURN_DISTANCE = 0.12
+# Distance beyond the expected touch, and standard deviations besides, after which an object that
+# has not moved is not there [m]; chosen.
+MISS_DISTANCE = 0.08
+MISS_SIGMAS = 2.5
+# Motion of the object that tells of a touch [m], [rad]; chosen: four standard deviations of a
+# pose.
+MOVED_DISTANCE = 0.008
+MOVED_ANGLE = 0.03
+# Standard deviation that a miss adds to the robot's position [m] and heading [rad]; chosen.
+MISS_STD = 0.03
+MISS_HEADING_STD = 0.03
+# Time between two choices of the arc [s]; chosen: two periods of the object pose.
+STEERING_PERIOD = 0.1
+# Least distance left in which the arc still changes [m], and the longest that is looked ahead.
+LEAST_STEERED = 0.08
+HORIZON = 0.7
+# Time after the command to stop at which the robot counts as at rest [s]; chosen: longer than
+# robots in config/robots take from pushing speed.
+STOPPING_TIME = 0.2
+# Distance that a push may exceed its plan by, and a multiple of it besides [m]; chosen: what is
+# left is for the next push.
+EXCESS_DISTANCE = 0.3
+EXCESS_RATIO = 2.0
+# Time after which a push that does not end has failed, over its length [s]; chosen.
+PATIENCE = 10.0
+
+
+class PushLine(NamedTuple):
+    """
+    Line along which the robot drives to the contact, in the object frame.
+
+    :param start: centre of the robot at first contact and direction of motion.
+    :param curvature: of the robot's path after it [1/m].
+    :param length: of that path [m].
+    """
+
+    start: Pose
+    curvature: float
+    length: float
+
+
+class _Stage(enum.Enum):
+    """Where a push stands."""
+
+    RUN_IN = 'run-in'
+    PUSHING = 'pushing'
+    STOPPING = 'stopping'
+
+
+def push_line(target: PushTrajectory) -> PushLine:
+    """
+    Read the line of an unsteered push off its plan.
+
+    :param target: ``PushTrajectory`` of style ``UNSTEERED``.
+    :return: ``PushLine``.
+    """
+    poses = target.robot_poses
+    steps = np.diff(poses[:, :2], axis=0)
+    lengths = np.hypot(*steps.T)
+    moved = np.flatnonzero(lengths > 1e-6)
+    directions = np.unwrap(np.arctan2(steps[moved, 1], steps[moved, 0]))
+    length = float(lengths.sum())
+    # The first and the last chord are apart by the whole path less half of each.
+    between = length - 0.5 * float(lengths[moved[0]] + lengths[moved[-1]])
+    curvature = float(directions[-1] - directions[0]) / between if len(moved) > 1 else 0.0
+    direction = float(directions[0]) - 0.5 * curvature * float(lengths[moved[0]])
+    start = Pose(float(poses[0, 0]), float(poses[0, 1]), direction)
+    return PushLine(Pose(*target.object_poses[0].tolist()).inverse() @ start, curvature, length)
+
+
+class PrimitivePush(Behavior):
+    """Drives to the contact and pushes."""
+
+    def __init__(self, context: BehaviorContext, primitives: PushPrimitives,
+                 ensemble: PushEnsemble, target: PushTrajectory, goal: Pose) -> None:
+        """
+        Start; the robot may be moving already.
+
+        :param context: the ``BehaviorContext``.
+        :param primitives: the ``PushPrimitives`` of the object.
+        :param ensemble: the ``PushEnsemble``.
+        :param target: the ``PushTrajectory``.
+        :param goal: goal ``Pose`` of the object.
+        """
+        super().__init__()
+        self._robot = context.robot
+        self._obj = context.obj
+        self._ensemble = ensemble
+        self._line = push_line(target)
+        self._speed = float(np.hypot(*target.robot_twists[:, :2].T).max())
+        self._law = RolloutLaw(
+            ensemble.members, primitives.cost_to_go,
+            primitives.table.face_at(self._line.start), goal, max(self._speed, 0.05))
+        self._progress = _Progress(self._line)
+
+    @property
+    def push_status(self) -> ControllerStatus:
+        """``ControllerStatus`` of the push."""
+        phase = Phase.DONE if self.finished else Phase.PUSHING
+        ensemble = self._ensemble
+        return ControllerStatus(
+            phase=Phase.FAILED if self.failure_reason else phase, reason=self.failure_reason,
+            remaining_distance=max(0.0, self._line.length - self._progress.pushed),
+            travelled_distance=self._progress.pushed, friction_center=ensemble.friction_center,
+            object_pose=ensemble.object_pose, robot_pose=ensemble.pose,
+            in_contact=ensemble.contact_ratio > 0.5)
+
+    def pause(self) -> None:
+        """End the push: the robot stands."""
+        self._progress.stage = _Stage.STOPPING
+
+    def step(self, perception: TaskPerception, dt: float) -> Twist:
+        """
+        Compute the command.
+
+        :param perception: ``TaskPerception`` of robot and object.
+        :param dt: time since the last call [s].
+        :return: ``Twist``.
+        """
+        progress = self._progress
+        progress.advance(perception, self._ensemble, dt)
+        if progress.stage is _Stage.STOPPING:
+            self.finished = progress.stage_time >= STOPPING_TIME
+            return STOP
+        if progress.stage is _Stage.RUN_IN:
+            command = self._run_in(perception)
+        else:
+            command = self._push(perception)
+        limit = EXCESS_DISTANCE + EXCESS_RATIO * self._line.length
+        is_too_long = progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED
+        if is_too_long:
+            self._stop()
+        return STOP if progress.stage is _Stage.STOPPING else command
+
+    def _run_in(self, perception: TaskPerception) -> Twist:
+        """Drive to the contact along the line of the push."""
+        progress, ensemble = self._progress, self._ensemble
+        pose, object_pose = ensemble.pose, ensemble.object_pose
+        line = object_pose @ self._line.start
+        local = line.inverse().transform(pose[:2])
+        gap = find_contact(self._obj, object_pose, pose[:2], self._robot.radius).gap
+        deviation = ensemble.position_deviation
+        if ensemble.contact_ratio > 0.5:
+            progress.enter(_Stage.PUSHING)
+            return self._push(perception)
+        if local[0] > MISS_DISTANCE + MISS_SIGMAS * deviation:
+            self._miss('the robot does not find the object')
+            return STOP
+        speed = self._touch_speed(self._line.length)
+        rest = max(0.0, gap - 2.0 * deviation - TOUCH_MARGIN)
+        speed = math.sqrt(speed ** 2 + 2.0 * APPROACH_DECELERATION * self._robot.max_acceleration
+                          * rest)
+        speed = min(speed, self._robot.max_speed)
+        return self._along_line(speed, local[1], wrap_angle(pose.theta - line.theta))
+
+    def _along_line(self, speed: float, lateral: float, heading: float) -> Twist:
+        """Keep to the line before the touch."""
+        if self._robot.drive == 'differential':
+            lateral = min(RETURN_DISTANCE, max(-RETURN_DISTANCE, lateral))
+            curvature = -lateral / RETURN_DISTANCE ** 2 - 2.0 * math.sin(heading) / RETURN_DISTANCE
+            omega = min(self._robot.max_yaw_rate, max(-self._robot.max_yaw_rate,
+                                                      speed * curvature))
+            return Twist(speed, 0.0, omega)
+        aside = math.atan2(-2.0 * lateral, RETURN_DISTANCE)
+        # ``heading`` is that of the robot relative to the line.
+        return _moving(speed, aside - heading, 0.0)
+
+    def _push(self, perception: TaskPerception) -> Twist:
+        """Go on along the best arc, or stop."""
+        progress, robot = self._progress, self._robot
+        direction = self._direction(perception)
+        if progress.has_moved and progress.steering_time >= STEERING_PERIOD:
+            progress.steering_time = 0.0
+            horizon = min(HORIZON, 1.3 * progress.left + 0.12)
+            if progress.left > LEAST_STEERED:
+                decision = self._law.steer(progress.curvature, self._line.curvature, horizon,
+                                           direction)
+                progress.curvature = decision.curvature
+                progress.left = decision.stopping_distance
+        if progress.left <= LEAST_STEERED + 0.05 or not progress.has_moved:
+            horizon = max(0.05, progress.left + 0.05)
+            progress.left = self._law.stop(progress.curvature, horizon,
+                                           direction).stopping_distance
+        if not progress.has_moved and progress.pushed > (
+                MISS_DISTANCE + MISS_SIGMAS * self._ensemble.position_deviation):
+            self._miss('the object does not move')
+            return STOP
+        if progress.left <= braking_distance(robot, progress.speed) + 0.01 * progress.speed:
+            self._stop()
+            return STOP
+        speed = self._touch_speed(progress.left)
+        omega = progress.curvature * speed
+        if robot.drive == 'differential':
+            return Twist(speed, 0.0, omega)
+        return _moving(speed, direction, omega)
+
+    def _direction(self, perception: TaskPerception) -> float:
+        """Direction of motion in the robot's axes [rad]."""
+        if self._robot.drive == 'differential':
+            return 0.0
+        progress = self._progress
+        if progress.direction is None:
+            line = self._ensemble.object_pose @ self._line.start
+            progress.direction = wrap_angle(line.theta - self._ensemble.pose.theta)
+        return progress.direction
+
+    def _touch_speed(self, left: float) -> float:
+        """Speed of a push with this distance left [m/s]."""
+        return min(self._speed, max(LEAST_SPEED, left / ENDING_TIME))
+
+    def _stop(self) -> None:
+        self._progress.enter(_Stage.STOPPING)
+
+    def _miss(self, reason: str) -> None:
+        self._ensemble.inflate_covariance(MISS_STD, MISS_HEADING_STD)
+        self.failure_reason = reason
+
+
+class _Progress:
+    """How far a push has come."""
+
+    def __init__(self, line: PushLine) -> None:
+        self.stage = _Stage.RUN_IN
+        self.stage_time = 0.0
+        self.time = 0.0
+        self.curvature = line.curvature
+        self.steering_time = STEERING_PERIOD
+        self.speed = 0.0
+        self.pushed = 0.0
+        self.left = line.length
+        self.has_moved = False
+        self.direction: float | None = None
+        self._start: Pose | None = None
+
+    def enter(self, stage: _Stage) -> None:
+        self.stage = stage
+        self.stage_time = 0.0
+
+    def advance(self, perception: TaskPerception, ensemble: PushEnsemble, dt: float) -> None:
+        """Take in a measurement."""
+        self.time += dt
+        self.stage_time += dt
+        self.steering_time += dt
+        odometry = perception.observation.odometry
+        self.speed = math.hypot(odometry.twist.v_x, odometry.twist.v_y)
+        measured = perception.object_pose.pose
+        if self._start is None:
+            self._start = perception.object_at_rest.pose
+        if not self.has_moved:
+            self.has_moved = (
+                distance(measured, self._start) > MOVED_DISTANCE
+                or abs(wrap_angle(measured.theta - self._start.theta)) > MOVED_ANGLE)
+        if self.stage is _Stage.PUSHING:
+            self.pushed += self.speed * dt
+            self.left = max(0.0, self.left - self.speed * dt)
+
+
+def _moving(speed: float, direction: float, omega: float) -> Twist:
+    return Twist(speed * math.cos(direction), speed * math.sin(direction), omega)

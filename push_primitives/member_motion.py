@@ -1,0 +1,133 @@
+"""
+Motion of many copies of the world, the members of an ensemble, each with parameters of its own.
+
+A member is one row of ``states``, ``bodies`` and ``supports``, in the order of
+``push_dynamics.layout``. Compiled: arrays are written in place, scratch arrays are arguments.
+"""
+
+import math
+from typing import Any
+
+from push_dynamics import layout
+from push_dynamics.compiled import compiled
+from push_dynamics.contact_law import ContactPoint, nearest_points
+from push_dynamics.layout import (
+    COM_X, COM_Y, DISC_RADIUS, NORMAL_FORCE, ROBOT_OMEGA, ROBOT_RADIUS, ROBOT_THETA, ROBOT_V_X,
+    ROBOT_V_Y, ROBOT_X, ROBOT_Y, THETA, X, Y,
+)
+from push_dynamics.step import advance
+
+# A drive that has the commanded velocity at once: time constant [s], accelerations [m/s^2] and
+# [rad/s^2], chosen far beyond those of any robot.
+IDEAL_DRIVE = (1e-3, 50.0, 500.0)
+STATE_SIZE = layout.STATE_SIZE
+
+
+@compiled
+def object_origin(state: Any, body: Any) -> tuple[float, float]:
+    """
+    Find the origin of the object frame.
+
+    :param state: numbers of one member.
+    :param body: its body.
+    :return: (x, y) in the world [m].
+    """
+    c, s = math.cos(state[THETA]), math.sin(state[THETA])
+    return (state[X] - c * body[COM_X] + s * body[COM_Y],
+            state[Y] - s * body[COM_X] - c * body[COM_Y])
+
+
+@compiled
+def contact_of(state: Any, body: Any, outline: Any) -> ContactPoint:
+    """
+    Find the nearest points of object and robot.
+
+    :param state: numbers of one member.
+    :param body: its body.
+    :param outline: vertices in the object frame [m].
+    :return: ``ContactPoint``; its normal points from the robot to the object.
+    """
+    x, y = object_origin(state, body)
+    return nearest_points(outline, body[DISC_RADIUS], body[ROBOT_RADIUS], x, y, state[THETA],
+                          state[ROBOT_X], state[ROBOT_Y], state[ROBOT_THETA])
+
+
+@compiled
+def close_gap(state: Any, body: Any, outline: Any, touches: bool) -> float:
+    """
+    Move the robot along the contact normal off an overlap, or to where it touches.
+
+    :param state: numbers of one member, is written.
+    :param body: its body.
+    :param outline: vertices in the object frame [m].
+    :param touches: whether the robot must touch; else a positive gap stays.
+    :return: the gap before [m].
+    """
+    contact = contact_of(state, body, outline)
+    if contact.gap < 0.0 or touches:
+        state[ROBOT_X] += contact.gap * contact.n_x
+        state[ROBOT_Y] += contact.gap * contact.n_y
+    return contact.gap
+
+
+@compiled
+def drive_robot(state: Any, command: Any, v_x: float, v_y: float, omega: float) -> None:
+    """
+    Let the robot move with a velocity at once.
+
+    :param state: numbers of one member, is written.
+    :param command: scratch, 3 numbers.
+    :param v_x: velocity in the robot's axes, x [m/s].
+    :param v_y: the same, y [m/s].
+    :param omega: yaw rate [rad/s].
+    """
+    command[0] = v_x
+    command[1] = v_y
+    command[2] = omega
+    state[ROBOT_V_X] = v_x
+    state[ROBOT_V_Y] = v_y
+    state[ROBOT_OMEGA] = omega
+
+
+@compiled
+def move_members(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, forces: Any,
+                 drive: Any, command: Any, twists: Any, duration: float, longest: float) -> int:
+    """
+    Move every member for a while, its robot with a given twist.
+
+    :param states: shape (n, 25), is written.
+    :param bodies: shape (n, 8).
+    :param supports: shape (n, k, 4).
+    :param outline: vertices in the object frame [m].
+    :param floor: no rows: a plain floor.
+    :param forces: scratch, 2 k numbers.
+    :param drive: ``IDEAL_DRIVE``.
+    :param command: scratch, 3 numbers.
+    :param twists: (v_x, v_y, omega) of each robot in its own axes, shape (n, 3).
+    :param duration: how long [s].
+    :param longest: longest step [s].
+    :return: number of members in contact at the end.
+    """
+    touching = 0
+    for i in range(len(states)):
+        drive_robot(states[i], command, twists[i][0], twists[i][1], twists[i][2])
+        advance(states[i], bodies[i], supports[i], outline, floor, forces, command, drive,
+                duration, longest)
+        if states[i][NORMAL_FORCE] > 0.0:
+            touching += 1
+    return touching
+
+
+@compiled
+def close_gaps(states: Any, bodies: Any, outline: Any, gaps: Any) -> None:
+    """
+    Move robots off overlaps; those that were in contact touch again.
+
+    :param states: shape (n, 25), is written.
+    :param bodies: shape (n, 8).
+    :param outline: vertices in the object frame [m].
+    :param gaps: gap of each member before [m], shape (n,), is written.
+    """
+    for i in range(len(states)):
+        touches = states[i][NORMAL_FORCE] > 0.0
+        gaps[i] = close_gap(states[i], bodies[i], outline, touches)

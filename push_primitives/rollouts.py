@@ -1,0 +1,96 @@
+"""
+Rollouts of a push: what it would cost to go on along different arcs, and where best to stop.
+
+From its present state each member of an ensemble drives on along an arc of curvature kappa_1 for
+a while and kappa_2 after it. After the distances s_k the cost of stopping there is
+
+    J(kappa, s_k) = mean over members of V(goal seen from the object) + s_k / v
+
+with the cost-to-go V, so that the least J tells curvature and stopping distance at once.
+"""
+
+import math
+from typing import Any
+
+from push_dynamics.compiled import compiled
+from push_dynamics.layout import ROBOT_OMEGA, ROBOT_V_X, ROBOT_V_Y, THETA
+from push_dynamics.step import advance
+from push_primitives.cost_to_go import interpolate_cost
+from push_primitives.member_motion import drive_robot, object_origin
+
+
+@compiled
+def cost_of_stopping(state: Any, body: Any, values: Any, distances: Any, headings: Any,
+                     goal: Any, face: int) -> float:
+    """
+    Evaluate the cost-to-go of a member.
+
+    :param state: numbers of one member.
+    :param body: its body.
+    :param values: of the cost-to-go, shape (faces, distances, bearings, headings) [s].
+    :param distances: of its grid [m].
+    :param headings: of its grid [rad].
+    :param goal: (x, y, theta) in the world.
+    :param face: where the robot stands.
+    :return: expected time that is still needed [s].
+    """
+    x, y = object_origin(state, body)
+    c, s = math.cos(state[THETA]), math.sin(state[THETA])
+    d_x, d_y = goal[0] - x, goal[1] - y
+    return interpolate_cost(values, distances, headings, c * d_x + s * d_y, c * d_y - s * d_x,
+                            goal[2] - state[THETA], face)
+
+
+@compiled
+def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, forces: Any,
+             drive: Any, command: Any, scratch: Any, arcs: Any, switch_distance: float,
+             direction: float, speed: float, step: float, stops: Any, values: Any,
+             distances: Any, headings: Any, goal: Any, face: int, costs: Any) -> None:
+    """
+    Evaluate the mean cost-to-go of stopping after every distance of every arc.
+
+    :param states: shape (n, 25).
+    :param bodies: shape (n, 8).
+    :param supports: shape (n, k, 4).
+    :param outline: vertices in the object frame [m].
+    :param floor: no rows: a plain floor.
+    :param forces: scratch, 2 k numbers.
+    :param drive: ``IDEAL_DRIVE``.
+    :param command: scratch, 3 numbers.
+    :param scratch: one state.
+    :param arcs: curvature of each arc at first and later, shape (m, 2) [1/m].
+    :param switch_distance: from which on the later curvature holds [m].
+    :param direction: of motion in the robot's axes [rad].
+    :param speed: of the simulated robot [m/s].
+    :param step: of the simulation [s].
+    :param stops: increasing distances, the first is 0, shape (k,) [m].
+    :param values: of the cost-to-go [s].
+    :param distances: of its grid [m].
+    :param headings: of its grid [rad].
+    :param goal: (x, y, theta) in the world.
+    :param face: where the robot stands.
+    :param costs: mean cost-to-go, shape (m, k) [s], is written.
+    """
+    v_x, v_y = speed * math.cos(direction), speed * math.sin(direction)
+    weight = 1.0 / len(states)
+    for a in range(len(arcs)):
+        for k in range(len(stops)):
+            costs[a][k] = 0.0
+        for i in range(len(states)):
+            for j in range(len(scratch)):
+                scratch[j] = states[i][j]
+            travelled = 0.0
+            for k in range(len(stops)):
+                left = stops[k] - travelled
+                if left > 0.0:
+                    curvature = arcs[a][0] if travelled < switch_distance else arcs[a][1]
+                    drive_robot(scratch, command, v_x, v_y, curvature * speed)
+                    advance(scratch, bodies[i], supports[i], outline, floor, forces, command,
+                            drive, left / speed, step)
+                    travelled = stops[k]
+                costs[a][k] += weight * cost_of_stopping(scratch, bodies[i], values, distances,
+                                                         headings, goal, face)
+    # Leave no velocity of a rollout behind.
+    scratch[ROBOT_V_X] = 0.0
+    scratch[ROBOT_V_Y] = 0.0
+    scratch[ROBOT_OMEGA] = 0.0
