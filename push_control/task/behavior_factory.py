@@ -19,6 +19,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
+from push_primitives.cost_to_go import CostSettings
 from push_primitives.store import load_primitives, PushPrimitives
 
 # Standard deviations below which no push knows the centre of friction, over its distance from the
@@ -98,7 +99,11 @@ class BehaviorFactory:
         return None
 
     def _primitives(self) -> PushPrimitives:
-        return load_primitives(self._obj, self._robot)
+        supervision = self._supervision
+        return load_primitives(self._obj, self._robot, CostSettings(
+            position_tolerance=supervision.position_tolerance,
+            heading_tolerance=supervision.heading_tolerance,
+            robot_speed=self._drive.limited_to(self._robot).speed, drive=self._robot.drive))
 
     def correct_overlap(self, perception: TaskPerception) -> None:
         """

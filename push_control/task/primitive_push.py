@@ -22,6 +22,7 @@ from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_primitives.store import PushPrimitives
+from push_primitives.table import PrimitiveTable
 
 # Slowest push [m/s], and time in which what is left of a push is covered as it ends [s]; chosen:
 # slow enough for a lag of 0.1 s, and poses as late as that.
@@ -105,6 +106,18 @@ def push_line(target: PushTrajectory) -> PushLine:
     return PushLine(Pose(*target.object_poses[0].tolist()).inverse() @ start, curvature, length)
 
 
+def face_at(table: PrimitiveTable, start: Pose) -> int:
+    """
+    Find the face at which a push begins.
+
+    :param table: ``PrimitiveTable``.
+    :param start: ``Pose`` of the robot at first contact, object frame.
+    :return: number of the face.
+    """
+    away = np.hypot(*(table.starts[:, :2] - start[:2]).T)
+    return int(table.faces[away.argmin()])
+
+
 class PrimitivePush(Behavior):
     """Drives to the contact and pushes."""
 
@@ -127,7 +140,7 @@ class PrimitivePush(Behavior):
         self._speed = float(np.hypot(*target.robot_twists[:, :2].T).max())
         self._law = RolloutLaw(
             ensemble.members, primitives.cost_to_go,
-            primitives.table.face_at(self._line.start), goal, max(self._speed, 0.05))
+            face_at(primitives.table, self._line.start), goal, max(self._speed, 0.05))
         self._progress = _Progress(self._line)
 
     @property
