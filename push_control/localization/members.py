@@ -14,7 +14,7 @@ import numpy as np
 from push_dynamics import layout
 from push_dynamics.compiled import kernel_array
 from push_dynamics.encoding import body_numbers, initial_state, NO_OUTLINE, support_rows
-from push_model.geometry import FloatArray, Pose
+from push_model.geometry import BoolArray, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives.member_motion import close_gaps, IDEAL_DRIVE, move_members
 
@@ -87,7 +87,7 @@ class Members:
         return poses
 
     @property
-    def in_contact(self) -> FloatArray:
+    def in_contact(self) -> BoolArray:
         """Whether each robot touches its object, shape (n,)."""
         return self.states[:, layout.NORMAL_FORCE] > 0.0
 

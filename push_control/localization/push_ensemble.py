@@ -430,7 +430,7 @@ class PushEnsemble:
                 first.objects + ratio * (last.objects - first.objects))
 
     def _normal(self, shape: tuple[int, ...]) -> FloatArray:
-        """Standard normal numbers whose mean over the members is 0."""
+        """Draw standard normal numbers whose mean over the members is 0."""
         numbers = self._rng.standard_normal(shape)
         return numbers - numbers.mean(axis=0)
 

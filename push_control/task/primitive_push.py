@@ -172,15 +172,12 @@ class PrimitivePush(Behavior):
         if progress.stage is _Stage.STOPPING:
             self.finished = progress.stage_time >= STOPPING_TIME
             return STOP
-        if progress.stage is _Stage.RUN_IN:
-            command = self._run_in(perception)
-        else:
-            command = self._push(perception)
         limit = EXCESS_DISTANCE + EXCESS_RATIO * self._line.length
-        is_too_long = progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED
-        if is_too_long:
-            self._stop()
-        return STOP if progress.stage is _Stage.STOPPING else command
+        if progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED:
+            return self._stop()
+        if progress.stage is _Stage.RUN_IN:
+            return self._run_in(perception)
+        return self._push(perception)
 
     def _run_in(self, perception: TaskPerception) -> Twist:
         """Drive to the contact along the line of the push."""
@@ -194,8 +191,7 @@ class PrimitivePush(Behavior):
             progress.enter(_Stage.PUSHING)
             return self._push(perception)
         if local[0] > MISS_DISTANCE + MISS_SIGMAS * deviation:
-            self._miss('the robot does not find the object')
-            return STOP
+            return self._miss('the robot does not find the object')
         speed = self._touch_speed(self._line.length)
         rest = max(0.0, gap - 2.0 * deviation - TOUCH_MARGIN)
         speed = math.sqrt(speed ** 2 + 2.0 * APPROACH_DECELERATION * self._robot.max_acceleration
@@ -233,11 +229,9 @@ class PrimitivePush(Behavior):
                                            direction).stopping_distance
         if not progress.has_moved and progress.pushed > (
                 MISS_DISTANCE + MISS_SIGMAS * self._ensemble.position_deviation):
-            self._miss('the object does not move')
-            return STOP
+            return self._miss('the object does not move')
         if progress.left <= braking_distance(robot, progress.speed) + 0.01 * progress.speed:
-            self._stop()
-            return STOP
+            return self._stop()
         speed = self._touch_speed(progress.left)
         omega = progress.curvature * speed
         if robot.drive == 'differential':
@@ -258,12 +252,15 @@ class PrimitivePush(Behavior):
         """Speed of a push with this distance left [m/s]."""
         return min(self._speed, max(LEAST_SPEED, left / ENDING_TIME))
 
-    def _stop(self) -> None:
+    def _stop(self) -> Twist:
         self._progress.enter(_Stage.STOPPING)
+        return STOP
 
-    def _miss(self, reason: str) -> None:
+    def _miss(self, reason: str) -> Twist:
+        """Give up, as the robot is not where it is estimated to be."""
         self._ensemble.inflate_covariance(MISS_STD, MISS_HEADING_STD)
         self.failure_reason = reason
+        return STOP
 
 
 class _Progress:
