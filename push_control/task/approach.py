@@ -7,12 +7,13 @@ from push_control.push.start import robot_start_pose
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.path_execution import displacement, PathExecution
 from push_control.task.perception import has_moved, TaskPerception
+from push_control.task.primitive_push import push_line, touch_speed
 from push_control.task.settings import SupervisionSettings
 from push_model.geometry import distance, Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
-from push_navigation.path import Path
+from push_navigation.approach_path import plan_approach
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 
@@ -26,6 +27,12 @@ OVERLAP_TOLERANCE = 0.01
 # chosen: a detour of a decimetre costs half a second, running into the object several.
 CLEARANCE_SIGMAS = 2.0
 MAX_UNCERTAIN_CLEARANCE = 0.06
+# Distance before the contact at which the push takes over [m], and how much earlier at most where
+# the robot's position is uncertain; chosen: what the robot needs to brake from its path to a tap.
+HANDOVER_DISTANCE = 0.02
+MAX_HANDOVER_MARGIN = 0.04
+# Straight end of the path before that, on which the path follower settles [m]; chosen.
+SETTLING_DISTANCE = 0.02
 # Standard deviations of the robot's position that a gap must exceed to be there for certain.
 CERTAIN_SIGMAS = 3.0
 
@@ -97,12 +104,10 @@ class Approach(Behavior):
         object_pose = perception.object_at_rest.pose
         if self._execution is None:
             try:
-                path = self._plan_path(perception, object_pose)
+                self._execution = self._plan_path(perception, object_pose)
             except ValueError as error:
                 self.failure_reason = str(error)
                 return STOP
-            self._execution = PathExecution(self._context.robot, self._context.drive, path,
-                                            self._context.supervision.stall_timeout)
         command = self._execution.step(robot_pose, dt)
         self.failure_reason = self._execution.failure_reason
         if self._execution.finished:
@@ -110,14 +115,18 @@ class Approach(Behavior):
             self._check_arrival(robot_pose, object_pose)
         return command
 
-    def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> Path:
-        context = self._context
-        drive = with_uncertain_clearance(
-            context.drive, context.supervision, perception.localization.position_deviation,
-            distance(perception.robot_pose, object_pose))
-        return plan_path(context.robot, context.obj, object_pose, perception.robot_pose,
+    def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> PathExecution:
+        context, drive = self._context, self._drive(perception, object_pose)
+        path = plan_path(context.robot, context.obj, object_pose, perception.robot_pose,
                          self._pre_push_pose(object_pose), drive,
                          occupancy_map=context.occupancy_map)
+        return PathExecution(context.robot, drive, path, context.supervision.stall_timeout)
+
+    def _drive(self, perception: TaskPerception, object_pose: Pose) -> DriveSettings:
+        return with_uncertain_clearance(
+            self._context.drive, self._context.supervision,
+            perception.localization.position_deviation,
+            distance(perception.robot_pose, object_pose))
 
     def _check_object(self, perception: TaskPerception) -> None:
         """Fail where somebody has moved the object, or the robot itself has run into it."""
@@ -157,3 +166,32 @@ class Approach(Behavior):
         standoff = self._context.drive.standoff
         return Pose(start.x - standoff * math.cos(angle), start.y - standoff * math.sin(angle),
                     start.theta)
+
+
+class MovingApproach(Approach):
+    """Drives round the object on to the line of an unsteered push, without a stop before it."""
+
+    def __init__(self, context: BehaviorContext, target: PushTrajectory) -> None:
+        """
+        Start.
+
+        :param context: the ``BehaviorContext``.
+        :param target: the ``PushTrajectory``, of style ``UNSTEERED``.
+        """
+        super().__init__(context, target)
+        self._line = push_line(target)
+        self._end_speed = touch_speed(target, self._line.length)
+
+    def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> PathExecution:
+        context, drive = self._context, self._drive(perception, object_pose)
+        handover_distance = HANDOVER_DISTANCE + min(
+            MAX_HANDOVER_MARGIN, CLEARANCE_SIGMAS * perception.localization.position_deviation)
+        path = plan_approach(context.robot, context.obj, object_pose, perception.robot_pose,
+                             object_pose @ self._line.start, drive,
+                             occupancy_map=context.occupancy_map, end_speed=self._end_speed,
+                             final_straight=handover_distance + SETTLING_DISTANCE)
+        return PathExecution(context.robot, drive, path, context.supervision.stall_timeout,
+                             end_speed=self._end_speed, handover_distance=handover_distance)
+
+    def _check_arrival(self, robot_pose: Pose, object_pose: Pose) -> None:
+        self.finished = True

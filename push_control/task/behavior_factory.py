@@ -5,7 +5,7 @@ import math
 
 from push_control.push.start import contact_start_point
 from push_control.settings import ControlSettings
-from push_control.task.approach import Approach
+from push_control.task.approach import Approach, MovingApproach
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.guarded_approach import GuardedApproach
 from push_control.task.perception import TaskPerception
@@ -86,11 +86,12 @@ class BehaviorFactory:
                 SHORT_RETREAT if unsteered else self._drive.retreat_distance))
         if target is None:
             return None
+        is_unsteered = target.style is PushStyle.UNSTEERED
         if state is TaskState.APPROACH:
-            return Approach(context, target)
+            return (MovingApproach if is_unsteered else Approach)(context, target)
         if state is TaskState.ALIGN:
             return GuardedApproach(context, target, perception.object_at_rest)
-        if state is TaskState.PUSH and target.style is PushStyle.UNSTEERED and goal is not None:
+        if state is TaskState.PUSH and is_unsteered and goal is not None:
             return PrimitivePush(context, self._primitives(), perception.localization, target,
                                  goal)
         if state is TaskState.PUSH:

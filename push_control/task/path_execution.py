@@ -35,7 +35,8 @@ class PathExecution:
     """
 
     def __init__(self, robot: RoundRobot, drive: DriveSettings, path: Path,
-                 stall_timeout: float) -> None:
+                 stall_timeout: float, *, end_speed: float = 0.0,
+                 handover_distance: float = 0.0) -> None:
         """
         Start.
 
@@ -43,11 +44,16 @@ class PathExecution:
         :param drive: ``DriveSettings``.
         :param path: the ``Path``.
         :param stall_timeout: time without motion after which the robot is stalled [s].
+        :param end_speed: speed at which the robot passes the end, 0 where it stops there [m/s].
+        :param handover_distance: distance before the end at which it counts as passed [m].
         """
-        self._follower = PathFollower(robot, drive, path)
+        self._follower = PathFollower(robot, drive, path, end_speed=end_speed,
+                                      handover_distance=handover_distance)
         self._radius = robot.radius
         self._stall_timeout = stall_timeout
-        self._time_left = TRAVEL_TIME_FACTOR * travel_time(path, robot, drive) + stall_timeout
+        self._time_left = (
+            TRAVEL_TIME_FACTOR * travel_time(path, robot, drive, end_speed=end_speed)
+            + stall_timeout)
         self._last_motion: Pose | None = None
         self._standing_time = 0.0
         self.finished = False
@@ -69,6 +75,9 @@ class PathExecution:
             self._standing_time = 0.0
         command = self._follower.step(pose, dt)
         self.finished = self._follower.finished
+        if self._follower.missed:
+            self.failure_reason = 'the robot has come beside the end of its path'
+            return STOP
         is_stalled = self._time_left < 0.0 or self._standing_time > self._stall_timeout
         if is_stalled and not self.finished:
             self.failure_reason = (f'the robot is stalled, {self._follower.remaining_distance:.2f}'

@@ -106,6 +106,18 @@ def push_line(target: PushTrajectory) -> PushLine:
     return PushLine(Pose(*target.object_poses[0].tolist()).inverse() @ start, curvature, length)
 
 
+def touch_speed(target: PushTrajectory, length: float) -> float:
+    """
+    Choose the speed of a push: the shorter, the slower.
+
+    :param target: ``PushTrajectory`` with the pushing speed.
+    :param length: what is left of the push [m].
+    :return: speed [m/s].
+    """
+    pushing_speed = float(np.hypot(*target.robot_twists[:, :2].T).max())
+    return min(pushing_speed, max(LEAST_SPEED, length / ENDING_TIME))
+
+
 def face_at(table: PrimitiveTable, start: Pose) -> int:
     """
     Find the face at which a push begins.
