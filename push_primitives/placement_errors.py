@@ -58,9 +58,12 @@ def placement_derivatives(table: PrimitiveTable) -> tuple[FloatArray, FloatArray
     """
     Differentiate displacements by the place along the outline and by the direction of motion.
 
+    The other one is held. On a disc of radius r the normal turns with the place, at 1 / r, so
+    that the tilt falls by as much.
+
     :param table: the ``PrimitiveTable``.
-    :return: derivatives of shape (n, K, L, 3): by place, counter-clockwise [1/m], and by tilt
-        [1/rad].
+    :return: derivatives of shape (n, K, L, 3): by place, counter-clockwise [1/m], and by
+        direction [1/rad].
     """
     index = {_key(table, number): number for number in range(len(table.tilts))}
     by_place = np.zeros_like(table.displacements)
@@ -79,6 +82,8 @@ def placement_derivatives(table: PrimitiveTable) -> tuple[FloatArray, FloatArray
         by_tilt[number] = ((table.displacements[index[place, higher, curvature]]
                             - table.displacements[index[place, lower, curvature]])
                            / (higher - lower))
+    if _is_round(table):
+        by_place -= by_tilt / math.hypot(*table.places[0].point)
     return by_place, by_tilt
 
 

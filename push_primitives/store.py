@@ -13,12 +13,20 @@ import os
 import pathlib
 import tempfile
 from typing import Any
+import zipfile
 
 import numpy as np
 from push_dynamics.compiled import cache_directory
+from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, RoundRobot
+from push_primitives import contact_places, placement_errors
+from push_primitives import cost_to_go as cost_to_go_module
+from push_primitives import table as table_module
 from push_primitives.contact_places import ContactPlace
 from push_primitives.cost_to_go import CostSettings, CostToGo, solve_cost_to_go
+from push_primitives.placement_errors import (
+    LOCALIZED, PlacementDeviations, UNSURE, with_placement_errors,
+)
 from push_primitives.table import build_table, FrictionDraws, PrimitiveTable
 
 # Friction of the object that tables are made for: theirs must not depend on what a robot has
@@ -26,7 +34,8 @@ from push_primitives.table import build_table, FrictionDraws, PrimitiveTable
 # the contact is that of rubber bumpers; draws lie about both, and weights choose among them.
 REFERENCE_SUPPORT_FRICTION = 0.35
 REFERENCE_CONTACT_FRICTION = 0.5
-HERE = pathlib.Path(__file__).parent
+# Modules whose text decides what is in the files, besides those of the dynamics.
+SOURCES = (contact_places, table_module, placement_errors, cost_to_go_module)
 # Arrays of a table that are kept as they are.
 ARRAYS = ('place_indices', 'faces', 'tilts', 'curvatures', 'starts', 'lengths', 'displacements')
 
@@ -38,10 +47,27 @@ class PushPrimitives:
 
     :param table: ``PrimitiveTable``.
     :param cost_to_go: ``CostToGo``.
+    :param settings: the ``CostSettings`` of both.
     """
 
     table: PrimitiveTable
     cost_to_go: CostToGo
+    settings: CostSettings
+
+    @functools.cached_property
+    def localized_displacements(self) -> FloatArray:
+        """Displacements with errors of placement of a localized robot, shape (n, K, L, 3)."""
+        return self._with_errors(LOCALIZED)
+
+    @functools.cached_property
+    def unsure_displacements(self) -> FloatArray:
+        """Displacements by a robot that is not sure of its place, shape (n, K, L, 3)."""
+        return self._with_errors(UNSURE)
+
+    def _with_errors(self, deviations: PlacementDeviations) -> FloatArray:
+        displacements = np.ascontiguousarray(with_placement_errors(self.table, deviations))
+        displacements.setflags(write=False)
+        return displacements
 
 
 def reference_object(obj: PushedObject) -> PushedObject:
@@ -72,10 +98,16 @@ def load_primitives(obj: PushedObject, robot: RoundRobot,
     return _load(reference_object(obj), robot.radius, settings)
 
 
+def forget() -> None:
+    """Drop what this process keeps in memory; files stay."""
+    for kept in (_load, _table):
+        kept.cache_clear()
+
+
 # Tens of megabytes each: a process has few objects at a time.
 @functools.lru_cache(maxsize=8)
 def _load(obj: PushedObject, radius: float, settings: CostSettings) -> PushPrimitives:
-    return PushPrimitives(_table(obj, radius), _cost_to_go(obj, radius, settings))
+    return PushPrimitives(_table(obj, radius), _cost_to_go(obj, radius, settings), settings)
 
 
 @functools.lru_cache(maxsize=8)
@@ -115,11 +147,16 @@ def _table_from(arrays: dict[str, Any]) -> PrimitiveTable:
 
 def _path(kind: str, *key: object) -> pathlib.Path | None:
     """Return the file of what depends on a key; None where no file can be written."""
-    directory = cache_directory(HERE)
+    directory = cache_directory()
     if directory is None:
         return None
-    digest = hashlib.sha256(repr(key).encode()).hexdigest()[:24]
-    return pathlib.Path(directory) / f'{kind}-{digest}.npz'
+    digest = hashlib.sha256(repr(key).encode() + _sources())
+    return pathlib.Path(directory) / f'{kind}-{digest.hexdigest()[:24]}.npz'
+
+
+@functools.lru_cache(maxsize=None)
+def _sources() -> bytes:
+    return b''.join(pathlib.Path(str(module.__file__)).read_bytes() for module in SOURCES)
 
 
 def _read(path: pathlib.Path | None) -> dict[str, Any] | None:
@@ -129,7 +166,7 @@ def _read(path: pathlib.Path | None) -> dict[str, Any] | None:
         with np.load(path, allow_pickle=False) as data:
             return {name: data[name] for name in data.files}
     # A file that another program has spoilt is made anew.
-    except (OSError, ValueError, EOFError):
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
         return None
 
 

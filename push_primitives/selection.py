@@ -1,0 +1,272 @@
+"""
+Selection of the next push: one step of look-ahead over all primitives and lengths.
+
+A push by primitive p of length l from where the robot stands takes the time
+
+    T(p, l) = max(t_min, t_travel(p)) + l / v + t_0 + sum over k of w_k V(f_p, g_k(p, l)),
+
+with the weights w_k of the guesses of friction and V of ``cost_to_go``. V holds what remains to do
+after the push, so that sequences of pushes are never formed. The path of the robot to the place is
+estimated for all primitives, and planned for the best.
+"""
+
+import math
+from typing import Any, Callable, NamedTuple
+
+import numpy as np
+from push_dynamics.compiled import compiled
+from push_model.geometry import FloatArray, IntArray, Pose
+from push_primitives.cost_to_go import ARC_CLEARANCE, cost_after
+from push_primitives.store import PushPrimitives
+from push_primitives.weights import draw_weights, FrictionBelief
+
+# Least time for a contact [s]: where the robot seems to stand at a place already, taps would look
+# free, and their errors not.
+MIN_CONTACT_TIME = 1.5
+# Pushes are at least this part of the distance to the goal long, less some [m]: V is interpolated
+# and a little optimistic, and a hope that costs nothing is repeated for ever.
+LENGTH_FRACTION = 0.12
+LENGTH_MARGIN = 0.01
+# Longest push without steering or correction [m]; the table ends there.
+MAX_LENGTH = 1.0
+# Deviation of the robot's place from which on it counts as unsure [m], chosen: half the distance
+# between places.
+UNSURE_DEVIATION = 0.013
+# Primitives with length that get the full expectation, the best by their mean effect; and starts
+# whose paths are planned. Chosen: more of either hardly ever change the result.
+EXPECTED_COUNT = 2000
+PLANNED_STARTS = 10
+# Lengths tried between the neighbours of the best one.
+REFINED_LENGTHS = 13
+# Estimate of a path [s], by drive: fixed time, and its reduction near the object. Fitted to
+# planned paths of a robot at 0.3 m/s and 1.9 rad/s.
+FIXED_TIME = {'differential': 3.0, 'holonomic': 1.5}
+NEAR = 0.25
+NEAR_REDUCTION = 0.3
+NEAR_TURN_TIME = 0.3
+# The object hides places behind it; part of its radius, and an angle that it does not [rad].
+HIDING_FRACTION = 0.8
+HIDING_MARGIN = 0.3
+
+# Time for the path to a start (first contact and direction of motion in the object frame) [s];
+# infinite where there is none.
+TravelTime = Callable[[Pose], float]
+
+
+class SelectionQuery(NamedTuple):
+    """
+    What a push is selected for.
+
+    :param goal: ``Pose`` of the goal in the object frame.
+    :param robot_pose: ``Pose`` of the robot in the object frame.
+    :param belief: ``FrictionBelief``.
+    :param robot_deviation: standard deviation of the robot's place [m].
+    :param pushing_speed: of the push [m/s].
+    """
+
+    goal: Pose
+    robot_pose: Pose
+    belief: FrictionBelief
+    robot_deviation: float
+    pushing_speed: float
+
+
+class SelectedPush(NamedTuple):
+    """
+    A push and what it is expected to take.
+
+    :param primitive: its number in the table.
+    :param length: driven length from the first contact [m].
+    :param weights: of the guesses of friction, shape (K,).
+    :param travel_time: of the robot's path to its start [s].
+    :param remaining_time: expected time after it until the object is at its goal [s].
+    :param expected_time: of everything, path and push included [s].
+    """
+
+    primitive: int
+    length: float
+    weights: FloatArray
+    travel_time: float
+    remaining_time: float
+    expected_time: float
+
+
+def select_push(primitives: PushPrimitives, query: SelectionQuery,
+                travel_time: TravelTime) -> SelectedPush | None:
+    """
+    Select the push after which everything is expected to be done first.
+
+    :param primitives: ``PushPrimitives``.
+    :param query: ``SelectionQuery``.
+    :param travel_time: plans the path to a start.
+    :return: ``SelectedPush``; None where no start can be reached.
+    """
+    weights = draw_weights(primitives.table.draws, query.belief)
+    displacements = (primitives.unsure_displacements
+                     if query.robot_deviation > UNSURE_DEVIATION
+                     else primitives.localized_displacements)
+    costs = push_costs(primitives, query, displacements, weights)
+    best_steps = np.argmin(costs, axis=1)
+    best_costs = costs.min(axis=1)
+    found = _nearest_in_time(primitives, query, best_costs, travel_time)
+    if found is None:
+        return None
+    primitive, time = found
+    length, cost = _refine_length(primitives, query, displacements[primitive], weights,
+                                  (primitive, int(best_steps[primitive])))
+    push_time = length / query.pushing_speed + primitives.settings.push_time
+    return SelectedPush(primitive, length, weights, time, cost - push_time,
+                        max(MIN_CONTACT_TIME, time) + cost)
+
+
+def push_costs(primitives: PushPrimitives, query: SelectionQuery, displacements: FloatArray,
+               weights: FloatArray) -> FloatArray:
+    """
+    Expect the times of pushes and of what remains after them, for the promising ones.
+
+    :param primitives: ``PushPrimitives``.
+    :param query: ``SelectionQuery``.
+    :param displacements: shape (n, K, L, 3).
+    :param weights: of the guesses of friction, shape (K,).
+    :return: times, shape (n, L) [s]; infinite where a push is too short or not promising.
+    """
+    table, cost_to_go = primitives.table, primitives.cost_to_go
+    costs = np.full(displacements.shape[::2], math.inf)
+    steps = np.flatnonzero(_is_long_enough(table.lengths, query.goal))
+    means = np.einsum('k,nklc->nlc', weights, displacements[:, :, steps])
+    grid = np.indices(means.shape[:2]).reshape(2, -1)
+    push_times = table.lengths / query.pushing_speed + primitives.settings.push_time
+    estimates = np.empty(grid.shape[1])
+    _expected_costs(cost_to_go.values, cost_to_go.distances, cost_to_go.headings,
+                    np.ascontiguousarray(means[:, None]), np.ones(1), table.faces, grid[0],
+                    grid[1], np.array(query.goal), estimates)
+    estimates += push_times[steps[grid[1]]]
+    estimates += estimate_travel_times(primitives, query.robot_pose)[grid[0]]
+    count = min(EXPECTED_COUNT, len(estimates))
+    promising = np.sort(np.argpartition(estimates, count - 1)[:count])
+    numbers, columns = grid[0][promising], steps[grid[1][promising]]
+    expected = np.empty(count)
+    _expected_costs(cost_to_go.values, cost_to_go.distances, cost_to_go.headings, displacements,
+                    weights, table.faces, numbers, columns, np.array(query.goal), expected)
+    costs[numbers, columns] = expected + push_times[columns]
+    return costs
+
+
+def estimate_travel_times(primitives: PushPrimitives, robot_pose: Pose) -> FloatArray:
+    """
+    Estimate the times of the paths to the starts of all primitives, round a ring.
+
+    :param primitives: ``PushPrimitives``.
+    :param robot_pose: ``Pose`` of the robot in the object frame.
+    :return: times, shape (n,) [s].
+    """
+    starts, settings = primitives.table.starts, primitives.settings
+    away = math.hypot(robot_pose.x, robot_pose.y)
+    straight = np.hypot(starts[:, 0] - robot_pose.x, starts[:, 1] - robot_pose.y)
+    bearing = math.atan2(robot_pose.y, robot_pose.x)
+    turns = np.abs(_wrapped(np.arctan2(starts[:, 1], starts[:, 0]) - bearing))
+    ring = float(np.hypot(starts[:, 0], starts[:, 1]).mean()) + ARC_CLEARANCE
+    hidden = HIDING_FRACTION * ring
+    is_visible = turns < math.acos(min(1.0, hidden / max(away, hidden))) + HIDING_MARGIN
+    paths = np.where(is_visible, straight, abs(away - ring) + ring * turns)
+    is_near = straight < NEAR
+    times = paths / settings.robot_speed + FIXED_TIME[settings.drive] - NEAR_REDUCTION * is_near
+    if settings.drive == 'differential':
+        times += NEAR_TURN_TIME * np.abs(_wrapped(starts[:, 2] - robot_pose.theta)) * is_near
+    return times
+
+
+def interpolate_displacements(lengths: FloatArray, displacements: FloatArray,
+                              length: FloatArray | float) -> FloatArray:
+    """
+    Interpolate displacements between the lengths of the table.
+
+    :param lengths: of the table, shape (L,) [m].
+    :param displacements: shape (..., L, 3).
+    :param length: one or several, shape (m,) [m].
+    :return: displacements, shape (..., 3) or (..., m, 3).
+    """
+    index = np.clip(np.searchsorted(lengths, length) - 1, 0, len(lengths) - 2)
+    fraction = np.asarray((length - lengths[index]) / (lengths[index + 1] - lengths[index]))
+    fraction = fraction[..., None]
+    return (displacements[..., index, :] * (1.0 - fraction)
+            + displacements[..., index + 1, :] * fraction)
+
+
+def _nearest_in_time(primitives: PushPrimitives, query: SelectionQuery, costs: FloatArray,
+                     travel_time: TravelTime) -> tuple[int, float] | None:
+    """Plan paths to the best starts; the primitive with the least time, and that of its path."""
+    starts = primitives.table.starts
+    estimates = costs + np.maximum(MIN_CONTACT_TIME,
+                                   estimate_travel_times(primitives, query.robot_pose))
+    times: dict[tuple[float, ...], float] = {}
+    found: tuple[int, float] | None = None
+    least = math.inf
+    for number in np.argsort(estimates, kind='stable').tolist():
+        if not math.isfinite(costs[number]):
+            break
+        start = tuple(starts[number].tolist())
+        if start not in times:
+            # Where none of the best can be reached, others may be.
+            if len(times) >= PLANNED_STARTS and found is not None:
+                continue
+            times[start] = travel_time(Pose(*start))
+        total = float(costs[number]) + max(MIN_CONTACT_TIME, times[start])
+        if total < least:
+            least, found = total, (number, times[start])
+    return found
+
+
+def _refine_length(primitives: PushPrimitives, query: SelectionQuery, displacements: FloatArray,
+                   weights: FloatArray, choice: tuple[int, int]) -> tuple[float, float]:
+    """Find the best length between the neighbours of a length of the table, and its cost."""
+    table, cost_to_go = primitives.table, primitives.cost_to_go
+    number, step = choice
+    longest = float(table.lengths[min(len(table.lengths) - 1, step + 1)])
+    lengths = np.linspace(float(table.lengths[step - 1]), longest, REFINED_LENGTHS)
+    lengths = lengths[_is_long_enough(lengths, query.goal)]
+    between = interpolate_displacements(table.lengths, displacements, lengths)
+    costs = np.empty(len(lengths))
+    count = np.arange(len(lengths))
+    _expected_costs(cost_to_go.values, cost_to_go.distances, cost_to_go.headings,
+                    np.ascontiguousarray(between)[None], weights,
+                    table.faces[number:number + 1], np.zeros_like(count), count,
+                    np.array(query.goal), costs)
+    costs += lengths / query.pushing_speed + primitives.settings.push_time
+    best = int(np.argmin(costs))
+    return float(lengths[best]), float(costs[best])
+
+
+def _is_long_enough(lengths: FloatArray, goal: Pose) -> Any:
+    least = LENGTH_FRACTION * math.hypot(goal.x, goal.y) - LENGTH_MARGIN
+    return (lengths > 0.0) & (lengths >= min(least, MAX_LENGTH)) & (lengths <= MAX_LENGTH)
+
+
+def _wrapped(angles: FloatArray) -> FloatArray:
+    return (angles + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@compiled
+def _expected_costs(values: Any, distances: Any, headings: Any, displacements: Any, weights: Any,
+                    faces: Any, numbers: IntArray, steps: IntArray, goal: Any,
+                    expected: Any) -> None:
+    """
+    Write the expected cost-to-go after pushes.
+
+    :param values: shape (F, R, B, T), see ``CostToGo``; so are ``distances`` and ``headings``.
+    :param displacements: shape (n, K, L, 3).
+    :param weights: of the guesses of friction, shape (K,).
+    :param faces: of the primitives, shape (n,).
+    :param numbers: primitive of each push, shape (m,).
+    :param steps: number of its length, shape (m,).
+    :param goal: (x, y, theta) in the object frame.
+    :param expected: shape (m,) [s], is written.
+    """
+    for m in range(numbers.shape[0]):
+        number, step = numbers[m], steps[m]
+        total = 0.0
+        for k in range(weights.shape[0]):
+            total += weights[k] * cost_after(values, distances, headings, goal[0], goal[1],
+                                             goal[2], displacements[number, k, step],
+                                             faces[number])
+        expected[m] = total
