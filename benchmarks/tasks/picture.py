@@ -11,7 +11,7 @@ import numpy as np
 
 COLOURS: dict[str, str] = dict(zip(METHODS, ('C0', '0.5')))
 LINES = {'differential': '-', 'holonomic': '--'}
-# Distance of the rows of two methods in the pictures of all parts, and half of a row's height.
+# Distance of two methods in one row of the pictures of all parts.
 OFFSET = 0.28
 
 
@@ -39,7 +39,8 @@ def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
                         TO_DEGREES * group.values('heading_error', successful=False), '.', ms=4,
                         alpha=0.5, color=COLOURS[method], label=method)
     _finish_open_floor(times, errors)
-    for row, part in enumerate(PARTS):
+    measured = [part for part in PARTS if side_by_side(pairs, (part,), methods)]
+    for row, part in enumerate(measured):
         for group in side_by_side(pairs, (part,), methods):
             y = row + OFFSET * (methods.index(group.method) - 0.5 * (len(methods) - 1))
             low, high = wilson(group.successes, len(group.tasks))
@@ -55,9 +56,11 @@ def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
     success.set(xlabel='success and its 95 % interval, %')
     spans.set(xlabel='time of the tasks that succeed, s: median, 5 and 95 %', xscale='log')
     spans.xaxis.set_major_formatter('{x:g}')
+    spans.xaxis.set_minor_formatter('{x:g}')
+    spans.tick_params(axis='x', which='minor', labelsize=7)
     for axis in (success, spans):
-        axis.set_yticks(range(len(PARTS)), PARTS)
-        axis.set_ylim(len(PARTS) - 0.5, -0.5)
+        axis.set_yticks(range(len(measured)), measured)
+        axis.set_ylim(len(measured) - 0.5, -0.5)
     for axis in (times, errors, success, spans):
         axis.grid(alpha=0.3)
     figure.savefig(path, dpi=110)
