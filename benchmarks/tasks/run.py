@@ -6,13 +6,13 @@ from typing import Optional, Union
 
 from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.cases import Case, draw, Tolerance, with_method
-from benchmarks.tasks.corrections import correcting_pushes
 from benchmarks.tasks.intervention import Intervention
 from benchmarks.tasks.maps import Floor, object_clearance, robot_clearance
 from push_control.push.controller import Controller
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.plan_request import PlanRequest
+from push_scenario.evaluation.corrections import correcting_pushes
 from push_scenario.evaluation.metrics import distance_travelled
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, simulate
 from push_scenario.simulation.result import Outcome, RunResult
@@ -79,7 +79,7 @@ def run(job: Job) -> Record:
         'planning': ' '.join(f'{value:.4f}' for value in clock.planning), 'cpu': cpu,
         **_end(result, case.tolerance), **_state_times(result.status, result.duration)}
     corrections = correcting_pushes(result.status.history, result.duration, _tape(result),
-                                    case.scenario.goal.pose)
+                                    case.scenario.final_goal)
     record['corrections'] = corrections.pushes
     if corrections.pushes:
         record['correction_time'] = corrections.seconds / corrections.pushes

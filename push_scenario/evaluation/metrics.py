@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from push_dynamics.layout import SEPARATE
 from push_model.quantity import quantity
 from push_model.trajectory import PushTrajectory
+from push_scenario.evaluation.corrections import correcting_pushes
 from push_scenario.simulation.result import Outcome, RunResult
 from push_sim_node.tape import Tape
 
@@ -30,6 +31,9 @@ class Metrics:
     gap: float = quantity('final gap between robot and object', 'm')
     pushes: int = quantity('number of pushes')
     recoveries: int = quantity('number of recoveries')
+    corrections: int = quantity('number of correcting pushes: near the goal, after a first one')
+    correction_time: float = quantity('time of each of them with what precedes it, mean; nan '
+                                      'without any', 's')
     within_map: bool = quantity('whether neither robot nor object entered an obstacle')
     within_bounds: bool = quantity("whether the object rests within the scenario's bounds and, "
                                    'after a task, the robot is clear of it')
@@ -57,6 +61,7 @@ def measure(result: RunResult) -> Metrics | None:
     touching = in_contact(tape)[1:]
     steps = np.diff(tape['time'])
     length = float(distance_travelled(tape)[-1])
+    corrections = correcting_pushes(result.history, result.duration, tape, scenario.final_goal)
     slip = np.abs(slip_speed(tape, scenario.true_robot.radius)[1:]) * steps
     return Metrics(
         position_error=result.position_error,
@@ -69,6 +74,9 @@ def measure(result: RunResult) -> Metrics | None:
         gap=float(tape['gap'][-1]),
         pushes=result.pushes,
         recoveries=result.recoveries,
+        corrections=corrections.pushes,
+        correction_time=(corrections.seconds / corrections.pushes if corrections.pushes
+                         else math.nan),
         within_map=_is_within_map(result, tape),
         within_bounds=_is_within_bounds(result, tape),
         single_push_time=result.single_push_time,

@@ -11,7 +11,6 @@ from benchmarks.tasks.cases import (
     CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS, METHODS, OPEN, PARTS,
     SLIPPERY, STRICT, TAG, Tolerance, WHEELS,
 )
-from benchmarks.tasks.corrections import correcting_pushes, push_intervals
 from benchmarks.tasks.groups import (
     faults_of, grouped, kind, side_by_side, with_informed_times, without_numbers,
 )
@@ -22,10 +21,9 @@ from benchmarks.tasks.maps import (
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
-from push_control.task.status import StateChange, TaskState
+from push_control.task.status import TaskState
 from push_model.geometry import Pose
 from push_planner.single_push.site_selection import choose_site
-from push_sim_node.tape import Tape
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -269,28 +267,3 @@ def test_what_falls_short_of_its_aim_is_bold():
     assert rows['differential drive: time, median / p95, s'] == ['20 / 20', '**60 / 60**']
     assert rows['holonomic drive: time, median / p95, s'] == ['-', '-']
     assert rows['says done and is not, in all parts'] == ['0 of 3', '**1 of 3**']
-
-
-def history_of(*changes):
-    """Return a history from (time, state)."""
-    return [StateChange(time, state, '') for time, state in changes]
-
-
-def test_the_time_to_mend_a_miss_is_per_correcting_push():
-    """From the end of the first push that ended near the goal to the end of the last one."""
-    history = history_of((0.0, TaskState.PLAN), (1.0, TaskState.PUSH), (10.0, TaskState.RETREAT),
-                         (15.0, TaskState.PUSH), (16.0, TaskState.PLAN), (20.0, TaskState.PUSH),
-                         (22.0, TaskState.RETREAT), (24.0, TaskState.DONE))
-    assert push_intervals(history, 24.0) == [(1.0, 10.0), (15.0, 16.0), (20.0, 22.0)]
-    goal = Pose(1.0, 0.0, 0.1)
-    columns = ('time', 'object_x', 'object_y', 'object_theta')
-
-    def tape(second, third):
-        return Tape(columns, np.array([(0.0, 0.0, 0.0, 0.0), (15.0, second, 0.0, 0.0),
-                                       (20.0, third, 0.0, 0.0), (24.0, 1.0, 0.0, 0.1)]))
-
-    assert correcting_pushes(history, 24.0, tape(0.95, 0.99), goal) == (2, 12.0)
-    assert correcting_pushes(history, 24.0, tape(0.9, 0.99), goal) == (1, 6.0)
-    assert correcting_pushes(history, 24.0, tape(0.9, 0.93), goal) == (0, 0.0)
-    turned = goal._replace(theta=0.2)
-    assert correcting_pushes(history, 24.0, tape(0.95, 0.99), turned) == (0, 0.0)
