@@ -27,6 +27,10 @@ import math
 from typing import NamedTuple, Sequence
 
 import numpy as np
+from push_control.estimation.friction_members import (
+    FrictionMembers, knowledge_of, with_knowledge,
+)
+from push_control.estimation.object_knowledge import ObjectKnowledge
 from push_control.localization.members import (
     CONTACT_FRICTION_STD, DRIFT, identified_object, MEMBER_COUNT, Members, ODOMETRY_ERRORS, SCALE,
     SUPPORT_LOG_STD, YAW_SCALE,
@@ -179,24 +183,20 @@ class PushEnsemble:
         return identified_object(self.members.obj, self.members.parameters)
 
     @property
-    def center_deviation(self) -> float:
-        """Standard deviation of the centre of friction along either axis, the greater one [m]."""
-        factors = np.exp(self.members.parameters[:, ODOMETRY_ERRORS:-1])
-        weights = factors * np.array(self.members.obj.capacities)
-        feet = np.array([(support.x, support.y) for support in self.members.obj.supports])
-        centers = weights @ feet / weights.sum(axis=1, keepdims=True)
-        return float(centers.std(axis=0).max())
-
-    @property
-    def contact_friction_deviation(self) -> float:
-        """Standard deviation of the contact friction."""
-        return float(self.members.parameters[:, -1].std())
+    def knowledge(self) -> ObjectKnowledge:
+        """What is known of the object by now."""
+        return knowledge_of(self.members.obj, self._friction)
 
     @property
     def friction_center(self) -> tuple[float, float]:
         """Centre of friction as identified, object frame (x, y) [m]."""
         x, y = friction_center(self.obj)
         return float(x), float(y)
+
+    @property
+    def _friction(self) -> FrictionMembers:
+        parameters = self.members.parameters
+        return FrictionMembers(parameters[:, ODOMETRY_ERRORS:-1], parameters[:, -1])
 
     def pose_at(self, time: float) -> Pose:
         """
@@ -207,6 +207,18 @@ class PushEnsemble:
         """
         robots, _ = self._at(time)
         return Pose(*robots.mean(axis=0).tolist())
+
+    def start_from(self, knowledge: ObjectKnowledge) -> None:
+        """
+        Believe what was learned of the object before.
+
+        :param knowledge: ``ObjectKnowledge``, as it is by now.
+        """
+        members = self.members
+        friction = with_knowledge(members.obj, self._friction, knowledge)
+        members.parameters[:, ODOMETRY_ERRORS:-1] = friction.log_factors
+        members.parameters[:, -1] = friction.contact_friction
+        members.apply_parameters()
 
     # Prediction.
 
@@ -287,6 +299,17 @@ class PushEnsemble:
         is_coupled = measured.time - self._last_contact < COUPLING_TIME
         self._correct(spread, innovation, np.diag(self._noise ** 2), is_coupled)
         self._keep_object_spread()
+
+    def update_robot(self, pose: Pose, covariance: FloatArray) -> None:
+        """
+        Correct the robot's pose by a measured one, as of motion capture.
+
+        :param pose: ``Pose`` in the world.
+        :param covariance: of that measurement (x, y, heading), shape (3, 3).
+        """
+        estimate = self.pose
+        self.update_pose((pose.x - estimate.x, pose.y - estimate.y, pose.theta - estimate.theta),
+                         covariance)
 
     def update_pose(self, error: Sequence[float], covariance: FloatArray,
                     is_certain: bool = True) -> None:

@@ -118,7 +118,7 @@ class BehaviorFactory:
                                   perception: TaskPerception) -> ControlSettings:
         localization = perception.localization
         distance_to_center = distance(contact_start_point(target), localization.friction_center)
-        center_std_ratio = localization.center_deviation / distance_to_center
+        center_std_ratio = localization.knowledge.center_deviation / distance_to_center
         heading_std = localization.standard_deviations[2]
         return dataclasses.replace(
             self._control, center_std_ratio=math.hypot(CENTER_STD_RATIO, center_std_ratio),

@@ -133,9 +133,8 @@ class TaskPerception:
         :param supervision: ``SupervisionSettings``.
         """
         self._control = control
-        self.localization = PushEnsemble(obj, robot, control, OdometryNoise(
-            supervision.odometry_scale, supervision.odometry_drift, supervision.odometry_walk,
-            supervision.odometry_heading_walk))
+        self._supervision = supervision
+        self.localization = PushEnsemble(obj, robot, control, _odometry_noise(supervision))
         self._window = StationarityWindow(control, supervision)
         self._rest_from = 0.0
         self._pose_time: float | None = None
@@ -151,6 +150,9 @@ class TaskPerception:
         odometry, measured = observation.odometry, observation.object_pose
         if is_finite_odometry(odometry):
             self.localization.predict(odometry)
+            covariance = self._supervision.believed_covariance(odometry)
+            if covariance is not None:
+                self.localization.update_robot(odometry.pose, covariance.matrix)
             odometry = self._corrected(odometry)
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
@@ -312,3 +314,12 @@ class TaskPerception:
         measured = self.object_pose
         robot_pose = self.localization.pose_at(measured.time)
         return find_contact(obj, measured.pose, robot_pose[:2], robot.radius)
+
+
+def _odometry_noise(supervision: SupervisionSettings) -> OdometryNoise:
+    """Errors of odometry; one whose pose is absolute has a random walk alone."""
+    if supervision.odometry_reference == 'absolute':
+        return OdometryNoise(0.0, 0.0, supervision.odometry_walk,
+                             supervision.odometry_heading_walk)
+    return OdometryNoise(supervision.odometry_scale, supervision.odometry_drift,
+                         supervision.odometry_walk, supervision.odometry_heading_walk)

@@ -13,6 +13,7 @@ import dataclasses
 import math
 from typing import NamedTuple
 
+from push_control.estimation.object_knowledge import ObjectKnowledge
 from push_control.observation import Observation
 from push_control.push.status import ControllerStatus
 from push_control.settings import ControlSettings
@@ -77,7 +78,8 @@ class Supervisor:
     """Answers measurements with commands, and requests plans."""
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
-                 drive: DriveSettings, supervision: SupervisionSettings) -> None:
+                 drive: DriveSettings, supervision: SupervisionSettings, *,
+                 knowledge: ObjectKnowledge | None = None) -> None:
         """
         Stand idle.
 
@@ -86,11 +88,14 @@ class Supervisor:
         :param control: ``ControlSettings``.
         :param drive: ``DriveSettings``.
         :param supervision: ``SupervisionSettings``.
+        :param knowledge: what was learned of the object in former tasks, or None.
         """
         self._settings = supervision
         self._progress = ProgressMonitor(supervision)
         self._behaviors = BehaviorFactory(obj, robot, control, drive, supervision)
         self._perception = TaskPerception(obj, robot, control, supervision)
+        if knowledge is not None:
+            self._perception.localization.start_from(knowledge)
         self._goal: Pose | None = None
         self._plan: PushTrajectory | None = None
         self._behavior: Behavior | None = None
@@ -110,6 +115,11 @@ class Supervisor:
     def status(self) -> SupervisorStatus:
         """The present ``SupervisorStatus``."""
         return self._status
+
+    @property
+    def knowledge(self) -> ObjectKnowledge:
+        """What is known of the object by now."""
+        return self._perception.localization.knowledge
 
     def set_goal(self, pose: Pose | None) -> None:
         """
