@@ -80,10 +80,10 @@ class BehaviorFactory:
             perception.localization.obj, self._robot, self._control, self._drive,
             self._supervision, self.occupancy_map)
         if state is TaskState.RETREAT:
-            unsteered = target is not None and target.style is PushStyle.UNSTEERED
-            return Retreat(context, min(
-                self._drive.retreat_distance,
-                SHORT_RETREAT if unsteered else self._drive.retreat_distance))
+            if target is not None and target.style is PushStyle.UNSTEERED:
+                return Retreat(context, min(self._drive.retreat_distance, SHORT_RETREAT),
+                               self._drive.speed)
+            return Retreat(context, self._drive.retreat_distance)
         if target is None:
             return None
         is_unsteered = target.style is PushStyle.UNSTEERED

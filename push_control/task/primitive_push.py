@@ -52,9 +52,10 @@ STEERING_PERIOD = 0.1
 # Least distance left in which the arc still changes [m], and the longest that is looked ahead.
 LEAST_STEERED = 0.08
 HORIZON = 0.7
-# Time after the command to stop at which the robot counts as at rest [s]; chosen: longer than
-# robots in config/robots take from pushing speed.
-STOPPING_TIME = 0.2
+# Speed below which a robot that brakes counts as at rest [m/s], and the time after which it does so
+# at any rate [s]; chosen: it moves on by a millimetre, and twice what braking takes.
+REST_SPEED = 0.012
+MAX_STOPPING_TIME = 0.8
 # Distance that a push may exceed its plan by, and a multiple of it besides [m]; chosen: what is
 # left is for the next push.
 EXCESS_DISTANCE = 0.3
@@ -182,7 +183,8 @@ class PrimitivePush(Behavior):
         progress = self._progress
         progress.advance(perception, self._ensemble, dt)
         if progress.stage is _Stage.STOPPING:
-            self.finished = progress.stage_time >= STOPPING_TIME
+            self.finished = (progress.speed < REST_SPEED
+                             or progress.stage_time >= MAX_STOPPING_TIME)
             return STOP
         limit = EXCESS_DISTANCE + EXCESS_RATIO * self._line.length
         if progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED:

@@ -20,16 +20,18 @@ MIN_GAP_RATIO = 0.5
 class Retreat(Behavior):
     """Drives straight off the object, where drive and map allow it."""
 
-    def __init__(self, context: BehaviorContext, distance: float) -> None:
+    def __init__(self, context: BehaviorContext, distance: float, end_speed: float = 0.0) -> None:
         """
         Start.
 
         :param context: the ``BehaviorContext``.
         :param distance: how far to drive [m].
+        :param end_speed: speed with which the robot passes the end, 0 where it stops there [m/s].
         """
         super().__init__()
         self._context = context
         self._distance = distance
+        self._end_speed = end_speed
         self._execution: PathExecution | None = None
 
     def pause(self) -> None:
@@ -51,7 +53,8 @@ class Retreat(Behavior):
                 self.finished = True
                 return STOP
             self._execution = PathExecution(self._context.robot, self._context.drive, path,
-                                            self._context.supervision.stall_timeout)
+                                            self._context.supervision.stall_timeout,
+                                            end_speed=self._end_speed)
         command = self._execution.step(perception.robot_pose, dt)
         self.finished = self._execution.finished
         self.failure_reason = self._execution.failure_reason
