@@ -96,7 +96,7 @@ def move_members(states: Any, bodies: Any, supports: Any, outline: Any, floor: A
     Move every member for a while, its robot with a given twist.
 
     :param states: shape (n, 25), is written.
-    :param bodies: shape (n, 8).
+    :param bodies: shape (n, 9).
     :param supports: shape (n, k, 4).
     :param outline: vertices in the object frame [m].
     :param floor: no rows: a plain floor.
@@ -124,7 +124,7 @@ def close_gaps(states: Any, bodies: Any, outline: Any, gaps: Any) -> None:
     Move robots off overlaps; those that were in contact touch again.
 
     :param states: shape (n, 25), is written.
-    :param bodies: shape (n, 8).
+    :param bodies: shape (n, 9).
     :param outline: vertices in the object frame [m].
     :param gaps: gap of each member before [m], shape (n,), is written.
     """

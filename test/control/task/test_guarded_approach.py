@@ -42,7 +42,8 @@ def approach_box(drive, aside=0.0, moves=True, there=True, steps=4000):
     back = start.transform((-DRIVE.standoff, aside)) if drive == 'differential' else (
         Pose(*start[:2], TARGETS[drive].contact_poses[0][2]).transform((-DRIVE.standoff, aside)))
     begin = true = Pose(*back, start.theta)
-    pose, perception, behavior, command = ORIGIN, TaskPerception(CONTROL, SUPERVISION), None, STOP
+    pose, behavior, command = ORIGIN, None, STOP
+    perception = TaskPerception(obj, robot, CONTROL, SUPERVISION)
     for k in range(steps):
         time = k * STEP
         if moves:
@@ -69,11 +70,18 @@ def test_it_ends_where_the_object_is_displaced(drive):
 @pytest.mark.parametrize('drive', ROBOTS)
 @pytest.mark.parametrize('aside', [0.0, 2.0])
 def test_a_missing_object_is_noticed_soon(drive, aside):
-    """Without a contact, the robot goes little further than the probe distance."""
+    """
+    Without a contact, the robot goes little further than the probe distance.
+
+    Where it seems to drive through the object the ensemble blames odometry, so that it is the time
+    that is limited: the stall time-out, at the speed of the contact, comes on top.
+    """
     behavior, true, begin, _ = approach_box(drive, aside, there=False)
     assert not behavior.finished and 'no contact with the object' in behavior.failure_reason
     gap = find_contact(box(), ORIGIN, begin[:2], 0.17)[2]
-    assert distance(true, begin) < gap + SUPERVISION.probe_distance + 0.02
+    length = max(0.0, gap) + SUPERVISION.probe_distance + 0.02
+    stalled = length + CONTROL.start_speed * SUPERVISION.stall_timeout + max(0.0, gap)
+    assert distance(true, begin) < (length if aside else stalled)
 
 
 @pytest.mark.parametrize('drive', ROBOTS)

@@ -9,6 +9,7 @@ from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_control.task.perception import StationarityWindow, TaskPerception
 from push_control.task.settings import SupervisionSettings
+from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP
 import pytest
@@ -53,9 +54,9 @@ def test_the_average_starts_over_where_the_object_has_moved():
     assert window.object_at_rest.duration == pytest.approx(0.2)
 
 
-def seen(robot_pose, object_pose, deviation):
+def seen(obj, robot_pose, object_pose, deviation):
     """Look at robot and object at rest for half a second."""
-    perception = TaskPerception(ControlSettings(), SUPERVISION)
+    perception = TaskPerception(obj, HOLONOMIC, CONTROL, SUPERVISION)
     for time in np.arange(11) * 0.05:
         perception.update(Observation(time, Odometry(time, robot_pose, STOP),
                                       ObjectPose(time, object_pose)))
@@ -66,13 +67,25 @@ def seen(robot_pose, object_pose, deviation):
 @pytest.mark.parametrize('deviation', [0.01, 0.1])
 @pytest.mark.parametrize('obj', [box(), bin_()])
 def test_a_robot_does_not_stand_inside_the_object(obj, deviation):
-    """It is placed beside it, the nearest way; one that is clear of it is left alone."""
-    inside, clear = (seen(Pose(x, 0.04, 1.0), ORIGIN, deviation) for x in (-0.31, -0.40))
-    for perception in (inside, clear):
-        perception.correct_overlap(obj, HOLONOMIC, 0.001)
-    assert abs(inside.gap(obj, HOLONOMIC)) < 2e-3
-    assert 0.03 < distance(inside.robot_pose, (-0.31, 0.04)) < 0.07
-    assert clear.robot_pose == Pose(-0.40, 0.04, 1.0)
+    """It is placed beside it, the nearest way, and so is every member of the ensemble."""
+    perception = seen(obj, Pose(-0.31, 0.04, 1.0), ORIGIN, deviation)
+    perception.correct_overlap(obj, HOLONOMIC, 0.001)
+    # Those that would overlap are moved out, the others not in: the mean is clear by some of it.
+    assert -2e-3 < perception.gap(obj, HOLONOMIC) < 2e-3 + 0.1 * deviation
+    assert 0.03 < distance(perception.robot_pose, (-0.31, 0.04)) < 0.07 + 0.1 * deviation
+    members = perception.localization.members
+    gaps = [find_contact(obj, Pose(*there), robot[:2], HOLONOMIC.radius).gap
+            for there, robot in zip(members.object_poses, members.robot_poses)]
+    assert min(gaps) > -1e-6
+
+
+@pytest.mark.parametrize('obj', [box(), bin_()])
+def test_a_robot_that_is_clear_of_the_object_is_left_alone(obj):
+    """There is nothing to correct."""
+    perception = seen(obj, Pose(-0.40, 0.04, 1.0), ORIGIN, 0.01)
+    before = perception.localization.members.states.copy()
+    perception.correct_overlap(obj, HOLONOMIC, 0.001)
+    assert np.array_equal(perception.localization.members.states, before)
 
 
 @pytest.mark.parametrize('angle', [0.0, 0.4, 2.0, -2.9])
@@ -80,11 +93,11 @@ def test_what_moves_an_object_twice_is_the_robot_behind_it(angle):
     """The first time it may be somebody else, and again after a push that went well."""
     pose = Pose(0.06 * math.cos(angle), 0.06 * math.sin(angle), 0.25)
     believed = Pose(1.6 * math.cos(angle + 2.0), 1.6 * math.sin(angle + 2.0), 0.5)
-    perception = seen(believed, pose, 0.01)
+    perception = seen(box(), believed, pose, 0.01)
     for moves in (1, 1, 2):
         if moves == 1:
             perception.on_push_succeeded()
-        assert perception.robot_pose == believed
+        assert perception.robot_pose == pytest.approx(believed, abs=1e-9)
         perception.on_object_moved(box(), HOLONOMIC, ORIGIN)
     back = Pose(0.0, 0.0, -angle).rotate(np.subtract(perception.robot_pose, pose)[:2])
     assert back[0] < -0.3 and abs(back[1]) < 0.02

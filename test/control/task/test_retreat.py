@@ -17,6 +17,7 @@ from push_navigation.settings import DriveSettings
 import pytest
 
 DRIVE = DriveSettings()
+DISTANCE = DRIVE.retreat_distance
 ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
@@ -31,17 +32,18 @@ def context(drive, occupancy_map=None):
 def test_the_retreat_leads_off_the_object(drive, heading):
     """All along it the gap grows; the robot does not rotate."""
     given = context(drive)
-    path = retreat_path(given, Pose(-0.37, 0.05, heading), ORIGIN)
+    path = retreat_path(given, Pose(-0.37, 0.05, heading), ORIGIN, DISTANCE)
     gaps = [find_contact(given.obj, ORIGIN, pose[:2], given.robot.radius).gap
             for pose in sample_path(path, given.robot, 0.02)]
     assert all(np.diff(gaps) > 0.0)
-    assert path.length == pytest.approx(DRIVE.retreat_distance)
+    assert path.length == pytest.approx(DISTANCE)
     assert path.poses[-1].theta == heading
 
 
 def test_there_is_no_retreat_along_the_object():
     """A differential drive that faces along a face would stay beside it."""
-    assert retreat_path(context('differential'), Pose(-0.37, 0.0, 0.5 * math.pi), ORIGIN) is None
+    along = Pose(-0.37, 0.0, 0.5 * math.pi)
+    assert retreat_path(context('differential'), along, ORIGIN, DISTANCE) is None
 
 
 @pytest.mark.parametrize('columns, ratio', [(0, 1.0), (26, 0.5), (28, None)])
@@ -51,8 +53,8 @@ def test_a_wall_behind_the_robot_shortens_the_retreat(columns, ratio):
     occupied[:, :columns] = True
     walled = context('differential', OccupancyMap(0.05, Pose(-2.0, -2.0, 0.0), occupied))
     start = Pose(-0.37, 0.0, 0.0)
-    path = retreat_path(walled, start, ORIGIN)
+    path = retreat_path(walled, start, ORIGIN, DISTANCE)
     if ratio is None:
         assert path is None
     else:
-        assert distance(path.poses[-1], start) == pytest.approx(ratio * DRIVE.retreat_distance)
+        assert distance(path.poses[-1], start) == pytest.approx(ratio * DISTANCE)
