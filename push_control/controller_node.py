@@ -96,7 +96,7 @@ class ControllerNode(PushNode):
 
     def _make_mode(self, parameters: ControllerParameters) -> Mode:
         kind = TaskMode if self._options.task else SinglePushMode
-        return kind(self, parameters, self._frames.world_frame, self._options.autostart)
+        return kind(self, parameters, self._frames.world_frame, self._options)
 
     def _subscribe(self) -> None:
         self.subscribe('odom', self._on_odometry, real_time=True)

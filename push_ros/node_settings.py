@@ -36,6 +36,9 @@ class ControllerOptions:
                           default=False)
     wait_for_plans: bool = quantity('in a task: answer no measurement while a plan is pending, so '
                                     'that time in lockstep waits for the planner', default=False)
+    knowledge_file: str = quantity('in a task: YAML file in which what was learned of the object '
+                                   'is kept from one run of the node to the next, empty for none',
+                                   default='')
     watchdog_timeout: float = quantity('time without odometry after which the robot is stopped',
                                        's', above=0.0, high=5.0, default=0.25)
 

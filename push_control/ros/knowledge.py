@@ -6,6 +6,7 @@ from typing import Any, Callable
 
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.task.settings import SupervisionSettings
+from push_control.task.status import TaskState
 from push_model.parameters import PushedObject
 import yaml
 
@@ -107,6 +108,7 @@ class KnowledgeMemory:
         self._file = file
         self._clock = clock
         self._known = None if file is None else file.read(self._key)
+        self._has_pushed = False
 
     def recall(self) -> ObjectKnowledge | None:
         """Return the ``ObjectKnowledge`` as it is by now; None where the object is not known."""
@@ -118,16 +120,29 @@ class KnowledgeMemory:
         return knowledge.aged(dt, self._settings.center_walk,
                               self._settings.contact_friction_walk)
 
-    def keep(self, knowledge: ObjectKnowledge) -> None:
+    def is_due(self, state: TaskState) -> bool:
         """
-        Keep what is known now.
+        Return whether there is something to keep: a push and the retreat from it have ended.
+
+        :param state: present ``TaskState``.
+        """
+        self._has_pushed = self._has_pushed or state is TaskState.PUSH
+        return self._has_pushed and state not in (TaskState.PUSH, TaskState.RETREAT)
+
+    def keep(self, knowledge: ObjectKnowledge) -> str:
+        """
+        Keep what is known by now.
 
         :param knowledge: ``ObjectKnowledge``.
-        :raises ValueError: where the file cannot be read; it is known here all the same.
-        :raises OSError: where the file cannot be written; it is known here all the same.
+        :return: why it cannot be written to the file, one sentence; empty where it can. It is
+            known here all the same.
         """
-        if self._known is not None and self._known[1] == knowledge:
-            return
+        self._has_pushed = False
         self._known = self._clock(), knowledge
-        if self._file is not None:
+        if self._file is None:
+            return ''
+        try:
             self._file.write(self._key, *self._known)
+        except (OSError, ValueError) as error:
+            return f'knowledge_file: {error}; kept in memory only'
+        return ''

@@ -1,6 +1,7 @@
 """What has been measured lately: newest odometry and object pose, and whether odometry stops."""
 
 from push_control.observation import Observation
+from push_control.task.settings import SupervisionSettings
 from push_model.signals import ObjectPose, Odometry
 
 NANOSECOND = 1e-9
@@ -40,6 +41,34 @@ class LatestMeasurements:
         if self.odometry is None:
             return None
         return Observation(self.time, self.odometry, self.object_pose)
+
+
+class CovarianceCheck:
+    """Notices odometry that should be absolute and does not state how certain it is."""
+
+    def __init__(self, settings: SupervisionSettings) -> None:
+        """
+        Start before the first odometry.
+
+        :param settings: ``SupervisionSettings``.
+        """
+        self._is_expected = settings.odometry_reference == 'absolute'
+        self._was_missing = False
+
+    def update(self, odometry: Odometry) -> str:
+        """
+        Check odometry.
+
+        :param odometry: ``Odometry``.
+        :return: one sentence where its covariance is missing and was there, or is so at first;
+            else empty.
+        """
+        is_missing = self._is_expected and odometry.covariance is None
+        is_new, self._was_missing = is_missing and not self._was_missing, is_missing
+        if not is_new:
+            return ''
+        return ('odom.pose.covariance: got none, expected variances of x, y and yaw above 0, as '
+                'supervision.odometry_reference is absolute; odometry counts as drifting')
 
 
 class OdometryWatchdog:

@@ -14,6 +14,7 @@ from push_ros.conversions.plan import from_plan_message
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.node import PushNode, RateLimiter, ServiceAnswer
+from push_ros.node_settings import ControllerOptions
 
 LEVELS = {Phase.WAITING: WARN, Phase.FAILED: ERROR}
 # Most diagnostics and markers per second of measured time without a change [Hz]; chosen: enough to
@@ -31,14 +32,14 @@ class SinglePushMode(Mode):
     reports_events = False
 
     def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
-                 autostart: bool) -> None:
+                 options: ControllerOptions) -> None:
         """
         Wait for a plan.
 
         :param node: the ``PushNode``.
         :param parameters: ``ControllerParameters``.
         :param frame: id of the world frame.
-        :param autostart: whether to follow a plan as soon as it comes.
+        :param options: ``ControllerOptions``.
         """
         self._object = parameters.object
         self._robot = parameters.robot
@@ -50,7 +51,7 @@ class SinglePushMode(Mode):
         self._marker_rate = RateLimiter(MARKER_RATE)
         self._request_replan = node.trigger_client('planner/replan')
         self._controller = Controller(parameters.object, parameters.robot, parameters.control)
-        self._is_started = autostart
+        self._is_started = options.autostart
         self._forget_plan()
 
     @property

@@ -1,8 +1,12 @@
 """Task: the controller's node pushes repeatedly until the object is at its goal."""
 
+from pathlib import Path
+import time
 from typing import Any
 
 from push_control.observation import Observation
+from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
+from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.task_report import TaskReporter
 from push_control.task.status import TaskState
@@ -17,6 +21,7 @@ from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import exact_stamp, MessageRefused, NANOSECONDS, nanoseconds
 from push_ros.node import PushNode, ServiceAnswer
+from push_ros.node_settings import ControllerOptions
 
 # A stamp farther ahead is of another clock [s]; chosen: longer than any task.
 LONGEST_AHEAD = 3600.0
@@ -102,18 +107,22 @@ class TaskMode(Mode):
     reports_events = True
 
     def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
-                 autostart: bool) -> None:
+                 options: ControllerOptions) -> None:
         """
         Wait for a goal.
 
         :param node: the ``PushNode``.
         :param parameters: ``ControllerParameters``.
         :param frame: id of the world frame.
-        :param autostart: whether to start as soon as a goal comes.
+        :param options: ``ControllerOptions``.
+        :raises ValueError: where ``knowledge_file`` cannot be read.
         """
         self._parameters = parameters
         self._frame = frame
-        self._is_started = autostart
+        self._is_started = options.autostart
+        file = KnowledgeFile(Path(options.knowledge_file)) if options.knowledge_file else None
+        self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
+        self._covariance_check = CovarianceCheck(parameters.supervision)
         self._occupancy_map: OccupancyMap | None = None
         self._requester = PlanRequester(node.publisher('push_request'), frame)
         self._reporter = TaskReporter(node, parameters.object, parameters.robot, frame)
@@ -135,8 +144,8 @@ class TaskMode(Mode):
         return self._supervisor.plan_request is not None
 
     def reset(self) -> None:
-        """Forget everything but the map."""
-        self._supervisor = Supervisor(*self._parameters)
+        """Forget everything but the map and what was learned of the object."""
+        self._supervisor = Supervisor(*self._parameters, knowledge=self._memory.recall())
         self._supervisor.set_map(self._occupancy_map)
         self._goal: Pose | None = None
         self._later_goals = GoalSchedule()
@@ -229,6 +238,9 @@ class TaskMode(Mode):
             self._set_goal(goal)
         command = self._supervisor.step(observation, dt)
         self._requester.update(self._supervisor.plan_request, observation.time)
+        if self._memory.is_due(self._supervisor.status.state):
+            self._reporter.warn(self._memory.keep(self._supervisor.knowledge), observation)
+        self._reporter.warn(self._covariance_check.update(observation.odometry), observation)
         return command
 
     def report(self, stamp: Any, time: float) -> None:

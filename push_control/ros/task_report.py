@@ -10,6 +10,7 @@ from push_ros.conversions.map import map_text
 from push_ros.conversions.markers import (
     GREY, MarkerHeader, plan_markers, scene_markers, text_markers,
 )
+from push_ros.conversions.primitives import to_stamp
 from push_ros.diagnostics import ERROR, HAS_MAP, OK, WARN
 from push_ros.node import PushNode, RateLimiter
 
@@ -83,6 +84,16 @@ class TaskReporter:
                                             status.robot_pose, color=GREY))
         self._markers.publish(text_markers(header, status.robot_pose,
                                            _sentence(status.state, status.reason)))
+
+    def warn(self, text: str, observation: Observation) -> None:
+        """
+        Report what is not as it should be, beside the state.
+
+        :param text: one sentence; empty where all is well.
+        :param observation: ``Observation`` of which it holds.
+        """
+        if text:
+            self._reporter.report(WARN, text, to_stamp(observation.time), always=True)
 
     def report_map(self, message: Any) -> None:
         """

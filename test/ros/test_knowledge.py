@@ -4,6 +4,7 @@ from helpers.objects import bin_, box
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.task.settings import SupervisionSettings
+from push_control.task.status import TaskState
 import pytest
 
 KNOWN = ObjectKnowledge((0.01, -0.02), 0.003, 0.35, 0.04)
@@ -20,6 +21,13 @@ class Time:
 
     def __call__(self):
         return self.now
+
+
+def push(memory, knowledge):
+    """Let a push end, after which so much is known."""
+    states = TaskState.PUSH, TaskState.RETREAT, TaskState.PLAN
+    assert [memory.is_due(state) for state in states] == [False, False, True]
+    assert memory.keep(knowledge) == ''
 
 
 def test_a_file_holds_several_objects(tmp_path):
@@ -71,7 +79,7 @@ def test_what_is_remembered_grows_old(tmp_path, is_kept_in_file):
     clock = Time()
     memory = KnowledgeMemory(box(), SETTINGS, file, clock)
     assert memory.recall() is None
-    memory.keep(KNOWN)
+    push(memory, KNOWN)
     assert memory.recall() == KNOWN
     clock.now += 3600.0
     aged = KNOWN.aged(3600.0, SETTINGS.center_walk, SETTINGS.contact_friction_walk)
@@ -85,20 +93,29 @@ def test_what_is_remembered_grows_old(tmp_path, is_kept_in_file):
 
 def test_what_was_learned_of_one_object_is_not_of_another(tmp_path):
     file, clock = KnowledgeFile(tmp_path / 'known.yaml'), Time()
-    KnowledgeMemory(box(), SETTINGS, file, clock).keep(KNOWN)
-    KnowledgeMemory(bin_(), SETTINGS, file, clock).keep(OTHER)
+    push(KnowledgeMemory(box(), SETTINGS, file, clock), KNOWN)
+    push(KnowledgeMemory(bin_(), SETTINGS, file, clock), OTHER)
     assert KnowledgeMemory(box(), SETTINGS, file, clock).recall() == KNOWN
     assert KnowledgeMemory(box(mass=9.0), SETTINGS, file, clock).recall() is None
     assert file.read(object_key(bin_())) == (clock.now, OTHER)
 
 
-def test_nothing_new_is_not_written(tmp_path):
-    """A file that somebody has removed comes back only with what is learned afterwards."""
+def test_only_pushes_are_kept_once_they_have_ended():
+    """Late poses still tell of a push while the robot retreats."""
+    memory = KnowledgeMemory(box(), SETTINGS, None, Time())
+    states = (TaskState.IDLE, TaskState.PLAN, TaskState.APPROACH, TaskState.PUSH,
+              TaskState.RETREAT)
+    assert not any(memory.is_due(state) for state in states)
+    assert memory.is_due(TaskState.FAILED)
+    memory.keep(KNOWN)
+    assert not memory.is_due(TaskState.PLAN)
+
+
+def test_a_file_that_cannot_be_written_is_a_warning(tmp_path):
+    """What was learned is known as long as the process lasts."""
     path = tmp_path / 'known.yaml'
     memory = KnowledgeMemory(box(), SETTINGS, KnowledgeFile(path), Time())
-    memory.keep(KNOWN)
-    path.unlink()
-    memory.keep(KNOWN)
-    assert not path.exists()
-    memory.keep(OTHER)
-    assert path.exists()
+    path.write_text('- 1')
+    text = memory.keep(KNOWN)
+    assert text.startswith(f'knowledge_file: {path}: got [1]') and text.endswith('in memory only')
+    assert memory.recall() == KNOWN and path.read_text() == '- 1'

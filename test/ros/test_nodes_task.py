@@ -1,10 +1,14 @@
 """Tasks over Fast DDS: controller and planner alone, with time in the hands of the test."""
 
 import math
+import time
 
 from geometry_msgs.msg import PoseStamped
 from helpers.node_bench import bench
 import numpy as np
+from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
+from push_control.ros.knowledge import KnowledgeFile
+from push_model.friction import friction_center
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose
@@ -254,6 +258,21 @@ def test_measurements_wait_for_the_plan(tmp_path, planned):
         assert {command.twist.linear.x for command in commands} == {0.0}
         b.odometry(stand.now, ROBOT)
         assert any(command != ZERO for command in stand.measure(0.5))
+
+
+def test_what_was_learned_before_is_in_the_request(tmp_path):
+    """A node that was started again asks for plans for the object that it knows."""
+    path = tmp_path / 'known.yaml'
+    known = ObjectKnowledge((0.02, -0.01), 0.001, 0.25, 0.01)
+    KnowledgeFile(path).write(object_key(SCENARIO.object), time.time(), known)
+    with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
+               {**TASK, 'autostart': True, 'knowledge_file': str(path)}) as b:
+        stand = Stand(b)
+        b.publish('goal_pose', goal(GOAL))
+        obj = from_request_message(stand.wait_for_request(1), 'odom', SCENARIO.object).obj
+    assert friction_center(obj) == pytest.approx(known.friction_center, abs=1e-3)
+    assert obj.contact_friction_coefficient == pytest.approx(0.25, abs=1e-3)
+    assert KnowledgeFile(path).read(object_key(SCENARIO.object))[1] == known
 
 
 @pytest.fixture(scope='module')
