@@ -88,6 +88,8 @@ def aims() -> list[Aim]:
         *(Aim(f'{name} drive: time, median / p95, s', f'{median:g} / {p95:g}',
               _quantiles(OPEN, _durations, (median, p95), '.0f', name))
           for name, (median, p95) in TIME_AIMS.items()),
+        Aim('both drives: time, median / p95, s', '-',
+            _quantiles(OPEN, _durations, (np.inf, np.inf), '.0f')),
         Aim('time over the best single push as planned, median', f'{SINGLE_AIM:g}',
             _quantiles(OPEN, _over('single'), (SINGLE_AIM,), '.2f')),
         Aim('time over the same planner that knows everything, median', f'{INFORMED_AIM:g}',

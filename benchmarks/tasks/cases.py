@@ -18,8 +18,7 @@ import numpy as np
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_navigation.settings import DriveSettings
-from push_planner.settings import PlannerSettings
+from push_planner.settings import PlannerSettings, TaskSettings
 from push_scenario.definition import data
 from push_scenario.definition.loader import read_robot
 from push_scenario.definition.placement import Placement
@@ -54,6 +53,9 @@ KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) f
 NEAREST = 0.05
 FARTHEST = 3.0
 ROBOT_WITHIN = 2.0
+# Least distance of the robot from the object, and of both from obstacles, at the start [m];
+# chosen, and apart from the settings, so that tasks stay the same.
+CLEARANCE = 0.05
 # Latest begin of a disturbance [s], chosen: while most tasks are under way; and longest pose
 # drop-out [s], chosen: 40 periods of the pose.
 LATEST = 30.0
@@ -77,8 +79,16 @@ TAG_SENSORS = {'pose_rate': 10.0, 'pose_latency': 0.15, 'pose_bias': 0.03,
 # moves between two looks by no more than the bias has not been moved.
 TAG_CONTROL = {'pose_noise': 0.011, 'heading_noise': math.radians(0.5), 'pose_timeout': 0.45}
 TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
-# How tasks are planned: as of ``TaskSettings.method``.
-METHODS = ('sequences',)
+# Noise of the place of a robot that knows where it is [m, rad]: as good as none, but above 0.
+INFORMED_NOISE = 1e-4
+SEQUENCES = 'sequences'
+# What sequences of pushes were tuned with; the defaults are those of the other method.
+SEQUENCES_CLEARANCE = 0.05
+SEQUENCES_AVERAGING_TIME = 0.5
+# How tasks are planned: the choices of ``TaskSettings.method``, the default first.
+METHODS: tuple[str, ...] = next((field.metadata['choices'] for field
+                                 in dataclasses.fields(TaskSettings) if field.name == 'method'),
+                                (SEQUENCES,))
 
 
 class Tolerance(NamedTuple):
@@ -141,11 +151,16 @@ def with_method(case: Case, method: str) -> Case:
     :param case: ``Case``.
     :param method: one of ``METHODS``.
     """
-    if method == METHODS[-1]:
-        return case
+    if method == SEQUENCES:
+        case = _with_supervision(case, min_averaging_time=SEQUENCES_AVERAGING_TIME)
     task = case.scenario.task or Task()
-    return case._replace(scenario=dataclasses.replace(case.scenario, task=dataclasses.replace(
-        task, planning=dataclasses.replace(task.planning, method=method))))
+    drive, planning = task.drive, task.planning
+    if method == SEQUENCES:
+        drive = dataclasses.replace(drive, clearance=SEQUENCES_CLEARANCE)
+    if len(METHODS) > 1:
+        planning = dataclasses.replace(planning, method=method)
+    return case._replace(scenario=dataclasses.replace(
+        case.scenario, task=dataclasses.replace(task, drive=drive, planning=planning)))
 
 
 def draw(part: str, kind: str, seed: int) -> Case:
@@ -210,9 +225,8 @@ def _goal(rng: np.random.Generator) -> Pose:
 def _in_map(name: str, obj: PushedObject, robot: RoundRobot,
             rng: np.random.Generator) -> tuple[Floor, Pose, Pose]:
     """Place object and goal where the robot can drive all round, with a path between them."""
-    margin = DriveSettings().map_clearance
-    aside = reach(obj) + margin
-    around = aside + 2.0 * robot.radius + DriveSettings().clearance
+    aside = reach(obj) + CLEARANCE
+    around = aside + 2.0 * robot.radius + CLEARANCE
     while True:
         floor = draw_floor(name, rng)
         region, points = places(floor, aside)
@@ -237,7 +251,6 @@ def _is_valid_goal(name: str, floor: Floor, start: Pose, goal: Pose) -> bool:
 def _robot_start(obj: PushedObject, robot: RoundRobot, start: Pose, floor: Optional[Floor],
                  rng: np.random.Generator) -> Pose:
     """Place the robot near the object, clear of it and of obstacles."""
-    drive = DriveSettings()
     occupancy_map = None if floor is None else floor.map.occupancy_map
     while True:
         # The root spreads the places evenly over the disc.
@@ -245,9 +258,9 @@ def _robot_start(obj: PushedObject, robot: RoundRobot, start: Pose, floor: Optio
         bearing, heading = rng.uniform(-math.pi, math.pi, 2)
         pose = Pose(start.x + away * math.cos(bearing), start.y + away * math.sin(bearing),
                     heading)
-        clear = find_contact(obj, start, pose[:2], robot.radius)[2] >= drive.clearance
+        clear = find_contact(obj, start, pose[:2], robot.radius)[2] >= CLEARANCE
         if clear and (occupancy_map is None
-                      or occupancy_map.robot_is_free(robot, [pose], 2.0 * drive.map_clearance)):
+                      or occupancy_map.robot_is_free(robot, [pose], 2.0 * CLEARANCE)):
             return pose
 
 
@@ -300,11 +313,14 @@ def _tag(case: Case, _: np.random.Generator) -> Case:
 
 
 def _informed(case: Case, _: np.random.Generator) -> Case:
-    """Let the robot know the true object, and measure without errors, as late as before."""
-    sensors = SensorSettings(pose_rate=SENSORS.pose_rate, pose_latency=SENSORS.pose_latency,
-                             odometry_rate=SENSORS.odometry_rate)
-    return case._replace(scenario=dataclasses.replace(
-        case.scenario, object=case.scenario.true_object, sensors=sensors))
+    """Let the robot know the true object and where it is; poses come as late as before."""
+    sensors = SensorSettings(
+        pose_rate=SENSORS.pose_rate, pose_latency=SENSORS.pose_latency,
+        odometry_rate=SENSORS.odometry_rate, odometry_reference='absolute',
+        odometry_position_noise=INFORMED_NOISE, odometry_heading_noise=INFORMED_NOISE)
+    return _with_supervision(case._replace(scenario=dataclasses.replace(
+        case.scenario, object=case.scenario.true_object, sensors=sensors)),
+        odometry_reference='absolute')
 
 
 def _strict(case: Case, tolerance: Tolerance) -> Case:

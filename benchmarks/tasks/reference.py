@@ -9,7 +9,7 @@ import math
 
 from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
-from benchmarks.tasks.cases import draw
+from benchmarks.tasks.cases import draw, SEQUENCES, with_method
 import numpy as np
 from push_planner.problem import PlanningFailed
 from push_planner.sequence.planner import plan_task
@@ -25,7 +25,7 @@ def refer(job: Job) -> Record:
         the robot's gap and contact path; ``single`` [s] and ``single_distance`` [m] of the
         fastest single push with its approach, infinite where there is none.
     """
-    scenario = draw(**job).scenario
+    scenario = with_method(draw(**job), SEQUENCES).scenario
     start, goal = scenario.start.object.pose, scenario.goal.pose
     record: Record = {
         'least': least_time(scenario),

@@ -9,7 +9,7 @@ from benchmarks.tasks.aims import aim_table, aims
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import (
     CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS, METHODS, OPEN, PARTS,
-    SLIPPERY, STRICT, TAG, Tolerance, WHEELS,
+    SEQUENCES, SLIPPERY, STRICT, TAG, Tolerance, WHEELS, with_method,
 )
 from benchmarks.tasks.groups import (
     faults_of, grouped, kind, side_by_side, with_informed_times, without_numbers,
@@ -28,7 +28,7 @@ import pytest
 
 pytestmark = pytest.mark.slow
 START = Pose(0.3, -0.2, 0.4)
-METHOD = METHODS[-1]
+METHOD = SEQUENCES
 
 
 @pytest.mark.parametrize('goal', [Pose(1.2, 0.0, 0.0), Pose(0.8, 0.6, 1.0), Pose(0.5, -0.3, -2.0)])
@@ -135,7 +135,7 @@ def test_a_variation_changes_one_thing_of_the_task_on_open_floor():
     """Goal, start, object and noise stay, so that both can be compared one by one."""
     changed = {SLIPPERY: {'true_object'}, FRICTIONLESS: {'true_object'}, CREEPING: {'simulation'},
                WHEELS: {'sensors'}, TAG: {'sensors', 'control', 'task'},
-               INFORMED: {'object', 'sensors'}}
+               INFORMED: {'object', 'sensors', 'task'}}
     for part, fields in changed.items():
         for job in jobs(OPEN, 2 * len(KINDS[OPEN])):
             plain, varied = draw(**job).scenario, draw(**{**job, 'part': part}).scenario
@@ -146,6 +146,17 @@ def test_a_variation_changes_one_thing_of_the_task_on_open_floor():
     frictions = [scenario.true_object.contact_friction_coefficient for scenario in slippery]
     assert 0.15 <= min(frictions) < 0.17 and 0.28 < max(frictions) <= 0.3
     assert {scenario.object.contact_friction_coefficient for scenario in slippery} == {0.5}
+
+
+def test_a_method_is_a_setting_of_the_planner():
+    """The planner's default is the first; the task is the same."""
+    case = draw(OPEN, KINDS[OPEN][0], 0)
+    plans = [with_method(case, method).scenario for method in METHODS]
+    assert SEQUENCES in METHODS
+    assert len({scenario.task.planning for scenario in plans}) == len(METHODS)
+    assert [method for method, scenario in zip(METHODS, plans)
+            if scenario == case.scenario] == [m for m in METHODS if m != SEQUENCES]
+    assert len({scenario.goal for scenario in plans}) == 1
 
 
 def test_strict_tasks_are_those_of_open_floor_with_each_tolerance():
