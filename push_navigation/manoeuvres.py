@@ -22,7 +22,8 @@ from typing import Any, NamedTuple
 from push_dynamics.compiled import compiled
 from push_navigation.path import MIN_ROTATION
 from push_navigation.speed_profile import (
-    FADE_TIME, LATERAL_FRACTION, MAX_CORNER_CUT, MIN_WINDOW, YAW_FRACTION,
+    CORNER_CUT_AT_REST, FADE_TIME, LATERAL_FRACTION, MAX_CORNER_CUT, MIN_WINDOW, PASSING_ROOM,
+    YAW_FRACTION,
 )
 
 # Numbers of a manoeuvre.
@@ -54,7 +55,7 @@ SEGMENT_SIZE = 12
 MAX_SEGMENTS = 32
 
 # Kinds of segments, which differ in the distance that they keep from the object.
-LEADS_OFF, CURVES, KEEPS_OFF, LEADS_ON = 0, 1, 2, 3
+LEADS_OFF, CURVES, KEEPS_OFF, TOURS, LEADS_ON = 0, 1, 2, 3, 4
 
 # An arc of a curve is not longer than this [rad]. Chosen: three quarters of a circle, beyond which
 # the other sense is quicker.
@@ -310,13 +311,14 @@ def lay_tour(given: Manoeuvring, manoeuvre: Any, segments: Any, count: int,
                        reverses)
         x = center_x + radius * math.sin(psi)
         y = center_y - radius * math.cos(psi)
-        count = append(segments, count, KEEPS_OFF, (x, y, psi), (length, 0.0), reverses)
+        count = append(segments, count, KEEPS_OFF if side == 0.0 else TOURS, (x, y, psi),
+                       (length, 0.0), reverses)
         x, y = next_x + next_radius * math.sin(psi), next_y - next_radius * math.cos(psi)
         direction, radius = psi, next_radius
         center_x, center_y = next_x, next_y
         if left == 0:
             break
-        kind = KEEPS_OFF
+        kind = TOURS
         corner = (corner + (1 if side > 0.0 else -1)) % len(corners)
         left -= 1
     angle = curve_angle(direction, last[2], radius)
@@ -387,6 +389,24 @@ def limit_segment(given: Manoeuvring, row: Any) -> None:
 
 
 @compiled
+def moves_on(given: Manoeuvring, segments: Any, number: int, count: int) -> bool:
+    """
+    Tell whether the robot need not stop at the end of a segment.
+
+    :param given: ``Manoeuvring``.
+    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param number: of the segment, -1 for the beginning of the first.
+    :param count: of segments.
+    """
+    if number < 0:
+        return False
+    if number + 1 == count:
+        return given.end_speed > 0.0
+    before, after = segments[number], segments[number + 1]
+    return before[LENGTH] > 0.0 and after[LENGTH] > 0.0 and before[REVERSES] == after[REVERSES]
+
+
+@compiled
 def limit_joint(given: Manoeuvring, segments: Any, number: int, count: int) -> None:
     """
     Bound the speed between two segments, as ``speed_profile.joint_speed_limit`` does.
@@ -405,9 +425,13 @@ def limit_joint(given: Manoeuvring, segments: Any, number: int, count: int) -> N
     window = top * top * jump / (2.0 * YAW_FRACTION * given.yaw_acceleration)
     if window < MIN_WINDOW:
         return
-    passes = given.end_speed > 0.0 and number + 2 == count
-    longest = min(0.5 * before[LENGTH], (1.0 if passes else 0.5) * after[LENGTH],
-                  math.sqrt(6.0 * MAX_CORNER_CUT / jump))
+    goes_on = moves_on(given, segments, number + 1, count)
+    cut = MAX_CORNER_CUT
+    if not (goes_on and moves_on(given, segments, number - 1, count)):
+        cut *= CORNER_CUT_AT_REST
+    passes = goes_on and number + 2 == count
+    longest = min(0.5 * before[LENGTH], (PASSING_ROOM if passes else 0.5) * after[LENGTH],
+                  math.sqrt(6.0 * cut / jump))
     before[WINDOW] = min(window, longest)
     before[JOINT_SPEED] *= before[WINDOW] / window
 
@@ -443,8 +467,7 @@ def limit_joints(given: Manoeuvring, segments: Any, count: int) -> None:
         limit_segment(given, segments[i])
         segments[i, JOINT_SPEED], segments[i, WINDOW] = 0.0, 0.0
     for i in range(count - 1):
-        if segments[i, LENGTH] > 0.0 and segments[i + 1, LENGTH] > 0.0 and (
-                segments[i, REVERSES] == segments[i + 1, REVERSES]):
+        if moves_on(given, segments, i, count):
             limit_joint(given, segments, i, count)
     if segments[count - 1, LENGTH] > 0.0:
         segments[count - 1, JOINT_SPEED] = min(given.end_speed,
@@ -495,28 +518,34 @@ def keeps_clear(given: Manoeuvring, segments: Any, count: int) -> bool:
     Tell whether a manoeuvre keeps its distances from the object.
 
     As long as it has not been clear of the object yet, the gap must grow; on the last straight
-    line, which leads on to the object, anything is allowed.
+    line, which leads on to the object, anything is allowed. The tour round the corners of the
+    object keeps the clearance by its construction.
 
     :param given: ``Manoeuvring``.
     :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE).
     :param count: of segments.
     """
-    before = gap(given, given.start_x, given.start_y) - NO_LENGTH
-    has_left = False
+    before = gap(given, given.start_x, given.start_y)
+    has_left = before >= given.clearance
     for i in range(count):
         row = segments[i]
-        if row[KIND] == LEADS_ON:
-            break
+        if row[KIND] == TOURS or row[KIND] == LEADS_ON:
+            has_left = True
+            continue
+        if has_left:
+            before = gap(given, row[X], row[Y])
         limit = given.clearance - NO_LENGTH
         if row[KIND] == CURVES:
             limit -= given.arc_allowance
-        samples = 1 + int(row[LENGTH] / SAMPLE_SPACING)
-        for j in range(1, samples + 1):
-            part = j / samples
-            x, y, _ = moved((row[X], row[Y], row[THETA]), part * row[LENGTH], part * row[ANGLE])
+        s = 0.0
+        while s < row[LENGTH]:
+            # The gap changes by as much as the robot moves at most.
+            step = min(row[LENGTH] - s,
+                       max(SAMPLE_SPACING, before - limit) if has_left else SAMPLE_SPACING)
+            s += step
+            x, y, _ = moved((row[X], row[Y], row[THETA]), s, row[ANGLE] * s / row[LENGTH])
             here = gap(given, x, y)
-            if here < limit and (
-                    has_left or here - before < LEAST_GROWTH * row[LENGTH] / samples):
+            if here < limit and (has_left or here - before < LEAST_GROWTH * step - NO_LENGTH):
                 return False
             has_left = has_left or here >= limit
             before = here
@@ -531,21 +560,22 @@ def evaluate(given: Manoeuvring, manoeuvre: Any, segments: Any, bound: float) ->
     :param given: ``Manoeuvring``.
     :param manoeuvre: its numbers.
     :param segments: scratch, shape (MAX_SEGMENTS, SEGMENT_SIZE).
-    :param bound: time that counts as none [s].
-    :return: time [s]; infinite where there is none below the bound that keeps clear.
+    :param bound: of the times that count [s].
+    :return: time [s]; infinite where it is not below the bound, not a number where the object is
+        in the way or there is no such manoeuvre.
     """
     count = lay_out(given, manoeuvre, segments)
     if count == 0:
-        return math.inf
+        return math.nan
     length = 0.0
     for i in range(count):
         length += segments[i, LENGTH]
     if length >= bound * given.speed:
         return math.inf
     time = duration(given, segments, count)
-    if time < bound and keeps_clear(given, segments, count):
-        return time
-    return math.inf
+    if time >= bound:
+        return math.inf
+    return time if keeps_clear(given, segments, count) else math.nan
 
 
 @compiled
@@ -582,6 +612,9 @@ def scan_sides(given: Manoeuvring, row: Any, found: Any, segments: Any, quickest
             quickest = min(quickest, time)
             for k in range(MANOEUVRE_SIZE):
                 best[1 + k] = row[k]
+        # Where the object is not in the way, going round it is no quicker.
+        if side == 0.0 and not math.isnan(time):
+            break
     return quickest
 
 

@@ -84,9 +84,7 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
     :raises NoPathFound: where a pose lies inside the object, or obstacles are in the way.
     :raises ValueError: naming what is not finite, or a robot that is not round.
     """
-    if not 0.0 < robot.radius < math.inf:
-        raise ValueError(f'robot.radius: got {robot.radius:g} m, expected a round robot, neither '
-                         'a point nor a flat pusher')
+    check_robot(robot)
     object_pose, start, goal = (finite_pose(name, pose) for name, pose in (
         ('object_pose', object_pose), ('start', start), ('goal', goal)))
     body = inflate(obj.outline, obj.radius, robot.radius + settings.clearance)
@@ -112,6 +110,18 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
                                        ends.departure.place, ends.arrival.place)
             paths = assemble_paths(robot, ends, waypoints, settings.max_reverse_distance)
     return min(paths, key=lambda path: travel_time(path, robot, settings))
+
+
+def check_robot(robot: RoundRobot) -> None:
+    """
+    Check that a robot is round.
+
+    :param robot: the ``RoundRobot``.
+    :raises ValueError: where it is a point or a flat pusher.
+    """
+    if not 0.0 < robot.radius < math.inf:
+        raise ValueError(f'robot.radius: got {robot.radius:g} m, expected a round robot, neither '
+                         'a point nor a flat pusher')
 
 
 def waypoints_around_object(body: InflatedObstacle, start: tuple[float, float],
@@ -187,9 +197,7 @@ def departure_from_start(robot: RoundRobot, body: InflatedObstacle, pose: Pose,
     :return: ``Departure``, in the object frame.
     :raises NoPathFound: where the robot's centre is inside the object.
     """
-    overlap = _overlap(body, pose, clearance)
-    if overlap > robot.radius:
-        raise NoPathFound(f'the start of the path lies {overlap:.3f} m inside the object')
+    check_start(robot, body, pose, clearance)
     return _departure(robot, body, pose)
 
 
@@ -205,10 +213,37 @@ def departure_from_goal(robot: RoundRobot, body: InflatedObstacle, pose: Pose,
     :return: ``Departure``, in the object frame.
     :raises NoPathFound: where the robot would overlap the object.
     """
+    check_goal(body, pose, clearance)
+    return _departure(robot, body, pose)
+
+
+def check_start(robot: RoundRobot, body: InflatedObstacle, pose: Pose, clearance: float) -> None:
+    """
+    Check that a path can start at a pose.
+
+    :param robot: the ``RoundRobot``.
+    :param body: ``InflatedObstacle``, inflated by the robot's radius and the clearance.
+    :param pose: ``Pose`` of the robot in the object frame.
+    :param clearance: by which it is inflated [m].
+    :raises NoPathFound: where the robot's centre is inside the object.
+    """
+    overlap = _overlap(body, pose, clearance)
+    if overlap > robot.radius:
+        raise NoPathFound(f'the start of the path lies {overlap:.3f} m inside the object')
+
+
+def check_goal(body: InflatedObstacle, pose: Pose, clearance: float) -> None:
+    """
+    Check that a path can end at a pose.
+
+    :param body: ``InflatedObstacle``, inflated by the robot's radius and the clearance.
+    :param pose: ``Pose`` of the robot in the object frame.
+    :param clearance: by which it is inflated [m].
+    :raises NoPathFound: where the robot would overlap the object.
+    """
     overlap = _overlap(body, pose, clearance)
     if overlap > CONTACT_TOLERANCE:
         raise NoPathFound(f'the goal of the path lies {overlap:.3f} m inside the object')
-    return _departure(robot, body, pose)
 
 
 def _overlap(body: InflatedObstacle, pose: Pose, clearance: float) -> float:

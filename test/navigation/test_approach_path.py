@@ -9,7 +9,8 @@ import numpy as np
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_navigation.approach_path import ARC_ALLOWANCE, plan_approach
+from push_navigation.approach_path import approach_time, ARC_ALLOWANCE, plan_approach
+from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Path, sample_path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
@@ -108,6 +109,68 @@ def test_the_follower_passes_the_contact_place_moving(name, drive):
         assert abs(run.aside) < 0.01 and abs(run.turned) < math.radians(2.5)
         expected = travel_time(path, robot, SETTINGS, end_speed=SPEED)
         assert run.time == pytest.approx(expected, abs=0.3)
+
+
+@each
+@either
+def test_its_time_is_known_without_the_path(name, drive):
+    """The same as that of the path, but for rotations that are left out of it."""
+    obj, robot = OBJECTS[name], ROBOTS[drive]
+    for object_pose, start, contact in approaches(obj, 10, seed=6):
+        poses = object_pose, start, contact
+        path = plan_approach(robot, obj, *poses, SETTINGS, end_speed=SPEED)
+        assert approach_time(robot, obj, *poses, SETTINGS, end_speed=SPEED) == pytest.approx(
+            travel_time(path, robot, SETTINGS, end_speed=SPEED), abs=0.005)
+
+
+@either
+def test_it_starts_wherever_the_robot_is(drive):
+    """Far away, a few centimetres off the object, with its back to it, on the other side."""
+    robot, contact = ROBOTS[drive], Pose(-0.37, 0.05, 0.2)
+    for start in (Pose(-2.0, 1.0, 2.0), Pose(-0.4, 0.0, 0.0), Pose(-0.39, 0.1, 0.3),
+                  Pose(-0.37, 0.0, math.pi), Pose(-0.4, 0.1, 1.5), Pose(0.37, 0.0, 3.0),
+                  Pose(0.1, 0.45, 0.0)):
+        path = plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), start, contact, SETTINGS)
+        rows = sample_path(path, robot, 0.01)
+        gaps = [find_contact(box(), Pose(0.0, 0.0, 0.0), row, 0.17).gap for row in rows]
+        assert min(gaps) > -1e-4
+        run = drive_along(path, robot, SETTINGS, SPEED)
+        assert run.follower.finished
+
+
+def test_it_does_not_matter_where_the_world_begins():
+    """Everything moved and rotated: the same path, moved and rotated."""
+    robot, move = ROBOTS['differential'], Pose(3.0, -2.0, 2.5)
+    for poses in approaches(PLANK, 8, seed=7):
+        path = plan_approach(robot, PLANK, *poses, SETTINGS)
+        moved = plan_approach(robot, PLANK, *(move @ pose for pose in poses), SETTINGS)
+        assert len(moved.poses) == len(path.poses)
+        for one, other in zip(path.poses, moved.poses):
+            assert other[:2] == pytest.approx((move @ one)[:2], abs=1e-4)
+
+
+def test_in_a_map_it_keeps_off_the_obstacles():
+    """A wall where the quickest path passes: another side, or no path."""
+    robot, contact, start = ROBOTS['differential'], Pose(0.37, 0.1, math.pi), Pose(-0.37, 0.1, 0.0)
+    free = plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), start, contact, SETTINGS)
+    upper = max(pose.y for pose in free.poses)
+    lower = min(pose.y for pose in free.poses)
+    side = 1.0 if upper > -lower else -1.0
+    occupied = np.zeros((120, 120), dtype=bool)
+    wall = slice(70, 74) if side > 0.0 else slice(46, 50)
+    occupied[wall, 40:80] = True
+    room = OccupancyMap(0.05, Pose(-3.0, -3.0, 0.0), occupied)
+    path = plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), start, contact, SETTINGS,
+                         occupancy_map=room)
+    rows = sample_path(path, robot, 0.02)
+    assert room.robot_is_free(robot, rows, SETTINGS.map_clearance - 0.02)
+    assert not room.robot_is_free(robot, sample_path(free, robot, 0.02), 0.0)
+    occupied[46:50, 40:80] = occupied[70:74, 40:80] = True
+    occupied[46:74, 40:44] = occupied[46:74, 76:80] = True
+    closed = OccupancyMap(0.05, Pose(-3.0, -3.0, 0.0), occupied)
+    with pytest.raises(NoPathFound):
+        plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), start, contact, SETTINGS,
+                      occupancy_map=closed)
 
 
 def test_poses_inside_the_object_are_refused():

@@ -5,12 +5,13 @@ import itertools
 import math
 
 from helpers.objects import bin_, box
+from helpers.paths import drive_along
 import numpy as np
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_model.signals import Odometry, STOP
-from push_navigation.path import differential_path, Path
+from push_model.signals import Odometry, STOP, Twist
+from push_navigation.path import differential_path, holonomic_path, Path
 from push_navigation.path_follower import PathFollower
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
@@ -235,3 +236,56 @@ def test_a_robot_that_is_nearly_there_rotates_to_its_heading(drive, heading_chan
     start, goal = Pose(0.0, 0.0, 3.1), Pose(2e-4, -1e-4, 3.1 + heading_change)
     path = plan_path(ROBOTS[drive], box(), FAR, start, goal, SETTINGS)
     assert DrivenPath(ROBOTS[drive], path).arrived(goal)
+
+
+@pytest.mark.parametrize('lag', [0.0, 0.1])
+@either
+def test_it_passes_the_end_of_a_path_on_the_line(drive, lag):
+    """At full speed behind an arc: within 5 mm and 1 degree across, at the speed asked for."""
+    robot = dataclasses.replace(ROBOTS[drive], time_constant=lag)
+    goal = Pose(1.6, 0.3, 0.5 * math.pi)
+    waypoints = [(1.3, 0.0, 0.0), (1.5, 0.2, 0.5 * math.pi), (1.5, 0.3, 0.0)]
+    if drive == 'holonomic':
+        path = holonomic_path(Pose(0.0, 0.0, 0.0), goal._replace(x=1.5, theta=0.0), waypoints)
+    else:
+        path = differential_path(Pose(0.0, 0.0, 0.0), goal._replace(x=1.5), waypoints, [False] * 3)
+    for speed in (0.1, 0.3):
+        run = drive_along(path, robot, SETTINGS, speed)
+        assert run.follower.finished and not run.follower.missed
+        assert abs(run.aside) < 0.005 and abs(run.turned) < math.radians(1.0)
+        last = np.diff(run.poses[-3:, :2], axis=0) / 0.02
+        assert np.hypot(*last.T) == pytest.approx(speed, abs=0.03)
+        assert run.time == pytest.approx(travel_time(path, robot, SETTINGS, end_speed=speed),
+                                         abs=0.2)
+
+
+def test_it_hands_over_before_the_end():
+    """By the distance asked for, and sooner."""
+    robot, path = ROBOTS['differential'], Path((Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)))
+    ends = [drive_along(path, robot, SETTINGS, 0.2, handover_distance=distance).poses[-1][0]
+            for distance in (0.0, 0.05)]
+    assert ends == pytest.approx([1.0, 0.95], abs=0.008)
+
+
+def test_an_end_that_is_passed_beside_the_path_is_missed():
+    """It stops, and never has finished."""
+    robot, path = ROBOTS['differential'], Path((Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)))
+    follower = PathFollower(robot, SETTINGS, path, end_speed=0.3)
+    follower.step(Pose(0.0, 0.0, 0.0), 0.0)
+    commands = [follower.step(Pose(x, 0.015, 0.0), 0.02) for x in np.arange(0.0, 1.5, 0.006)]
+    assert follower.missed and not follower.finished
+    assert commands[-1] == STOP and max(command.v_x for command in commands) > 0.2
+
+
+def test_it_takes_over_the_motion_that_the_robot_has():
+    """Its first command differs from the motion by no more than the limits allow."""
+    robot, path = ROBOTS['differential'], Path((Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0)))
+    motion = Twist(-0.2, 0.0, 0.0)
+    follower = PathFollower(robot, SETTINGS, path, end_speed=0.2, motion=motion)
+    command = follower.step(Pose(0.0, 0.0, 0.0), 0.02)
+    assert -0.2 - 0.02 * SETTINGS.acceleration <= command.v_x < -0.2
+    assert travel_time(path, robot, SETTINGS, start_speed=0.2) < travel_time(
+        path, robot, SETTINGS) < travel_time(path, robot, SETTINGS, start_speed=-0.2)
+    for name in ('end_speed', 'handover_distance'):
+        with pytest.raises(ValueError, match=f'{name}: got'):
+            PathFollower(robot, SETTINGS, path, **{name: -0.1})
