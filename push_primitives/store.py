@@ -34,6 +34,8 @@ from push_primitives.table import build_table, FrictionDraws, PrimitiveTable
 # the contact is that of rubber bumpers; draws lie about both, and weights choose among them.
 REFERENCE_SUPPORT_FRICTION = 0.35
 REFERENCE_CONTACT_FRICTION = 0.5
+# Mass that tables are made for [kg]; chosen: any will do.
+REFERENCE_MASS = 3.0
 # Modules whose text decides what is in the files, besides those of the dynamics.
 SOURCES = (contact_places, table_module, placement_errors, cost_to_go_module)
 # Arrays of a table that are kept as they are.
@@ -75,12 +77,15 @@ def reference_object(obj: PushedObject) -> PushedObject:
     Replace what can be learned of an object by common values.
 
     :param obj: the ``PushedObject``, with its friction as known by now.
-    :return: ``PushedObject`` of the same shape, mass centre and supports.
+    :return: ``PushedObject`` of the same shape, mass centre, radius of gyration and supports.
     """
     supports = tuple(dataclasses.replace(support,
                                          friction_coefficient=REFERENCE_SUPPORT_FRICTION)
                      for support in obj.supports)
-    return dataclasses.replace(obj, supports=supports,
+    # Slow pushes do not depend on the mass, and rounded the ratio does not either.
+    squared_radius = float(f'{obj.inertia / obj.mass:.6g}')
+    return dataclasses.replace(obj, supports=supports, mass=REFERENCE_MASS,
+                               inertia=REFERENCE_MASS * squared_radius,
                                contact_friction_coefficient=REFERENCE_CONTACT_FRICTION)
 
 
