@@ -238,7 +238,8 @@ def test_its_state_is_in_the_markers(stand):
 def test_measurements_wait_for_the_plan(tmp_path, planned):
     """With wait_for_plans none is answered before, and each once afterwards: the robot stands."""
     with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
-               {**TASK, 'wait_for_plans': True, 'autostart': True}) as b:
+               {**TASK, 'wait_for_plans': True, 'autostart': True,
+                'supervision.min_averaging_time': 0.5}) as b:
         stand = Stand(b)
         b.publish('goal_pose', goal(GOAL))
         b.spin(0.3)
