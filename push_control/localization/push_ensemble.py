@@ -403,7 +403,8 @@ class PushEnsemble:
             robots = parts[2 + steps:2 + 2 * steps]
             members.parameters[:] = parts[-1]
             members.apply_parameters()
-            members.close_gaps()
+            if self.has_object:
+                members.close_gaps()
         self._history = deque(
             _Snapshot(snapshot.time, robot, obj)
             for snapshot, robot, obj in zip(history, robots, objects))
