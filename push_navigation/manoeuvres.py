@@ -311,7 +311,9 @@ def lay_tour(given: Manoeuvring, manoeuvre: Any, segments: Any, count: int,
                        reverses)
         x = center_x + radius * math.sin(psi)
         y = center_y - radius * math.cos(psi)
-        count = append(segments, count, KEEPS_OFF if side == 0.0 else TOURS, (x, y, psi),
+        # Between corners it keeps the clearance by construction.
+        between = kind == TOURS and left > 0
+        count = append(segments, count, TOURS if between else KEEPS_OFF, (x, y, psi),
                        (length, 0.0), reverses)
         x, y = next_x + next_radius * math.sin(psi), next_y - next_radius * math.cos(psi)
         direction, radius = psi, next_radius
@@ -518,8 +520,8 @@ def keeps_clear(given: Manoeuvring, segments: Any, count: int) -> bool:
     Tell whether a manoeuvre keeps its distances from the object.
 
     As long as it has not been clear of the object yet, the gap must grow; on the last straight
-    line, which leads on to the object, anything is allowed. The tour round the corners of the
-    object keeps the clearance by its construction.
+    line, which leads on to the object, anything is allowed. From corner to corner of the object
+    a tour keeps the clearance by its construction.
 
     :param given: ``Manoeuvring``.
     :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE).
@@ -547,7 +549,7 @@ def keeps_clear(given: Manoeuvring, segments: Any, count: int) -> bool:
             here = gap(given, x, y)
             if here < limit and (has_left or here - before < LEAST_GROWTH * step - NO_LENGTH):
                 return False
-            has_left = has_left or here >= limit
+            has_left = has_left or here >= given.clearance - NO_LENGTH
             before = here
     return True
 
