@@ -1,6 +1,7 @@
 """Request for a plan, and the reasons for which a planner may find none."""
 
 import enum
+import math
 from typing import NamedTuple
 
 from push_model.geometry import Pose
@@ -17,6 +18,12 @@ class PlanRequest(NamedTuple):
     :param obj: the ``PushedObject`` as known by now.
     :param cone_fraction: fraction of the planner's friction cone that the plan may use; below 1
         after plans that brought the object no nearer to its goal.
+    :param position_tolerance: largest distance from the goal that counts as there [m].
+    :param heading_tolerance: largest heading error that does [rad].
+    :param robot_deviation: standard deviation of the robot's place relative to the object [m].
+    :param center_deviation: standard deviation of the centre of friction of ``obj`` along either
+        axis [m].
+    :param contact_friction_deviation: standard deviation of its contact friction.
     """
 
     object_pose: Pose
@@ -24,6 +31,11 @@ class PlanRequest(NamedTuple):
     goal: Pose
     obj: PushedObject
     cone_fraction: float = 1.0
+    position_tolerance: float = 0.01
+    heading_tolerance: float = math.radians(1.0)
+    robot_deviation: float = 0.005
+    center_deviation: float = 0.03
+    contact_friction_deviation: float = 0.1
 
 
 class PlanFailure(enum.Enum):

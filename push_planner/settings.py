@@ -11,6 +11,7 @@ MotionModel = Literal['dynamic', 'quasi_static']
 RobotYaw = Literal['with_object', 'fixed']
 AngleProfile = Literal['linear', 'constant']
 AngleLimit = Literal['cone', 'angle', 'none']
+TaskMethod = Literal['primitives', 'sequences']
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,8 +77,12 @@ class PlannerSettings:
 
 @dataclasses.dataclass(frozen=True)
 class TaskSettings:
-    """How a sequence of pushes is searched for."""
+    """How the pushes of a task are planned."""
 
+    method: TaskMethod = quantity(
+        'primitives: one unsteered push at a time, by a table of their effects, or sequences: of '
+        'steered pushes; in a map always sequences, which the other settings are for',
+        choices=get_args(TaskMethod), default='primitives')
     max_pushes: int = quantity('most pushes in a sequence', '', 1, 4, default=4)
     min_straight: float = quantity('least length of the straight end of every push', 'm',
                                    above=0.0, high=5.0, default=0.25)

@@ -37,7 +37,7 @@ def refer(job: Job) -> Record:
                           scenario.planner, task=dataclasses.replace(planning, max_pushes=1))
     except PlanningFailed:
         return record
-    poses = found.plan.trajectory.robot_poses
+    poses = found.trajectory.robot_poses
     pushed = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())
     return {**record, 'single': found.single_push_time,
             'single_distance': found.approach_path.length + pushed}

@@ -5,6 +5,7 @@ from typing import Any, Mapping, NamedTuple
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanRequest
+from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 from push_planner.sequence.planner import plan_for_request, TaskPlan
@@ -101,7 +102,7 @@ class SequenceRequestHandler:
         :param task_plan: ``TaskPlan``.
         :param stamp: ``builtin_interfaces/Time`` of the request, or of the measurements.
         """
-        trajectory = task_plan.plan.trajectory
+        trajectory = task_plan.trajectory
         poses = sequence_poses(trajectory, task_plan.later_steps, PATH_SPACING)
         return SequencePlanMessages(to_plan_message(trajectory, stamp, self._frame),
                                     to_path_message(poses, stamp, self._frame))
@@ -127,8 +128,9 @@ def describe_task_plan(task_plan: TaskPlan) -> Description:
     """
     count, first = len(task_plan.pushes), task_plan.pushes[0]
     noun = 'push' if count == 1 else 'pushes'
-    text = (f'has planned {count} {noun} of {task_plan.duration:.1f} s in all, the first of '
-            f'{first.path_length:.2f} m')
+    expected = '' if task_plan.trajectory.style is PushStyle.STEERED else 'expected '
+    text = (f'has planned {count} {noun} of {expected}{task_plan.duration:.1f} s in all, the '
+            f'first of {first.path_length:.2f} m')
     return Description(text, {
-        **task_plan.plan.report, **task_plan.report.as_values(),
+        **task_plan.push_report, **task_plan.report.as_values(),
         'single_push': task_plan.single_push_time, 'robot_start': tuple(first.robot_start)})

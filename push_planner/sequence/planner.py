@@ -9,16 +9,18 @@ and solved in that order until none that is left can be faster.
 import dataclasses
 import functools
 import math
-from typing import Any, Iterator, NamedTuple, Sequence
+from typing import Any, Iterator, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
 from push_navigation.settings import DriveSettings
 from push_planner.plan import Plan
+from push_planner.primitive_push.planner import plan_primitive_push, PrimitivePlan
 from push_planner.problem import check_robot_is_round, PlanningFailed
 from push_planner.sequence.candidates import (
     Candidate, CandidateReport, Outcome, RejectedCandidate, SequenceCandidate,
@@ -77,25 +79,30 @@ class SearchReport:
 
 class TaskPlan(NamedTuple):
     """
-    Plan of a task: a sequence of pushes to the goal, the first of them solved.
+    Plan of a task: a sequence of steered pushes to the goal, or the next unsteered push.
 
-    :param pushes: ``PlannedPush`` of the whole sequence.
-    :param plan: the ``Plan`` of the first push.
+    :param pushes: ``PlannedPush`` of the whole sequence; the unsteered push.
+    :param trajectory: ``PushTrajectory`` of the first push.
     :param approach_path: ``Path`` of the robot to where the straight approach to it begins.
-    :param duration: of everything, paths of the robot, settling and pushes [s].
+    :param duration: of everything, paths of the robot, settling and pushes [s]; of what is
+        expected to follow an unsteered push, too.
     :param single_push_time: the same of the best single push [s]; infinite where there is
-        none. It is solved only where it might be faster, else about.
+        none, nan before an unsteered push. It is solved only where it might be faster, else about.
     :param report: ``SearchReport``.
+    :param push_report: further values of the first push by name.
+    :param plan: the ``Plan`` of a steered push, else None.
     :param later_steps: ``SequenceStep`` of each push but the first.
     """
 
     pushes: tuple[PlannedPush, ...]
-    plan: Plan
+    trajectory: PushTrajectory
     approach_path: Path
     duration: float
     single_push_time: float
     report: SearchReport
-    later_steps: tuple[SequenceStep, ...]
+    push_report: Mapping[str, Any]
+    plan: Plan | None = None
+    later_steps: tuple[SequenceStep, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -190,8 +197,9 @@ class SequencePlanner:
         no_single_push = ''
         if math.isinf(single_push_time):
             no_single_push = self._first_rejection(single_pushes)
-        return TaskPlan(found.pushes, found.plan, found.approach_path, found.duration,
-                        single_push_time, self._report(no_single_push), found.later_steps)
+        return TaskPlan(found.pushes, found.plan.trajectory, found.approach_path, found.duration,
+                        single_push_time, self._report(no_single_push), found.plan.report,
+                        found.plan, found.later_steps)
 
     def _report(self, no_single_push: str = '') -> SearchReport:
         return SearchReport(self._evaluations, tuple(self._reports), no_single_push)
@@ -348,7 +356,9 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
                      drive: DriveSettings, task: TaskSettings | None = None,
                      occupancy_map: OccupancyMap | None = None) -> TaskPlan:
     """
-    Plan what a supervisor requests, with a reduced friction cone after failed attempts.
+    Plan what a supervisor requests, by the method of the settings.
+
+    Sequences keep to a reduced friction cone after failed attempts.
 
     :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
@@ -359,6 +369,8 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     :return: ``TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
+    if occupancy_map is None and (task or TaskSettings()).method == 'primitives':
+        return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
     plan = functools.partial(plan_task, request.obj, robot, request.object_pose,
                              request.robot_pose, request.goal, drive=drive, task=task,
                              occupancy_map=occupancy_map)
@@ -373,3 +385,14 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
         except PlanningFailed:
             pass
     return plan(settings=settings)
+
+
+def _as_task_plan(found: PrimitivePlan) -> TaskPlan:
+    trajectory = found.trajectory
+    ends = (Pose(*poses[end].tolist())
+            for poses in (trajectory.object_poses, trajectory.robot_poses) for end in (0, -1))
+    start, end, robot_start, robot_end = ends
+    push = PlannedPush(found.contact, start, end, robot_start, robot_end, trajectory.duration,
+                       found.length)
+    return TaskPlan((push,), trajectory, found.approach_path, found.expected_time, math.nan,
+                    SearchReport(), found.report)

@@ -3,8 +3,8 @@ Plan requests to messages and back.
 
 A request is a ``trajectory_msgs/JointTrajectory`` of one point, whose joint names say what each
 of its positions is: poses of object, robot and goal in the world frame, the friction of each
-support and the contact friction as identified, and the fraction of the friction cone that the plan
-should use.
+support and the contact friction as identified, the fraction of the friction cone that the plan
+should use, the tolerances, and standard deviations of what was identified.
 """
 
 import dataclasses
@@ -22,6 +22,9 @@ POSES = ('object', 'robot', 'goal')
 SUPPORT_FRICTION = 'support_friction.'
 CONTACT_FRICTION = 'contact_friction'
 CONE_FRACTION = 'cone_fraction'
+# Numbers above 0, and of at least 0, that are fields of the request under the same name.
+TOLERANCES = ('position_tolerance', 'heading_tolerance')
+DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation')
 
 
 def request_fields(obj: PushedObject) -> tuple[str, ...]:
@@ -32,7 +35,7 @@ def request_fields(obj: PushedObject) -> tuple[str, ...]:
     """
     return (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')),
             *(f'{SUPPORT_FRICTION}{number}' for number in range(len(obj.supports))),
-            CONTACT_FRICTION, CONE_FRACTION)
+            CONTACT_FRICTION, CONE_FRACTION, *TOLERANCES, *DEVIATIONS)
 
 
 def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTrajectory:
@@ -50,7 +53,8 @@ def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTra
         values += [pose.x, pose.y, to_yaw(to_quaternion(pose.theta), 'push_request')]
     obj = request.obj
     values += [*(support.friction_coefficient for support in obj.supports),
-               obj.contact_friction_coefficient, request.cone_fraction]
+               obj.contact_friction_coefficient, request.cone_fraction,
+               *(getattr(request, name) for name in (*TOLERANCES, *DEVIATIONS))]
     message = JointTrajectory(joint_names=list(request_fields(obj)))
     message.header.stamp, message.header.frame_id = stamp, frame
     message.points = [JointTrajectoryPoint(positions=[float(value) for value in values])]
@@ -78,10 +82,16 @@ def from_request_message(message: JointTrajectory, frame: str, obj: PushedObject
     if not 0.0 < fraction <= 1.0:
         raise MessageRefused(f'{topic}: {CONE_FRACTION}: got {fraction:g}, expected a number '
                              'above 0, at most 1')
+    for name in (*TOLERANCES, *DEVIATIONS):
+        if values[name] < 0.0 or (name in TOLERANCES and values[name] == 0.0):
+            expected = 'above 0' if name in TOLERANCES else 'of at least 0'
+            raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number '
+                                 f'{expected}')
     object_pose, robot_pose, goal = (
         Pose(values[f'{pose}.x'], values[f'{pose}.y'], values[f'{pose}.heading'])
         for pose in POSES)
-    return PlanRequest(object_pose, robot_pose, goal, _with_friction(obj, values, topic), fraction)
+    return PlanRequest(object_pose, robot_pose, goal, _with_friction(obj, values, topic), fraction,
+                       *(values[name] for name in (*TOLERANCES, *DEVIATIONS)))
 
 
 def _with_friction(obj: PushedObject, values: dict[str, float], topic: str) -> PushedObject:

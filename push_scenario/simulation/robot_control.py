@@ -250,7 +250,7 @@ class TaskControl(RobotControl):
             self._supervisor.on_planning_failed(failure.code, failure.reason)
             return
         self._plans.append(found)
-        self._supervisor.set_plan(found.plan.trajectory)
+        self._supervisor.set_plan(found.trajectory)
 
 
 def make_robot_control(scenario: Scenario, observation: Observation,

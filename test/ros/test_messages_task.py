@@ -24,7 +24,8 @@ BELIEVED = box(mass=3.0)
 FIELDS = request_fields(BELIEVED)
 WANTED = PlanRequest(Pose(1.0, -2.0, 0.4), Pose(0.2, 3.0, -2.9), Pose(-1.0, 0.5, 3.0),
                      dataclasses.replace(with_friction_center(BELIEVED, (0.02, -0.03)),
-                                         contact_friction_coefficient=0.27), 0.64)
+                                         contact_friction_coefficient=0.27), 0.64,
+                     0.005, 0.02, 0.011, 0.017, 0.06)
 NUMBERS = np.arange(35).reshape(5, 7)
 FLOOR = OccupancyMap(0.05, Pose(-1.0, 2.0, 0.7), NUMBERS % 3 == 0)
 
@@ -51,12 +52,13 @@ def test_exact_stamps_keep_every_nanosecond(time):
 
 
 def test_requests_survive():
-    """Poses, goal, boldness, and an object that pushes as the one that was learnt."""
+    """Poses, goal, tolerances, and an object that pushes as the one that was learnt."""
     back = from_request_message(sent(request()), 'odom', BELIEVED)
     for name in ('object_pose', 'robot_pose', 'goal'):
         assert getattr(back, name) == pytest.approx(getattr(WANTED, name), abs=1e-14)
     assert back.cone_fraction == WANTED.cone_fraction
     assert back.obj == WANTED.obj
+    assert back[5:] == WANTED[5:]
 
 
 def test_what_nobody_has_learnt_stays_as_believed():
@@ -137,10 +139,14 @@ def _no_point(message):
     (_frame, "got frame 'map', expected 'odom'"),
     (_unknown, 'got the unknown fields boldness, expected object.x, '),
     (_twice, 'goal.x: got more than one, expected one'),
-    (_short, 'got 14 positions, expected 15'), (_no_point, 'got 0 points, expected 1'),
+    (_short, 'got 19 positions, expected 20'), (_no_point, 'got 0 points, expected 1'),
     (lambda m: set_field(m, 'cone_fraction', 1.5),
      'cone_fraction: got 1.5, expected a number above 0, at most 1'),
-    (lambda m: set_field(m, 'cone_fraction', 0.0), 'cone_fraction: got 0, expected')])
+    (lambda m: set_field(m, 'cone_fraction', 0.0), 'cone_fraction: got 0, expected'),
+    (lambda m: set_field(m, 'heading_tolerance', 0.0),
+     'heading_tolerance: got 0, expected a number above 0'),
+    (lambda m: set_field(m, 'robot_deviation', -0.1),
+     'robot_deviation: got -0.1, expected a number of at least 0')])
 def test_a_malformed_request_is_refused(spoil, text):
     """With the field, what came and what was expected."""
     message = request()

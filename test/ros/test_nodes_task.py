@@ -112,7 +112,7 @@ class Stand:
 
     def answer(self, chain, request, frame='odom'):
         """Send a plan for a request."""
-        self.b.publish('push_plan', to_plan_message(chain.plan.trajectory, request.header.stamp,
+        self.b.publish('push_plan', to_plan_message(chain.trajectory, request.header.stamp,
                                                     frame))
 
     def says(self, text):
@@ -175,7 +175,7 @@ def test_only_the_answer_to_the_request_counts(stand, planned):
     first = stand.requests[0]
     chain = planned(first)
     older = to_stamp(1e-3)
-    stand.b.publish('push_plan', to_plan_message(chain.plan.trajectory, older, 'odom'))
+    stand.b.publish('push_plan', to_plan_message(chain.trajectory, older, 'odom'))
     stand.b.spin(0.3)
     assert set(stand.measure(0.2)) == {ZERO} and len(stand.requests) == 1
     stand.b.publish('push_plan', no_plan_message(
@@ -319,7 +319,7 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     chain = plan_for_request(from_request_message(message, 'odom', SCENARIO.object),
                              SCENARIO.robot, SCENARIO.planner, DRIVE)
     assert len(chain.pushes) > 1
-    assert np.abs(got.object_poses - chain.plan.trajectory.object_poses).max() < 1e-6
+    assert np.abs(got.object_poses - chain.trajectory.object_poses).max() < 1e-6
     planner.wait_until(lambda: planner.received['planned_path'])
     poses = [from_object_pose_message(pose, 'odom').pose
              for pose in planner.received['planned_path'][0].poses]

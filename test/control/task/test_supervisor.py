@@ -286,7 +286,7 @@ def test_a_robot_that_does_not_move_is_noticed():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    trajectory = simulate(task('differential')).sequence_plans[0].plan.trajectory
+    trajectory = simulate(task('differential')).sequence_plans[0].trajectory
     bench.supervisor.set_plan(trajectory)
     assert bench.supervisor.status.state == TaskState.APPROACH
     commands = bench.run(SUPERVISION.stall_timeout + 0.2)
@@ -301,7 +301,7 @@ def test_an_overlap_is_an_error_of_odometry():
     bench = Bench(robot=Pose(0.3, 0.0, 0.0))
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    bench.supervisor.set_plan(simulate(task('differential')).sequence_plans[0].plan.trajectory)
+    bench.supervisor.set_plan(simulate(task('differential')).sequence_plans[0].trajectory)
     bench.run(1.0)
     gap = find_contact(box(), Pose(0.0, 0.0, 0.0), bench.supervisor.status.robot_pose[:2], 0.17)[2]
     assert gap > -0.02
