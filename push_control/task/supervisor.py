@@ -262,13 +262,12 @@ class Supervisor:
             self._enter(TaskState.FAILED, self._progress.abort_reason)
         elif check is GoalCheck.MISSED:
             self._behaviors.correct_overlap(perception)
-            request = PlanRequest(object_at_rest.pose, perception.robot_pose, self._goal,
-                                  perception.localization.obj, self._progress.cone_fraction,
-                                  self._settings.position_tolerance,
-                                  self._settings.heading_tolerance,
-                                  perception.localization.position_deviation,
-                                  perception.localization.center_deviation,
-                                  perception.localization.contact_friction_deviation)
+            localization, knowledge = perception.localization, perception.localization.knowledge
+            request = PlanRequest(
+                object_at_rest.pose, perception.robot_pose, self._goal, localization.obj,
+                self._progress.cone_fraction, settings.position_tolerance,
+                settings.heading_tolerance, localization.position_deviation,
+                knowledge.center_deviation, knowledge.contact_friction_deviation)
             self._pending = _PendingRequest(request, now)
 
     def _advance(self) -> None:

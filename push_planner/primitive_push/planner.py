@@ -161,4 +161,3 @@ class _ApproachPaths:
             return float('inf')
         self._paths[start] = path
         return travel_time(path, self._robot, self._drive, end_speed=self._speed)
-
