@@ -73,8 +73,8 @@ def test_one_side_of_the_object_is_walled_up():
     free = plan_path(robot, obj, object_pose, start, goal, SETTINGS)
     walled = plan_path(robot, obj, object_pose, start, goal, SETTINGS,
                        occupancy_map=walled_room((-0.1, 0.1, 0.3, 3.0)))
-    assert max(pose.y for pose in free.poses) > 0.4 > max(pose.y for pose in walled.poses)
-    assert min(pose.y for pose in walled.poses) < -0.4
+    assert max(pose.y for pose in free.poses) > 0.35 > max(pose.y for pose in walled.poses)
+    assert min(pose.y for pose in walled.poses) < -0.35
     assert free.length < walled.length < free.length + 0.5
 
 
