@@ -52,8 +52,8 @@ STEERING_PERIOD = 0.1
 # Least distance left in which the arc still changes [m], and the longest that is looked ahead.
 LEAST_STEERED = 0.08
 HORIZON = 0.7
-# Speed below which a robot that brakes counts as at rest [m/s], and the time after which it does so
-# at any rate [s]; chosen: it moves on by a millimetre, and twice what braking takes.
+# Speed below which a robot that brakes counts as at rest [m/s], and the time after which it does
+# so at any rate [s]; chosen: it moves on by a millimetre, and twice what braking takes.
 REST_SPEED = 0.012
 MAX_STOPPING_TIME = 0.8
 # Distance that a push may exceed its plan by, and a multiple of it besides [m]; chosen: what is
