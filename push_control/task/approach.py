@@ -110,6 +110,12 @@ class Approach(Behavior):
                 return STOP
         command = self._execution.step(robot_pose, dt)
         self.failure_reason = self._execution.failure_reason
+        if self._execution.has_missed_end:
+            self._execution = None
+            self._paths_driven += 1
+            if self._paths_driven >= MAX_PATHS:
+                self.failure_reason = 'the robot comes beside the end of its path'
+            return STOP
         if self._execution.finished:
             self._execution = None
             self._check_arrival(robot_pose, object_pose)

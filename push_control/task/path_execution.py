@@ -59,6 +59,11 @@ class PathExecution:
         self.finished = False
         self.failure_reason = ''
 
+    @property
+    def has_missed_end(self) -> bool:
+        """Whether the robot has come beside an end that it was to pass, and stops."""
+        return self._follower.missed
+
     def step(self, pose: Pose, dt: float) -> Twist:
         """
         Compute the command.
@@ -75,9 +80,6 @@ class PathExecution:
             self._standing_time = 0.0
         command = self._follower.step(pose, dt)
         self.finished = self._follower.finished
-        if self._follower.missed:
-            self.failure_reason = 'the robot has come beside the end of its path'
-            return STOP
         is_stalled = self._time_left < 0.0 or self._standing_time > self._stall_timeout
         if is_stalled and not self.finished:
             self.failure_reason = (f'the robot is stalled, {self._follower.remaining_distance:.2f}'

@@ -15,6 +15,7 @@ from push_control.laws.braking import braking_distance
 from push_control.localization.push_ensemble import PushEnsemble
 from push_control.push.rollout_law import RolloutLaw
 from push_control.push.status import ControllerStatus, Phase
+from push_control.settings import ControlSettings
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.perception import TaskPerception
 from push_model.contact import find_contact
@@ -40,10 +41,9 @@ RETURN_DISTANCE = 0.12
 # has not moved is not there [m]; chosen.
 MISS_DISTANCE = 0.08
 MISS_SIGMAS = 2.5
-# Motion of the object that tells of a touch [m], [rad]; chosen: four standard deviations of a
-# pose.
-MOVED_DISTANCE = 0.008
-MOVED_ANGLE = 0.03
+# Motion of the object that tells of a touch, in standard deviations of a pose; chosen: one pose in
+# ten thousand moves as far by itself.
+MOVED_SIGMAS = 4.0
 # Standard deviation that a miss adds to the robot's position [m] and heading [rad]; chosen.
 MISS_STD = 0.03
 MISS_HEADING_STD = 0.03
@@ -154,7 +154,7 @@ class PrimitivePush(Behavior):
         self._law = RolloutLaw(
             ensemble.members, primitives.cost_to_go,
             face_at(primitives.table, self._line.start), goal, max(self._speed, 0.05))
-        self._progress = _Progress(self._line)
+        self._progress = _Progress(self._line, context.control)
 
     @property
     def push_status(self) -> ControllerStatus:
@@ -280,7 +280,9 @@ class PrimitivePush(Behavior):
 class _Progress:
     """How far a push has come."""
 
-    def __init__(self, line: PushLine) -> None:
+    def __init__(self, line: PushLine, control: ControlSettings) -> None:
+        self._moved_distance = MOVED_SIGMAS * control.pose_noise
+        self._moved_angle = MOVED_SIGMAS * control.heading_noise
         self.stage = _Stage.RUN_IN
         self.stage_time = 0.0
         self.time = 0.0
@@ -309,8 +311,8 @@ class _Progress:
             self._start = perception.object_at_rest.pose
         if not self.has_moved:
             self.has_moved = (
-                distance(measured, self._start) > MOVED_DISTANCE
-                or abs(wrap_angle(measured.theta - self._start.theta)) > MOVED_ANGLE)
+                distance(measured, self._start) > self._moved_distance
+                or abs(wrap_angle(measured.theta - self._start.theta)) > self._moved_angle)
         if self.stage is _Stage.PUSHING:
             self.pushed += self.speed * dt
             self.left = max(0.0, self.left - self.speed * dt)

@@ -18,6 +18,7 @@ from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance
 from push_model.signals import Odometry
 from push_planner.problem import PlanningFailed
+from push_planner.settings import TaskMethod
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
@@ -30,8 +31,9 @@ REST_SPEED = 1e-4
 REST_YAW_RATE = 1e-3
 # Longest wait for rest, chosen above the braking time of the robots in config/robots [s].
 SETTLE_TIME = 2.0
-# What benchmarks/tasks allows as median planning time on one core [s].
-PLANNING_TIME = 0.3
+# What benchmarks/tasks allows as planning time on one core [s]: its 95th percentile with
+# primitives, its median with sequences.
+PLANNING_TIMES: dict[TaskMethod, float] = {'primitives': 0.1, 'sequences': 0.3}
 
 
 class Progress(NamedTuple):
@@ -55,7 +57,7 @@ Intervention = Callable[[Simulation, Controller | Supervisor], None]
 
 def simulate(scenario: Scenario, control_law: str | None = None, *,
              progress: ProgressCallback | None = None, intervene: Intervention | None = None,
-             planning_time: float = PLANNING_TIME) -> RunResult:
+             planning_time: float | None = None) -> RunResult:
     """
     Simulate a scenario: one push, or as many as its task takes.
 
@@ -65,8 +67,8 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     :param intervene: called before every measurement with the ``Simulation`` and the
         ``Supervisor`` of a task (``Controller`` of a single push), to disturb the one or to
         redirect the other.
-    :param planning_time: in a task, simulated time from a plan request to its answer [s]. A
-        single push is planned before time starts to run.
+    :param planning_time: in a task, simulated time from a plan request to its answer [s]; None for
+        what the method of the task usually takes. A single push is planned before time starts to run.
     :return: the ``RunResult``.
     :raises ValueError: where there is no such law, or no site for the robot to start from.
     """
@@ -77,7 +79,8 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     report(Progress('planning', 0.0, distance(scenario.start.object.pose, scenario.goal.pose)))
     observation = _first_observation(simulation)
     try:
-        robot = make_robot_control(scenario, observation, planning_time)
+        robot = make_robot_control(scenario, observation,
+                                   _planning_time(scenario, planning_time))
     except PlanningFailed as failure:
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason)
     loop = _Loop(simulation, robot, observation, report)
@@ -87,6 +90,13 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     loop.settle()
     return RunResult(scenario, scenario.control.control_law, ending.outcome, ending.reason,
                      simulation.tape, duration, **record._asdict())
+
+
+def _planning_time(scenario: Scenario, planning_time: float | None) -> float:
+    if planning_time is not None or scenario.task is None:
+        return planning_time or 0.0
+    is_mapped = scenario.task.occupancy_map is not None
+    return PLANNING_TIMES['sequences' if is_mapped else scenario.task.planning.method]
 
 
 def control_settings(scenario: Scenario, control_law: str | None = None) -> ControlSettings:
