@@ -68,7 +68,8 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
         ``Supervisor`` of a task (``Controller`` of a single push), to disturb the one or to
         redirect the other.
     :param planning_time: in a task, simulated time from a plan request to its answer [s]; None for
-        what the method of the task usually takes. A single push is planned before time starts to run.
+        what the method of the task usually takes. A single push is planned before time starts
+        to run.
     :return: the ``RunResult``.
     :raises ValueError: where there is no such law, or no site for the robot to start from.
     """
