@@ -2,7 +2,7 @@
 Benchmark of tasks: how many random goals are reached, how soon, with how many pushes.
 
 Tasks on open floor, in maps, disturbed, and variations of those on open floor (see ``cases.py``),
-planned by every method. Takes some hours on two cores, ``--quick`` some minutes. Records are
+planned by every method. Takes hours on two cores, ``--quick`` some minutes. Records are
 stored in ``--records`` as tasks finish, and the same command resumes after Ctrl-C. ``--seed`` runs
 one task and prints what happened.
 """

@@ -8,7 +8,7 @@ same kind and seed, so that both can be compared one by one.
 
 import dataclasses
 import math
-from typing import Any, Callable, NamedTuple, Optional, Sequence
+from typing import Any, Callable, get_args, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
@@ -18,7 +18,7 @@ import numpy as np
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_planner.settings import PlannerSettings, TaskSettings
+from push_planner.settings import PlannerSettings, TaskMethod
 from push_scenario.definition import data
 from push_scenario.definition.loader import read_robot
 from push_scenario.definition.placement import Placement
@@ -81,14 +81,12 @@ TAG_CONTROL = {'pose_noise': 0.011, 'heading_noise': math.radians(0.5), 'pose_ti
 TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
 # Noise of the place of a robot that knows where it is [m, rad]: as good as none, but above 0.
 INFORMED_NOISE = 1e-4
-SEQUENCES = 'sequences'
+SEQUENCES: TaskMethod = 'sequences'
 # What sequences of pushes were tuned with; the defaults are those of the other method.
 SEQUENCES_CLEARANCE = 0.05
 SEQUENCES_AVERAGING_TIME = 0.5
 # How tasks are planned: the choices of ``TaskSettings.method``, the default first.
-METHODS: tuple[str, ...] = next((field.metadata['choices'] for field
-                                 in dataclasses.fields(TaskSettings) if field.name == 'method'),
-                                (SEQUENCES,))
+METHODS: tuple[TaskMethod, ...] = get_args(TaskMethod)
 
 
 class Tolerance(NamedTuple):
@@ -144,7 +142,7 @@ def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
             for index in range(count)]
 
 
-def with_method(case: Case, method: str) -> Case:
+def with_method(case: Case, method: TaskMethod) -> Case:
     """
     Let a task be planned by a method.
 
@@ -154,11 +152,9 @@ def with_method(case: Case, method: str) -> Case:
     if method == SEQUENCES:
         case = _with_supervision(case, min_averaging_time=SEQUENCES_AVERAGING_TIME)
     task = case.scenario.task or Task()
-    drive, planning = task.drive, task.planning
+    drive, planning = task.drive, dataclasses.replace(task.planning, method=method)
     if method == SEQUENCES:
         drive = dataclasses.replace(drive, clearance=SEQUENCES_CLEARANCE)
-    if len(METHODS) > 1:
-        planning = dataclasses.replace(planning, method=method)
     return case._replace(scenario=dataclasses.replace(
         case.scenario, task=dataclasses.replace(task, drive=drive, planning=planning)))
 
