@@ -67,10 +67,11 @@ NO_LENGTH = 1e-7
 # Gears, sides, and senses of both curves.
 SHAPES = 54
 # Scanned manoeuvres that are slower than the quickest by more than this are left out, and
-# likewise refined ones [s]. Measured: refining gains less than that.
+# likewise refined ones [s]. Chosen: above what refining usually gains.
 SCAN_MARGIN = 1.0
 REFINE_MARGIN = 0.7
-# Refined are at most so many shapes, in so many rounds. Measured: more gain a hundredth.
+# Refined are at most so many shapes, in so many rounds. Measured on 300 approaches: with seven
+# shapes none was quicker, with twelve rounds the mean by 4 ms.
 REFINED_SHAPES = 4
 HALVINGS = 8
 # While the robot is leaving the object, the gap grows by at least this fraction of the distance it
