@@ -34,6 +34,9 @@ CLEARANCE_SIGMAS = 2.0
 MAX_CLEARANCE = 0.09
 # A robot that is surer than this keeps the clearance of the settings [m].
 SURE_DEVIATION = 0.012
+# Deviation of the robot's place that is taken after pushes that brought the object no nearer to
+# its goal, at least [m]: what it believes has failed; that of the table for unsure robots.
+FAILED_DEVIATION = 0.02
 
 
 class PrimitivePlan(NamedTuple):
@@ -75,6 +78,9 @@ def plan_primitive_push(request: PlanRequest, robot: RoundRobot,
         if not Pose(*getattr(request, name)).is_finite():
             raise PlanningFailed(PlanFailure.INVALID_VALUE,
                                  f'the {name} is not finite: {tuple(getattr(request, name))}')
+    if request.cone_fraction < 1.0:
+        request = request._replace(
+            robot_deviation=max(request.robot_deviation, FAILED_DEVIATION))
     primitives = _primitives(request, robot, drive)
     paths = _ApproachPaths(request, robot, settings, _with_clearance(drive, request))
     to_object = request.object_pose.inverse()
