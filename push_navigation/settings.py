@@ -12,11 +12,11 @@ class DriveSettings:
     """Speeds and distances of the robot on its path; the robot's own limits hold besides."""
 
     speed: float = quantity('speed on the path', 'm/s', above=0.0, high=10.0, default=0.4)
-    yaw_rate: float = quantity('yaw rate on the path', 'rad/s', above=0.0, high=50.0, default=1.8)
+    yaw_rate: float = quantity('yaw rate on the path', 'rad/s', above=0.0, high=50.0, default=1.9)
     acceleration: float = quantity('acceleration on the path', 'm/s^2', above=0.0, high=100.0,
-                                   default=0.6)
+                                   default=0.8)
     yaw_acceleration: float = quantity('yaw acceleration on the path', 'rad/s^2', above=0.0,
-                                       high=1000.0, default=4.0)
+                                       high=1000.0, default=5.0)
     clearance: float = quantity('distance that a robot whose pose is certain keeps from the '
                                 'object', 'm', above=0.0, high=1.0, default=0.03)
     map_clearance: float = quantity('distance that robot and object keep from obstacles', 'm',
