@@ -10,13 +10,17 @@ The state of a member is
 
     (dx, dy) / (1 + s),    (1 + g) dtheta - d l,
 
-plus a random walk in proportion to l; the compiled dynamics move the object with it.
+plus a random walk whose variance is in proportion to l; the compiled dynamics move the object
+with it.
 
 **Update.** With the anomalies A of the state and B of what is measured, at its own time, as
 columns of n members, the deterministic ensemble Kalman filter (Sakov and Oke, Tellus A 60 (2008))
-moves the mean by K (z - mean) and the anomalies by half as much:
+moves the mean by the gain K times the innovation, and the anomalies by half as much:
 
     K = A B' (B B' + (n - 1) R)^-1,    A <- A - K B / 2
+
+That is exact for measurements that tell little each; a single one that tells much leaves up to
+half of the standard deviation, so that no update makes the ensemble too sure.
 
 An object that nobody touches tells nothing of the robot: then only the object is updated. A pose
 that nothing explains is an outlier; several in a row are an object that somebody has moved.
