@@ -240,6 +240,7 @@ def test_the_same_measurements_give_the_same_estimate():
     assert not np.array_equal(one.ensemble.members.states, other.ensemble.members.states)
 
 
+@pytest.mark.slow
 def test_a_mirrored_world_is_estimated_mirrored():
     """In the mean over several ensembles, within three standard errors of it."""
     sensors = SensorSettings(odometry_scale=0.03, odometry_heading_drift=0.03)
