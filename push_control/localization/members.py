@@ -7,7 +7,6 @@ so that contact, rolling and sliding need no model of their own here.
 """
 
 import dataclasses
-import math
 from typing import Any
 
 import numpy as np
@@ -182,6 +181,4 @@ def identified_object(obj: PushedObject, parameters: FloatArray) -> PushedObject
         dataclasses.replace(support, friction_coefficient=support.friction_coefficient * factor)
         for support, factor in zip(obj.supports, factors.tolist()))
     friction = max(0.0, float(parameters[:, -1].mean()))
-    if not math.isfinite(friction):
-        raise ValueError(f'parameters: got a contact friction of {friction}, expected a number')
     return dataclasses.replace(obj, supports=supports, contact_friction_coefficient=friction)

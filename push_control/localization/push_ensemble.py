@@ -94,6 +94,20 @@ class OdometryNoise(NamedTuple):
     heading_walk: float
 
 
+class RobotMemory(NamedTuple):
+    """
+    What was estimated of the robot at a time.
+
+    :param odometry_pose: ``Pose`` of odometry then.
+    :param robots: poses (x, y, theta) of all members, shape (n, 3).
+    :param odometry_errors: of all members, shape (n, 3).
+    """
+
+    odometry_pose: Pose
+    robots: FloatArray
+    odometry_errors: FloatArray
+
+
 class _Snapshot(NamedTuple):
     """Poses of all members at a time."""
 
@@ -351,10 +365,48 @@ class PushEnsemble:
         :param deviation: standard deviation of x and of y that is added [m].
         :param heading_deviation: standard deviation of the heading that is added [rad].
         """
+        spread = self._normal((self.members.count, POSE))
+        self._set_robots(
+            self.members.robot_poses + spread * (deviation, deviation, heading_deviation))
+
+    def place_robot(self, pose: Pose, deviations: Sequence[float]) -> None:
+        """
+        Forget where the robot was estimated to be, and its errors of odometry.
+
+        :param pose: its ``Pose``, about.
+        :param deviations: standard deviations of x, y [m] and heading [rad].
+        """
         members = self.members
-        spread = self._normal((members.count, POSE))
-        members.set_robot_poses(
-            members.robot_poses + spread * (deviation, deviation, heading_deviation))
+        self._set_robots(np.array(pose) + self._normal((members.count, POSE)) * deviations)
+
+    def remember_robot(self) -> RobotMemory:
+        """Remember where the robots are, and their errors of odometry."""
+        assert self._odometry is not None
+        return RobotMemory(self._odometry.pose, self.members.robot_poses,
+                           self.members.parameters[:, :ODOMETRY_ERRORS].copy())
+
+    def restore_robot(self, memory: RobotMemory, deviation: float,
+                      heading_deviation: float) -> None:
+        """
+        Take back what was inferred of the robot; since then it has moved as odometry says.
+
+        :param memory: ``RobotMemory``.
+        :param deviation: standard deviation of x and of y that is added [m].
+        :param heading_deviation: standard deviation of the heading that is added [rad].
+        """
+        assert self._odometry is not None
+        members = self.members
+        step = memory.odometry_pose.inverse() @ self._odometry.pose
+        c, s = np.cos(memory.robots[:, 2]), np.sin(memory.robots[:, 2])
+        moved = np.stack((c * step.x - s * step.y, s * step.x + c * step.y,
+                          np.full(members.count, wrap_angle(step.theta))), axis=1)
+        spread = self._normal((members.count, POSE)) * (deviation, deviation, heading_deviation)
+        members.parameters[:, :ODOMETRY_ERRORS] = memory.odometry_errors
+        self._set_robots(memory.robots + moved + spread)
+
+    def _set_robots(self, poses: FloatArray) -> None:
+        members = self.members
+        members.set_robot_poses(poses)
         members.states[:, _FORCES] = 0.0
         if self.has_object:
             members.close_gaps()

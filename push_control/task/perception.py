@@ -22,9 +22,6 @@ UNEXPLAINED_MOVES = 2
 # Standard deviations (x, y, heading) of a robot that is localized by such a move [m, m, rad];
 # chosen: about a radius, and a heading about which it says nothing.
 BEHIND_OBJECT_STD = (0.15, 0.15, 1.0)
-# Standard deviation of the position before it [m]: beyond the size of a room, so that the former
-# estimate has no weight.
-LOST_STD = 10.0
 # Steps of the search for the contact behind an object; chosen: each one leaves less than half of
 # the distance, so that 12 leave below a millimetre.
 TRACE_STEPS = 12
@@ -305,9 +302,7 @@ class TaskPerception:
         for _ in range(TRACE_STEPS):
             behind = pose.x - offset * x, pose.y - offset * y
             offset += abs(find_contact(obj, pose, behind, robot.radius).gap)
-        self.localization.inflate_covariance(LOST_STD)
-        error = behind[0] - estimate.x, behind[1] - estimate.y, 0.0
-        self.localization.update_pose(error, np.diag(np.square(BEHIND_OBJECT_STD)))
+        self.localization.place_robot(Pose(*behind, estimate.theta), BEHIND_OBJECT_STD)
 
     def _measured_contact(self, obj: PushedObject, robot: RoundRobot) -> FoundContact:
         """Find the contact at the time of the last object pose."""

@@ -107,16 +107,25 @@ def push_line(target: PushTrajectory) -> PushLine:
     return PushLine(Pose(*target.object_poses[0].tolist()).inverse() @ start, curvature, length)
 
 
-def touch_speed(target: PushTrajectory, length: float) -> float:
+def pushing_speed(target: PushTrajectory) -> float:
     """
-    Choose the speed of a push: the shorter, the slower.
+    Read the greatest speed of the robot off a plan.
 
-    :param target: ``PushTrajectory`` with the pushing speed.
-    :param length: what is left of the push [m].
+    :param target: ``PushTrajectory``.
     :return: speed [m/s].
     """
-    pushing_speed = float(np.hypot(*target.robot_twists[:, :2].T).max())
-    return min(pushing_speed, max(LEAST_SPEED, length / ENDING_TIME))
+    return float(np.hypot(*target.robot_twists[:, :2].T).max())
+
+
+def ending_speed(speed: float, left: float) -> float:
+    """
+    Choose the speed of a push: the less is left, the slower.
+
+    :param speed: greatest speed of the push [m/s].
+    :param left: what is left of it [m].
+    :return: speed [m/s].
+    """
+    return min(speed, max(LEAST_SPEED, left / ENDING_TIME))
 
 
 def face_at(table: PrimitiveTable, start: Pose) -> int:
@@ -150,11 +159,12 @@ class PrimitivePush(Behavior):
         self._obj = context.obj
         self._ensemble = ensemble
         self._line = push_line(target)
-        self._speed = float(np.hypot(*target.robot_twists[:, :2].T).max())
+        self._speed = pushing_speed(target)
         self._law = RolloutLaw(
             ensemble.members, primitives.cost_to_go,
             face_at(primitives.table, self._line.start), goal, max(self._speed, 0.05))
         self._progress = _Progress(self._line, context.control)
+        self._memory = ensemble.remember_robot()
 
     @property
     def push_status(self) -> ControllerStatus:
@@ -185,6 +195,8 @@ class PrimitivePush(Behavior):
         if progress.stage is _Stage.STOPPING:
             self.finished = (progress.speed < REST_SPEED
                              or progress.stage_time >= MAX_STOPPING_TIME)
+            if self.finished and progress.has_moved:
+                perception.on_push_succeeded()
             return STOP
         limit = EXCESS_DISTANCE + EXCESS_RATIO * self._line.length
         if progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED:
@@ -206,7 +218,7 @@ class PrimitivePush(Behavior):
             return self._push(perception)
         if local[0] > MISS_DISTANCE + MISS_SIGMAS * deviation:
             return self._miss('the robot does not find the object')
-        speed = self._touch_speed(self._line.length)
+        speed = ending_speed(self._speed, self._line.length)
         rest = max(0.0, gap - 2.0 * deviation - TOUCH_MARGIN)
         speed = math.sqrt(speed ** 2 + 2.0 * APPROACH_DECELERATION * self._robot.max_acceleration
                           * rest)
@@ -246,7 +258,7 @@ class PrimitivePush(Behavior):
             return self._miss('the object does not move')
         if progress.left <= braking_distance(robot, progress.speed) + 0.01 * progress.speed:
             return self._stop()
-        speed = self._touch_speed(progress.left)
+        speed = ending_speed(self._speed, progress.left)
         omega = progress.curvature * speed
         if robot.drive == 'differential':
             return Twist(speed, 0.0, omega)
@@ -262,17 +274,14 @@ class PrimitivePush(Behavior):
             progress.direction = wrap_angle(line.theta - self._ensemble.pose.theta)
         return progress.direction
 
-    def _touch_speed(self, left: float) -> float:
-        """Speed of a push with this distance left [m/s]."""
-        return min(self._speed, max(LEAST_SPEED, left / ENDING_TIME))
-
     def _stop(self) -> Twist:
         self._progress.enter(_Stage.STOPPING)
         return STOP
 
     def _miss(self, reason: str) -> Twist:
         """Give up, as the robot is not where it is estimated to be."""
-        self._ensemble.inflate_covariance(MISS_STD, MISS_HEADING_STD)
+        # What was inferred from a contact that there was not is wrong.
+        self._ensemble.restore_robot(self._memory, MISS_STD, MISS_HEADING_STD)
         self.failure_reason = reason
         return STOP
 

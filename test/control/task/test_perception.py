@@ -100,5 +100,7 @@ def test_what_moves_an_object_twice_is_the_robot_behind_it(angle):
         assert perception.robot_pose == pytest.approx(believed, abs=1e-9)
         perception.on_object_moved(box(), HOLONOMIC, ORIGIN)
     back = Pose(0.0, 0.0, -angle).rotate(np.subtract(perception.robot_pose, pose)[:2])
-    assert back[0] < -0.3 and abs(back[1]) < 0.02
-    assert abs(perception.gap(box(), HOLONOMIC)) < 0.02
+    # About a radius is not known, and no member is inside the object.
+    assert back[0] < -0.3 and abs(back[1]) < 0.05
+    assert 0.0 <= perception.gap(box(), HOLONOMIC) < 0.15
+    assert perception.localization.position_deviation < 0.2

@@ -12,7 +12,9 @@ from push_control.settings import ControlSettings
 from push_control.task.behavior import Behavior
 from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.perception import TaskPerception
-from push_control.task.primitive_push import MISS_DISTANCE, MISS_SIGMAS, push_line, touch_speed
+from push_control.task.primitive_push import (
+    ending_speed, MISS_DISTANCE, MISS_SIGMAS, push_line, pushing_speed,
+)
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
 from push_model.contact import find_contact
@@ -112,7 +114,8 @@ def test_the_line_of_a_push_is_read_off_its_plan(start, length, curvature, world
 def test_short_pushes_are_slow():
     """Down to a crawl, and never faster than the plan."""
     target = unsteered_push(box(), MIDDLE, 0.3, speed=0.15)
-    speeds = [touch_speed(target, left) for left in (0.0, 0.01, 0.03, 0.06, 0.1, 1.0)]
+    speeds = [ending_speed(pushing_speed(target), left)
+              for left in (0.0, 0.01, 0.03, 0.06, 0.1, 1.0)]
     assert speeds == sorted(speeds) and 0.02 < speeds[0] < 0.05
     assert speeds[-1] == pytest.approx(0.15, rel=0.01)
 
@@ -207,7 +210,7 @@ def test_the_approach_hands_over_moving_on_the_line(drive, robot):
     assert -0.1 < ahead < 0.0
     assert find_contact(box(), HOME, truth.robot_pose[:2], 0.17).gap > 0.0
     velocity = truth.robot_pose.rotate(truth.robot_twist[:2])
-    expected = touch_speed(target, 0.1)
+    expected = ending_speed(pushing_speed(target), 0.1)
     assert 0.7 * expected < math.hypot(*velocity) <= ROBOTS[drive].max_speed + 1e-9
     direction = math.atan2(velocity[1], velocity[0])
     assert abs(wrap_angle(direction - line.theta)) < 0.1
