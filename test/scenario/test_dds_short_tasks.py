@@ -12,6 +12,11 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 @pytest.mark.parametrize('name', ['task_tap', 'task_turn', 'task_slippery', 'task_frictionless',
                                   'task_creeping'])
 def test_the_task_ends_as_expected(name, tmp_path):
-    """With requests, plans and their style in messages, and three nodes in three processes."""
-    result = run_over_dds(load_scenario(name), None, tmp_path, record=False)
+    """
+    With requests, plans and their style in messages, and three nodes in three processes.
+
+    The first one has commands without a stamp.
+    """
+    result = run_over_dds(load_scenario(name), None, tmp_path, record=False,
+                          stamped=name != 'task_tap')
     assert is_as_expected(result), format_report([result])
