@@ -42,8 +42,9 @@ INTERRUPTED = 130
 def options() -> argparse.Namespace:
     """Parse the command line."""
     parser = argparse.ArgumentParser(description=DESCRIPTION)
-    parser.add_argument('--part', choices=PARTS, action='append', dest='parts',
-                        help='only this part; may be given several times')
+    parser.add_argument('--part', type=part_and_count, action='append', dest='parts',
+                        metavar='PART[=COUNT]', help='only this part, with as many tasks; may be '
+                        'given several times: ' + ', '.join(PARTS))
     parser.add_argument('--method', choices=METHODS, action='append', dest='methods',
                         help='only this method; may be given several times')
     parser.add_argument('--kind', help='only this object and drive, such as "box_04, holonomic"')
@@ -55,7 +56,10 @@ def options() -> argparse.Namespace:
     parser.add_argument('--seed', type=int,
                         help='run this task of the part only, and print what happens')
     chosen = parser.parse_args()
-    if chosen.parts is None:
+    chosen.counts = {part: count for part, count in chosen.parts or [] if count is not None}
+    if chosen.parts is not None:
+        chosen.parts = [part for part, _ in chosen.parts]
+    else:
         chosen.parts = [OPEN] if chosen.seed is not None else [
             part for part in PARTS if chosen.kind in (None, *KINDS[part])]
     chosen.methods = chosen.methods or METHODS
@@ -67,6 +71,21 @@ def options() -> argparse.Namespace:
     return chosen
 
 
+def part_and_count(text: str) -> tuple[str, int | None]:
+    """
+    Parse ``PART`` or ``PART=COUNT``.
+
+    :param text: of the command line.
+    :raises argparse.ArgumentTypeError: naming what is wrong.
+    """
+    part, _, count = text.partition('=')
+    if part not in PARTS:
+        raise argparse.ArgumentTypeError(f'got {part!r}, expected one of ' + ', '.join(PARTS))
+    if count and not (count.isdigit() and int(count)):
+        raise argparse.ArgumentTypeError(f'got a count of {count!r}, expected at least 1')
+    return part, int(count) if count else None
+
+
 def count_of(chosen: argparse.Namespace, part: str) -> int:
     """
     Return the number of tasks of a part.
@@ -74,6 +93,8 @@ def count_of(chosen: argparse.Namespace, part: str) -> int:
     :param chosen: command line.
     :param part: one of ``PARTS``.
     """
+    if part in chosen.counts:
+        return chosen.counts[part]
     if chosen.count is not None:
         return chosen.count
     if chosen.quick:
