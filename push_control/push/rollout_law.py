@@ -11,9 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.localization.members import Members, OBJECT, ROBOT
+from push_control.localization.push_ensemble import PushEnsemble
 from push_model.geometry import FloatArray, Pose
 from push_primitives.cost_to_go import CostToGo
 from push_primitives.rollouts import roll_out
+from push_primitives.store import PushPrimitives
 
 # Members that are rolled out; chosen: their mean is that of all, and a decision takes some
 # milliseconds.
@@ -143,3 +145,14 @@ def _vertex(stops: FloatArray, costs: FloatArray, best: int) -> float:
     # Where the slope, linear between the middles of both intervals, is 0.
     shift = -slope_before / bend * 0.5 * (left + right) - 0.5 * left
     return float(stops[best] + min(right, max(-left, shift)))
+
+
+def warm_up(primitives: PushPrimitives, ensemble: PushEnsemble) -> None:
+    """
+    Roll out once, so that nothing has to be compiled or loaded while the robot moves.
+
+    :param primitives: the ``PushPrimitives``.
+    :param ensemble: the ``PushEnsemble``.
+    """
+    RolloutLaw(ensemble.members, primitives.cost_to_go, 0, ensemble.object_pose, 1.0).stop(
+        0.0, FINE_SPACING, 0.0)

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 
+from push_control.push.rollout_law import warm_up
 from push_control.push.start import contact_start_point
 from push_control.settings import ControlSettings
 from push_control.task.approach import Approach, MovingApproach
@@ -87,8 +88,12 @@ class BehaviorFactory:
         if target is None:
             return None
         is_unsteered = target.style is PushStyle.UNSTEERED
+        if state is TaskState.APPROACH and is_unsteered:
+            # Now, while the robot stands: the first time may take long.
+            warm_up(self._primitives(), perception.localization)
+            return MovingApproach(context, target)
         if state is TaskState.APPROACH:
-            return (MovingApproach if is_unsteered else Approach)(context, target)
+            return Approach(context, target)
         if state is TaskState.ALIGN:
             return GuardedApproach(context, target, perception.object_at_rest)
         if state is TaskState.PUSH and is_unsteered and goal is not None:

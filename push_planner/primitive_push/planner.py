@@ -5,13 +5,14 @@ What remains to do after it is in the cost-to-go, so that one push is a plan; th
 planned from where this one really ends.
 """
 
+import contextlib
 import dataclasses
 from typing import Any, NamedTuple
 
 from push_model.contact import find_contact
 from push_model.friction import friction_center
 from push_model.geometry import Pose
-from push_model.parameters import Contact, RoundRobot
+from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushTrajectory
 from push_navigation.approach_path import plan_approach
@@ -32,6 +33,8 @@ from push_primitives.weights import FrictionBelief
 CLEARANCE_MARGIN = 0.02
 CLEARANCE_SIGMAS = 2.0
 MAX_CLEARANCE = 0.09
+# Distances of robot and goal in a plan that only warms up [m]; chosen: clear of any object.
+WARM_UP_DISTANCE = 3.0
 # A robot that is surer than this keeps the clearance of the settings [m].
 SURE_DEVIATION = 0.012
 # Deviation of the robot's place that is taken after pushes that brought the object no nearer to
@@ -92,6 +95,20 @@ def plan_primitive_push(request: PlanRequest, robot: RoundRobot,
                              f'no contact place can be reached: {paths.reason}')
     return _plan(request, robot, settings, primitives, selected, path=paths.to(
         Pose(*primitives.table.starts[selected.primitive].tolist())))
+
+
+def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
+    """
+    Plan once, so that the first request does not wait for the compiler and for the table.
+
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param drive: ``DriveSettings``.
+    """
+    away = Pose(-WARM_UP_DISTANCE, 0.0, 0.0)
+    goal = Pose(WARM_UP_DISTANCE, 0.0, 0.0)
+    with contextlib.suppress(PlanningFailed):
+        plan_primitive_push(PlanRequest(Pose(0.0, 0.0, 0.0), away, goal, obj), robot, drive=drive)
 
 
 def _plan(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,

@@ -8,6 +8,7 @@ from push_model.plan_request import PlanRequest
 from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
+from push_planner.primitive_push.planner import warm_up
 from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.sequence.steps import sequence_poses
 from push_planner.settings import PlannerSettings, TaskSettings
@@ -62,6 +63,9 @@ class SequenceRequestHandler:
         self._parameters = parameters
         self._frame = frame
         self._occupancy_map: OccupancyMap | None = None
+        if parameters.planner.site == 'sequence' and parameters.task.method == 'primitives':
+            # Compiles the planner and makes the table of the object where there is none yet.
+            warm_up(parameters.object, parameters.robot, parameters.drive)
 
     def on_map(self, message: Any) -> None:
         """
