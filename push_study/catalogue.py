@@ -1,4 +1,4 @@
-"""All studies, in the order of the thesis."""
+"""All studies: those of the thesis in its order, then those of push primitives."""
 
 from typing import Iterable
 
@@ -19,6 +19,9 @@ from push_study.chapter3 import (
 from push_study.chapter3.errors import studies as goal_errors
 from push_study.chapter4 import disturbances, goals, random_friction
 from push_study.framework.study import Study
+from push_study.primitives import (
+    contact_friction, expected_time, place_and_tilt, reachable_poses, selected_push, steered_push,
+)
 
 MODULES = (
     # Chapter 2
@@ -31,6 +34,9 @@ MODULES = (
     speed_mismatch, solver_effort, goal_errors,
     # Chapter 4
     goals, random_friction, disturbances,
+    # Single unsteered pushes
+    place_and_tilt, reachable_poses, expected_time, selected_push, steered_push,
+    contact_friction,
 )
 
 
@@ -47,7 +53,8 @@ def select(words: Iterable[str]) -> tuple[Study, ...]:
     """
     Find studies by number or chapter.
 
-    :param words: numbers such as ``2.11``, chapters such as ``chapter2``, or ``all``.
+    :param words: numbers such as ``2.11``, chapters such as ``chapter2``, ``primitives``, or
+        ``all``.
     :return: the studies in the order of the thesis.
     :raises ValueError: for a word that matches no study.
     """

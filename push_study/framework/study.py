@@ -16,6 +16,8 @@ from push_study.framework.parameters import ChosenValues, Overrides, Parameter, 
 Table = dict[str, Any]
 # Column name -> number or text: what one job of a batch returns.
 Record = dict[str, Any]
+# What figures are numbered with that are not in the thesis -> name of their group.
+BEYOND_THESIS = {'P': 'primitives'}
 
 
 class Finding(NamedTuple):
@@ -93,7 +95,8 @@ class Study:
     """
     One figure or table.
 
-    :param figure: its number in the thesis, with ``T`` in front for a table; or its name.
+    :param figure: its number in the thesis, with ``T`` in front for a table; beyond the thesis
+        such as ``P.1``, or a name.
     :param title: in a few words.
     :param parameters: what ``compute`` and ``draw`` find in their ``values``.
     :param compute: computes the outcome.
@@ -115,8 +118,9 @@ class Study:
 
     @property
     def chapter(self) -> str:
-        """Chapter of the thesis, such as ``chapter2``."""
-        return f'chapter{self.figure.lstrip("T").split(".")[0]}'
+        """Chapter of the thesis, such as ``chapter2``; or the name of what is beyond it."""
+        part = self.figure.lstrip('T').split('.')[0]
+        return BEYOND_THESIS.get(part, f'chapter{part}')
 
     def values(self, chosen: ChosenValues, overrides: Overrides | None = None) -> Values:
         """

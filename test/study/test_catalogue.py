@@ -6,11 +6,15 @@ from push_study.maps import drive_map, object_map, stable_regions
 import pytest
 
 
-def test_studies_are_in_the_order_of_the_thesis():
+def test_studies_are_in_the_order_of_the_thesis_and_those_beyond_it_follow():
     figures = [study.figure for study in catalogue.studies()]
     assert len(set(figures)) == len(figures)
+    beyond = [study.figure for study in catalogue.select(['primitives'])]
+    assert beyond == [f'P.{number}' for number in range(1, len(beyond) + 1)]
+    assert figures[-len(beyond):] == beyond
     # The tables of a chapter come after its figures.
-    assert figures == sorted(figures, key=lambda text: (
+    thesis = figures[:-len(beyond)]
+    assert thesis == sorted(thesis, key=lambda text: (
         int(text.lstrip('T').split('.')[0]), text[0] == 'T', int(text.split('.')[1])))
 
 

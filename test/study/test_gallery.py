@@ -1,4 +1,4 @@
-"""The gallery of docs/studies.md is what the command makes, sentence by sentence."""
+"""The galleries of the docs are what the command makes, sentence by sentence."""
 
 from pathlib import Path
 import re
@@ -10,29 +10,32 @@ from push_study.framework.study import Finding, Outcome, Study
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / 'docs' / 'studies.md'
+DOCS = ROOT / 'docs'
+# Page -> words of the command that makes its gallery.
+PAGES = {'studies.md': ['chapter2', 'chapter3', 'chapter4'], 'one_push.md': ['primitives']}
 CHAPTER_2 = [f'2.{number}' for number in range(1, 34)]
 
 
-@pytest.fixture(scope='module')
-def made(tmp_path_factory):
-    """Run all studies, and insert their gallery in a copy of the page."""
+@pytest.fixture(scope='module', params=PAGES)
+def made(request, tmp_path_factory):
+    """Run the studies of a page, and insert their gallery in a copy of it."""
     folder = tmp_path_factory.mktemp('gallery')
-    page = folder / 'studies.md'
-    page.write_text(PAGE.read_text(encoding='utf-8'), encoding='utf-8')
-    assert cli.main(['run', 'all', '--out', str(folder / 'studies'), '--page', str(page)]) == 0
+    page = folder / request.param
+    page.write_text((DOCS / request.param).read_text(encoding='utf-8'), encoding='utf-8')
+    assert cli.main(['run', *PAGES[request.param], '--out', str(folder / 'studies'), '--page',
+                     str(page)]) == 0
     return page
 
 
 @pytest.mark.slow
 def test_page_is_what_the_command_makes(made):
     """The sentences quote findings, so every number of the page is computed here."""
-    assert made.read_text(encoding='utf-8') == PAGE.read_text(encoding='utf-8')
+    assert made.read_text(encoding='utf-8') == (DOCS / made.name).read_text(encoding='utf-8')
 
 
 @pytest.mark.slow
 def test_every_study_has_its_files(made):
-    for study in catalogue.studies():
+    for study in catalogue.select(PAGES[made.name]):
         for suffix in ('.png', '.svg', '.json'):
             path = made.parent / 'studies' / f'{study.figure}{suffix}'
             assert path.stat().st_size > 500, path.name
@@ -40,12 +43,18 @@ def test_every_study_has_its_files(made):
         assert tables, study.figure
 
 
-def test_chapter_2_is_complete_and_shown():
+def test_chapter_2_is_complete():
     assert [study.figure for study in catalogue.select(['chapter2'])] == CHAPTER_2
-    shown = re.findall(r'!\[.*\]\((.*)\)', PAGE.read_text(encoding='utf-8'))
+
+
+def test_every_study_is_shown_on_one_page():
+    shown = []
+    for page in PAGES:
+        shown += re.findall(r'!\[.*\]\((.*)\)', (DOCS / page).read_text(encoding='utf-8'))
+    assert len(shown) == len(set(shown))
     assert {f'studies/{study.figure}.png' for study in catalogue.studies()} <= set(shown)
     for target in shown:
-        assert (ROOT / 'docs' / target).is_file(), target
+        assert (DOCS / target).is_file(), target
 
 
 def test_gallery_is_inserted_between_the_marks(tmp_path):
