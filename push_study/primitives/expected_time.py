@@ -198,7 +198,8 @@ STUDIES = (
           '{saved:.0f} % less.',
           'Both push alike, as an unsteered push needs no drive that moves sideways; the '
           'holonomic one comes to the next place sooner. Times hold all pushes, corrections and '
-          'contacts that are expected, averaged over the faces where the robot may stand.', (9.6, 6.8)),
+          'contacts that are expected, averaged over the faces where the robot may stand.',
+          (9.6, 6.8)),
     Study('P.7', 'What distance, rotation and a miss cost', (OBJECTS, ROBOT, MISS, MISS_HEADING),
           compute_curves, draw_curves,
           'Beyond a metre each further metre costs {slope:.0f} s; to correct a miss of '
