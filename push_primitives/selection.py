@@ -225,7 +225,8 @@ def _refine_length(primitives: PushPrimitives, query: SelectionQuery, displaceme
     table, cost_to_go = primitives.table, primitives.cost_to_go
     number, step = choice
     longest = float(table.lengths[min(len(table.lengths) - 1, step + 1)])
-    lengths = np.linspace(float(table.lengths[step - 1]), longest, REFINED_LENGTHS)
+    lengths = np.asarray(np.linspace(float(table.lengths[step - 1]), longest, REFINED_LENGTHS),
+                         dtype=np.float64)
     lengths = lengths[_is_long_enough(lengths, query.goal)]
     between = interpolate_displacements(table.lengths, displacements, lengths)
     costs = np.empty(len(lengths))

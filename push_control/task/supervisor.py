@@ -218,9 +218,9 @@ class Supervisor:
         return self._answer.command
 
     def _waiting_reason(self) -> str:
-        """Why the robot has to wait for better measurements; a push decides that by itself."""
+        """Why the robot has to wait for better measurements; a steered push decides by itself."""
         state = self._entered.state
-        if state.is_standing or state is TaskState.PUSH:
+        if state.is_standing or state is TaskState.PUSH and not self._is_unsteered:
             return ''
         return self._perception.measurement_fault(needs_object=state is not TaskState.RETREAT)
 

@@ -84,7 +84,7 @@ def push_trajectory(obj: PushedObject, robot: RoundRobot, object_pose: Pose, rob
 def _driven_lengths(length: float, spacing: float) -> FloatArray:
     count = max(math.ceil(length / spacing) + 1,
                 min(LEAST_SAMPLES, math.ceil(length / FINEST_SPACING) + 1), 3)
-    return np.linspace(0.0, length, count)
+    return np.asarray(np.linspace(0.0, length, count), dtype=np.float64)
 
 
 def _along_arc(start: Pose, curvature: float, driven: FloatArray) -> FloatArray:

@@ -19,7 +19,8 @@ from push_navigation.speed_profile import travel_time
 from push_sim_node.simulation import Simulation
 import pytest
 
-SETTINGS = DriveSettings()
+# With as much reserve of the robots' acceleration as their lag takes for feedback.
+SETTINGS = DriveSettings(yaw_rate=1.8, acceleration=0.6, yaw_acceleration=4.0)
 GENTLE = DriveSettings(speed=0.3, yaw_rate=1.0, acceleration=0.3, yaw_acceleration=2.0)
 FAR = Pose(50.0, 50.0, 0.0)
 ROBOTS = {drive: RoundRobot(0.17, drive, 0.3, 1.9, 0.9, 6.0) for drive in ('differential',
