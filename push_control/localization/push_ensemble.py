@@ -36,8 +36,8 @@ from push_control.estimation.friction_members import (
 )
 from push_control.estimation.object_knowledge import ObjectKnowledge
 from push_control.localization.members import (
-    CONTACT_FRICTION_STD, DRIFT, identified_object, MEMBER_COUNT, Members, ODOMETRY_ERRORS, SCALE,
-    SUPPORT_LOG_STD, YAW_SCALE,
+    CONTACT_FRICTION_STD, DRIFT, identified_object, LONGEST_STEP, MEMBER_COUNT, Members,
+    ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE,
 )
 from push_control.settings import ControlSettings
 from push_model.friction import friction_center
@@ -140,6 +140,8 @@ class PushEnsemble:
         self._pose_time: float | None = None
         self._outliers = 0
         self._draw_parameters()
+        # Nothing moves; but it is compiled here, and not at the first odometry.
+        self.members.move(np.zeros((self.members.count, POSE)), LONGEST_STEP)
 
     def _draw_parameters(self) -> None:
         members, noise = self.members, self._odometry_noise

@@ -34,6 +34,7 @@ OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO
 PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
            **to_parameter_values(SCENARIO.robot, 'robot.')}
 TASK = {**PHYSICS, 'use_sim_time': True, 'task': True}
+SEQUENCES = TaskSettings(method='sequences')
 ZERO = (0.0, 0.0, 0.0)
 PERIOD = 0.05
 
@@ -280,7 +281,7 @@ def test_what_was_learned_before_is_in_the_request(tmp_path):
 def planner(tmp_path_factory):
     """Start a planner of sequences."""
     parameters = {**PHYSICS, 'planner.site': 'sequence',
-                  **to_parameter_values(TaskSettings(), 'task.')}
+                  **to_parameter_values(SEQUENCES, 'task.')}
     with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
                parameters) as b:
         for topic in ('push_plan', 'planned_path', 'diagnostics'):
@@ -317,7 +318,7 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     message = request(1.5, aside)
     got = from_plan_message(answered(planner, message), 'odom')
     chain = plan_for_request(from_request_message(message, 'odom', SCENARIO.object),
-                             SCENARIO.robot, SCENARIO.planner, DRIVE)
+                             SCENARIO.robot, SCENARIO.planner, DRIVE, SEQUENCES)
     assert len(chain.pushes) > 1
     assert np.abs(got.object_poses - chain.trajectory.object_poses).max() < 1e-6
     planner.wait_until(lambda: planner.received['planned_path'])
