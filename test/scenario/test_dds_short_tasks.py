@@ -9,8 +9,7 @@ import pytest
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 
-@pytest.mark.parametrize('name', ['task_tap', 'task_turn', 'task_slippery', 'task_frictionless',
-                                  'task_creeping'])
+@pytest.mark.parametrize('name', ['task_tap', 'task_frictionless'])
 def test_the_task_ends_as_expected(name, tmp_path):
     """
     With requests, plans and their style in messages, and three nodes in three processes.
