@@ -358,7 +358,7 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     """
     Plan what a supervisor requests, by the method of the settings.
 
-    Sequences keep to a reduced friction cone after failed attempts.
+    Where no unsteered push is possible, a sequence is sought. Sequences keep to a reduced friction cone after failed attempts.
 
     :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
@@ -370,7 +370,12 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     :raises PlanningFailed: with the reason.
     """
     if occupancy_map is None and (task or TaskSettings()).method == 'primitives':
-        return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
+        try:
+            return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
+        except PlanningFailed as failure:
+            # An object whose faces are too short for unsteered pushes may have steered ones.
+            if failure.code is not PlanFailure.NO_FEASIBLE_SITE:
+                raise
     plan = functools.partial(plan_task, request.obj, robot, request.object_pose,
                              request.robot_pose, request.goal, drive=drive, task=task,
                              occupancy_map=occupancy_map)

@@ -135,3 +135,12 @@ def test_what_cannot_be_planned_is_refused():
         with pytest.raises(PlanningFailed) as failure:
             plan_primitive_push(refused, ROBOT)
         assert failure.value.code is code and failure.value.reason
+
+
+def test_an_object_with_short_faces_is_pushed_by_sequences():
+    """What unsteered pushes cannot do is not refused."""
+    corners = ((-0.05, -0.05), (0.05, -0.05), (0.05, 0.05), (-0.05, 0.05))
+    obj = PushedObject(mass=1.0, inertia=0.002, outline=corners, supports=tuple(
+        Support(0.9 * x, 0.9 * y, 0.3) for x, y in corners), contact_friction_coefficient=0.5)
+    found = plan_for_request(request(obj=obj), HOLONOMIC, PlannerSettings(), DriveSettings())
+    assert found.trajectory.style is PushStyle.STEERED
