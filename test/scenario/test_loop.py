@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 from push_model.signals import Odometry, STOP
+from push_planner.settings import TaskSettings
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.task import Task
 from push_scenario.evaluation.metrics import is_as_expected, measure
@@ -105,7 +106,8 @@ def test_the_robot_ends_the_run_with_its_outcome_and_reason(standing):
 @pytest.mark.slow
 def test_a_push_and_a_task_with_one_push_agree():
     """Same plant, same sensors, same kind of result; the object rests at the same goal."""
-    push, task = simulate(PUSH), simulate(dataclasses.replace(PUSH, task=Task()))
+    sequences = Task(planning=TaskSettings(method='sequences'))
+    push, task = simulate(PUSH), simulate(dataclasses.replace(PUSH, task=sequences))
     assert push.tape.columns == task.tape.columns
     for prefix in ('object', 'robot'):
         assert np.array_equal(push.tape.poses(prefix)[0], task.tape.poses(prefix)[0])
