@@ -358,7 +358,8 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     """
     Plan what a supervisor requests, by the method of the settings.
 
-    Where no unsteered push is possible, a sequence is sought. Sequences keep to a reduced friction cone after failed attempts.
+    Where no unsteered push is possible, a sequence is sought. Sequences keep to a reduced
+    friction cone after failed attempts.
 
     :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
