@@ -15,6 +15,9 @@ SPACING = 0.02
 # Part of its length by which a retreat must widen the gap, to lead off the object; chosen: it is
 # then within 60 degrees of the contact normal.
 MIN_GAP_RATIO = 0.5
+# The same of a longer path that leads off slantwise, where no other does, as after a contact that
+# has rolled to where the robot passes the object; chosen: within 80 degrees of the normal.
+LEAST_GAP_RATIO = 0.17
 
 
 class Retreat(Behavior):
@@ -64,7 +67,7 @@ class Retreat(Behavior):
 def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
                  retreat_distance: float) -> Path | None:
     """
-    Find the straight path off an object; half the length where the whole one is not free.
+    Find the straight path off an object; half as long or slantwise where no other is free.
 
     :param context: the ``BehaviorContext``.
     :param robot_pose: ``Pose`` of the robot, at the object.
@@ -78,12 +81,14 @@ def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
     directions = [normal + math.pi]
     if robot.drive == 'differential':
         directions = [heading + math.pi, heading]
-    for length in (retreat_distance, 0.5 * retreat_distance):
+    attempts = ((retreat_distance, MIN_GAP_RATIO), (0.5 * retreat_distance, MIN_GAP_RATIO),
+                (2.0 * retreat_distance, LEAST_GAP_RATIO))
+    for length, ratio in attempts:
         for direction in directions:
             end = Pose(x + length * math.cos(direction), y + length * math.sin(direction), heading)
             path = Path((robot_pose, end))
             gain = find_contact(context.obj, object_pose, end[:2], robot.radius).gap - gap
-            if gain > MIN_GAP_RATIO * length and _is_free(path, context):
+            if gain > ratio * length and _is_free(path, context):
                 return path
     return None
 

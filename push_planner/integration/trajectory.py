@@ -103,7 +103,7 @@ def sample_trajectory(problem: PushProblem, rollout: Rollout) -> PushTrajectory:
     speed = np.sqrt(v_squared)
     times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (speed[1:] + speed[:-1]))])
     before = np.flatnonzero(jumps[kept]) - 1
-    columns = _motion(problem, rollout.samples[kept], speed)
+    columns: dict[str, Any] = {**_motion(problem, rollout.samples[kept], speed)}
     times[before] -= JUMP_TIME
     for name in ('object', 'contact', 'robot'):
         columns[f'{name}_poses'][before] -= JUMP_TIME * columns[f'{name}_twists'][before]
