@@ -362,10 +362,19 @@ def test_the_planner_says_where_the_robot_must_stand(tmp_path):
             b.subscribe(topic)
         refused = b.call('planner/replan')
         assert not refused.success and refused.message == 'has received no goal yet'
-        b.publish('goal_pose', goal(OBJECT @ Pose(0.0, 1.0, 0.0)))
-        b.repeat_until(lambda: measure(b), lambda: b.received['push_plan'])
-        b.wait_until(lambda: 'has planned' in last_text(b))
-        status = b.received['diagnostics'][-1].status[0]
+
+        def ask():
+            # The first message may come before its reader is known.
+            b.publish('goal_pose', goal(OBJECT @ Pose(0.0, 1.0, 0.0)))
+            measure(b)
+
+        def reports():
+            return [message.status[0] for message in b.received['diagnostics']
+                    if 'has planned' in message.status[0].message]
+
+        b.repeat_until(ask, lambda: b.received['push_plan'])
+        b.wait_until(reports)
+        status = reports()[-1]
         begin = from_plan_message(b.received['push_plan'][0], 'odom').robot_poses[0]
         assert status.level == WARN
         assert f'for a robot at {begin[0]:.3f} m, {begin[1]:.3f} m' in status.message
