@@ -340,8 +340,12 @@ def test_a_push_is_planned_again_when_asked(planner):
     """To the last goal, from where it has come to."""
     wanted, shift = Pose(2.6, 0.7, -0.4), Pose(0.9, 0.15, 0.2)
     planner.received['push_plan'].clear()
-    planner.publish('goal_pose', goal(wanted))
-    planner.repeat_until(lambda: measure(planner), lambda: planner.received['push_plan'])
+
+    def ask():
+        planner.publish('goal_pose', goal(wanted))
+        measure(planner)
+
+    planner.repeat_until(ask, lambda: planner.received['push_plan'])
     for _ in range(5):
         push_on(planner, shift)
         planner.spin(0.1)
