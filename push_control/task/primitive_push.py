@@ -180,7 +180,8 @@ class PrimitivePush(Behavior):
 
     def pause(self) -> None:
         """End the push: the robot stands."""
-        self._progress.stage = _Stage.STOPPING
+        if self._progress.stage is not _Stage.STOPPING:
+            self._stop()
 
     def step(self, perception: TaskPerception, dt: float) -> Twist:
         """
@@ -191,7 +192,7 @@ class PrimitivePush(Behavior):
         :return: ``Twist``.
         """
         progress = self._progress
-        progress.advance(perception, self._ensemble, dt)
+        progress.advance(perception, dt)
         if progress.stage is _Stage.STOPPING:
             self.finished = (progress.speed < REST_SPEED
                              or progress.stage_time >= MAX_STOPPING_TIME)
@@ -202,10 +203,10 @@ class PrimitivePush(Behavior):
         if progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED:
             return self._stop()
         if progress.stage is _Stage.RUN_IN:
-            return self._run_in(perception)
-        return self._push(perception)
+            return self._run_in()
+        return self._push()
 
-    def _run_in(self, perception: TaskPerception) -> Twist:
+    def _run_in(self) -> Twist:
         """Drive to the contact along the line of the push."""
         progress, ensemble = self._progress, self._ensemble
         pose, object_pose = ensemble.pose, ensemble.object_pose
@@ -215,7 +216,7 @@ class PrimitivePush(Behavior):
         deviation = ensemble.position_deviation
         if ensemble.contact_ratio > 0.5:
             progress.enter(_Stage.PUSHING)
-            return self._push(perception)
+            return self._push()
         if local[0] > MISS_DISTANCE + MISS_SIGMAS * deviation:
             return self._miss('the robot does not find the object')
         speed = ending_speed(self._speed, self._line.length)
@@ -237,10 +238,10 @@ class PrimitivePush(Behavior):
         # ``heading`` is that of the robot relative to the line.
         return _moving(speed, aside - heading, 0.0)
 
-    def _push(self, perception: TaskPerception) -> Twist:
+    def _push(self) -> Twist:
         """Go on along the best arc, or stop."""
         progress, robot = self._progress, self._robot
-        direction = self._direction(perception)
+        direction = self._direction()
         if progress.has_moved and progress.steering_time >= STEERING_PERIOD:
             progress.steering_time = 0.0
             horizon = min(HORIZON, 1.3 * progress.left + 0.12)
@@ -264,7 +265,7 @@ class PrimitivePush(Behavior):
             return Twist(speed, 0.0, omega)
         return _moving(speed, direction, omega)
 
-    def _direction(self, perception: TaskPerception) -> float:
+    def _direction(self) -> float:
         """Direction of motion in the robot's axes [rad]."""
         if self._robot.drive == 'differential':
             return 0.0
@@ -308,7 +309,7 @@ class _Progress:
         self.stage = stage
         self.stage_time = 0.0
 
-    def advance(self, perception: TaskPerception, ensemble: PushEnsemble, dt: float) -> None:
+    def advance(self, perception: TaskPerception, dt: float) -> None:
         """Take in a measurement."""
         self.time += dt
         self.stage_time += dt
