@@ -28,7 +28,7 @@ def generate_launch_description():
     params_file = LaunchConfiguration('params_file')
     remappings = [(topic, LaunchConfiguration(topic)) for topic in TOPICS]
     switches = {name: ParameterValue(LaunchConfiguration(name), value_type=bool)
-                for name in ('autostart', 'stamped_cmd_vel')}
+                for name in ('wait_for_start', 'enable_stamped_cmd_vel')}
     # With name and namespace given, values set here take precedence over the node's section.
     root = {'namespace': '/', 'remappings': remappings, 'output': 'screen', 'on_exit': Shutdown()}
     return LaunchDescription([
@@ -38,11 +38,11 @@ def generate_launch_description():
         *[DeclareLaunchArgument(topic, default_value=topic, description=text)
           for topic, text in TOPICS.items()],
         DeclareLaunchArgument(
-            'stamped_cmd_vel', default_value='true', choices=['true', 'false'],
+            'enable_stamped_cmd_vel', default_value='true', choices=['true', 'false'],
             description='command with TwistStamped, else with Twist'),
         DeclareLaunchArgument(
-            'autostart', default_value='false', choices=['true', 'false'],
-            description='push as soon as there is a plan, without the service controller/start'),
+            'wait_for_start', default_value='true', choices=['true', 'false'],
+            description='push only after a call of the service controller/start'),
         DeclareLaunchArgument(
             'rviz', default_value='false', choices=['true', 'false'],
             description='start RViz'),

@@ -17,7 +17,7 @@ def generate_launch_description():
     """Describe the nodes to start, and the launch arguments."""
     config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
     params_file, task = LaunchConfiguration('params_file'), LaunchConfiguration('task')
-    autostart = ParameterValue(LaunchConfiguration('autostart'), value_type=bool)
+    wait_for_start = ParameterValue(LaunchConfiguration('wait_for_start'), value_type=bool)
     # With name and namespace given, values set here take precedence over the node's section.
     root = {'namespace': '/', 'output': 'screen', 'on_exit': Shutdown()}
     return LaunchDescription([
@@ -29,8 +29,8 @@ def generate_launch_description():
             description='drive around the object and push as often as necessary; else push once '
                         'from where the robot stands'),
         DeclareLaunchArgument(
-            'autostart', default_value='true', choices=['true', 'false'],
-            description='push as soon as there is a plan, without the service controller/start'),
+            'wait_for_start', default_value='false', choices=['true', 'false'],
+            description='push only after a call of the service controller/start'),
         DeclareLaunchArgument(
             'rviz', default_value='true', choices=['true', 'false'],
             description='start RViz'),
@@ -42,7 +42,7 @@ def generate_launch_description():
         Node(package='push_control', executable='planner', name='push_planner',
              condition=UnlessCondition(task), parameters=[params_file], **root),
         Node(package='push_control', executable='controller', name='push_controller',
-             parameters=[params_file, {'autostart': autostart,
+             parameters=[params_file, {'wait_for_start': wait_for_start,
                                        'task': ParameterValue(task, value_type=bool)}], **root),
         Node(package='rviz2', executable='rviz2',
              condition=IfCondition(LaunchConfiguration('rviz')),

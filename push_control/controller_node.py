@@ -46,7 +46,7 @@ class ControllerNode(PushNode):
     ``planner/replan``.
 
     With ``task`` true it brings the object to ``goal_pose``, at once or from the time of the
-    goal's stamp on, and requests plans by itself. With ``wait_for_plans`` measurements are not
+    goal's stamp on, and requests plans by itself. With ``lockstep`` measurements are not
     answered until the requested plan is there.
 
     The command is zero before the start, without a plan or goal, for a measurement that is refused
@@ -84,7 +84,7 @@ class ControllerNode(PushNode):
         self._watchdog = OdometryWatchdog(self._options.watchdog_timeout)
         # Stamps of measurements that wait for a plan.
         self._unanswered: list[Time] = []
-        self._commands = self.publisher('cmd_vel', self._options.stamped_cmd_vel)
+        self._commands = self.publisher('cmd_vel', self._options.enable_stamped_cmd_vel)
         self._subscribe()
         self.create_timer(WATCHDOG_PERIOD, self._check_odometry)
         self.reporter.report(OK, f'waits for {self._mode.awaited}', self._now())
@@ -132,7 +132,7 @@ class ControllerNode(PushNode):
         dt = self._latest.add(measured)
         observation = self._latest.observation
         command = STOP if observation is None else self._mode.step(observation, dt)
-        if self._options.wait_for_plans and self._mode.awaits_plan:
+        if self._options.lockstep and self._mode.awaits_plan:
             self._unanswered.append(stamp)
         else:
             self._answer_waiting()
@@ -213,7 +213,7 @@ class ControllerNode(PushNode):
 
     def _send(self, twist: Twist, stamp: Time) -> None:
         self._commands.publish(to_command_message(twist, stamp, self._frames.base_frame,
-                                                  self._options.stamped_cmd_vel))
+                                                  self._options.enable_stamped_cmd_vel))
 
     def _now(self) -> Time:
         return self.get_clock().now().to_msg()

@@ -28,14 +28,16 @@ class Frames:
 class ControllerOptions:
     """How the controller's node behaves."""
 
-    autostart: bool = quantity('follow a plan as soon as it comes, without controller/start',
-                               default=False)
-    stamped_cmd_vel: bool = quantity('publish TwistStamped on cmd_vel, else Twist', default=True)
+    wait_for_start: bool = quantity('stand until controller/start is called; else go on as soon as '
+                                    'there is a plan, or in a task a goal', default=False)
+    enable_stamped_cmd_vel: bool = quantity('publish TwistStamped on cmd_vel, else Twist',
+                                            default=True)
     task: bool = quantity('bring the object to the goal with as many pushes as that takes, the '
                           'robot anywhere at first; else follow one plan from its start',
                           default=False)
-    wait_for_plans: bool = quantity('in a task: answer no measurement while a plan is pending, so '
-                                    'that time in lockstep waits for the planner', default=False)
+    lockstep: bool = quantity('for a simulator in lockstep: answer every measurement with one '
+                              'command that has its stamp, in a task not before a pending plan is '
+                              'there; a goal holds from the time of its stamp on', default=False)
     knowledge_file: str = quantity('in a task: YAML file in which what was learned of the object '
                                    'is kept from one run of the node to the next, empty for none',
                                    default='')
@@ -58,7 +60,8 @@ class SimOptions:
     time_scale: float = quantity('simulated time per wall time, without lockstep; other than 1 '
                                  'only with publish_clock', '', 0.01, 100.0, default=1.0)
     autostart: bool = quantity('start at once, without sim/start', default=False)
-    stamped_cmd_vel: bool = quantity('expect TwistStamped on cmd_vel, else Twist', default=True)
+    enable_stamped_cmd_vel: bool = quantity('expect TwistStamped on cmd_vel, else Twist',
+                                            default=True)
     time_limit: float = quantity('simulated time after which the simulation holds, 0 for none',
                                  's', 0.0, 1e6, default=0.0)
     answer_timeout: float = quantity('lockstep: wall time without an answer after which the '

@@ -42,7 +42,7 @@ class Topic(NamedTuple):
         """
         Return the type of the messages.
 
-        :param stamped: value of ``stamped_cmd_vel``; only commands have two types.
+        :param stamped: value of ``enable_stamped_cmd_vel``; only commands have two types.
         """
         return Twist if self.type is TwistStamped and not stamped else self.type
 
@@ -93,7 +93,7 @@ TOPICS = {
                           'for viewers; latched'),
     'cmd_vel': Topic(TwistStamped, (CONTROLLER,), (SIM,), qos.COMMAND, qos.LATEST_COMMAND,
                      'velocity command in the axes of the robot, stamped with the measurement '
-                     'that it answers; Twist where stamped_cmd_vel is false'),
+                     'that it answers; Twist where enable_stamped_cmd_vel is false'),
     'contact_wrench': Topic(WrenchStamped, (SIM,), (), qos.MEASUREMENT, qos.SENSOR,
                             'true force of the robot on the object, axes of the object frame'),
     'clock': Topic(Clock, (SIM,), (), qos.CLOCK, qos.CLOCK,

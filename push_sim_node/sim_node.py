@@ -72,11 +72,11 @@ class SimNode(PushNode):
                                       Pose(*self._options.robot_start), settings, sensors)
         self._outputs = SimOutputs(self, obj, robot, self._frames, self._options)
         self._exchange = MeasurementExchange(self._options.answer_timeout,
-                                             self._options.stamped_cmd_vel)
+                                             self._options.enable_stamped_cmd_vel)
         self._latencies: list[float] = []
         self._hold()
         self.subscribe('cmd_vel', self._on_command, real_time=True,
-                       stamped=self._options.stamped_cmd_vel)
+                       stamped=self._options.enable_stamped_cmd_vel)
         self.subscribe('initialpose', self._on_initial_pose)
         self.serve_trigger('sim/start', self._start)
         self.serve_trigger('sim/reset', self._reset)
@@ -170,7 +170,7 @@ class SimNode(PushNode):
         self._control.on_command(now)
         if self._control.state is not RunState.RUNNING or self._in_flight is None:
             return
-        stamped = self._options.stamped_cmd_vel
+        stamped = self._options.enable_stamped_cmd_vel
         stamp = nanoseconds(message.header.stamp) if stamped else None
         is_answer = self._exchange.is_answer(stamp)
         if is_answer and self._in_flight.is_object_pose:

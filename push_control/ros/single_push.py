@@ -51,7 +51,7 @@ class SinglePushMode(Mode):
         self._marker_rate = RateLimiter(MARKER_RATE)
         self._request_replan = node.trigger_client('planner/replan')
         self._controller = Controller(parameters.object, parameters.robot, parameters.control)
-        self._is_started = options.autostart
+        self._is_started = not options.wait_for_start
         self._forget_plan()
 
     @property

@@ -119,7 +119,7 @@ class TaskMode(Mode):
         """
         self._parameters = parameters
         self._frame = frame
-        self._is_started = options.autostart
+        self._is_started = not options.wait_for_start
         file = KnowledgeFile(Path(options.knowledge_file)) if options.knowledge_file else None
         self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
         self._covariance_check = CovarianceCheck(parameters.supervision)

@@ -39,11 +39,11 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
     :return: path of each node's file, by name of the node.
     """
-    options = ControllerOptions(stamped_cmd_vel=stamped)
-    if scenario.task is not None:
-        options = dataclasses.replace(options, task=True, wait_for_plans=not real_time)
+    options = ControllerOptions(
+        wait_for_start=True, enable_stamped_cmd_vel=stamped, lockstep=not real_time,
+        task=scenario.task is not None)
     sim_options = SimOptions(
-        lockstep=not real_time, publish_clock=real_time, stamped_cmd_vel=stamped,
+        lockstep=not real_time, publish_clock=real_time, enable_stamped_cmd_vel=stamped,
         answer_timeout=ANSWER_TIMEOUT if scenario.task is None else PLANNING_TIMEOUT,
         time_limit=scenario.time_limit + SETTLE_TIME + RESERVE, tape_path=str(tape_path),
         object_start=_numbers(scenario.start.object.pose),

@@ -73,7 +73,7 @@ def controller(lasting, trajectory):
 @contextlib.contextmanager
 def running_controller(folder):
     """Start a controller on simulated time that may push at once."""
-    parameters = {**PHYSICS, 'autostart': True, 'use_sim_time': True}
+    parameters = {**PHYSICS, 'use_sim_time': True}
     with bench(folder, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.subscribe('cmd_vel')
         b.subscribe('diagnostics')
@@ -236,7 +236,7 @@ def test_time_that_goes_back_ends_the_push(controller):
 
 def test_commands_without_stamp_and_a_start_by_hand(tmp_path, trajectory):
     """Twist for robots that want it; nothing moves before controller/start."""
-    parameters = {**PHYSICS, 'stamped_cmd_vel': False, 'autostart': False}
+    parameters = {**PHYSICS, 'enable_stamped_cmd_vel': False, 'wait_for_start': True}
     with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.subscribe('cmd_vel', TwistMessage)
         refused = b.call('controller/start')
@@ -391,7 +391,7 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
     """Planner and controller over DDS, the plant here: the push goes on to the new goal."""
     scenario = dataclasses.replace(SCENARIO, sensors=LATE)
     plant, wanted = make_simulation(scenario), Pose(2.4, 0.5, -0.5)
-    parameters = {**PHYSICS, 'autostart': True, 'watchdog_timeout': 5.0}
+    parameters = {**PHYSICS, 'watchdog_timeout': 5.0}
     with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.start(PLANNER, MODULES[PLANNER], PHYSICS)
         for topic in ('cmd_vel', 'push_plan', 'planned_path', 'diagnostics'):

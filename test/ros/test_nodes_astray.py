@@ -22,7 +22,7 @@ SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
 PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'),
-              'autostart': True, 'use_sim_time': True, 'control.max_reapproaches': 0}
+              'use_sim_time': True, 'control.max_reapproaches': 0}
 SPEED, PERIOD = 0.2, 0.1
 
 

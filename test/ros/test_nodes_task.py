@@ -125,7 +125,7 @@ class Stand:
 def stand(tmp_path_factory):
     """Start a controller for several tests, which follow upon each other."""
     with bench(tmp_path_factory.mktemp('task'), CONTROLLER, 'push_control.controller_node',
-               TASK) as b:
+               {**TASK, 'wait_for_start': True}) as b:
         yield Stand(b)
 
 
@@ -237,9 +237,9 @@ def test_its_state_is_in_the_markers(stand):
 
 
 def test_measurements_wait_for_the_plan(tmp_path, planned):
-    """With wait_for_plans none is answered before, and each once afterwards: the robot stands."""
+    """In lockstep none is answered before, and each once afterwards: the robot stands."""
     with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
-               {**TASK, 'wait_for_plans': True, 'autostart': True,
+               {**TASK, 'lockstep': True,
                 'supervision.min_averaging_time': 0.5}) as b:
         stand = Stand(b)
         b.publish('goal_pose', goal(GOAL))
@@ -268,7 +268,7 @@ def test_what_was_learned_before_is_in_the_request(tmp_path):
     known = ObjectKnowledge((0.02, -0.01), 0.001, 0.25, 0.01)
     KnowledgeFile(path).write(object_key(SCENARIO.object), time.time(), known)
     with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
-               {**TASK, 'autostart': True, 'knowledge_file': str(path)}) as b:
+               {**TASK, 'knowledge_file': str(path)}) as b:
         stand = Stand(b)
         b.publish('goal_pose', goal(GOAL))
         obj = from_request_message(stand.wait_for_request(1), 'odom', SCENARIO.object).obj

@@ -33,7 +33,7 @@ SECTIONS = {PLANNER: planner_node.SECTIONS, CONTROLLER: controller_node.SECTIONS
             SIM: sim_node.SECTIONS}
 INSTANCES = [
     BOX, DISC, RoundRobot(0.17, 'holonomic'), ControlSettings(control_law='open_loop'),
-    PlannerSettings(segments=30), Frames(world_frame='map'), ControllerOptions(autostart=True),
+    PlannerSettings(segments=30), Frames(world_frame='map'), ControllerOptions(task=True),
     SensorSettings(pose_dropouts=((1.0, 2.0), (3.0, 4.5))),
     SimulationSettings(seed=7, friction_changes=(FrictionChange(1.0, 2.0, 0.5),
                                                  FrictionChange(3.0, 4.0, 2.0, 1))),
