@@ -23,10 +23,13 @@ class PlannerSettings:
         'object) or sequence (the sites of the fastest sequence of pushes, planned when the '
         'controller requests it and not at a new goal)',
         choices=get_args(SiteSelection), default='current')
-    pushing_speed: float = quantity('speed of the contact point along the push', 'm/s', above=0.0,
-                                    high=5.0, default=0.15)
-    deceleration: float = quantity('deceleration of the contact before the goal; 0: none', 'm/s^2',
-                                   0.0, 10.0, default=0.1)
+    pushing_speed: float = quantity('speed of the contact point along the push; of an unsteered '
+                                    'push at its touch', 'm/s', above=0.0, high=5.0, default=0.15)
+    unsteered_speed: float = quantity('greatest speed of the robot in an unsteered push, between '
+                                      'touch and end; at least the pushing speed counts', 'm/s',
+                                      above=0.0, high=5.0, default=0.3)
+    deceleration: float = quantity('deceleration of the contact before the goal, of a steered push; '
+                                   '0: none', 'm/s^2', 0.0, 10.0, default=0.1)
     end_speed: float = quantity('speed of the contact at the goal, and at the start of a soft '
                                 'start', 'm/s', above=0.0, high=5.0, default=0.03)
     acceleration: float = quantity('acceleration of the contact after the first touch; 0: touches '

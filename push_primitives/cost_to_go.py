@@ -74,7 +74,7 @@ class CostSettings:
                                          0.0, 0.1, default=0.0015)
     heading_deviation: float = quantity('the same of the heading', 'rad', 0.0, 0.1,
                                         default=math.radians(0.2))
-    pushing_speed: float = quantity('speed of pushes', 'm/s', above=0.0, high=5.0, default=0.17)
+    pushing_speed: float = quantity('speed of pushes', 'm/s', above=0.0, high=5.0, default=0.25)
     robot_speed: float = quantity('speed of the robot on its own', 'm/s', above=0.0, high=5.0,
                                   default=0.3)
     drive: Drive = quantity('kinematics of the robot', choices=DRIVES, default='differential')

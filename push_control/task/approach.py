@@ -7,7 +7,7 @@ from push_control.push.start import robot_start_pose
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.path_execution import displacement, PathExecution
 from push_control.task.perception import has_moved, TaskPerception
-from push_control.task.primitive_push import ending_speed, push_line, pushing_speed
+from push_control.task.primitive_push import ending_speed, push_line, touch_speed
 from push_control.task.settings import SupervisionSettings
 from push_model.geometry import distance, Pose
 from push_model.parameters import RoundRobot
@@ -186,7 +186,7 @@ class MovingApproach(Approach):
         """
         super().__init__(context, target)
         self._line = push_line(target)
-        self._end_speed = ending_speed(pushing_speed(target), self._line.length)
+        self._end_speed = ending_speed(touch_speed(target), self._line.length)
 
     def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> PathExecution:
         context, drive = self._context, self._drive(perception, object_pose)

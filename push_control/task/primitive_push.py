@@ -117,6 +117,16 @@ def pushing_speed(target: PushTrajectory) -> float:
     return float(np.hypot(*target.robot_twists[:, :2].T).max())
 
 
+def touch_speed(target: PushTrajectory) -> float:
+    """
+    Read the speed of the robot at first touch off a plan.
+
+    :param target: ``PushTrajectory``.
+    :return: speed [m/s].
+    """
+    return math.hypot(*target.robot_twists[0, :2].tolist())
+
+
 def ending_speed(speed: float, left: float) -> float:
     """
     Choose the speed of a push: the less is left, the slower.
@@ -160,6 +170,7 @@ class PrimitivePush(Behavior):
         self._ensemble = ensemble
         self._line = push_line(target)
         self._speed = pushing_speed(target)
+        self._touch_speed = ending_speed(touch_speed(target), self._line.length)
         self._law = RolloutLaw(
             ensemble.members, primitives.cost_to_go,
             face_at(primitives.table, self._line.start), goal, max(self._speed, 0.05))
@@ -219,7 +230,7 @@ class PrimitivePush(Behavior):
             return self._push()
         if local[0] > MISS_DISTANCE + MISS_SIGMAS * deviation:
             return self._miss('the robot does not find the object')
-        speed = ending_speed(self._speed, self._line.length)
+        speed = self._touch_speed
         rest = max(0.0, gap - 2.0 * deviation - TOUCH_MARGIN)
         speed = math.sqrt(speed ** 2 + 2.0 * APPROACH_DECELERATION * self._robot.max_acceleration
                           * rest)
@@ -254,12 +265,14 @@ class PrimitivePush(Behavior):
             horizon = max(0.05, progress.left + 0.05)
             progress.left = self._law.stop(progress.curvature, horizon,
                                            direction).stopping_distance
-        if not progress.has_moved and progress.pushed > (
+        if not progress.has_moved and progress.pushed - progress.unseen_distance > (
                 MISS_DISTANCE + MISS_SIGMAS * self._ensemble.position_deviation):
             return self._miss('the object does not move')
         if progress.left <= braking_distance(robot, progress.speed) + 0.01 * progress.speed:
             return self._stop()
-        speed = ending_speed(self._speed, progress.left)
+        # No faster before the object is seen to move: the touch may be a wall.
+        speed = ending_speed(self._speed if progress.has_moved else self._touch_speed,
+                             progress.left)
         omega = progress.curvature * speed
         if robot.drive == 'differential':
             return Twist(speed, 0.0, omega)
@@ -300,6 +313,8 @@ class _Progress:
         self.steering_time = STEERING_PERIOD
         self.speed = 0.0
         self.pushed = 0.0
+        # What the robot has driven since the last pose of the object was measured.
+        self.unseen_distance = 0.0
         self.left = line.length
         self.has_moved = False
         self.direction: float | None = None
@@ -316,6 +331,7 @@ class _Progress:
         self.steering_time += dt
         odometry = perception.observation.odometry
         self.speed = math.hypot(odometry.twist.v_x, odometry.twist.v_y)
+        self.unseen_distance = self.speed * max(0.0, perception.time - perception.object_pose.time)
         measured = perception.object_pose.pose
         if self._start is None:
             self._start = perception.object_at_rest.pose

@@ -59,7 +59,8 @@ class Retreat(Behavior):
                                             self._context.supervision.stall_timeout,
                                             end_speed=self._end_speed)
         command = self._execution.step(perception.robot_pose, dt)
-        self.finished = self._execution.finished
+        # Off the object is good enough, even where the robot comes beside the end of its path.
+        self.finished = self._execution.finished or self._execution.has_missed_end
         self.failure_reason = self._execution.failure_reason
         return command
 

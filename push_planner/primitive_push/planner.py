@@ -19,7 +19,7 @@ from push_navigation.approach_path import plan_approach
 from push_navigation.path import NoPathFound, Path
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
-from push_planner.primitive_push.trajectory import push_speed, push_trajectory
+from push_planner.primitive_push.trajectory import greatest_speed, push_trajectory, touch_speed
 from push_planner.problem import check_robot_is_round, PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_primitives.cost_to_go import CostSettings
@@ -89,7 +89,7 @@ def plan_primitive_push(request: PlanRequest, robot: RoundRobot,
     to_object = request.object_pose.inverse()
     selected = select_push(primitives, SelectionQuery(
         to_object @ request.goal, to_object @ request.robot_pose, _belief(request),
-        request.robot_deviation, settings.pushing_speed), paths.travel_time)
+        request.robot_deviation, greatest_speed(robot, settings)), paths.travel_time)
     if selected is None:
         raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE,
                              f'no contact place can be reached: {paths.reason}')
@@ -164,7 +164,7 @@ class _ApproachPaths:
         self._request = request
         self._robot = robot
         self._drive = drive
-        self._speed = push_speed(1.0, settings)
+        self._speed = touch_speed(1.0, settings)
         self._paths: dict[Pose, Path] = {}
         self.reason = ''
 

@@ -18,14 +18,17 @@ TAP_TIME = 0.6
 LEAST_SPEED = 0.035
 # Pushes shorter than this are taps [m].
 TAP_LENGTH = 0.09
+# Acceleration after the touch, and deceleration before the end, over the limit of the robot;
+# chosen: leaves the rest to lag and load.
+RAMP_FRACTION = 0.5
 # Fewest samples of a push, and the finest spacing that short ones get [m].
 LEAST_SAMPLES = 9
 FINEST_SPACING = 1e-3
 
 
-def push_speed(length: float, settings: PlannerSettings) -> float:
+def touch_speed(length: float, settings: PlannerSettings) -> float:
     """
-    Choose the speed of a push: that of the settings, or slower for taps [m/s].
+    Choose the speed at first touch: that of steered pushes, or slower for taps [m/s].
 
     :param length: driven length [m].
     :param settings: ``PlannerSettings``.
@@ -33,6 +36,16 @@ def push_speed(length: float, settings: PlannerSettings) -> float:
     if length >= TAP_LENGTH:
         return settings.pushing_speed
     return min(settings.pushing_speed, max(LEAST_SPEED, length / TAP_TIME))
+
+
+def greatest_speed(robot: RoundRobot, settings: PlannerSettings) -> float:
+    """
+    Choose the speed that a long push is driven at once it has begun [m/s].
+
+    :param robot: the ``RoundRobot``.
+    :param settings: ``PlannerSettings``.
+    """
+    return max(settings.pushing_speed, min(settings.unsteered_speed, robot.max_speed))
 
 
 def push_trajectory(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_heading: float,
@@ -58,7 +71,7 @@ def push_trajectory(obj: PushedObject, robot: RoundRobot, object_pose: Pose, rob
     start = object_pose @ Pose(*table.starts[number].tolist())
     curvature = float(table.curvatures[number])
     robot_poses = _along_arc(start, curvature, driven)
-    speeds = _speeds(driven, push_speed(length, settings), settings)
+    speeds = _speeds(driven, robot, settings)
     times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(driven) / (speeds[1:] + speeds[:-1]))])
     directions = robot_poses[:, 2].copy()
     yaw_rates = curvature * speeds
@@ -96,16 +109,19 @@ def _along_arc(start: Pose, curvature: float, driven: FloatArray) -> FloatArray:
                      start.theta + 2.0 * half], axis=1)
 
 
-def _speeds(driven: FloatArray, speed: float, settings: PlannerSettings) -> FloatArray:
+def _speeds(driven: FloatArray, robot: RoundRobot, settings: PlannerSettings) -> FloatArray:
     """Speeds along a push: ``v^2`` rises and falls linearly with the length."""
-    least = min(speed, settings.end_speed)
-    speeds = np.full_like(driven, speed)
-    if settings.acceleration > 0.0:
-        speeds = np.minimum(speeds, np.sqrt(least ** 2 + 2.0 * settings.acceleration * driven))
-    if settings.deceleration > 0.0:
-        left = driven[-1] - driven
-        speeds = np.minimum(speeds, np.sqrt(least ** 2 + 2.0 * settings.deceleration * left))
-    return speeds
+    length = float(driven[-1])
+    touch = touch_speed(length, settings)
+    if length < TAP_LENGTH:
+        return np.full_like(driven, touch)
+    least = min(touch, settings.end_speed)
+    first = least if settings.acceleration > 0.0 else touch
+    change = RAMP_FRACTION * robot.max_acceleration
+    rise = settings.acceleration or change
+    return np.minimum(greatest_speed(robot, settings), np.minimum(
+        np.sqrt(first ** 2 + 2.0 * rise * driven),
+        np.sqrt(least ** 2 + 2.0 * change * (length - driven))))
 
 
 def _contact_pose(obj: PushedObject, robot: RoundRobot, object_pose: Pose,

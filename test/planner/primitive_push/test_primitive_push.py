@@ -1,5 +1,6 @@
 """Plans of unsteered pushes: they keep to their request, their robot and their kinematics."""
 
+import dataclasses
 import math
 
 from helpers.objects import bin_
@@ -10,7 +11,7 @@ from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
 from push_navigation.settings import DriveSettings
 from push_planner.primitive_push.planner import plan_primitive_push
-from push_planner.primitive_push.trajectory import LEAST_SPEED, push_speed
+from push_planner.primitive_push.trajectory import greatest_speed, LEAST_SPEED, touch_speed
 from push_planner.problem import PlanningFailed
 from push_planner.sequence.planner import plan_for_request
 from push_planner.settings import PlannerSettings, TaskSettings
@@ -76,7 +77,8 @@ def test_velocities_are_those_of_the_poses(robot):
     speeds = np.hypot(*trajectory.robot_twists[:, :2].T)
     length = float((0.5 * (speeds[1:] + speeds[:-1]) * np.diff(trajectory.times)).sum())
     assert length == pytest.approx(trajectory.path_length, rel=1e-3)
-    assert speeds.max() <= PlannerSettings().pushing_speed + 1e-9
+    assert speeds[0] == pytest.approx(PlannerSettings().pushing_speed)
+    assert speeds.max() <= greatest_speed(robot, PlannerSettings()) + 1e-9
     arms = trajectory.contact_poses[:, :2] - trajectory.object_poses[:, :2]
     np.testing.assert_allclose(np.hypot(*arms.T), 0.2, atol=0.01)
     rigid = trajectory.object_twists[:, :2] + trajectory.object_twists[:, 2:] * np.stack(
@@ -88,11 +90,24 @@ def test_taps_are_slow():
     """The speed grows with the length up to that of pushes."""
     settings = PlannerSettings(pushing_speed=0.2)
     lengths = np.linspace(0.003, 1.0, 200)
-    speeds = np.array([push_speed(length, settings) for length in lengths])
+    speeds = np.array([touch_speed(length, settings) for length in lengths])
     assert speeds[0] == LEAST_SPEED and speeds[-1] == 0.2
     assert (np.diff(speeds) >= 0.0).all()
     plan = plan_primitive_push(request(GOALS[1]), ROBOT, settings)
     assert np.hypot(*plan.trajectory.robot_twists[:, :2].T).max() < 0.2
+
+
+def test_long_pushes_are_faster_between_touch_and_end():
+    """As fast as asked for and as the robot is; never slower than the touch."""
+    settings = PlannerSettings(pushing_speed=0.12, unsteered_speed=0.25)
+    speeds = np.hypot(*plan_primitive_push(request(), ROBOT, settings)
+                      .trajectory.robot_twists[:, :2].T)
+    assert speeds[0] == pytest.approx(0.12) and speeds[-1] < 0.12
+    assert speeds.max() == pytest.approx(0.25, rel=1e-6)
+    for asked, limit, expected in ((0.25, 0.2, 0.2), (0.05, 0.5, 0.12), (0.25, 0.5, 0.25)):
+        robot = dataclasses.replace(ROBOT, max_speed=limit)
+        assert greatest_speed(robot, dataclasses.replace(
+            settings, unsteered_speed=asked)) == expected
 
 
 def test_the_frame_of_the_world_does_not_matter(robot):
