@@ -19,7 +19,7 @@ from push_ros.node_settings import Frames, SimOptions
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import SimOutputs
-from push_sim_node.ros.run_control import RunAction, RunControl, RunState
+from push_sim_node.ros.run_control import QUIET_TIME, RunAction, RunControl, RunState
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
@@ -71,8 +71,6 @@ class SimNode(PushNode):
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
                                       Pose(*self._options.robot_start), settings, sensors)
         self._outputs = SimOutputs(self, obj, robot, self._frames, self._options)
-        self._exchange = MeasurementExchange(self._options.answer_timeout,
-                                             self._options.enable_stamped_cmd_vel)
         self._latencies: list[float] = []
         self._hold()
         self.subscribe('cmd_vel', self._on_command, real_time=True,
@@ -105,7 +103,10 @@ class SimNode(PushNode):
         self._simulation.reset(object_pose)
         self._computed: Odometry | ObjectPose | None = None
         self._in_flight: _InFlight | None = None
-        self._control = RunControl(time.monotonic(), self._options.autostart)
+        self._exchange = MeasurementExchange(self._options.answer_timeout,
+                                             self._options.enable_stamped_cmd_vel)
+        self._control = RunControl(time.monotonic(), self._options.autostart,
+                                   QUIET_TIME if self._options.lockstep else 0.0)
         self._report(OK, 'holds time')
 
     def _start(self) -> ServiceAnswer:
@@ -167,11 +168,13 @@ class SimNode(PushNode):
 
     def _on_command(self, message: Any) -> None:
         now = time.monotonic()
-        self._control.on_command(now)
-        if self._control.state is not RunState.RUNNING or self._in_flight is None:
-            return
         stamped = self._options.enable_stamped_cmd_vel
         stamp = nanoseconds(message.header.stamp) if stamped else None
+        if stamp in (None, 0):
+            # What is offered has the stamp 0.
+            self._control.on_answer(now)
+        if self._control.state is not RunState.RUNNING or self._in_flight is None:
+            return
         is_answer = self._exchange.is_answer(stamp)
         if is_answer and self._in_flight.is_object_pose:
             self._latencies.append(now - self._in_flight.sent)

@@ -10,9 +10,12 @@ import enum
 # Period with which the first measurements are published while time is held [s], chosen: a
 # controller that comes up late receives them soon.
 OFFER_PERIOD = 0.1
-# Time without a command after which a run starts [s], chosen as a few offers: answers to what was
-# offered must not be taken for answers to what comes.
+# Time without an answer after which a run in lockstep starts [s], chosen as a few offers: answers
+# to what was offered must not be taken for answers to what comes.
 QUIET_TIME = 0.4
+# Time after which it starts in any case [s], chosen as several times the one above: a controller
+# may repeat a stop without end.
+LONGEST_START = 2.0
 
 
 class RunState(enum.Enum):
@@ -39,33 +42,36 @@ class RunControl:
 
     :param now: wall time [s].
     :param autostart: whether the run starts by itself.
+    :param quiet_time: how long no answer may have come before it starts [s].
     """
 
-    def __init__(self, now: float, autostart: bool) -> None:
+    def __init__(self, now: float, autostart: bool, quiet_time: float = 0.0) -> None:
         self.state = RunState.STARTING if autostart else RunState.HOLDING
         self.started_at = now
+        self._quiet_time = quiet_time
         self._ended_at: float | None = None
         self._offered_at = 0.0
-        self._last_command_at = now
+        self._requested_at = now
+        self._last_answer_at = now
 
     def request_start(self, now: float) -> bool:
         """
-        Start as soon as no commands come; return whether the run has not ended yet.
+        Start as soon as no answers come; return whether the run has not ended yet.
 
         :param now: wall time [s].
         """
         if self.state is RunState.HOLDING:
             self.state = RunState.STARTING
-            self._last_command_at = now
+            self._requested_at = self._last_answer_at = now
         return self.state is not RunState.ENDED
 
-    def on_command(self, now: float) -> None:
+    def on_answer(self, now: float) -> None:
         """
-        Note that a command has come.
+        Note that a command has come that may answer what was offered.
 
         :param now: wall time [s].
         """
-        self._last_command_at = now
+        self._last_answer_at = now
 
     def tick(self, now: float) -> RunAction:
         """
@@ -76,7 +82,7 @@ class RunControl:
         if self.state is RunState.HOLDING and now - self._offered_at > OFFER_PERIOD:
             self._offered_at = now
             return RunAction.OFFER_FIRST_MEASUREMENTS
-        if self.state is RunState.STARTING and now - self._last_command_at > QUIET_TIME:
+        if self.state is RunState.STARTING and self._may_start(now):
             self.state = RunState.RUNNING
             self.started_at = now
             return RunAction.START
@@ -98,3 +104,7 @@ class RunControl:
         :param now: wall time [s].
         """
         return (now if self._ended_at is None else self._ended_at) - self.started_at
+
+    def _may_start(self, now: float) -> bool:
+        return (now - self._last_answer_at >= self._quiet_time
+                or now - self._requested_at >= LONGEST_START)

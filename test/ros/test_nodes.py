@@ -7,9 +7,7 @@ import signal
 import subprocess
 import sys
 
-from geometry_msgs.msg import (
-    PoseStamped, PoseWithCovarianceStamped, Twist as TwistMessage, TwistStamped,
-)
+from geometry_msgs.msg import PoseStamped, Twist as TwistMessage
 from helpers.node_bench import bench
 from push_model.geometry import distance, Pose
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
@@ -437,59 +435,6 @@ def drive(b, plant, end, done=lambda: False, pause=0.0):
             command = b.object_pose(measured.time, measured.pose)
         plant.command(Twist(*command))
     return speeds
-
-
-def test_the_simulator_on_the_wall_clock(tmp_path):
-    """It moves as commanded, stops without commands, and starts over at an initial pose."""
-    parameters = {**PHYSICS, **AWAY, 'autostart': True}
-    with bench(tmp_path, SIM, MODULES[SIM], parameters) as b:
-        for topic in ('odom', 'object_pose'):
-            b.subscribe(topic)
-        b.wait_until(lambda: len(b.received['odom']) > 5)
-        command = TwistStamped()
-        command.twist.linear.x = 0.1
-        for _ in range(15):
-            count = len(b.received['odom'])
-            b.publish('cmd_vel', command)
-            b.wait_until(lambda: len(b.received['odom']) > count + 2)
-        moving = b.received['odom'][-1]
-        assert moving.twist.twist.linear.x == pytest.approx(0.1, abs=0.02)
-        now = b.node.get_clock().now().nanoseconds
-        assert abs(now - nanoseconds(moving.header.stamp)) < 2_000_000_000
-        b.wait_until(lambda: b.received['odom'][-1].twist.twist.linear.x < 1e-3)
-        halt = seconds(b.received['odom'][-1].header.stamp) - seconds(moving.header.stamp)
-        assert 0.4 < halt < 2.0
-        stamps = [seconds(m.header.stamp) for m in b.received['odom'][-20:]]
-        assert stamps[-1] - stamps[0] == pytest.approx(19 * PERIOD, abs=1e-6)
-        place = PoseWithCovarianceStamped(header=goal(GOAL).header)
-        place.pose.pose = to_pose_message((1.0, 2.0, 0.5))
-        b.publish('initialpose', place)
-        b.wait_until(lambda: from_object_pose_message(
-            b.received['object_pose'][-1], 'odom').pose == pytest.approx(
-                Pose(1.0, 2.0, 0.5), abs=1e-6))
-
-
-def test_the_simulator_holds_time_until_it_is_started(tmp_path):
-    """In lockstep it offers its first measurements again and again, and then waits."""
-    with bench(tmp_path, SIM, MODULES[SIM], {**PHYSICS, **AWAY, 'lockstep': True}) as b:
-        for topic in ('odom', 'object_pose', 'clock'):
-            b.subscribe(topic)
-        b.wait_until(lambda: len(b.received['odom']) > 2 and len(b.received['object_pose']) > 2)
-        assert {nanoseconds(m.header.stamp) for m in b.received['odom']} == {0}
-        assert b.call('sim/start').success and b.call('sim/start').success
-        times = set()
-        for _ in range(20):
-            count = len(b.received['odom']) + len(b.received['object_pose'])
-            b.wait_until(lambda: len(b.received['odom']) + len(b.received['object_pose']) > count)
-            newest = max((m[-1] for m in (b.received['odom'], b.received['object_pose'])),
-                         key=lambda m: nanoseconds(m.header.stamp))
-            times.add(nanoseconds(newest.header.stamp))
-            b.publish('cmd_vel', TwistStamped(header=newest.header))
-        assert max(times) > 0
-        assert b.call('sim/reset').success
-        count = len(b.received['odom'])
-        b.wait_until(lambda: len(b.received['odom']) > count + 1)
-        assert nanoseconds(b.received['odom'][-1].header.stamp) == 0
 
 
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])

@@ -1,7 +1,7 @@
 """States of a run: when the simulator offers, starts, goes on and ends; no clock is needed."""
 
 from push_sim_node.ros.run_control import (
-    OFFER_PERIOD, QUIET_TIME, RunAction, RunControl, RunState,
+    LONGEST_START, OFFER_PERIOD, QUIET_TIME, RunAction, RunControl, RunState,
 )
 import pytest
 
@@ -16,21 +16,35 @@ def test_until_it_is_started_it_offers_the_first_measurements_again_and_again():
 
 
 @pytest.mark.parametrize('autostart', [False, True])
-def test_it_starts_once_no_command_has_come_for_a_while(autostart):
-    """Those that answer what was offered must not count."""
-    control = RunControl(0.0, autostart)
+def test_in_lockstep_it_starts_once_no_answer_has_come_for_a_while(autostart):
+    """Those to what was offered must not count."""
+    control = RunControl(0.0, autostart, QUIET_TIME)
     if not autostart:
         assert control.request_start(0.0)
     assert control.state is RunState.STARTING
-    control.on_command(0.3)
+    control.on_answer(0.3)
     assert control.tick(0.3 + 0.9 * QUIET_TIME) is RunAction.WAIT
     assert control.tick(0.3 + 1.1 * QUIET_TIME) is RunAction.START
     assert control.state is RunState.RUNNING
     assert control.started_at == 0.3 + 1.1 * QUIET_TIME
     assert control.tick(1.0) is RunAction.CONTINUE
-    # While it runs, commands come all the time.
-    control.on_command(1.0)
+    # While it runs, answers come all the time.
+    control.on_answer(1.0)
     assert control.tick(1.0) is RunAction.CONTINUE
+
+
+def test_a_controller_that_repeats_its_stop_does_not_keep_it_from_starting():
+    """In lockstep it waits for a while, on the wall clock not at all."""
+    control = RunControl(0.0, True, QUIET_TIME)
+    times = [0.05 * i for i in range(1, 100)]
+    for time in times:
+        control.on_answer(time)
+        if control.tick(time) is RunAction.START:
+            break
+    assert control.started_at == pytest.approx(LONGEST_START, abs=0.051)
+    control = RunControl(0.0, True)
+    control.on_answer(0.0)
+    assert control.tick(0.0) is RunAction.START
 
 
 def test_an_end_is_an_end():

@@ -1,0 +1,94 @@
+"""The simulator's node over Fast DDS, with a controller that the test plays."""
+
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
+from helpers.node_bench import bench
+from push_model.geometry import Pose
+from push_ros.conversions.measurements import from_object_pose_message
+from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message
+from push_ros.parameters import to_parameter_values
+from push_ros.topics import SIM
+from push_scenario.definition.loader import find_scenario, read_scenario
+import pytest
+
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+
+MODULE = 'push_sim_node.sim_node'
+SCENARIO = read_scenario(find_scenario('straight_push'))
+PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
+           **to_parameter_values(SCENARIO.robot, 'robot.')}
+AWAY = {'robot_start': [-2.0, 0.0, 0.0]}
+PERIOD = 0.02
+
+
+@pytest.fixture(scope='module')
+def sim(tmp_path_factory):
+    """Start the simulator on the wall clock, which starts by itself."""
+    parameters = {**PHYSICS, **AWAY, 'autostart': True}
+    with bench(tmp_path_factory.mktemp('sim'), SIM, MODULE, parameters) as b:
+        for topic in ('odom', 'object_pose'):
+            b.subscribe(topic)
+        b.wait_until(lambda: len(b.received['odom']) > 5)
+        yield b
+
+
+def test_it_moves_as_commanded_and_stops_without_commands(sim):
+    """On the wall clock, with stamps of it."""
+    command = TwistStamped()
+    command.twist.linear.x = 0.1
+    for _ in range(15):
+        count = len(sim.received['odom'])
+        sim.publish('cmd_vel', command)
+        sim.wait_until(lambda: len(sim.received['odom']) > count + 2)
+    moving = sim.received['odom'][-1]
+    assert moving.twist.twist.linear.x == pytest.approx(0.1, abs=0.02)
+    now = sim.node.get_clock().now().nanoseconds
+    assert abs(now - nanoseconds(moving.header.stamp)) < 2_000_000_000
+    sim.wait_until(lambda: sim.received['odom'][-1].twist.twist.linear.x < 1e-3)
+    halt = seconds(sim.received['odom'][-1].header.stamp) - seconds(moving.header.stamp)
+    assert 0.4 < halt < 2.0
+    stamps = [seconds(m.header.stamp) for m in sim.received['odom'][-20:]]
+    assert stamps[-1] - stamps[0] == pytest.approx(19 * PERIOD, abs=1e-6)
+
+
+def test_it_starts_over_while_a_controller_repeats_its_stop(sim):
+    """An initial pose puts the object elsewhere; a reset puts it back, and time runs on."""
+    timer = sim.node.create_timer(0.05, lambda: sim.publish('cmd_vel', TwistStamped()))
+    place = PoseWithCovarianceStamped()
+    place.header.frame_id = 'odom'
+    place.pose.pose = to_pose_message((1.0, 2.0, 0.5))
+    sim.publish('initialpose', place)
+    wait_for_object(sim, Pose(1.0, 2.0, 0.5))
+    assert sim.call('sim/reset').success
+    wait_for_object(sim, Pose(0.0, 0.0, 0.0))
+    count = len(sim.received['odom'])
+    sim.wait_until(lambda: len(sim.received['odom']) > count + 20)
+    timer.cancel()
+
+
+def wait_for_object(b, pose):
+    """Wait until the object is measured at a pose."""
+    b.wait_until(lambda: from_object_pose_message(
+        b.received['object_pose'][-1], 'odom').pose == pytest.approx(pose, abs=1e-6))
+
+
+def test_it_holds_time_until_it_is_started(tmp_path):
+    """In lockstep it offers its first measurements again and again, and then waits."""
+    with bench(tmp_path, SIM, MODULE, {**PHYSICS, **AWAY, 'lockstep': True}) as b:
+        for topic in ('odom', 'object_pose', 'clock'):
+            b.subscribe(topic)
+        b.wait_until(lambda: len(b.received['odom']) > 2 and len(b.received['object_pose']) > 2)
+        assert {nanoseconds(m.header.stamp) for m in b.received['odom']} == {0}
+        assert b.call('sim/start').success and b.call('sim/start').success
+        times = set()
+        for _ in range(20):
+            count = len(b.received['odom']) + len(b.received['object_pose'])
+            b.wait_until(lambda: len(b.received['odom']) + len(b.received['object_pose']) > count)
+            newest = max((m[-1] for m in (b.received['odom'], b.received['object_pose'])),
+                         key=lambda m: nanoseconds(m.header.stamp))
+            times.add(nanoseconds(newest.header.stamp))
+            b.publish('cmd_vel', TwistStamped(header=newest.header))
+        assert max(times) > 0
+        assert b.call('sim/reset').success
+        count = len(b.received['odom'])
+        b.wait_until(lambda: len(b.received['odom']) > count + 1)
+        assert nanoseconds(b.received['odom'][-1].header.stamp) == 0
