@@ -2,12 +2,12 @@
 
 import dataclasses
 import math
-from typing import Any, Sequence
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 from push_dynamics import layout
 from push_dynamics.actuation import limit_command
-from push_dynamics.compiled import IS_COMPILED, kernel_array, numbers_of
+from push_dynamics.compiled import interpreted, IS_COMPILED, kernel_array, numbers_of
 from push_dynamics.contact_law import ContactPoint, nearest_points, surface_velocity
 from push_dynamics.encoding import (
     body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
@@ -21,10 +21,38 @@ from push_model.signals import STOP, Twist
 from push_sim_node.truth import ContactMode, Energy, Truth
 
 
+class _Kernel(NamedTuple):
+    """
+    Functions of the kernel, compiled or plain.
+
+    :param is_compiled: which of the two.
+    :param advance: moves the plant on.
+    :param nearest_points: of robot and object.
+    :param surface_velocity: of the robot at the contact.
+    """
+
+    is_compiled: bool
+    advance: Callable[..., None]
+    nearest_points: Callable[..., ContactPoint]
+    surface_velocity: Callable[..., tuple[float, float]]
+
+    def array(self, values: Any) -> Any:
+        """Lay numbers out as the functions read them fastest."""
+        return kernel_array(values, self.is_compiled)
+
+
+def _make_kernel(interpret: bool) -> _Kernel:
+    if interpret:
+        return _Kernel(False, interpreted(advance), interpreted(nearest_points),
+                       interpreted(surface_velocity))
+    return _Kernel(IS_COMPILED, advance, nearest_points, surface_velocity)
+
+
 @dataclasses.dataclass
 class _KernelArrays:
-    """Arguments of the kernel, see ``kernel.step``."""
+    """Arguments of the kernel, see ``push_dynamics.step``."""
 
+    kernel: _Kernel
     state: Any
     body: Any
     supports: Any
@@ -36,14 +64,14 @@ class _KernelArrays:
 
     def copy(self) -> '_KernelArrays':
         """Copy what the kernel writes to."""
-        return dataclasses.replace(self, state=kernel_array(self.state),
-                                   supports=kernel_array(self.supports),
-                                   forces=kernel_array(self.forces))
+        array = self.kernel.array
+        return dataclasses.replace(self, state=array(self.state), supports=array(self.supports),
+                                   forces=array(self.forces))
 
     def advance(self, duration: float, longest: float) -> None:
         """Move state and forces on by a duration, in steps of at most ``longest`` [s]."""
-        advance(self.state, self.body, self.supports, self.outline, self.floor, self.forces,
-                self.command, self.drive, duration, longest)
+        self.kernel.advance(self.state, self.body, self.supports, self.outline, self.floor,
+                            self.forces, self.command, self.drive, duration, longest)
 
 
 class Plant:
@@ -62,12 +90,17 @@ class Plant:
     :param floor: ``FloorPatch`` sequence.
     :param creep: slip of the contact at its friction limit over the distance that the robot's
         surface moves.
+    :param interpret: whether to run it as plain Python, which is ready at once and slower, with
+        the same results but for rounding.
     :raises ValueError: where robot and object overlap by more than 5 mm.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  step: float = 2e-3, smoothing: float = 1e-5, *,
-                 floor: Sequence[FloorPatch] = (), creep: float = 0.0) -> None:
+                 floor: Sequence[FloorPatch] = (), creep: float = 0.0,
+                 interpret: bool = False) -> None:
+        self._kernel = _make_kernel(interpret)
+        array = self._kernel.array
         self.obj = obj
         self.robot = robot
         self.step = step
@@ -75,14 +108,15 @@ class Plant:
         robot_pose = resolve_overlap(obj, robot, object_pose, Pose(*robot_pose))
         self._command = STOP
         self._arrays = _KernelArrays(
-            state=kernel_array(initial_state(obj, object_pose, robot_pose)),
-            body=kernel_array(body_numbers(obj, robot, smoothing, creep)),
+            kernel=self._kernel,
+            state=array(initial_state(obj, object_pose, robot_pose)),
+            body=array(body_numbers(obj, robot, smoothing, creep)),
             supports=None,
-            outline=kernel_array(obj.outline or NO_OUTLINE),
-            floor=kernel_array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),
-            forces=kernel_array([0.0] * (2 * len(obj.supports))),
-            command=kernel_array(STOP),
-            drive=kernel_array(drive_numbers(robot)))
+            outline=array(obj.outline or NO_OUTLINE),
+            floor=array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),
+            forces=array([0.0] * (2 * len(obj.supports))),
+            command=array(STOP),
+            drive=array(drive_numbers(robot)))
         self.set_friction_factors([1.0] * len(obj.supports))
         self._compile()
 
@@ -92,7 +126,8 @@ class Plant:
 
         :param factors: one factor for each support, of at least 0.
         """
-        self._arrays.supports = kernel_array(support_rows(self.obj, self.obj.capacities, factors))
+        rows = support_rows(self.obj, self.obj.capacities, factors)
+        self._arrays.supports = self._kernel.array(rows)
         self._forget_acceleration()
 
     def set_object_pose(self, pose: Pose) -> None:
@@ -131,7 +166,7 @@ class Plant:
         if not (math.isfinite(duration) and duration > 0.0):
             raise ValueError(f'duration: got {duration!r}, expected a finite time above 0 [s]')
         if command != self._command:
-            self._arrays.command = kernel_array(limit_command(self.robot, command))
+            self._arrays.command = self._kernel.array(limit_command(self.robot, command))
             self._command = command
             self._forget_acceleration()
         self._arrays.advance(duration, self.step)
@@ -191,8 +226,8 @@ class Plant:
         robot_pose = robot_pose_of(state)
         robot_twist = robot_twist_of(state)
         mode = ContactMode.from_code(state[layout.MODE])
-        nearest = nearest_points(self._arrays.outline, self.obj.radius, self.robot.radius,
-                                 *object_pose, *robot_pose)
+        nearest = self._kernel.nearest_points(
+            self._arrays.outline, self.obj.radius, self.robot.radius, *object_pose, *robot_pose)
         return Truth(
             time=time,
             object_pose=object_pose,
@@ -219,7 +254,7 @@ class Plant:
 
     def _pushing_angle(self, nearest: ContactPoint, robot_pose: Pose, robot_twist: Twist) -> float:
         v_x, v_y = robot_pose.rotate(robot_twist)
-        normal, tangential = surface_velocity(
+        normal, tangential = self._kernel.surface_velocity(
             self.robot.radius, nearest.n_x, nearest.n_y, nearest.x - robot_pose.x,
             nearest.y - robot_pose.y, v_x, v_y, robot_twist.omega)
         if normal == 0.0 and tangential == 0.0:
@@ -228,7 +263,7 @@ class Plant:
 
     def _compile(self) -> None:
         # Seconds where no machine code is kept on disk: better here than while time runs.
-        if not IS_COMPILED or getattr(advance, 'signatures', None):
+        if not self._kernel.is_compiled or getattr(advance, 'signatures', None):
             return
         self.truth(0.0)
         self._arrays.copy().advance(self.step, self.step)

@@ -5,12 +5,16 @@ import math
 from typing import get_args
 
 import numpy as np
-from push_dynamics.actuation import chord_velocity
+from push_dynamics import actuation
+from push_dynamics.compiled import interpreted
 from push_model.geometry import Pose, wrap_angle
 from push_model.quantity import check, quantity
 from push_model.signals import (
     ObjectPose, Odometry, OdometryReference, PoseCovariance, Twist,
 )
+
+# One call is not worth compiling it.
+chord_velocity = interpreted(actuation.chord_velocity)
 
 
 @dataclasses.dataclass(frozen=True)

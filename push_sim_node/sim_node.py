@@ -69,7 +69,8 @@ class SimNode(PushNode):
         super().__init__(SIM, SECTIONS)
         obj, robot, sensors, settings, self._frames, self._options = self.settings
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
-                                      Pose(*self._options.robot_start), settings, sensors)
+                                      Pose(*self._options.robot_start), settings, sensors,
+                                      interpret=True)
         self._outputs = SimOutputs(self, obj, robot, self._frames, self._options)
         self._latencies: list[float] = []
         self._hold()

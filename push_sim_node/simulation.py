@@ -117,18 +117,21 @@ class Simulation:
     :param robot_pose: ``Pose`` of the robot at time 0.
     :param settings: ``SimulationSettings``.
     :param sensors: ``SensorSettings``.
+    :param interpret: whether the plant runs as plain Python, see ``Plant``.
     :raises ValueError: where robot and object overlap, or friction changes under a support that
         does not exist.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  settings: SimulationSettings = SimulationSettings(),
-                 sensors: SensorSettings = SensorSettings()) -> None:
+                 sensors: SensorSettings = SensorSettings(), *,
+                 interpret: bool = False) -> None:
         self.obj = obj
         self.robot = robot
         self.settings = settings
         self.sensors = sensors
         self._start = (Pose(*object_pose), Pose(*robot_pose))
+        self._interpret = interpret
         self.reset()
 
     def reset(self, object_pose: Pose | None = None) -> None:
@@ -144,7 +147,7 @@ class Simulation:
             object_start = Pose(*object_pose)
         self.plant = Plant(self.obj, self.robot, object_start, robot_start, settings.step,
                            settings.friction_smoothing, floor=settings.floor_patches,
-                           creep=settings.contact_creep)
+                           creep=settings.contact_creep, interpret=self._interpret)
         # A stream for each error, so that none depends on how often another is drawn.
         pose_noise, losses, biases, twist_noise, odometry_noise, outliers = (
             np.random.default_rng(seed)
