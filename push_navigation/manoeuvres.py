@@ -703,6 +703,9 @@ def refine_one(given: Manoeuvring, steps: Any, least: Any, row: Any, segments: A
             chosen = value
             for sign in (1.0, -1.0):
                 trial = value + sign * scale * steps[k]
+                # Straight lines have no sense; one of no length becomes no shorter.
+                if trial < 0.0 and (k == DEPARTURE or k == ARRIVAL):
+                    trial = least[k]
                 if k != DIRECTION and (abs(trial) < least[k] or trial * value < 0.0):
                     trial = math.copysign(least[k], value)
                 manoeuvre[k] = trial

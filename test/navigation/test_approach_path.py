@@ -123,6 +123,21 @@ def test_its_time_is_known_without_the_path(name, drive):
             travel_time(path, robot, SETTINGS, end_speed=SPEED), abs=0.005)
 
 
+@each
+def test_a_robot_that_has_backed_off_drives_no_detour(name):
+    """A few centimetres off the contact: as planned, and at most the way back longer."""
+    obj, robot = OBJECTS[name], ROBOTS['differential']
+    for object_pose, start, contact in approaches(obj, 25, seed=8):
+        back = start @ Pose(-0.07, 0.0, 0.0)
+        path = plan_approach(robot, obj, object_pose, back, contact, SETTINGS, end_speed=SPEED)
+        time = travel_time(path, robot, SETTINGS, end_speed=SPEED)
+        assert approach_time(robot, obj, object_pose, back, contact, SETTINGS,
+                             end_speed=SPEED) == pytest.approx(time, abs=0.005)
+        at_contact = plan_approach(robot, obj, object_pose, start, contact, SETTINGS,
+                                   end_speed=SPEED)
+        assert time < travel_time(at_contact, robot, SETTINGS, end_speed=SPEED) + 1.0
+
+
 @either
 def test_it_starts_wherever_the_robot_is(drive):
     """Far away, a few centimetres off the object, with its back to it, on the other side."""
