@@ -45,13 +45,17 @@ def check(instance: Any) -> None:
     :param instance: the dataclass instance, called from ``__post_init__``.
     :raises ValueError: naming the field, what came and what was expected.
     """
-    kinds = field_types(type(instance))
-    for field in dataclasses.fields(instance):
-        if not field.metadata:
-            continue
-        name = f'{type(instance).__name__}.{field.name}'
-        value = _normalised(name, getattr(instance, field.name), kinds[field.name], field.metadata)
-        object.__setattr__(instance, field.name, value)
+    for name, kind, metadata in _described_fields(type(instance)):
+        value = getattr(instance, name)
+        try:
+            normalised = _normalised(value, kind, metadata)
+        except _Refused:
+            expected = (f'a {kind.__name__}' if _is_dataclass_type(kind)
+                        else expectation(kind, metadata))
+            raise ValueError(f'{type(instance).__name__}.{name}: got {value!r}, expected '
+                             f'{expected}') from None
+        if normalised is not value:
+            object.__setattr__(instance, name, normalised)
 
 
 @functools.lru_cache(maxsize=None)
@@ -100,20 +104,29 @@ def range_text(metadata: Mapping[str, Any]) -> str:
     return f' of at most {high:g}' if math.isfinite(high) else ''
 
 
-def _normalised(name: str, value: Any, kind: Any, metadata: Mapping[str, Any]) -> Any:
-    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+# Kept, as instances of a few classes are made by the thousand.
+@functools.lru_cache(maxsize=None)
+def _described_fields(cls: type) -> tuple[tuple[str, Any, Mapping[str, Any]], ...]:
+    """Name, type and metadata of the fields that ``quantity`` has made."""
+    kinds = field_types(cls)
+    return tuple((field.name, kinds[field.name], field.metadata)
+                 for field in dataclasses.fields(cls) if field.metadata)
+
+
+def _normalised(value: Any, kind: Any, metadata: Mapping[str, Any]) -> Any:
+    if kind is float or kind is int:
+        return _number(value, kind, metadata)
+    if kind is bool or kind is str:
+        return _choice(value, kind, metadata)
+    if _is_dataclass_type(kind):
         if not isinstance(value, kind):
-            raise ValueError(f'{name}: got {value!r}, expected a {kind.__name__}')
+            raise _Refused
         return value
-    try:
-        if kind is bool or kind is str:
-            return _choice(value, kind, metadata)
-        if kind in (int, float):
-            return _number(value, kind, metadata)
-        return _numbers(value, metadata)
-    except _Refused:
-        raise ValueError(
-            f'{name}: got {value!r}, expected {expectation(kind, metadata)}') from None
+    return _numbers(value, metadata)
+
+
+def _is_dataclass_type(kind: Any) -> bool:
+    return isinstance(kind, type) and dataclasses.is_dataclass(kind)
 
 
 class _Refused(Exception):
@@ -129,11 +142,12 @@ def _choice(value: Any, kind: type, metadata: Mapping[str, Any]) -> Any:
 
 
 def _number(value: Any, kind: type, metadata: Mapping[str, Any]) -> float:
-    if isinstance(value, (bool, str)) or not hasattr(value, '__float__'):
-        raise _Refused
-    if kind is int and int(value) != value:
-        raise _Refused
-    value = kind(value)
+    if type(value) is not kind:
+        if isinstance(value, (bool, str)) or not hasattr(value, '__float__'):
+            raise _Refused
+        if kind is int and int(value) != value:
+            raise _Refused
+        value = kind(value)
     above = metadata['above']
     inside = metadata['low'] <= value <= metadata['high'] and (above is None or value > above)
     finite = math.isfinite(value) or (metadata.get('infinite') and not math.isnan(value))

@@ -32,7 +32,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 from push_control.estimation.friction_members import (
-    FrictionMembers, knowledge_of, with_knowledge,
+    friction_centers, FrictionMembers, knowledge_of, with_knowledge,
 )
 from push_control.estimation.object_knowledge import ObjectKnowledge
 from push_control.localization.members import (
@@ -40,7 +40,6 @@ from push_control.localization.members import (
     ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE,
 )
 from push_control.settings import ControlSettings
-from push_model.friction import friction_center
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
@@ -210,8 +209,9 @@ class PushEnsemble:
     @property
     def friction_center(self) -> tuple[float, float]:
         """Centre of friction as identified, object frame (x, y) [m]."""
-        x, y = friction_center(self.obj)
-        return float(x), float(y)
+        log_factors = self._friction.log_factors.mean(axis=0, keepdims=True)
+        (x, y), = friction_centers(self.members.obj, log_factors).tolist()
+        return x, y
 
     @property
     def _friction(self) -> FrictionMembers:
