@@ -7,7 +7,7 @@ so that contact, rolling and sliding need no model of their own here.
 """
 
 import dataclasses
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from push_dynamics import layout
@@ -39,6 +39,22 @@ ROBOT = [layout.ROBOT_X, layout.ROBOT_Y, layout.ROBOT_THETA]
 OBJECT = [layout.X, layout.Y, layout.THETA]
 
 
+class MemberPoses(NamedTuple):
+    """
+    Poses of all members; read-only.
+
+    :param robots: (x, y, theta) of the robots, shape (n, 3); angles not wrapped.
+    :param objects: (x, y, theta) of the object frames, shape (n, 3); angles not wrapped.
+    :param mean_robot: mean ``Pose`` of the robots.
+    :param mean_object: mean ``Pose`` of the objects.
+    """
+
+    robots: FloatArray
+    objects: FloatArray
+    mean_robot: Pose
+    mean_object: Pose
+
+
 class Members:
     """
     States and parameters of all members.
@@ -67,6 +83,8 @@ class Members:
         self.parameters: FloatArray = np.zeros((count, ODOMETRY_ERRORS + len(rows) + 1))
         self.parameters[:, -1] = obj.contact_friction_coefficient
         self.scratch = Scratch(obj)
+        # Many ask for the poses between two changes of them.
+        self._poses: MemberPoses | None = None
 
     @property
     def count(self) -> int:
@@ -74,16 +92,16 @@ class Members:
         return len(self.states)
 
     @property
-    def robot_poses(self) -> FloatArray:
-        """Poses (x, y, theta) of the robots, shape (n, 3); angles not wrapped."""
-        return self.states[:, ROBOT]
-
-    @property
-    def object_poses(self) -> FloatArray:
-        """Poses (x, y, theta) of the object frame, shape (n, 3); angles not wrapped."""
-        poses = self.states[:, OBJECT]
-        poses[:, :2] -= self._rotated_center(poses[:, 2])
-        return poses
+    def poses(self) -> MemberPoses:
+        """The ``MemberPoses`` now."""
+        if self._poses is None:
+            robots, objects = self.states[:, ROBOT], self.states[:, OBJECT]
+            objects[:, :2] -= self._rotated_center(objects[:, 2])
+            for poses in (robots, objects):
+                poses.setflags(write=False)
+            self._poses = MemberPoses(robots, objects, Pose(*robots.mean(axis=0).tolist()),
+                                      Pose(*objects.mean(axis=0).tolist()))
+        return self._poses
 
     @property
     def in_contact(self) -> BoolArray:
@@ -97,6 +115,7 @@ class Members:
         :param poses: (x, y, theta), shape (n, 3).
         """
         self.states[:, ROBOT] = poses
+        self._poses = None
 
     def set_object_poses(self, poses: FloatArray) -> None:
         """
@@ -106,6 +125,7 @@ class Members:
         """
         self.states[:, OBJECT] = poses
         self.states[:, OBJECT[:2]] += self._rotated_center(poses[:, 2])
+        self._poses = None
 
     def apply_parameters(self) -> None:
         """Bring the parameters within their ranges, and into the numbers of the dynamics."""
@@ -133,6 +153,7 @@ class Members:
                            (c * increments[:, 1] - s * increments[:, 0]) / ratio,
                            increments[:, 2] / duration), axis=1)
         scratch = self.scratch
+        self._poses = None
         return move_members(self.states, self.bodies, self.supports, scratch.outline,
                             scratch.floor, scratch.forces, scratch.drive, scratch.command, twists,
                             duration, LONGEST_STEP)
@@ -141,6 +162,7 @@ class Members:
         """Move robots off overlaps; those that were in contact touch again."""
         gaps = np.zeros(self.count)
         close_gaps(self.states, self.bodies, self.scratch.outline, gaps)
+        self._poses = None
 
     def _rotated_center(self, angles: FloatArray) -> FloatArray:
         x, y = self.obj.center_of_mass

@@ -174,17 +174,17 @@ class PushEnsemble:
         """
         if self._odometry is None:
             raise RuntimeError('localization: got no odometry, expected some before its pose')
-        return Pose(*self.members.robot_poses.mean(axis=0).tolist())
+        return self.members.poses.mean_robot
 
     @property
     def object_pose(self) -> Pose:
         """Mean ``Pose`` of the object at the last odometry."""
-        return Pose(*self.members.object_poses.mean(axis=0).tolist())
+        return self.members.poses.mean_object
 
     @property
     def standard_deviations(self) -> FloatArray:
         """Standard deviations of x, y [m] and heading [rad] of the robot, shape (3,)."""
-        return self.members.robot_poses.std(axis=0)
+        return self.members.poses.robots.std(axis=0)
 
     @property
     def position_deviation(self) -> float:
@@ -260,7 +260,7 @@ class PushEnsemble:
         self._odometry = odometry
         members = self.members
         self._history.append(
-            _Snapshot(odometry.time, members.robot_poses, members.object_poses))
+            _Snapshot(odometry.time, members.poses.robots, members.poses.objects))
         while odometry.time - self._history[0].time > HISTORY_TIME:
             self._history.popleft()
 
@@ -275,7 +275,7 @@ class PushEnsemble:
             noise.walk, noise.walk, noise.heading_walk)
         increments = walk + np.stack((step.x / (1.0 + s), step.y / (1.0 + s),
                                       (1.0 + g) * rotation - d * length), axis=1)
-        before = members.object_poses if self.has_object else None
+        before = members.poses.objects if self.has_object else None
         if members.move(increments, duration):
             self._last_contact = time
             if before is not None:
@@ -284,7 +284,7 @@ class PushEnsemble:
     def _disturb_objects(self, before: FloatArray) -> None:
         """Add what the dynamics do not know to the motion of the objects."""
         members = self.members
-        after = members.object_poses
+        after = members.poses.objects
         lengths = np.hypot(*(after - before)[:, :2].T)
         noise = self._normal(after.shape) * (POSITION_WALK, POSITION_WALK, HEADING_WALK)
         members.set_object_poses(after + np.sqrt(lengths)[:, None] * noise)
@@ -342,7 +342,7 @@ class PushEnsemble:
             it; else it is rejected then.
         """
         innovation = np.array([*error[:2], wrap_angle(error[2])])
-        robots = self.members.robot_poses
+        robots = self.members.poses.robots
         self._correct_robot(robots - robots.mean(axis=0), innovation, covariance, is_certain)
 
     def update_along(self, direction: float, error: float, deviation: float,
@@ -355,7 +355,7 @@ class PushEnsemble:
         :param deviation: standard deviation of that measurement [m].
         :param is_certain: as of ``update_pose``.
         """
-        robots = self.members.robot_poses
+        robots = self.members.poses.robots
         along = robots[:, 0] * math.cos(direction) + robots[:, 1] * math.sin(direction)
         self._correct_robot((along - along.mean())[:, None], np.array([error]),
                             np.array([[deviation ** 2]]), is_certain)
@@ -369,7 +369,7 @@ class PushEnsemble:
         """
         spread = self._normal((self.members.count, POSE))
         self._set_robots(
-            self.members.robot_poses + spread * (deviation, deviation, heading_deviation))
+            self.members.poses.robots + spread * (deviation, deviation, heading_deviation))
 
     def place_robot(self, pose: Pose, deviations: Sequence[float]) -> None:
         """
@@ -384,7 +384,7 @@ class PushEnsemble:
     def remember_robot(self) -> RobotMemory:
         """Remember where the robots are, and their errors of odometry."""
         assert self._odometry is not None
-        return RobotMemory(self._odometry.pose, self.members.robot_poses,
+        return RobotMemory(self._odometry.pose, self.members.poses.robots,
                            self.members.parameters[:, :ODOMETRY_ERRORS].copy())
 
     def restore_robot(self, memory: RobotMemory, deviation: float,
@@ -423,10 +423,10 @@ class PushEnsemble:
             return
         if is_outlier:
             # The robot has jumped: all members jump with it.
-            gain = spread.T @ (self.members.robot_poses
-                               - self.members.robot_poses.mean(axis=0))
+            gain = spread.T @ (self.members.poses.robots
+                               - np.array(self.pose))
             jump = np.linalg.solve(spread.T @ spread, gain).T @ innovation
-            self.members.set_robot_poses(self.members.robot_poses + jump)
+            self.members.set_robot_poses(self.members.poses.robots + jump)
             self._forget_history()
             return
         self._correct(spread, innovation, noise, True)
@@ -442,9 +442,9 @@ class PushEnsemble:
         :param is_coupled: whether it tells of the robot and of friction too.
         """
         members, history = self.members, self._history
-        columns = [members.object_poses, *(snapshot.objects for snapshot in history)]
+        columns = [members.poses.objects, *(snapshot.objects for snapshot in history)]
         if is_coupled:
-            columns += [members.robot_poses, *(snapshot.robots for snapshot in history),
+            columns += [members.poses.robots, *(snapshot.robots for snapshot in history),
                         members.parameters]
         state = np.concatenate(columns, axis=1)
         mean = state.mean(axis=0)
@@ -470,7 +470,7 @@ class PushEnsemble:
     def _keep_object_spread(self) -> None:
         """Spread the objects a little where averaging has made them too equal."""
         members = self.members
-        poses = members.object_poses
+        poses = members.poses.objects
         least = np.array((LEAST_POSITION_STD, LEAST_POSITION_STD, LEAST_HEADING_STD))
         missing = np.sqrt(np.maximum(0.0, least ** 2 - poses.var(axis=0)))
         if missing.any() and self.contact_ratio == 0.0:
@@ -495,8 +495,8 @@ class PushEnsemble:
         """Former poses are those of a former estimate."""
         if self._odometry is not None:
             members = self.members
-            self._history = deque([_Snapshot(self._odometry.time, members.robot_poses,
-                                             members.object_poses)])
+            self._history = deque([_Snapshot(self._odometry.time, members.poses.robots,
+                                             members.poses.objects)])
 
     def _at(self, time: float) -> tuple[FloatArray, FloatArray]:
         """Poses of robots and objects at a time within the history, by linear interpolation."""

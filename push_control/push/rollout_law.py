@@ -83,7 +83,7 @@ class RolloutLaw:
         """
         arcs = [(curvature, curvature), (planned, planned), (curvature, 0.0)]
         arcs += [(first, later) for first in CURVATURES for later in {0.0, first}]
-        table = np.array(arcs)
+        table = np.array(list(dict.fromkeys(arcs)))
         stops, costs = self._evaluate(table, horizon, direction)
         total = costs + stops / self._speed
         total += CHANGE_COST * np.abs(table[:, :1] - curvature)
