@@ -64,7 +64,7 @@ class Pose(NamedTuple):
 
     def is_finite(self) -> bool:
         """Tell whether all three numbers are finite."""
-        return all(math.isfinite(value) for value in self)
+        return all(map(math.isfinite, self))
 
 
 def wrap_angle(angle: float) -> float:

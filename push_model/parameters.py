@@ -100,12 +100,12 @@ class PushedObject:
     def _load_fractions(self) -> tuple[float, ...]:
         return _support_load_fractions(self.supports, self.center_of_mass)
 
-    @property
+    @functools.cached_property
     def loads(self) -> tuple[float, ...]:
         """Normal load on each support [N], shape (k,); they balance about the mass centre."""
         return tuple(self.mass * GRAVITY * fraction for fraction in self._load_fractions)
 
-    @property
+    @functools.cached_property
     def capacities(self) -> tuple[float, ...]:
         """Friction capacity ``q_i = mu_i N_i`` of each support [N], shape (k,)."""
         return tuple(support.friction_coefficient * load

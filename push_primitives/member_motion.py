@@ -91,9 +91,10 @@ def drive_robot(state: Any, command: Any, v_x: float, v_y: float, omega: float) 
 
 @compiled
 def move_members(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, forces: Any,
-                 drive: Any, command: Any, twists: Any, duration: float, longest: float) -> int:
+                 drive: Any, command: Any, increments: Any, duration: float,
+                 longest: float) -> int:
     """
-    Move every member for a while, its robot with a given twist.
+    Move every member for a while, its robot along an arc to a given pose.
 
     :param states: shape (n, 25), is written.
     :param bodies: shape (n, 9).
@@ -103,14 +104,19 @@ def move_members(states: Any, bodies: Any, supports: Any, outline: Any, floor: A
     :param forces: scratch, 2 k numbers.
     :param drive: ``IDEAL_DRIVE``.
     :param command: scratch, 3 numbers.
-    :param twists: (v_x, v_y, omega) of each robot in its own axes, shape (n, 3).
-    :param duration: how long [s].
+    :param increments: motion (x, y, theta) of each robot in its own axes, shape (n, 3).
+    :param duration: how long [s], above 0.
     :param longest: longest step [s].
     :return: number of members in contact at the end.
     """
     touching = 0
     for i in range(len(states)):
-        drive_robot(states[i], command, twists[i][0], twists[i][1], twists[i][2])
+        # The twist whose arc ends at the increment: the chord is shorter by sin(h) / h.
+        x, y, half = increments[i][0], increments[i][1], 0.5 * increments[i][2]
+        c, s = math.cos(half), math.sin(half)
+        ratio = duration * (s / half if half != 0.0 else 1.0)
+        drive_robot(states[i], command, (c * x + s * y) / ratio, (c * y - s * x) / ratio,
+                    2.0 * half / duration)
         advance(states[i], bodies[i], supports[i], outline, floor, forces, command, drive,
                 duration, longest)
         if states[i][NORMAL_FORCE] > 0.0:

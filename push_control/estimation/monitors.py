@@ -54,8 +54,7 @@ def is_finite_odometry(odometry: Odometry) -> bool:
     :param odometry: ``Odometry``.
     :return: whether it is.
     """
-    return all(math.isfinite(value)
-               for value in (odometry.time, *odometry.pose, *odometry.twist))
+    return all(map(math.isfinite, (odometry.time, *odometry.pose, *odometry.twist)))
 
 
 def jackknife_fault(site: ContactSite, normal: float, push_angle: float) -> EventReport | None:

@@ -7,7 +7,7 @@ so that contact, rolling and sliding need no model of their own here.
 """
 
 import dataclasses
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from push_dynamics import layout
@@ -39,22 +39,6 @@ ROBOT = [layout.ROBOT_X, layout.ROBOT_Y, layout.ROBOT_THETA]
 OBJECT = [layout.X, layout.Y, layout.THETA]
 
 
-class MemberPoses(NamedTuple):
-    """
-    Poses of all members; read-only.
-
-    :param robots: (x, y, theta) of the robots, shape (n, 3); angles not wrapped.
-    :param objects: (x, y, theta) of the object frames, shape (n, 3); angles not wrapped.
-    :param mean_robot: mean ``Pose`` of the robots.
-    :param mean_object: mean ``Pose`` of the objects.
-    """
-
-    robots: FloatArray
-    objects: FloatArray
-    mean_robot: Pose
-    mean_object: Pose
-
-
 class Members:
     """
     States and parameters of all members.
@@ -84,7 +68,8 @@ class Members:
         self.parameters[:, -1] = obj.contact_friction_coefficient
         self.scratch = Scratch(obj)
         # Many ask for the poses between two changes of them.
-        self._poses: MemberPoses | None = None
+        self._poses: FloatArray | None = None
+        self._means: list[float] | None = None
 
     @property
     def count(self) -> int:
@@ -92,16 +77,33 @@ class Members:
         return len(self.states)
 
     @property
-    def poses(self) -> MemberPoses:
-        """The ``MemberPoses`` now."""
+    def poses(self) -> FloatArray:
+        """Poses (x, y, theta) of robots and objects, shape (n, 6), as below; read-only."""
         if self._poses is None:
-            robots, objects = self.states[:, ROBOT], self.states[:, OBJECT]
-            objects[:, :2] -= self._rotated_center(objects[:, 2])
-            for poses in (robots, objects):
-                poses.setflags(write=False)
-            self._poses = MemberPoses(robots, objects, Pose(*robots.mean(axis=0).tolist()),
-                                      Pose(*objects.mean(axis=0).tolist()))
+            self._poses = np.concatenate((self.states[:, ROBOT], self.states[:, OBJECT]), axis=1)
+            self._poses[:, 3:5] -= self._rotated_center(self._poses[:, 5])
+            self._poses.setflags(write=False)
         return self._poses
+
+    @property
+    def robot_poses(self) -> FloatArray:
+        """Poses (x, y, theta) of the robots, shape (n, 3); angles not wrapped; read-only."""
+        return self.poses[:, :3]
+
+    @property
+    def object_poses(self) -> FloatArray:
+        """Poses (x, y, theta) of the object frame, shape (n, 3); angles not wrapped; read-only."""
+        return self.poses[:, 3:]
+
+    @property
+    def mean_robot_pose(self) -> Pose:
+        """Mean ``Pose`` of the robots."""
+        return Pose(*self._mean_poses[:3])
+
+    @property
+    def mean_object_pose(self) -> Pose:
+        """Mean ``Pose`` of the objects."""
+        return Pose(*self._mean_poses[3:])
 
     @property
     def in_contact(self) -> BoolArray:
@@ -115,7 +117,7 @@ class Members:
         :param poses: (x, y, theta), shape (n, 3).
         """
         self.states[:, ROBOT] = poses
-        self._poses = None
+        self._forget_poses()
 
     def set_object_poses(self, poses: FloatArray) -> None:
         """
@@ -125,7 +127,7 @@ class Members:
         """
         self.states[:, OBJECT] = poses
         self.states[:, OBJECT[:2]] += self._rotated_center(poses[:, 2])
-        self._poses = None
+        self._forget_poses()
 
     def apply_parameters(self) -> None:
         """Bring the parameters within their ranges, and into the numbers of the dynamics."""
@@ -145,29 +147,32 @@ class Members:
         :param duration: time that it takes [s].
         :return: number of members in contact.
         """
-        # The twist whose arc ends at the increment: the chord is shorter by sin(h) / h.
-        half = 0.5 * increments[:, 2]
-        c, s = np.cos(half), np.sin(half)
-        ratio = duration * np.sinc(half / np.pi)
-        twists = np.stack(((c * increments[:, 0] + s * increments[:, 1]) / ratio,
-                           (c * increments[:, 1] - s * increments[:, 0]) / ratio,
-                           increments[:, 2] / duration), axis=1)
         scratch = self.scratch
-        self._poses = None
+        self._forget_poses()
         return move_members(self.states, self.bodies, self.supports, scratch.outline,
-                            scratch.floor, scratch.forces, scratch.drive, scratch.command, twists,
-                            duration, LONGEST_STEP)
+                            scratch.floor, scratch.forces, scratch.drive, scratch.command,
+                            increments, duration, LONGEST_STEP)
 
     def close_gaps(self) -> None:
         """Move robots off overlaps; those that were in contact touch again."""
         gaps = np.zeros(self.count)
         close_gaps(self.states, self.bodies, self.scratch.outline, gaps)
+        self._forget_poses()
+
+    @property
+    def _mean_poses(self) -> list[float]:
+        if self._means is None:
+            self._means = self.poses.mean(axis=0).tolist()
+        return self._means
+
+    def _forget_poses(self) -> None:
         self._poses = None
+        self._means = None
 
     def _rotated_center(self, angles: FloatArray) -> FloatArray:
         x, y = self.obj.center_of_mass
         c, s = np.cos(angles), np.sin(angles)
-        return np.stack((c * x - s * y, s * x + c * y), axis=1)
+        return np.array((c * x - s * y, s * x + c * y)).T
 
 
 class Scratch:

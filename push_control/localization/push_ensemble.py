@@ -108,11 +108,10 @@ class RobotMemory(NamedTuple):
 
 
 class _Snapshot(NamedTuple):
-    """Poses of all members at a time."""
+    """Poses of all members at a time, as of ``Members.poses``."""
 
     time: float
-    robots: FloatArray
-    objects: FloatArray
+    poses: FloatArray
 
 
 class PushEnsemble:
@@ -131,6 +130,7 @@ class PushEnsemble:
         """
         self.members = Members(obj, robot, MEMBER_COUNT)
         self._noise = np.array((control.pose_noise, control.pose_noise, control.heading_noise))
+        self._noise_covariance = np.diag(self._noise ** 2)
         self._odometry_noise = odometry_noise
         self._rng = np.random.default_rng(seed)
         self._odometry: Odometry | None = None
@@ -174,17 +174,17 @@ class PushEnsemble:
         """
         if self._odometry is None:
             raise RuntimeError('localization: got no odometry, expected some before its pose')
-        return self.members.poses.mean_robot
+        return self.members.mean_robot_pose
 
     @property
     def object_pose(self) -> Pose:
         """Mean ``Pose`` of the object at the last odometry."""
-        return self.members.poses.mean_object
+        return self.members.mean_object_pose
 
     @property
     def standard_deviations(self) -> FloatArray:
         """Standard deviations of x, y [m] and heading [rad] of the robot, shape (3,)."""
-        return self.members.poses.robots.std(axis=0)
+        return self.members.robot_poses.std(axis=0)
 
     @property
     def position_deviation(self) -> float:
@@ -225,8 +225,7 @@ class PushEnsemble:
         :param time: not more than ``HISTORY_TIME`` ago [s].
         :return: its mean ``Pose``, as estimated by now.
         """
-        robots, _ = self._at(time)
-        return Pose(*robots.mean(axis=0).tolist())
+        return Pose(*self._at(time)[:, :POSE].mean(axis=0).tolist())
 
     def start_from(self, knowledge: ObjectKnowledge) -> None:
         """
@@ -258,9 +257,7 @@ class PushEnsemble:
         else:
             return
         self._odometry = odometry
-        members = self.members
-        self._history.append(
-            _Snapshot(odometry.time, members.poses.robots, members.poses.objects))
+        self._history.append(_Snapshot(odometry.time, self.members.poses))
         while odometry.time - self._history[0].time > HISTORY_TIME:
             self._history.popleft()
 
@@ -271,11 +268,12 @@ class PushEnsemble:
         if length < REST and abs(rotation) < REST and not members.in_contact.any():
             return
         s, g, d = members.parameters[:, :ODOMETRY_ERRORS].T
-        walk = math.sqrt(length) * self._normal((members.count, POSE)) * (
+        increments = math.sqrt(length) * self._normal((members.count, POSE)) * (
             noise.walk, noise.walk, noise.heading_walk)
-        increments = walk + np.stack((step.x / (1.0 + s), step.y / (1.0 + s),
-                                      (1.0 + g) * rotation - d * length), axis=1)
-        before = members.poses.objects if self.has_object else None
+        increments[:, 0] += step.x / (1.0 + s)
+        increments[:, 1] += step.y / (1.0 + s)
+        increments[:, 2] += (1.0 + g) * rotation - d * length
+        before = members.object_poses if self.has_object else None
         if members.move(increments, duration):
             self._last_contact = time
             if before is not None:
@@ -284,7 +282,7 @@ class PushEnsemble:
     def _disturb_objects(self, before: FloatArray) -> None:
         """Add what the dynamics do not know to the motion of the objects."""
         members = self.members
-        after = members.poses.objects
+        after = members.object_poses
         lengths = np.hypot(*(after - before)[:, :2].T)
         noise = self._normal(after.shape) * (POSITION_WALK, POSITION_WALK, HEADING_WALK)
         members.set_object_poses(after + np.sqrt(lengths)[:, None] * noise)
@@ -304,12 +302,12 @@ class PushEnsemble:
         if measured.time <= self._pose_time or not self._history:
             return
         self._pose_time = measured.time
-        _, objects = self._at(measured.time)
+        objects = self._at(measured.time)[:, POSE:]
         mean = objects.mean(axis=0)
         innovation = np.array(measured.pose) - mean
         innovation[2] = wrap_angle(innovation[2])
         spread = objects - mean
-        covariance = spread.T @ spread / (len(spread) - 1) + np.diag(self._noise ** 2)
+        covariance = spread.T @ spread / (len(spread) - 1) + self._noise_covariance
         if innovation @ np.linalg.solve(covariance, innovation) > OUTLIER_GATE:
             self._outliers += 1
             if self._outliers >= MAX_OUTLIERS:
@@ -317,7 +315,7 @@ class PushEnsemble:
             return
         self._outliers = 0
         is_coupled = measured.time - self._last_contact < COUPLING_TIME
-        self._correct(spread, innovation, np.diag(self._noise ** 2), is_coupled)
+        self._correct(spread, innovation, self._noise_covariance, is_coupled)
         self._keep_object_spread()
 
     def update_robot(self, pose: Pose, covariance: FloatArray) -> None:
@@ -342,7 +340,7 @@ class PushEnsemble:
             it; else it is rejected then.
         """
         innovation = np.array([*error[:2], wrap_angle(error[2])])
-        robots = self.members.poses.robots
+        robots = self.members.robot_poses
         self._correct_robot(robots - robots.mean(axis=0), innovation, covariance, is_certain)
 
     def update_along(self, direction: float, error: float, deviation: float,
@@ -355,7 +353,7 @@ class PushEnsemble:
         :param deviation: standard deviation of that measurement [m].
         :param is_certain: as of ``update_pose``.
         """
-        robots = self.members.poses.robots
+        robots = self.members.robot_poses
         along = robots[:, 0] * math.cos(direction) + robots[:, 1] * math.sin(direction)
         self._correct_robot((along - along.mean())[:, None], np.array([error]),
                             np.array([[deviation ** 2]]), is_certain)
@@ -369,7 +367,7 @@ class PushEnsemble:
         """
         spread = self._normal((self.members.count, POSE))
         self._set_robots(
-            self.members.poses.robots + spread * (deviation, deviation, heading_deviation))
+            self.members.robot_poses + spread * (deviation, deviation, heading_deviation))
 
     def place_robot(self, pose: Pose, deviations: Sequence[float]) -> None:
         """
@@ -384,7 +382,7 @@ class PushEnsemble:
     def remember_robot(self) -> RobotMemory:
         """Remember where the robots are, and their errors of odometry."""
         assert self._odometry is not None
-        return RobotMemory(self._odometry.pose, self.members.poses.robots,
+        return RobotMemory(self._odometry.pose, self.members.robot_poses,
                            self.members.parameters[:, :ODOMETRY_ERRORS].copy())
 
     def restore_robot(self, memory: RobotMemory, deviation: float,
@@ -423,10 +421,9 @@ class PushEnsemble:
             return
         if is_outlier:
             # The robot has jumped: all members jump with it.
-            gain = spread.T @ (self.members.poses.robots
-                               - np.array(self.pose))
+            gain = spread.T @ (self.members.robot_poses - np.array(self.pose))
             jump = np.linalg.solve(spread.T @ spread, gain).T @ innovation
-            self.members.set_robot_poses(self.members.poses.robots + jump)
+            self.members.set_robot_poses(self.members.robot_poses + jump)
             self._forget_history()
             return
         self._correct(spread, innovation, noise, True)
@@ -442,35 +439,32 @@ class PushEnsemble:
         :param is_coupled: whether it tells of the robot and of friction too.
         """
         members, history = self.members, self._history
-        columns = [members.poses.objects, *(snapshot.objects for snapshot in history)]
+        state = np.concatenate(
+            (members.poses, *(snapshot.poses for snapshot in history), members.parameters), axis=1)
+        anomalies = state - state.mean(axis=0)
+        gain = np.linalg.solve(spread.T @ spread + (len(state) - 1) * noise, spread.T @ anomalies)
+        steps = 1 + len(history)
+        size = steps * 2 * POSE
+        if not is_coupled:
+            columns = np.arange(gain.shape[1])
+            is_object = (columns < size) & (columns % (2 * POSE) >= POSE)
+            gain[:, ~is_object] = 0.0
+        state += (innovation - 0.5 * spread) @ gain
+        poses = state[:, :size].reshape(len(state), steps, 2 * POSE)
+        members.set_object_poses(poses[:, 0, POSE:])
         if is_coupled:
-            columns += [members.poses.robots, *(snapshot.robots for snapshot in history),
-                        members.parameters]
-        state = np.concatenate(columns, axis=1)
-        mean = state.mean(axis=0)
-        anomalies = state - mean
-        count = len(state) - 1
-        gain = np.linalg.solve(spread.T @ spread + count * noise, spread.T @ anomalies).T
-        updated = (mean + gain @ innovation) + anomalies - 0.5 * spread @ gain.T
-        parts = np.split(updated, np.cumsum([column.shape[1] for column in columns])[:-1], axis=1)
-        members.set_object_poses(parts[0])
-        steps = len(history)
-        objects, robots = parts[1:1 + steps], [snapshot.robots for snapshot in history]
-        if is_coupled:
-            members.set_robot_poses(parts[1 + steps])
-            robots = parts[2 + steps:2 + 2 * steps]
-            members.parameters[:] = parts[-1]
+            members.set_robot_poses(poses[:, 0, :POSE])
+            members.parameters[:] = state[:, size:]
             members.apply_parameters()
             if self.has_object:
                 members.close_gaps()
-        self._history = deque(
-            _Snapshot(snapshot.time, robot, obj)
-            for snapshot, robot, obj in zip(history, robots, objects))
+        self._history = deque(_Snapshot(snapshot.time, poses[:, step])
+                              for step, snapshot in enumerate(history, 1))
 
     def _keep_object_spread(self) -> None:
         """Spread the objects a little where averaging has made them too equal."""
         members = self.members
-        poses = members.poses.objects
+        poses = members.object_poses
         least = np.array((LEAST_POSITION_STD, LEAST_POSITION_STD, LEAST_HEADING_STD))
         missing = np.sqrt(np.maximum(0.0, least ** 2 - poses.var(axis=0)))
         if missing.any() and self.contact_ratio == 0.0:
@@ -494,22 +488,19 @@ class PushEnsemble:
     def _forget_history(self) -> None:
         """Former poses are those of a former estimate."""
         if self._odometry is not None:
-            members = self.members
-            self._history = deque([_Snapshot(self._odometry.time, members.poses.robots,
-                                             members.poses.objects)])
+            self._history = deque([_Snapshot(self._odometry.time, self.members.poses)])
 
-    def _at(self, time: float) -> tuple[FloatArray, FloatArray]:
-        """Poses of robots and objects at a time within the history, by linear interpolation."""
+    def _at(self, time: float) -> FloatArray:
+        """Poses of all members at a time within the history, by linear interpolation."""
         history = self._history
         after = next((i for i, snapshot in enumerate(history) if snapshot.time >= time), None)
         if after is None:
-            return history[-1].robots, history[-1].objects
+            return history[-1].poses
         if after == 0:
-            return history[0].robots, history[0].objects
+            return history[0].poses
         first, last = history[after - 1], history[after]
         ratio = (time - first.time) / (last.time - first.time)
-        return (first.robots + ratio * (last.robots - first.robots),
-                first.objects + ratio * (last.objects - first.objects))
+        return first.poses + ratio * (last.poses - first.poses)
 
     def _normal(self, shape: tuple[int, ...]) -> FloatArray:
         """Draw standard normal numbers whose mean over the members is 0."""

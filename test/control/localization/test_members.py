@@ -49,9 +49,13 @@ def test_poses_are_read_as_they_were_set(obj):
     members.set_object_poses(objects)
     assert np.array_equal(members.robot_poses, robots)
     np.testing.assert_allclose(members.object_poses, objects, atol=1e-12)
-    # What is read is a copy.
-    members.object_poses[:] = 9.0
-    np.testing.assert_allclose(members.object_poses, objects, atol=1e-12)
+    # Poses that were read stay as they were, and change nothing.
+    before = members.object_poses
+    with pytest.raises(ValueError, match='read-only'):
+        before[:] = 9.0
+    members.set_object_poses(objects + 1.0)
+    np.testing.assert_allclose(before, objects, atol=1e-12)
+    np.testing.assert_allclose(members.object_poses, objects + 1.0, atol=1e-12)
 
 
 @pytest.mark.parametrize('duration', [0.003, 0.02, 0.5])
