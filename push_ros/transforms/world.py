@@ -1,0 +1,209 @@
+"""
+Messages in any frame, brought to the world frame on their way in.
+
+A message is transformed at its own stamp. Where its transform has not come yet, the message waits
+for it for a while; where none comes, it is refused with frame, stamp and what is known.
+
+    measurement   transformed at its stamp, or refused
+    goal, map     they hold from now on: where there is no transform at their stamp, the newest
+                  serves. One in a frame that does not hang below the world frame, as ``map`` does
+                  not below ``odom``, is kept there: as the transform drifts, the node is asked to
+                  move it.
+
+Nothing is subscribed before the first message in another frame.
+"""
+
+import time
+from typing import Any, Callable, NamedTuple
+
+from push_model.geometry import Pose, wrap_angle
+from push_ros.conversions.primitives import MessageRefused, nanoseconds, seconds
+from push_ros.node import PushNode
+from push_ros.transforms.buffer import TransformBuffer, TransformUnavailable
+from push_ros.transforms.listener import NOT_INSTALLED, TransformListener
+from push_ros.transforms.messages import transformed
+from push_ros.transforms.rigid_transform import RigidTransform
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+
+# After the listener has started, messages wait for transforms at least so long [s]; chosen: all
+# publishers of tf are found by then.
+DISCOVERY_TIME = 3.0
+# Period at which waiting messages and drift are looked after [s]; chosen: well below a correction
+# of localization, which comes a few times per second.
+PERIOD = 0.1
+# Drift of which the node is told [m], [rad]; chosen: a tenth of what tasks tolerate.
+DRIFT = 1e-3
+HEADING_DRIFT = 1e-3
+# Waiting messages of one topic; chosen: a second of measurements.
+MOST_WAITING = 50
+
+
+class Handlers(NamedTuple):
+    """
+    What a node does with messages of a topic.
+
+    :param accept: takes the message, in the world frame.
+    :param refuse: takes the ``MessageRefused`` and the message as it came.
+    :param move: of goals and maps, which hold from now on: takes the correction, a ``Pose`` by
+        which the last accepted one is moved in the world (``correction @ pose``); None for
+        measurements.
+    """
+
+    accept: Callable[[Any], None]
+    refuse: Callable[[MessageRefused, Any], None]
+    move: Callable[[Pose], None] | None = None
+
+
+class _Waiting(NamedTuple):
+    """A message whose transform has not come, and until when it waits, in monotonic time [s]."""
+
+    topic: str
+    message: Any
+    handlers: Handlers
+    deadline: float
+
+
+class _Anchor(NamedTuple):
+    """What holds in a frame that drifts, and where that frame was when it was last moved."""
+
+    frame: str
+    pose: Pose
+    move: Callable[[Pose], None]
+
+
+class WorldFrame:
+    """Brings messages to the world frame."""
+
+    def __init__(self, node: PushNode, frame: str, timeout: float) -> None:
+        """
+        Wait for the first message in another frame.
+
+        :param node: the ``PushNode``.
+        :param frame: id of the world frame.
+        :param timeout: how long a message waits for its transform [s].
+        """
+        self._node = node
+        self._frame = frame.lstrip('/')
+        self._timeout = timeout
+        self._buffer = TransformBuffer()
+        self._listener: TransformListener | None = None
+        self._patient_until = 0.0
+        self._waiting: list[_Waiting] = []
+        self._anchors: dict[str, _Anchor] = {}
+
+    def receiver(self, topic: str, handlers: Handlers) -> Callable[[Any], None]:
+        """
+        Make the callback of a subscription.
+
+        :param topic: what errors call its messages.
+        :param handlers: ``Handlers``.
+        """
+        def receive(message: Any) -> None:
+            self.receive(topic, message, handlers)
+        return receive
+
+    def receive(self, topic: str, message: Any, handlers: Handlers) -> None:
+        """
+        Hand on a message in the world frame, at once or when its transform has come.
+
+        :param topic: what errors call the message; the former goal or map of that name is no
+            longer moved once this one is accepted.
+        :param message: ``PoseStamped``, ``PoseWithCovarianceStamped`` or ``OccupancyGrid``.
+        :param handlers: ``Handlers``.
+        """
+        frame = message.header.frame_id.lstrip('/')
+        if frame == self._frame or not frame:
+            self._anchors.pop(topic, None)
+            handlers.accept(message)
+            return
+        if self._listener is None:
+            self._listener = self._listen()
+        if not self._listener.is_installed:
+            handlers.refuse(self._refusal(topic, message, NOT_INSTALLED), message)
+            return
+        self._listener.take()
+        self._hand_on_waiting()
+        now = time.monotonic()
+        waiting = _Waiting(topic, message, handlers,
+                           max(now + self._timeout, self._patient_until))
+        if not self._hand_on(waiting, now):
+            self._waiting.append(waiting)
+            of_topic = [item for item in self._waiting if item.topic == topic]
+            if len(of_topic) > MOST_WAITING:
+                self._waiting.remove(of_topic[0])
+
+    def reset(self) -> None:
+        """Forget what is waiting and how frames have moved, as when time went back."""
+        self._waiting = []
+        self._anchors = {}
+        self._buffer.clear()
+
+    def _listen(self) -> TransformListener:
+        # On the wall clock: a message waits for what comes over the network.
+        self._node.create_timer(PERIOD, self._look_after,
+                                clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._patient_until = time.monotonic() + DISCOVERY_TIME
+        return TransformListener(self._node, self._buffer, self._hand_on_waiting)
+
+    def _look_after(self) -> None:
+        self._hand_on_waiting()
+        self._follow()
+
+    def _hand_on_waiting(self) -> None:
+        if not self._waiting:
+            return
+        now = time.monotonic()
+        waiting, self._waiting = self._waiting, []
+        left = [item for item in waiting if not self._hand_on(item, now)]
+        self._waiting = left + self._waiting
+
+    def _hand_on(self, waiting: _Waiting, now: float) -> bool:
+        """Hand a message to its node, or refuse it; return False where it has to wait."""
+        topic, message, handlers, deadline = waiting
+        try:
+            transform = self._look_up(message, handlers, is_late=now >= deadline)
+        except TransformUnavailable as error:
+            if now < deadline and not (error.is_final and now >= self._patient_until):
+                return False
+            handlers.refuse(self._refusal(topic, message, str(error)), message)
+            return True
+        try:
+            in_world = transformed(message, transform, self._frame, topic)
+        except MessageRefused as error:
+            handlers.refuse(error, message)
+            return True
+        self._anchors.pop(topic, None)
+        handlers.accept(in_world)
+        frame = message.header.frame_id
+        if handlers.move is not None and not self._buffer.is_below(frame, self._frame):
+            self._anchors[topic] = _Anchor(frame, transform.planar, handlers.move)
+        return True
+
+    def _look_up(self, message: Any, handlers: Handlers, *, is_late: bool) -> RigidTransform:
+        frame, stamp = message.header.frame_id, nanoseconds(message.header.stamp)
+        try:
+            return self._buffer.lookup(self._frame, frame, stamp)
+        except TransformUnavailable as error:
+            if handlers.move is None or not (is_late or error.is_final or stamp == 0):
+                raise
+        return self._buffer.lookup(self._frame, frame)
+
+    def _follow(self) -> None:
+        """Move goals and maps with the frames that they are in."""
+        for topic, (frame, before, move) in list(self._anchors.items()):
+            try:
+                pose = self._buffer.lookup(self._frame, frame).planar
+            except TransformUnavailable:
+                continue
+            correction = pose @ before.inverse()
+            moved = max(abs(pose.x - before.x), abs(pose.y - before.y))
+            if moved > DRIFT or abs(wrap_angle(correction.theta)) > HEADING_DRIFT:
+                self._anchors[topic] = _Anchor(frame, pose, move)
+                move(correction._replace(theta=wrap_angle(correction.theta)))
+
+    def _refusal(self, topic: str, message: Any, reason: str) -> MessageRefused:
+        header = message.header
+        return MessageRefused(
+            f'{topic}: got frame {header.frame_id!r} at {seconds(header.stamp):.3f} s, expected '
+            f'{self._frame!r} or a frame with a transform to it: {reason}')
