@@ -16,6 +16,7 @@ polled while messages keep coming:
 
 import abc
 import gc
+import math
 import signal
 import sys
 import time
@@ -70,6 +71,11 @@ class PolledNode(Node, abc.ABC):
     """A node with a group of background callbacks, whose real-time topics can be polled."""
 
     background: BackgroundGroup
+
+    @property
+    def wake_time(self) -> float:
+        """Time on the wall at which to poll even if nothing has come, of ``time.monotonic``."""
+        return math.inf
 
     @abc.abstractmethod
     def poll(self) -> bool:
@@ -148,7 +154,8 @@ def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
         elif now < busy_until:
             time.sleep(POLL_PAUSE)
         else:
-            executor.spin_once(timeout_sec=max(0.0, min(BACKGROUND_PERIOD, background_due - now)))
+            until = min(background_due, node.wake_time)
+            executor.spin_once(timeout_sec=max(0.0, until - now))
     executor.remove_node(node)
     executor.shutdown()
 

@@ -59,6 +59,11 @@ class SimOptions:
                                    "those of the node's clock", default=False)
     time_scale: float = quantity('simulated time per wall time, without lockstep; other than 1 '
                                  'only with publish_clock', '', 0.01, 100.0, default=1.0)
+    clock_rate: float = quantity('rate of clock in simulated time; in lockstep clock is published '
+                                 'with the measurements, at most at this rate', 'Hz', above=0.0,
+                                 high=1000.0, default=100.0)
+    truth_prefix: str = quantity('prefix of the frames of the true object and the true robot, in '
+                                 'tf and contact_wrench', default='truth/')
     autostart: bool = quantity('start at once, without sim/start', default=False)
     enable_stamped_cmd_vel: bool = quantity('expect TwistStamped on cmd_vel, else Twist',
                                             default=True)
@@ -81,6 +86,9 @@ class SimOptions:
             pose = getattr(self, name)
             if len(pose) != 3 or not all(map(math.isfinite, pose)):
                 raise ValueError(f'SimOptions.{name}: got {pose}, expected three numbers')
+        if not self.truth_prefix:
+            raise ValueError('SimOptions.truth_prefix: got an empty text, expected the beginning '
+                             'of a frame id')
         if self.time_scale != 1.0 and not self.owns_time:
             raise ValueError(f'SimOptions.time_scale: got {self.time_scale:g}, expected 1 where '
                              'publish_clock is false')

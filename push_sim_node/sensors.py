@@ -13,6 +13,9 @@ from push_model.signals import (
     ObjectPose, Odometry, OdometryReference, PoseCovariance, Twist,
 )
 
+# Deviation that odometry states where the settings have less [m, rad, m/s, rad/s]: chosen, as
+# encoders resolve it. A variance of 0 would count as not stated.
+LEAST_DEVIATION = 1e-3
 # One call is not worth compiling it.
 chord_velocity = interpreted(actuation.chord_velocity)
 
@@ -181,11 +184,69 @@ class PoseSensor:
         return Pose(pose.x + d_x, pose.y + d_y, pose.theta + d_theta)
 
 
+class DriftCovariance:
+    """
+    Covariance of a pose that was summed up, as far as the settings know it.
+
+    With the scale error s, the yaw scale error y, the heading drift d and the offset o of the
+    heading at first, the error of the pose p = (x, y) with its heading is to first order
+
+        error of the heading = o + y (theta - theta_0) + d l,    l: distance travelled
+        error of p = s (p - p_0) + integral of (error of the heading) J dp,    J (x, y) = (-y, x)
+
+    so that each of the four has a vector (x, y, heading) by which it is multiplied. What is fixed
+    in the settings counts like a standard deviation: who reads the odometry does not know it.
+
+    :param settings: ``SensorSettings``.
+    """
+
+    def __init__(self, settings: SensorSettings) -> None:
+        deviations = (math.hypot(settings.odometry_scale, settings.odometry_scale_noise),
+                      settings.odometry_yaw_scale,
+                      math.hypot(settings.odometry_heading_drift,
+                                 settings.odometry_heading_drift_noise),
+                      settings.odometry_heading_offset)
+        # Plain numbers, as this is computed for every measurement of every simulation.
+        self._variances = [deviation ** 2 for deviation in deviations]
+        self._errors = [[0.0, 0.0, 0.0] for _ in range(3)] + [[0.0, 0.0, 1.0]]
+
+    def move(self, d_x: float, d_y: float, rotation: float) -> None:
+        """
+        Let the robot move.
+
+        :param d_x: in the world, x [m].
+        :param d_y: in the world, y [m].
+        :param rotation: [rad].
+        """
+        for error in self._errors:
+            error[0] -= error[2] * d_y
+            error[1] += error[2] * d_x
+        scale, yaw_scale, drift, _ = self._errors
+        scale[0] += d_x
+        scale[1] += d_y
+        yaw_scale[2] += rotation
+        drift[2] += math.hypot(d_x, d_y)
+
+    @property
+    def covariance(self) -> PoseCovariance:
+        """``PoseCovariance`` after the motion so far."""
+        least = LEAST_DEVIATION ** 2
+        x_x, x_y, x_theta, y_y, y_theta, theta_theta = least, 0.0, 0.0, least, 0.0, least
+        for variance, (x, y, theta) in zip(self._variances, self._errors):
+            x_x += variance * x * x
+            x_y += variance * x * y
+            x_theta += variance * x * theta
+            y_y += variance * y * y
+            y_theta += variance * y * theta
+            theta_theta += variance * theta * theta
+        return PoseCovariance(x_x, x_y, x_theta, y_y, y_theta, theta_theta)
+
+
 class OdometrySensor:
     """
     Odometry: integrates the robot's motion, with errors that grow with the distance.
 
-    Where it is absolute it measures the pose instead, with a covariance.
+    Where it is absolute it measures the pose instead; the covariance is then its noise.
 
     :param settings: ``SensorSettings``.
     :param pose: true ``Pose`` of the robot at the start.
@@ -206,6 +267,7 @@ class OdometrySensor:
         self._heading_drift = (settings.odometry_heading_drift
                                + settings.odometry_heading_drift_noise * drift)
         self._pose = Pose(pose.x, pose.y, pose.theta + settings.odometry_heading_offset)
+        self._covariance = DriftCovariance(settings)
 
     def measure(self, time: float, pose: Pose, twist: Twist) -> Odometry:
         """
@@ -214,7 +276,7 @@ class OdometrySensor:
         :param time: now [s].
         :param pose: true ``Pose`` of the robot, its angle not wrapped.
         :param twist: its true ``Twist``, own axes.
-        :return: ``Odometry`` with its heading in [-pi, pi].
+        :return: ``Odometry`` with its heading in [-pi, pi], and its covariance.
         """
         if self._settings.odometry_reference == 'absolute':
             return self._measured_in_world(time, pose, twist)
@@ -223,8 +285,9 @@ class OdometrySensor:
         self._true_pose = pose
         d_x, d_y = chord_velocity(self._pose.theta, *motion, 1.0)
         self._pose = Pose(self._pose.x + d_x, self._pose.y + d_y, self._pose.theta + motion.omega)
+        self._covariance.move(d_x, d_y, motion.omega)
         return Odometry(time, self._pose._replace(theta=wrap_angle(self._pose.theta)),
-                        self._noisy(self._biased(twist)))
+                        self._noisy(self._biased(twist)), self._covariance.covariance)
 
     def _measured_in_world(self, time: float, pose: Pose, twist: Twist) -> Odometry:
         e_x, e_y, e_theta = self._pose_noise.standard_normal(3).tolist()

@@ -19,21 +19,19 @@ from push_ros.node_settings import Frames, SimOptions
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import SimOutputs
+from push_sim_node.ros.pacing import Pacer, SpeedMeter
 from push_sim_node.ros.run_control import QUIET_TIME, RunAction, RunControl, RunState
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
-# Where ROS 2 Humble has both.
-from rclpy.clock import Clock, ClockType  # pyright: ignore[reportPrivateImportUsage]
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
             ('simulation.', SimulationSettings), ('', Frames), ('', SimOptions))
-# Periods of the tick on the wall [s], chosen: in lockstep it only finds what is lost, against the
-# wall clock it paces measurements of 50 Hz.
-LOCKSTEP_TICK = 0.05
-WALL_CLOCK_TICK = 0.002
+# Period on the wall at which the state of the run is looked at where nothing is due before [s],
+# chosen: it finds in lockstep what is lost, and offers measurements while time is held.
+STATE_PERIOD = 0.05
 # Wall time that a command has after its measurement before the next is computed [s], chosen: the
-# controller answers in a few milliseconds.
+# controller answers in a few milliseconds. It shrinks where time is to run faster than the wall.
 COMMAND_GRACE = 0.005
 
 
@@ -71,7 +69,7 @@ class SimNode(PushNode):
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
                                       Pose(*self._options.robot_start), settings, sensors,
                                       interpret=True)
-        self._outputs = SimOutputs(self, obj, robot, self._frames, self._options)
+        self._outputs = SimOutputs(self, obj, robot, sensors, self._frames, self._options)
         self._latencies: list[float] = []
         self._hold()
         self.subscribe('cmd_vel', self._on_command, real_time=True,
@@ -79,12 +77,20 @@ class SimNode(PushNode):
         self.subscribe('initialpose', self._on_initial_pose)
         self.serve_trigger('sim/start', self._start)
         self.serve_trigger('sim/reset', self._reset)
-        wall = Clock(clock_type=ClockType.STEADY_TIME)
-        if self._options.lockstep:
-            self.create_timer(LOCKSTEP_TICK, self._tick, clock=wall)
-        else:
-            self.create_timer(WALL_CLOCK_TICK, self._tick, clock=wall,
-                              callback_group=self.real_time)
+
+    @property
+    def wake_time(self) -> float:
+        """Time on the wall at which something is due [s]."""
+        return self._wake_time
+
+    def poll(self) -> bool:
+        """Handle what has come, and what is due; tell whether anything has come."""
+        found = super().poll()
+        now = time.monotonic()
+        if now >= self._wake_time:
+            self._wake_time = now + STATE_PERIOD
+            self._tick(now)
+        return found
 
     def close(self) -> None:
         """Write the tape, and times on the wall."""
@@ -108,6 +114,9 @@ class SimNode(PushNode):
                                              self._options.enable_stamped_cmd_vel)
         self._control = RunControl(time.monotonic(), self._options.autostart,
                                    QUIET_TIME if self._options.lockstep else 0.0)
+        self._pacer = Pacer(self._options.time_scale, time.monotonic())
+        self._speed_meter = SpeedMeter(time.monotonic())
+        self._wake_time = 0.0
         self._report(OK, 'holds time')
 
     def _start(self) -> ServiceAnswer:
@@ -118,8 +127,7 @@ class SimNode(PushNode):
         self._hold()
         return ServiceAnswer(True, 'put back to the start')
 
-    def _tick(self) -> None:
-        now = time.monotonic()
+    def _tick(self, now: float) -> None:
         action = self._control.tick(now)
         if action is RunAction.OFFER_FIRST_MEASUREMENTS:
             self._outputs.restart_time()
@@ -128,6 +136,8 @@ class SimNode(PushNode):
                 self._outputs.publish_measurement(measurement)
         elif action is RunAction.START:
             self._outputs.restart_time()
+            self._pacer = Pacer(self._options.time_scale, now)
+            self._speed_meter = SpeedMeter(now)
             self._report(OK, 'runs')
             self._publish_next(now)
         elif action is RunAction.CONTINUE and self._options.lockstep:
@@ -144,19 +154,43 @@ class SimNode(PushNode):
             self._outputs.republish(self._in_flight.message)
 
     def _keep_time(self, now: float) -> None:
-        sent = self._in_flight.sent if self._in_flight is not None else now
-        if self._computed is None and now - sent > COMMAND_GRACE:
+        """Compute the next measurement, and publish it when it is due."""
+        if self._computed is None:
+            if self._has_ended():
+                return
             self._computed = self._simulation.next_measurement()
-        due = self._control.started_at + self._simulation.time / self._options.time_scale
-        if self._computed is not None and now >= due:
-            self._publish(self._computed, now)
+        due = self._pacer.due(self._simulation.time)
+        if now < due:
+            self._outputs.publish_clock(self._pacer.time(now))
+            next_clock = self._outputs.next_clock_time(self._pacer.time(now))
+            self._wake_time = min(due, self._pacer.due(next_clock))
+            return
+        self._outputs.skip_time(self._pacer.reached(self._simulation.time, now))
+        self._publish(self._computed, now)
+        self._watch_speed(now)
+
+    def _watch_speed(self, now: float) -> None:
+        was_slow = self._speed_meter.is_slow
+        if not self._speed_meter.update(self._simulation.time, now, self._pacer.scale):
+            return
+        if self._speed_meter.is_slow and not was_slow:
+            self._report(WARN, f'time runs {self._speed_meter.speed:.2g} times as fast as on the '
+                         f'wall, time_scale asks for {self._pacer.scale:g}')
+        elif was_slow and not self._speed_meter.is_slow:
+            self._report(OK, 'runs')
+        else:
+            self._report(self._level, self._text)
+
+    def _has_ended(self) -> bool:
+        limit = self._options.time_limit
+        if not limit or self._simulation.time < limit:
+            return False
+        self._end(OK, f'has reached the time limit of {limit:g} s')
+        return True
 
     def _publish_next(self, now: float) -> None:
-        limit = self._options.time_limit
-        if limit and self._simulation.time >= limit:
-            self._end(OK, f'has reached the time limit of {limit:g} s')
-            return
-        self._publish(self._simulation.next_measurement(), now)
+        if not self._has_ended():
+            self._publish(self._simulation.next_measurement(), now)
 
     def _publish(self, measurement: Odometry | ObjectPose, now: float) -> None:
         self._computed = None
@@ -166,6 +200,8 @@ class SimNode(PushNode):
         self._exchange.sent(nanoseconds(message.header.stamp), now)
         # While the controller computes its command.
         self._outputs.publish_scene(self._simulation)
+        if not self._options.lockstep:
+            self._wake_time = now + COMMAND_GRACE / max(1.0, self._pacer.scale)
 
     def _on_command(self, message: Any) -> None:
         now = time.monotonic()
@@ -176,12 +212,14 @@ class SimNode(PushNode):
             self._control.on_answer(now)
         if self._control.state is not RunState.RUNNING or self._in_flight is None:
             return
-        is_answer = self._exchange.is_answer(stamp)
-        if is_answer and self._in_flight.is_object_pose:
+        if self._options.lockstep and not self._exchange.is_answer(stamp):
+            return
+        if self._in_flight.is_object_pose:
             self._latencies.append(now - self._in_flight.sent)
-        if is_answer or not self._options.lockstep:
-            self._command(message.twist if stamped else message)
-        if is_answer and self._options.lockstep:
+            # Without lockstep more than one command may follow a measurement.
+            self._in_flight = self._in_flight._replace(is_object_pose=False)
+        self._command(message.twist if stamped else message)
+        if self._options.lockstep:
             self._publish_next(now)
 
     def _command(self, message: Any) -> None:
@@ -205,7 +243,10 @@ class SimNode(PushNode):
         self._report(level, text)
 
     def _report(self, level: bytes, text: str) -> None:
+        self._level, self._text = level, text
         values = {'state': self._control.state.value, 'time': self._simulation.time}
+        if self._speed_meter.speed is not None:
+            values['speed'] = round(self._speed_meter.speed, 3)
         self.reporter.report(level, text, self._outputs.stamp(self._simulation.time), values)
 
 

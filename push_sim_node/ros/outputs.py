@@ -10,12 +10,13 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
 from push_ros.conversions.markers import MarkerHeader, scene_markers
 from push_ros.conversions.measurements import (
-    to_object_pose_message, to_odometry_message, to_wrench_message,
+    to_object_pose_message, to_odometry_message, to_wrench_message, VARIANCE_PLACES,
 )
 from push_ros.conversions.primitives import NANOSECONDS, to_quaternion
 from push_ros.node import PushNode, RateLimiter
 from push_ros.node_settings import Frames, SimOptions
 from push_ros.qos import EVENT
+from push_sim_node.sensors import LEAST_DEVIATION, SensorSettings
 from push_sim_node.simulation import Simulation
 from push_sim_node.truth import Truth
 from rosgraph_msgs.msg import Clock
@@ -26,12 +27,13 @@ try:
 except ModuleNotFoundError:
     TFMessage = None
 
-# Rates in simulated time [Hz], chosen for what looks at them: timers and plots, a display, and
-# transforms between which tf interpolates.
-CLOCK_RATE = 10.0
+# Rates in simulated time [Hz], chosen for what looks at them: plots, a display, and transforms
+# between which tf interpolates.
 WRENCH_RATE = 10.0
 MARKER_RATE = 5.0
-TF_RATE = 20.0
+TRUTH_RATE = 20.0
+# Fraction of a period of the clock by which a time may be early, for its rounding.
+CLOCK_ROUNDING = 1e-6
 
 
 class _Output:
@@ -60,31 +62,49 @@ class SimOutputs:
     :param node: the ``PushNode``.
     :param obj: the true ``PushedObject``.
     :param robot: the true ``RoundRobot``.
+    :param sensors: ``SensorSettings``.
     :param frames: ``Frames``.
     :param options: ``SimOptions``.
     """
 
-    def __init__(self, node: PushNode, obj: PushedObject, robot: RoundRobot, frames: Frames,
-                 options: SimOptions) -> None:
+    def __init__(self, node: PushNode, obj: PushedObject, robot: RoundRobot,
+                 sensors: SensorSettings, frames: Frames, options: SimOptions) -> None:
         self._node = node
         self._obj = obj
         self._robot = robot
         self._frames = frames
+        self._options = options
         self._owns_time = options.owns_time
+        self._twist_covariance = twist_covariance(sensors)
         self._epoch = 0
         self._odometry = node.publisher('odom')
         self._object_pose = node.publisher('object_pose')
         self._wrench = _Output(node.publisher('contact_wrench'), WRENCH_RATE)
         self._markers = _Output(node.publisher('markers'), MARKER_RATE)
-        self._clock = _Output(node.publisher('clock') if self._owns_time else None, CLOCK_RATE)
+        self._clock = node.publisher('clock') if self._owns_time else None
+        self._clock_rate = options.clock_rate
+        self._clock_period = -1
+        if TFMessage is None:
+            node.get_logger().info('publishes no tf: tf2_msgs is not installed')
         self._tf = _Output(
-            None if TFMessage is None else node.create_publisher(TFMessage, '/tf', EVENT), TF_RATE)
+            None if TFMessage is None else node.create_publisher(TFMessage, '/tf', EVENT),
+            TRUTH_RATE)
         self.restart_time()
 
     def restart_time(self) -> None:
         """Let simulated time 0 be now, where stamps are those of the node's clock."""
+        self._clock_period = -1
         if not self._owns_time:
             self._epoch = self._node.get_clock().now().nanoseconds
+
+    def skip_time(self, delay: float) -> None:
+        """
+        Move stamps on by a time in which nothing was simulated, where the node's clock makes them.
+
+        :param delay: on the wall [s].
+        """
+        if not self._owns_time:
+            self._epoch += math.floor(delay * NANOSECONDS)
 
     def stamp(self, time: float) -> Time:
         """
@@ -102,9 +122,13 @@ class SimOutputs:
         :param measurement: ``Odometry`` or ``ObjectPose``.
         :return: the message.
         """
+        self.publish_clock(measurement.time)
         if isinstance(measurement, Odometry):
             message = to_odometry_message(measurement, self._frames.world_frame,
                                           self._frames.base_frame)
+            message.twist.covariance = self._twist_covariance
+            self._publish_transforms(self.stamp(measurement.time),
+                                     {self._frames.base_frame: measurement.pose})
         else:
             message = to_object_pose_message(measurement, self._frames.world_frame)
         message.header.stamp = self.stamp(measurement.time)
@@ -122,21 +146,32 @@ class SimOutputs:
 
     def publish_clock(self, time: float) -> None:
         """
-        Publish the clock, where stamps are simulated time.
+        Publish the clock where stamps are simulated time, and where it is due.
 
         :param time: simulated time [s].
         """
-        self._clock.publish(Clock(clock=self.stamp(time)))
+        period = math.floor(time * self._clock_rate + CLOCK_ROUNDING)
+        if self._clock is not None and period > self._clock_period:
+            self._clock_period = period
+            self._clock.publish(Clock(clock=self.stamp(time)))
+
+    def next_clock_time(self, time: float) -> float:
+        """
+        Compute the next simulated time at which the clock is due, infinite where there is none.
+
+        :param time: simulated time [s].
+        """
+        if self._clock is None:
+            return math.inf
+        return (math.floor(time * self._clock_rate + CLOCK_ROUNDING) + 1) / self._clock_rate
 
     def publish_scene(self, simulation: Simulation) -> None:
         """
-        Publish clock, contact wrench, markers and transforms where they are due.
+        Publish contact wrench, markers and transforms of the truth where they are due.
 
         :param simulation: the ``Simulation``.
         """
         time = simulation.time
-        if self._clock.is_due(time):
-            self.publish_clock(time)
         if self._wrench.is_due(time) and self._wrench.has_subscribers():
             self._publish_wrench(simulation.truth)
         if self._markers.is_due(time) and self._markers.has_subscribers():
@@ -145,25 +180,43 @@ class SimOutputs:
                 MarkerHeader(self.stamp(time), self._frames.world_frame, 'sim'), self._obj,
                 self._robot, truth.object_pose, truth.robot_pose))
         if self._tf.is_due(time):
-            self._publish_transforms(simulation.truth)
+            truth = simulation.truth
+            self._publish_transforms(self.stamp(truth.time), {
+                self._options.truth_prefix + self._frames.base_frame: truth.robot_pose,
+                self._options.truth_prefix + self._frames.object_frame: truth.object_pose})
 
     def _publish_wrench(self, truth: Truth) -> None:
         normal_in_object = Pose(0.0, 0.0, truth.normal - truth.object_pose.theta)
         self._wrench.publish(to_wrench_message(
             normal_in_object.rotate((truth.force_n, truth.force_t)), self.stamp(truth.time),
-            self._frames.object_frame))
+            self._options.truth_prefix + self._frames.object_frame))
 
-    def _publish_transforms(self, truth: Truth) -> None:
+    def _publish_transforms(self, stamp: Time, poses: dict[str, Pose]) -> None:
+        """Publish where frames are in the world frame, by their ids."""
         if TFMessage is None:
             return
         message = TFMessage()
-        for child, pose in ((self._frames.base_frame, truth.robot_pose),
-                            (self._frames.object_frame, truth.object_pose)):
+        for child, pose in poses.items():
             transform = TransformStamped(child_frame_id=child)
-            transform.header.stamp = self.stamp(truth.time)
+            transform.header.stamp = stamp
             transform.header.frame_id = self._frames.world_frame
             transform.transform.translation.x = pose.x
             transform.transform.translation.y = pose.y
             transform.transform.rotation = to_quaternion(pose.theta)
             message.transforms.append(transform)
         self._tf.publish(message)
+
+
+def twist_covariance(sensors: SensorSettings) -> list[float]:
+    """
+    State the noise of the velocity of odometry, as a message has it.
+
+    :param sensors: ``SensorSettings``.
+    :return: covariance of (x, y, z, roll, pitch, yaw) in the axes of the robot, by rows.
+    """
+    covariance = [0.0] * 36
+    for axis, place in VARIANCE_PLACES.items():
+        deviation = (sensors.odometry_yaw_rate_noise if axis == 'yaw'
+                     else sensors.odometry_speed_noise)
+        covariance[place] = max(deviation, LEAST_DEVIATION) ** 2
+    return covariance

@@ -5,6 +5,7 @@ from helpers.node_bench import bench
 from push_model.geometry import Pose
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message
+from push_ros.diagnostics import WARN
 from push_ros.parameters import to_parameter_values
 from push_ros.topics import SIM
 from push_scenario.definition.loader import find_scenario, read_scenario
@@ -92,3 +93,33 @@ def test_it_holds_time_until_it_is_started(tmp_path):
         count = len(b.received['odom'])
         b.wait_until(lambda: len(b.received['odom']) > count + 1)
         assert nanoseconds(b.received['odom'][-1].header.stamp) == 0
+
+
+def test_clock_and_speed_of_time(tmp_path):
+    """The clock goes on between measurements; a speed that cannot be reached is a warning."""
+    parameters = {**PHYSICS, **AWAY, 'autostart': True, 'publish_clock': True}
+    slow, fast = ({**parameters, 'time_scale': scale} for scale in (0.1, 100.0))
+    with bench(tmp_path, SIM, MODULE, slow) as b:
+        b.subscribe('clock')
+        b.wait_until(lambda: len(b.received['clock']) > 20)
+        times = [seconds(message.clock) for message in b.received['clock']]
+        assert times == sorted(times)
+        assert min(later - time for time, later in zip(times, times[1:])) < 0.0101
+    with bench(tmp_path, SIM, MODULE, fast) as b:
+        b.subscribe('diagnostics')
+        warned = []
+        while not warned:
+            b.spin(0.2)
+            warned = [status for message in b.received['diagnostics']
+                      for status in message.status if status.level == WARN]
+        assert 'time_scale asks for 100' in warned[0].message
+        values = {item.key: item.value for item in warned[0].values}
+        assert 0.0 < float(values['speed']) < 100.0
+
+
+def test_odometry_states_its_covariance(sim):
+    """Of pose and velocity, as motion filters need them."""
+    sim.wait_until(lambda: sim.received['odom'])
+    odometry = sim.received['odom'][-1]
+    for covariance in (odometry.pose.covariance, odometry.twist.covariance):
+        assert all(covariance[place] > 0.0 for place in (0, 7, 35))

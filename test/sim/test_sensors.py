@@ -5,8 +5,10 @@ import math
 
 import numpy as np
 from push_model.geometry import Pose
-from push_model.signals import Twist
-from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings, ViewBias
+from push_model.signals import PoseCovariance, Twist
+from push_sim_node.sensors import (
+    LEAST_DEVIATION, OdometrySensor, PoseSensor, SensorSettings, ViewBias,
+)
 import pytest
 
 TRUE = Pose(1.0, -2.0, 3.0)
@@ -177,8 +179,30 @@ def test_absolute_odometry_does_not_drift_and_states_its_noise():
     assert np.abs(np.mean(errors, axis=0)).max() < 4.0 * 5e-3 / math.sqrt(3000)
 
 
-def test_drifting_odometry_states_no_covariance():
-    assert travelled(SensorSettings(), Twist(0.3, 0.0, 0.9))[0].covariance is None
+def test_drifting_odometry_states_the_covariance_of_what_it_sums_up():
+    """That of many runs, along an arc; at first, and without errors, what encoders resolve."""
+    settings = SensorSettings(odometry_scale_noise=0.03, odometry_heading_drift_noise=0.02)
+    runs = [travelled(settings, Twist(0.3, 0.0, 0.9), seed=seed) for seed in range(300)]
+    errors = np.array([odometry.pose for odometry, _ in runs]) - runs[0][1]
+    stated = runs[0][0].covariance.matrix
+    deviations = np.sqrt(np.diag(stated))
+    assert errors.std(axis=0) == pytest.approx(deviations, rel=0.15)
+    correlation = stated / np.outer(deviations, deviations)
+    assert np.corrcoef(errors.T) == pytest.approx(correlation, abs=0.2)
+    least = PoseCovariance.from_deviations(LEAST_DEVIATION, LEAST_DEVIATION)
+    assert travelled(SensorSettings(), Twist(0.3, 0.0, 0.9))[0].covariance == least
+    first = odometer(settings).measure(0.0, Pose(0.0, 0.0, 0.0), Twist())
+    assert first.covariance == least
+
+
+def test_fixed_errors_of_odometry_are_covered_by_what_it_states():
+    """Yaw scale and offset as well; each error is about one standard deviation."""
+    for name, value in (('odometry_scale', 0.02), ('odometry_yaw_scale', 0.05),
+                        ('odometry_heading_drift', 0.03), ('odometry_heading_offset', 0.04)):
+        odometry, pose = travelled(SensorSettings(**{name: value}), Twist(0.3, 0.0, 0.9))
+        error = np.array(odometry.pose) - pose
+        variance = error @ np.linalg.solve(odometry.covariance.matrix, error)
+        assert 0.9 < math.sqrt(variance) < 1.5, name
 
 
 @pytest.mark.parametrize('intervals', [((2.0, 1.0),), ((1.0,),), (1.0, 2.0)])

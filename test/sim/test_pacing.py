@@ -1,0 +1,64 @@
+"""Simulated time against the wall clock, which is a number here."""
+
+from push_sim_node.ros.pacing import JITTER, Pacer, SPEED_WINDOW, SpeedMeter
+import pytest
+
+PERIOD = 0.02
+
+
+def run(pacer, start, count, delay=lambda i: 0.0):
+    """Reach one measurement after the other with delays; return the wall time at the end."""
+    now = start
+    for i in range(1, count + 1):
+        now = max(now, pacer.due(i * PERIOD)) + delay(i)
+        pacer.reached(i * PERIOD, now)
+    return now
+
+
+@pytest.mark.parametrize('scale', [0.5, 1.0, 4.0])
+def test_jitter_of_single_measurements_does_not_slow_time_down(scale):
+    jitter = 0.003 / scale
+    end = run(Pacer(scale, 100.0), 100.0, 500, lambda i: jitter * (i % 3))
+    assert end == pytest.approx(100.0 + 500 * PERIOD / scale, abs=2.1 * jitter)
+
+
+def test_what_was_lost_is_not_made_up():
+    """After a second in which nothing went on, time runs as fast as before and not faster."""
+    pacer = Pacer(1.0, 0.0)
+    end = run(pacer, 0.0, 200, lambda i: 1.0 if i == 100 else 0.0)
+    assert end == pytest.approx(200 * PERIOD + 1.0, abs=1e-9)
+    assert pacer.due(201 * PERIOD) - end == pytest.approx(PERIOD)
+
+
+def test_a_machine_that_is_too_slow_is_behind_by_no_more_than_jitter():
+    pacer = Pacer(10.0, 0.0)
+    end = run(pacer, 0.0, 500, lambda i: 0.01)
+    assert pacer.time(end) - 500 * PERIOD <= 10.0 * JITTER
+
+
+def test_a_delay_that_is_dropped_is_told_once():
+    pacer = Pacer(1.0, 0.0)
+    assert pacer.reached(1.0, 1.0 + 0.9 * JITTER) == 0.0
+    assert pacer.reached(2.0, 5.0) == pytest.approx(3.0)
+    assert pacer.reached(3.0, 6.0) == 0.0
+
+
+def test_another_pace_begins_where_time_stands():
+    pacer = Pacer(1.0, 0.0)
+    pacer.set_scale(4.0, 2.0)
+    assert pacer.scale == 4.0
+    assert pacer.time(2.0) == 2.0
+    assert pacer.due(6.0) == pytest.approx(3.0)
+
+
+def test_the_speed_of_time_is_measured_over_windows():
+    meter = SpeedMeter(0.0)
+    assert meter.speed is None and not meter.is_slow
+    assert not meter.update(0.5 * SPEED_WINDOW, 0.5 * SPEED_WINDOW, 1.0)
+    assert meter.update(SPEED_WINDOW, SPEED_WINDOW, 1.0)
+    assert meter.speed == pytest.approx(1.0) and not meter.is_slow
+    assert meter.update(1.8 * SPEED_WINDOW, 2.0 * SPEED_WINDOW, 1.0)
+    assert meter.speed == pytest.approx(0.8) and meter.is_slow
+    # A little better is not yet right.
+    assert meter.update(2.73 * SPEED_WINDOW, 3.0 * SPEED_WINDOW, 1.0) and meter.is_slow
+    assert meter.update(3.73 * SPEED_WINDOW, 4.0 * SPEED_WINDOW, 1.0) and not meter.is_slow
