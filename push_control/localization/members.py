@@ -69,7 +69,7 @@ class Members:
         self.scratch = Scratch(obj)
         # Many ask for the poses between two changes of them.
         self._poses: FloatArray | None = None
-        self._means: list[float] | None = None
+        self._means: tuple[Pose, Pose] | None = None
 
     @property
     def count(self) -> int:
@@ -98,12 +98,12 @@ class Members:
     @property
     def mean_robot_pose(self) -> Pose:
         """Mean ``Pose`` of the robots."""
-        return Pose(*self._mean_poses[:3])
+        return self._mean_poses[0]
 
     @property
     def mean_object_pose(self) -> Pose:
         """Mean ``Pose`` of the objects."""
-        return Pose(*self._mean_poses[3:])
+        return self._mean_poses[1]
 
     @property
     def in_contact(self) -> BoolArray:
@@ -160,10 +160,12 @@ class Members:
         self._forget_poses()
 
     @property
-    def _mean_poses(self) -> list[float]:
-        if self._means is None:
-            self._means = self.poses.mean(axis=0).tolist()
-        return self._means
+    def _mean_poses(self) -> tuple[Pose, Pose]:
+        means = self._means
+        if means is None:
+            numbers = self.poses.mean(axis=0).tolist()
+            means = self._means = (Pose(*numbers[:3]), Pose(*numbers[3:]))
+        return means
 
     def _forget_poses(self) -> None:
         self._poses = None
