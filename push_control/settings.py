@@ -4,6 +4,7 @@ import dataclasses
 from typing import get_args, Literal
 
 from push_model.quantity import check, quantity
+from push_model.signals import ObjectPose, PoseCovariance
 
 ControlLaw = Literal['feedback', 'mpc', 'open_loop']
 LAWS: tuple[ControlLaw, ...] = get_args(ControlLaw)
@@ -131,10 +132,10 @@ class ControlSettings:
 
     # Estimator: measurements, and what is wrong with the nominal values.
     pose_noise: float = quantity(
-        'standard deviation of a measured object position', 'm', above=0.0, high=0.5,
+        'standard deviation of a measured object position that states none', 'm', above=0.0, high=0.5,
         default=0.002)
     heading_noise: float = quantity(
-        'standard deviation of a measured object heading', 'rad', above=0.0, high=0.5,
+        'standard deviation of a measured object heading that states none', 'rad', above=0.0, high=0.5,
         default=0.006)
     pose_gate: float = quantity(
         'squared Mahalanobis distance at which a pose is rejected', '', above=0.0, high=1000.0,
@@ -168,3 +169,15 @@ class ControlSettings:
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+
+    def believed_covariance(self, measured: ObjectPose) -> PoseCovariance:
+        """
+        Choose the covariance of a measured object pose.
+
+        :param measured: ``ObjectPose``.
+        :return: the ``PoseCovariance`` that it states; that of ``pose_noise`` and
+            ``heading_noise`` where it states none.
+        """
+        if measured.covariance is not None:
+            return measured.covariance
+        return PoseCovariance.from_deviations(self.pose_noise, self.heading_noise)

@@ -1,5 +1,6 @@
 """Measurements and commands, the pure counterparts of the topics."""
 
+import math
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -47,6 +48,16 @@ class PoseCovariance(NamedTuple):
         return cls(position ** 2, 0.0, 0.0, position ** 2, 0.0, heading ** 2)
 
     @property
+    def position_deviation(self) -> float:
+        """Standard deviation of x or y, the greater one [m]."""
+        return math.sqrt(max(self.x_x, self.y_y))
+
+    @property
+    def heading_deviation(self) -> float:
+        """Standard deviation of the heading [rad]."""
+        return math.sqrt(self.theta_theta)
+
+    @property
     def matrix(self) -> FloatArray:
         """The same as a symmetric matrix of (x, y, theta), shape (3, 3)."""
         x_x, x_y, x_theta, y_y, y_theta, theta_theta = self
@@ -73,7 +84,15 @@ class Odometry(NamedTuple):
 
 
 class ObjectPose(NamedTuple):
-    """Object pose in the world frame, measured at a time [s]."""
+    """
+    Object pose in the world frame, measured at a time [s].
+
+    :param time: of the measurement [s].
+    :param pose: ``Pose`` of the object.
+    :param covariance: ``PoseCovariance`` of the pose as its source states it; None where it states
+        none.
+    """
 
     time: float
     pose: Pose
+    covariance: PoseCovariance | None = None

@@ -34,7 +34,6 @@ class NoiseModel(NamedTuple):
     What the filter reckons with.
 
     :param initial: variances of the ``PushState`` at the start, shape (7,).
-    :param measurement: R, covariance of a measured pose (x, y, theta), shape (3, 3).
     :param walk: Q, variances of the random walk of the state per path length, shape (7,).
     :param pose_gate: squared Mahalanobis distance at which a pose is rejected.
     :param center: nominal centre of friction, object frame (x, y) [m].
@@ -42,7 +41,6 @@ class NoiseModel(NamedTuple):
     """
 
     initial: FloatArray
-    measurement: FloatArray
     walk: FloatArray
     pose_gate: float
     center: Coordinates
@@ -66,8 +64,7 @@ class NoiseModel(NamedTuple):
         walks = (settings.position_walk, settings.position_walk, settings.heading_walk,
                  settings.push_direction_walk, settings.center_walk, settings.center_walk,
                  settings.c_squared_log_walk)
-        return cls(np.square(standard_deviations), np.diag(np.square(standard_deviations[:3])),
-                   np.square(walks), settings.pose_gate, center,
+        return cls(np.square(standard_deviations), np.square(walks), settings.pose_gate, center,
                    settings.max_center_offset_ratio * arm)
 
 
@@ -160,12 +157,14 @@ class Estimator:
         """
         site = motion.site
         self.motion = motion
+        self._settings = settings
         self._noise = NoiseModel.of(settings, site, center)
         theta = pose.pose.theta
         misalignment = wrap_angle(odometry.pose.theta - theta - site.heading)
         self.state = PushState(pose.pose.x, pose.pose.y, theta,
                                theta + site.heading + misalignment, *center)
         self._covariance: FloatArray = np.diag(self._noise.initial)
+        self._covariance[:3, :3] = settings.believed_covariance(pose).matrix
         self._time = min(pose.time, odometry.time)
         self._odometry = OdometryBuffer(self._time, odometry)
         # The state at the time of the last odometry, or None where it must be computed.
@@ -220,7 +219,8 @@ class Estimator:
         state, covariance = self.state, self._covariance
         innovation = np.array([measured.pose.x - state.x, measured.pose.y - state.y,
                                wrap_angle(measured.pose.theta - state.theta)])
-        information = np.linalg.inv(covariance[:3, :3] + self._noise.measurement)
+        noise = self._settings.believed_covariance(measured).matrix
+        information = np.linalg.inv(covariance[:3, :3] + noise)
         if innovation @ information @ innovation > self._noise.pose_gate:
             self._reject()
             return PoseUpdate(False, motions)

@@ -129,8 +129,7 @@ class PushEnsemble:
         :param seed: of the random draws of the members.
         """
         self.members = Members(obj, robot, MEMBER_COUNT)
-        self._noise = np.array((control.pose_noise, control.pose_noise, control.heading_noise))
-        self._noise_covariance = np.diag(self._noise ** 2)
+        self._settings = control
         self._odometry_noise = odometry_noise
         self._rng = np.random.default_rng(seed)
         self._odometry: Odometry | None = None
@@ -296,7 +295,7 @@ class PushEnsemble:
         :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
         """
         if self._pose_time is None:
-            self._place_objects(measured.pose)
+            self._place_objects(measured)
             self._pose_time = measured.time
             return
         if measured.time <= self._pose_time or not self._history:
@@ -307,15 +306,16 @@ class PushEnsemble:
         innovation = np.array(measured.pose) - mean
         innovation[2] = wrap_angle(innovation[2])
         spread = objects - mean
-        covariance = spread.T @ spread / (len(spread) - 1) + self._noise_covariance
+        noise = self._settings.believed_covariance(measured).matrix
+        covariance = spread.T @ spread / (len(spread) - 1) + noise
         if innovation @ np.linalg.solve(covariance, innovation) > OUTLIER_GATE:
             self._outliers += 1
             if self._outliers >= MAX_OUTLIERS:
-                self._on_object_displaced(measured.pose)
+                self._on_object_displaced(measured)
             return
         self._outliers = 0
         is_coupled = measured.time - self._last_contact < COUPLING_TIME
-        self._correct(spread, innovation, self._noise_covariance, is_coupled)
+        self._correct(spread, innovation, noise, is_coupled)
         self._keep_object_spread()
 
     def update_robot(self, pose: Pose, covariance: FloatArray) -> None:
@@ -470,17 +470,18 @@ class PushEnsemble:
         if missing.any() and self.contact_ratio == 0.0:
             members.set_object_poses(poses + missing * self._normal(poses.shape))
 
-    def _on_object_displaced(self, pose: Pose) -> None:
+    def _on_object_displaced(self, measured: ObjectPose) -> None:
         """Accept that the object is elsewhere: somebody has moved it, or the robot is lost."""
         was_pushed = self.contact_ratio > 0.0
-        self._place_objects(pose)
+        self._place_objects(measured)
         if was_pushed:
             self.inflate_covariance(LOST_POSITION_STD, LOST_HEADING_STD)
 
-    def _place_objects(self, pose: Pose) -> None:
+    def _place_objects(self, measured: ObjectPose) -> None:
         members = self.members
+        deviations = np.sqrt(np.diag(self._settings.believed_covariance(measured).matrix))
         members.set_object_poses(
-            np.array(pose) + self._noise * self._normal((members.count, POSE)))
+            np.array(measured.pose) + deviations * self._normal((members.count, POSE)))
         members.states[:, _MOTION] = 0.0
         self._outliers = 0
         self._forget_history()

@@ -70,7 +70,7 @@ class StationarityWindow:
         """
         if self._measured and measured.time <= self._measured[-1].time:
             return
-        if self._average is not None and self._has_left(self._average.pose, measured.pose):
+        if self._average is not None and self._has_left(self._average.pose, measured):
             self._measured.clear()
         self._measured.append(measured)
         while measured.time - self._measured[0].time > self._supervision.max_averaging_time:
@@ -82,22 +82,25 @@ class StationarityWindow:
         """The ``ObjectAtRest``; None before the first measurement."""
         return self._average
 
-    def _has_left(self, before: Pose, pose: Pose) -> bool:
-        gate, control = self._supervision.motion_gate_sigmas, self._control
-        return (distance(pose, before) > gate * control.pose_noise
-                or abs(wrap_angle(pose.theta - before.theta)) > gate * control.heading_noise)
+    def _has_left(self, before: Pose, measured: ObjectPose) -> bool:
+        gate, pose = self._supervision.motion_gate_sigmas, measured.pose
+        noise = self._control.believed_covariance(measured)
+        return (distance(pose, before) > gate * noise.position_deviation
+                or abs(wrap_angle(pose.theta - before.theta)) > gate * noise.heading_deviation)
 
     def _averaged(self) -> ObjectAtRest:
         # Headings are averaged relative to the first, clear of the seam of angles.
         first = self._measured[0].pose.theta
-        rows = np.array([(pose.x, pose.y, wrap_angle(pose.theta - first))
-                         for _, pose in self._measured])
+        poses = [measured.pose for measured in self._measured]
+        rows = np.array([(pose.x, pose.y, wrap_angle(pose.theta - first)) for pose in poses])
         x, y, rotation = rows.mean(axis=0).tolist()
-        factor = 1.0 / math.sqrt(len(rows))
+        noises = [self._control.believed_covariance(measured) for measured in self._measured]
+        position_errors = [noise.position_deviation for noise in noises]
+        heading_errors = [noise.heading_deviation for noise in noises]
         return ObjectAtRest(
             Pose(x, y, wrap_angle(first + rotation)),
             self._measured[-1].time - self._measured[0].time,
-            factor * self._control.pose_noise, factor * self._control.heading_noise)
+            math.hypot(*position_errors) / len(rows), math.hypot(*heading_errors) / len(rows))
 
 
 def has_moved(before: Pose, pose: Pose, settings: SupervisionSettings) -> bool:
