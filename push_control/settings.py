@@ -132,11 +132,11 @@ class ControlSettings:
 
     # Estimator: measurements, and what is wrong with the nominal values.
     pose_noise: float = quantity(
-        'standard deviation of a measured object position that states none', 'm', above=0.0, high=0.5,
-        default=0.002)
+        'standard deviation of a measured object position that states none', 'm',
+        above=0.0, high=0.5, default=0.002)
     heading_noise: float = quantity(
-        'standard deviation of a measured object heading that states none', 'rad', above=0.0, high=0.5,
-        default=0.006)
+        'standard deviation of a measured object heading that states none', 'rad',
+        above=0.0, high=0.5, default=0.006)
     pose_gate: float = quantity(
         'squared Mahalanobis distance at which a pose is rejected', '', above=0.0, high=1000.0,
         default=16.0)

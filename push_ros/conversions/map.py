@@ -7,7 +7,7 @@ from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.primitives import (
-    check_frame, from_pose_message, MessageRefused, to_pose_message,
+    check_frame, check_upright, from_pose_message, MessageRefused, to_pose_message,
 )
 
 # Values of ``nav_msgs/OccupancyGrid``: no knowledge, or the probability of an obstacle in percent.
@@ -57,6 +57,7 @@ def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map') -> 
     if len(wrong):
         raise MessageRefused(f'{topic}: got {cells[wrong[0]]} in cell {wrong[0]}, expected '
                              f'{UNKNOWN} to {FULL}')
+    check_upright(info.origin.orientation, f'{topic}: origin')
     origin = from_pose_message(info.origin, f'{topic}: origin')
     occupied = (cells >= OCCUPIED) | (cells == UNKNOWN)
     return OccupancyMap(info.resolution, origin, occupied.reshape(info.height, info.width))

@@ -1,18 +1,18 @@
 """Whole messages to values and back: measurements, goals, commands, forces."""
 
 import math
-from typing import Sequence
+from typing import Any, Sequence
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
-    PoseStamped, Twist as TwistMessage, TwistStamped, WrenchStamped,
+    PoseStamped, PoseWithCovarianceStamped, Twist as TwistMessage, TwistStamped, WrenchStamped,
 )
 from nav_msgs.msg import Odometry as OdometryMessage
 from push_model.geometry import Coordinates
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
 from push_ros.conversions.primitives import (
-    check_frame, from_pose_message, from_twist_message, MessageRefused, seconds, to_pose_message,
-    to_stamp, to_twist_message,
+    check_frame, check_upright, from_pose_message, from_twist_message, MessageRefused, seconds,
+    to_pose_message, to_stamp, to_twist_message,
 )
 
 # Places of ``PoseCovariance`` in the 6 x 6 covariance of a message, by rows of (x, y, z, roll,
@@ -37,9 +37,7 @@ def to_odometry_message(odometry: Odometry, frame: str, child_frame: str) -> Odo
     message.pose.pose = to_pose_message(odometry.pose)
     message.twist.twist = to_twist_message(odometry.twist)
     if odometry.covariance is not None:
-        for place, value in zip(COVARIANCE_PLACES, odometry.covariance):
-            row, column = divmod(place, 6)
-            message.pose.covariance[place] = message.pose.covariance[6 * column + row] = value
+        message.pose.covariance = to_covariance(odometry.covariance)
     return message
 
 
@@ -59,6 +57,20 @@ def from_odometry_message(message: OdometryMessage, frame: str,
                     from_twist_message(message.twist.twist, topic),
                     from_covariance(list(map(float, message.pose.covariance)),
                                     f'{topic}.pose.covariance'))
+
+
+def to_covariance(covariance: PoseCovariance) -> list[float]:
+    """
+    Write the covariance of a pose in the plane.
+
+    :param covariance: ``PoseCovariance``.
+    :return: of (x, y, z, roll, pitch, yaw), by rows, 36 numbers; those out of the plane are 0.
+    """
+    values = [0.0] * 36
+    for place, value in zip(COVARIANCE_PLACES, covariance):
+        row, column = divmod(place, 6)
+        values[place] = values[6 * column + row] = value
+    return values
 
 
 def from_covariance(values: Sequence[float], name: str) -> PoseCovariance | None:
@@ -89,31 +101,49 @@ def from_covariance(values: Sequence[float], name: str) -> PoseCovariance | None
     return covariance
 
 
-def to_object_pose_message(object_pose: ObjectPose, frame: str) -> PoseStamped:
+def to_object_pose_message(
+        object_pose: ObjectPose, frame: str, *,
+        with_covariance: bool = False) -> PoseStamped | PoseWithCovarianceStamped:
     """
     Convert an object pose to a message.
 
     :param object_pose: ``ObjectPose``.
     :param frame: id of the world frame.
+    :param with_covariance: whether to make a ``PoseWithCovarianceStamped``, whose covariance is 0
+        where none is stated; else a ``PoseStamped``.
     """
-    message = PoseStamped(pose=to_pose_message(object_pose.pose))
+    pose = to_pose_message(object_pose.pose)
+    if with_covariance:
+        message = PoseWithCovarianceStamped()
+        message.pose.pose = pose
+        if object_pose.covariance is not None:
+            message.pose.covariance = to_covariance(object_pose.covariance)
+    else:
+        message = PoseStamped(pose=pose)
     message.header.stamp, message.header.frame_id = to_stamp(object_pose.time), frame
     return message
 
 
-def from_object_pose_message(message: PoseStamped, frame: str,
+def from_object_pose_message(message: PoseStamped | PoseWithCovarianceStamped, frame: str,
                              topic: str = 'object_pose') -> ObjectPose:
     """
     Read an object pose, or a goal.
 
-    :param message: ``geometry_msgs/PoseStamped``.
+    :param message: ``geometry_msgs/PoseStamped`` or ``PoseWithCovarianceStamped``.
     :param frame: id of the world frame.
     :param topic: what errors call the message.
-    :raises MessageRefused: where the frame is another, a number is not finite or the quaternion
-        is 0.
+    :raises MessageRefused: where the frame is another, a number is not finite, the quaternion is
+        0, the pose is tilted, or the covariance is none.
     """
     check_frame(message.header.frame_id, frame, topic)
-    return ObjectPose(seconds(message.header.stamp), from_pose_message(message.pose, topic))
+    pose: Any = message.pose
+    covariance = None
+    if isinstance(message, PoseWithCovarianceStamped):
+        pose = message.pose.pose
+        covariance = from_covariance(list(map(float, message.pose.covariance)),
+                                     f'{topic}.pose.covariance')
+    check_upright(pose.orientation, topic)
+    return ObjectPose(seconds(message.header.stamp), from_pose_message(pose, topic), covariance)
 
 
 def to_command_message(twist: Twist, stamp: Time, frame: str,

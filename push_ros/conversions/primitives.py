@@ -12,6 +12,9 @@ NANOSECONDS = 1_000_000_000
 # Length below which a quaternion has no direction, as one that nobody has filled in; chosen: far
 # below any rounding of one of length 1.
 LEAST_QUATERNION = 1e-3
+# Angle between the z axes of a pose and of the world above which it is no pose in the plane [rad];
+# chosen: the rotation of a tag errs by less, and an object on another face is off by far more.
+LARGEST_TILT = 0.26
 Stamp = TypeVar('Stamp', Time, Duration)
 
 
@@ -81,6 +84,21 @@ def to_yaw(quaternion: Quaternion, topic: str) -> float:
         raise MessageRefused(f'{topic}: got the quaternion ({x:g}, {y:g}, {z:g}, {w:g}), '
                              'expected one of length 1')
     return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+
+
+def check_upright(quaternion: Quaternion, topic: str) -> None:
+    """
+    Refuse a pose that does not stand upright; one that has no rotation passes here.
+
+    :param quaternion: ``geometry_msgs/Quaternion``.
+    :param topic: what the error calls the message.
+    :raises MessageRefused: naming the tilt.
+    """
+    tilt = 2.0 * math.atan2(math.hypot(quaternion.x, quaternion.y),
+                            math.hypot(quaternion.z, quaternion.w))
+    if tilt > LARGEST_TILT:
+        raise MessageRefused(f'{topic}: got a pose whose z axis is tilted by {tilt:.2f} rad, '
+                             f'expected an upright one (at most {LARGEST_TILT:g} rad)')
 
 
 def to_pose_message(pose: Coordinates) -> PoseMessage:

@@ -125,6 +125,32 @@ def test_a_stated_covariance_survives():
     assert from_odometry_message(message, 'odom').covariance == covariance
 
 
+@pytest.mark.parametrize('covariance', [None, PoseCovariance(4e-6, 1e-6, -2e-6, 9e-6, 3e-6, 1e-4)])
+def test_an_object_pose_states_its_covariance_or_none(covariance):
+    """Both types of message carry the same pose."""
+    pose = ObjectPose(0.35, Pose(-1.0, 0.0, 0.0), covariance)
+    stated = sent(to_object_pose_message(pose, 'odom', with_covariance=True))
+    assert from_object_pose_message(stated, 'odom') == pose
+    plain = sent(to_object_pose_message(pose, 'odom'))
+    assert from_object_pose_message(plain, 'odom') == pose._replace(covariance=None)
+
+
+@pytest.mark.parametrize('tilt, is_refused', [(0.2, False), (0.3, True), (math.pi, True)])
+@pytest.mark.parametrize('with_covariance', [False, True])
+def test_an_object_that_does_not_stand_upright_is_refused(tilt, is_refused, with_covariance):
+    """Whatever its yaw; a few degrees are the noise of a tag."""
+    message = to_object_pose_message(ObjectPose(0.0, Pose(0.0, 0.0, 0.0)), 'odom',
+                                     with_covariance=with_covariance)
+    pose = message.pose.pose if with_covariance else message.pose
+    pose.orientation = Quaternion(x=math.sin(tilt / 2) * 0.6, y=math.sin(tilt / 2) * 0.8,
+                                  z=math.cos(tilt / 2) * 0.6, w=math.cos(tilt / 2) * 0.8)
+    if not is_refused:
+        assert from_object_pose_message(message, 'odom').pose[:2] == (0.0, 0.0)
+        return
+    with pytest.raises(MessageRefused, match=rf'object_pose: .* tilted by {tilt:.2f} rad'):
+        from_object_pose_message(message, 'odom')
+
+
 @pytest.mark.parametrize('diagonal', [(0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (-1.0, -1.0, -1.0),
                                       (1e-3, 1e-3, 0.0), (0.0, 1e-3, 1e-2)])
 def test_a_covariance_that_is_not_stated_is_none(diagonal):
