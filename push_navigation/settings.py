@@ -6,6 +6,11 @@ import functools
 from push_model.parameters import RoundRobot
 from push_model.quantity import check, quantity
 
+# Standard deviations of the robot's position by which paths keep farther off, and by how much at
+# most [m]; chosen: a detour of a decimetre costs half a second, running into the object several.
+CLEARANCE_SIGMAS = 2.0
+MAX_ADDED_CLEARANCE = 0.06
+
 
 @dataclasses.dataclass(frozen=True)
 class DriveSettings:
@@ -40,6 +45,16 @@ class DriveSettings:
         :return: ``DriveSettings``.
         """
         return _limited(self, robot)
+
+    def for_uncertain_robot(self, deviation: float) -> 'DriveSettings':
+        """
+        Widen the clearance, as the robot may be elsewhere than it is estimated to be.
+
+        :param deviation: standard deviation of the robot's position [m].
+        :return: ``DriveSettings``.
+        """
+        added = min(MAX_ADDED_CLEARANCE, CLEARANCE_SIGMAS * deviation)
+        return dataclasses.replace(self, clearance=min(1.0, self.clearance + added))
 
 
 # Asked for at every path; a process has a handful of robots and settings.

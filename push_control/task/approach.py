@@ -1,14 +1,12 @@
 """Approach: drive round the object to the pose from which the robot goes straight to contact."""
 
-import dataclasses
 import math
 
 from push_control.push.start import robot_start_pose
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.path_execution import displacement, PathExecution
 from push_control.task.perception import has_moved, TaskPerception
-from push_control.task.primitive_push import ending_speed, push_line, touch_speed
-from push_control.task.settings import SupervisionSettings
+from push_control.task.primitive_push import push_line, touch_speed
 from push_model.geometry import distance, Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
@@ -23,34 +21,16 @@ MAX_PATHS = 3
 # Overlap of robot and object, and motion of the object, that are no errors of measurement [m];
 # chosen: five standard deviations of an object pose with 2 mm of noise.
 OVERLAP_TOLERANCE = 0.01
-# Standard deviations by which the clearance of a path is widened, and by how much at most [m];
-# chosen: a detour of a decimetre costs half a second, running into the object several.
-CLEARANCE_SIGMAS = 2.0
-MAX_UNCERTAIN_CLEARANCE = 0.06
-# Distance before the contact at which the push takes over [m], and how much earlier at most where
-# the robot's position is uncertain; chosen: what the robot needs to brake from its path to a tap.
+# Distance before the contact at which the push takes over [m], and by how many standard deviations
+# of the robot's position, and by how much at most, earlier; chosen: what the robot needs to brake
+# from its path to a tap.
 HANDOVER_DISTANCE = 0.02
+HANDOVER_SIGMAS = 2.0
 MAX_HANDOVER_MARGIN = 0.04
 # Straight end of the path before that, on which the path follower settles [m]; chosen.
 SETTLING_DISTANCE = 0.02
 # Standard deviations of the robot's position that a gap must exceed to be there for certain.
 CERTAIN_SIGMAS = 3.0
-
-
-def with_uncertain_clearance(drive: DriveSettings, supervision: SupervisionSettings,
-                             deviation: float, path_length: float) -> DriveSettings:
-    """
-    Widen the clearance by what the robot's position is, and becomes, uncertain.
-
-    :param drive: ``DriveSettings``.
-    :param supervision: ``SupervisionSettings``, for the errors of odometry.
-    :param deviation: standard deviation of the robot's position [m].
-    :param path_length: how far the robot drives, about [m].
-    :return: ``DriveSettings`` with two standard deviations more clearance.
-    """
-    growth = max(supervision.odometry_scale, supervision.odometry_drift) * path_length
-    margin = min(MAX_UNCERTAIN_CLEARANCE, CLEARANCE_SIGMAS * math.hypot(deviation, growth))
-    return dataclasses.replace(drive, clearance=drive.clearance + margin)
 
 
 def approach_direction(robot: RoundRobot, target: PushTrajectory, start: Pose) -> float:
@@ -129,10 +109,11 @@ class Approach(Behavior):
         return PathExecution(context.robot, drive, path, context.supervision.stall_timeout)
 
     def _drive(self, perception: TaskPerception, object_pose: Pose) -> DriveSettings:
-        return with_uncertain_clearance(
-            self._context.drive, self._context.supervision,
-            perception.localization.position_deviation,
-            distance(perception.robot_pose, object_pose))
+        supervision = self._context.supervision
+        growth = (max(supervision.odometry_scale, supervision.odometry_drift)
+                  * distance(perception.robot_pose, object_pose))
+        return self._context.drive.for_uncertain_robot(
+            math.hypot(perception.localization.position_deviation, growth))
 
     def _check_object(self, perception: TaskPerception) -> None:
         """Fail where somebody has moved the object, or the robot itself has run into it."""
@@ -186,12 +167,12 @@ class MovingApproach(Approach):
         """
         super().__init__(context, target)
         self._line = push_line(target)
-        self._end_speed = ending_speed(touch_speed(target), self._line.length)
+        self._end_speed = touch_speed(target)
 
     def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> PathExecution:
         context, drive = self._context, self._drive(perception, object_pose)
         handover_distance = HANDOVER_DISTANCE + min(
-            MAX_HANDOVER_MARGIN, CLEARANCE_SIGMAS * perception.localization.position_deviation)
+            MAX_HANDOVER_MARGIN, HANDOVER_SIGMAS * perception.localization.position_deviation)
         path = plan_approach(context.robot, context.obj, object_pose, perception.robot_pose,
                              object_pose @ self._line.start, drive,
                              occupancy_map=context.occupancy_map, end_speed=self._end_speed,

@@ -170,7 +170,7 @@ class PrimitivePush(Behavior):
         self._ensemble = ensemble
         self._line = push_line(target)
         self._speed = pushing_speed(target)
-        self._touch_speed = ending_speed(touch_speed(target), self._line.length)
+        self._touch_speed = touch_speed(target)
         self._law = RolloutLaw(
             ensemble.members, primitives.cost_to_go,
             face_at(primitives.table, self._line.start), goal, max(self._speed, 0.05))

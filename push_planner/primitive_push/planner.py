@@ -6,7 +6,6 @@ planned from where this one really ends.
 """
 
 import contextlib
-import dataclasses
 from typing import Any, NamedTuple
 
 from push_model.contact import find_contact
@@ -27,16 +26,8 @@ from push_primitives.selection import select_push, SelectedPush, SelectionQuery
 from push_primitives.store import load_primitives, PushPrimitives
 from push_primitives.weights import FrictionBelief
 
-# Clearance of paths: a margin and so many standard deviations of the robot's place, at least that
-# of the settings and at most the last [m]. As far as the object is from where a robot believes it,
-# so far it must keep off; beyond, paths take longer than the bumps that they spare.
-CLEARANCE_MARGIN = 0.02
-CLEARANCE_SIGMAS = 2.0
-MAX_CLEARANCE = 0.09
 # Distances of robot and goal in a plan that only warms up [m]; chosen: clear of any object.
 WARM_UP_DISTANCE = 3.0
-# A robot that is surer than this keeps the clearance of the settings [m].
-SURE_DEVIATION = 0.012
 # Deviation of the robot's place that is taken after pushes that brought the object no nearer to
 # its goal, at least [m]: what it believes has failed; that of the table for unsure robots.
 FAILED_DEVIATION = 0.02
@@ -85,7 +76,8 @@ def plan_primitive_push(request: PlanRequest, robot: RoundRobot,
         request = request._replace(
             robot_deviation=max(request.robot_deviation, FAILED_DEVIATION))
     primitives = _primitives(request, robot, drive)
-    paths = _ApproachPaths(request, robot, settings, _with_clearance(drive, request))
+    paths = _ApproachPaths(request, robot, settings,
+                           drive.for_uncertain_robot(request.robot_deviation))
     to_object = request.object_pose.inverse()
     selected = select_push(primitives, SelectionQuery(
         to_object @ request.goal, to_object @ request.robot_pose, _belief(request),
@@ -146,14 +138,6 @@ def _belief(request: PlanRequest) -> FrictionBelief:
         raise PlanningFailed(PlanFailure.NO_SUPPORT_FRICTION, str(error)) from error
     return FrictionBelief(center, request.obj.contact_friction_coefficient,
                           request.center_deviation, request.contact_friction_deviation)
-
-
-def _with_clearance(drive: DriveSettings, request: PlanRequest) -> DriveSettings:
-    if request.robot_deviation <= SURE_DEVIATION:
-        return drive
-    clearance = CLEARANCE_MARGIN + CLEARANCE_SIGMAS * request.robot_deviation
-    return dataclasses.replace(drive, clearance=max(drive.clearance,
-                                                    min(MAX_CLEARANCE, clearance)))
 
 
 class _ApproachPaths:

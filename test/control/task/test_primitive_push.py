@@ -13,7 +13,7 @@ from push_control.task.behavior import Behavior
 from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.perception import TaskPerception
 from push_control.task.primitive_push import (
-    ending_speed, MISS_DISTANCE, MISS_SIGMAS, push_line, pushing_speed,
+    ending_speed, MISS_DISTANCE, MISS_SIGMAS, push_line, pushing_speed, touch_speed,
 )
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
@@ -210,7 +210,7 @@ def test_the_approach_hands_over_moving_on_the_line(drive, robot):
     assert -0.1 < ahead < 0.0
     assert find_contact(box(), HOME, truth.robot_pose[:2], 0.17).gap > 0.0
     velocity = truth.robot_pose.rotate(truth.robot_twist[:2])
-    expected = ending_speed(pushing_speed(target), 0.1)
+    expected = touch_speed(target)
     assert 0.7 * expected < math.hypot(*velocity) <= ROBOTS[drive].max_speed + 1e-9
     direction = math.atan2(velocity[1], velocity[0])
     assert abs(wrap_angle(direction - line.theta)) < 0.1
