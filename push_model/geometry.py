@@ -86,6 +86,28 @@ def distance(a: Coordinates, b: Coordinates) -> float:
     return math.hypot(a[0] - b[0], a[1] - b[1])
 
 
+def convex_hull(points: Sequence[Coordinates]) -> list[tuple[float, float]]:
+    """
+    Find the convex hull of points, by Andrew's monotone chain.
+
+    :param points: (x, y) each [m], at least one.
+    :return: vertices, counter-clockwise, without any on a straight edge.
+    """
+    ordered = sorted({(float(point[0]), float(point[1])) for point in points})
+    hull: list[tuple[float, float]] = []
+    for side in (ordered, ordered[::-1]):
+        half: list[tuple[float, float]] = []
+        for x, y in side:
+            while len(half) > 1:
+                (x_0, y_0), (x_1, y_1) = half[-2:]
+                if (x_1 - x_0) * (y - y_0) - (y_1 - y_0) * (x - x_0) > 0.0:
+                    break
+                half.pop()
+            half.append((x, y))
+        hull += half[:-1]
+    return hull or ordered
+
+
 class BoundaryPoint(NamedTuple):
     """
     The point on the boundary of a convex polygon that is closest to a given point.

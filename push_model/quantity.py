@@ -84,7 +84,7 @@ def expectation(kind: Any, metadata: Mapping[str, Any]) -> str:
     number = 'a number' if metadata.get('infinite') else 'a finite number'
     noun = {bool: 'true or false', str: 'text', int: 'a whole number'}.get(kind, number)
     if kind not in (bool, str, int, float):
-        noun = 'finite numbers'
+        noun = 'texts' if str in get_args(kind) else 'finite numbers'
     return noun + range_text(metadata) + unit
 
 

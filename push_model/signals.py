@@ -38,6 +38,15 @@ class PoseCovariance(NamedTuple):
     theta_theta: float
 
     @classmethod
+    def from_matrix(cls, matrix: FloatArray) -> 'PoseCovariance':
+        """
+        Read the upper triangle of a matrix.
+
+        :param matrix: covariance of (x, y, theta), shape (3, 3).
+        """
+        return cls(*matrix[np.triu_indices(3)].tolist())
+
+    @classmethod
     def from_deviations(cls, position: float, heading: float) -> 'PoseCovariance':
         """
         Make the covariance of errors that are independent of each other.
@@ -63,6 +72,22 @@ class PoseCovariance(NamedTuple):
         x_x, x_y, x_theta, y_y, y_theta, theta_theta = self
         return np.array([(x_x, x_y, x_theta), (x_y, y_y, y_theta),
                          (x_theta, y_theta, theta_theta)])
+
+
+class ObjectEstimate(NamedTuple):
+    """
+    What is estimated of an object at a time [s].
+
+    :param time: of the estimate [s].
+    :param pose: ``Pose`` in the world.
+    :param covariance: ``PoseCovariance`` of it.
+    :param friction_center: centre of friction as identified, object frame (x, y) [m].
+    """
+
+    time: float
+    pose: Pose
+    covariance: PoseCovariance
+    friction_center: tuple[float, float]
 
 
 class Odometry(NamedTuple):

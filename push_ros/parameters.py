@@ -27,7 +27,8 @@ RCLPY_PREFIX = 'qos_overrides.'
 LARGEST_INTEGER = 2 ** 63 - 1
 SCALARS = {bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parameter.Type.DOUBLE,
            str: Parameter.Type.STRING}
-ARRAYS = {int: Parameter.Type.INTEGER_ARRAY, float: Parameter.Type.DOUBLE_ARRAY}
+ARRAYS = {int: Parameter.Type.INTEGER_ARRAY, float: Parameter.Type.DOUBLE_ARRAY,
+          str: Parameter.Type.STRING_ARRAY}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,13 +1,15 @@
-"""Markers for RViz and Foxglove: object, robot, supports, contact, friction cone, plan, text."""
+"""Markers for RViz and Foxglove: object and its estimate, robot, contact, plan, goal, text."""
 
 import math
 from typing import Any, NamedTuple, Sequence
 
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point
+import numpy as np
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import Coordinates, Pose
 from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectEstimate
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.primitives import to_pose_message
 from std_msgs.msg import ColorRGBA
@@ -32,6 +34,15 @@ ARROW_LENGTH = 0.25
 PUSHER_LENGTH = 2.0
 TEXT_HEIGHT = 0.1
 TEXT_ELEVATION = 0.3
+OBJECT_HEIGHT = 0.2
+FLAT = 0.002
+CENTER_SIZE = 0.04
+# Opacity of the estimated object, of the ghost at its goal, and of the estimate's ellipse.
+OBJECT_ALPHA = 0.6
+GHOST_ALPHA = 0.25
+ELLIPSE_ALPHA = 0.4
+# Standard deviations that the ellipse shows; chosen: 99 of 100 places are within three.
+ELLIPSE_SIGMAS = 3.0
 # Whatever is not drawn again for a second disappears: markers come twice a second and more.
 LIFETIME = Duration(sec=1)
 CIRCLE_VERTICES = 20
@@ -76,6 +87,58 @@ def scene_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
         *_contact_markers(header, obj, robot, object_pose, robot_pose)])
 
 
+def estimate_markers(header: MarkerHeader, obj: PushedObject,
+                     estimate: ObjectEstimate) -> MarkerArray:
+    """
+    Draw what is estimated of an object: its body, an ellipse about its place, its friction centre.
+
+    :param header: ``MarkerHeader``.
+    :param obj: the ``PushedObject``.
+    :param estimate: ``ObjectEstimate``.
+    :return: ``MarkerArray``.
+    """
+    body = _body(header, obj, estimate.pose, GREY, OBJECT_ALPHA)
+    variances, axes = np.linalg.eigh(estimate.covariance.matrix[:2, :2])
+    direction = math.atan2(axes[1, 1], axes[0, 1])
+    ellipse = _marker(header, 'ellipse', Marker.CYLINDER,
+                      Pose(estimate.pose.x, estimate.pose.y, direction), BLUE)
+    minor, major = (2.0 * ELLIPSE_SIGMAS * np.sqrt(np.maximum(0.0, variances))).tolist()
+    _set_scale(ellipse, max(major, FLAT), max(minor, FLAT), FLAT)
+    ellipse.pose.position.z = OBJECT_HEIGHT
+    ellipse.color.a = ELLIPSE_ALPHA
+    x, y = estimate.pose.transform(estimate.friction_center)
+    center = _marker(header, 'friction_center', Marker.SPHERE, Pose(x, y, 0.0), ORANGE)
+    _set_scale(center, CENTER_SIZE, CENTER_SIZE, CENTER_SIZE)
+    center.pose.position.z = OBJECT_HEIGHT
+    return MarkerArray(markers=[body, ellipse, center])
+
+
+def goal_markers(header: MarkerHeader, obj: PushedObject, pose: Coordinates) -> MarkerArray:
+    """
+    Draw the ghost of an object at its goal; it stays until it is replaced.
+
+    :param header: ``MarkerHeader``.
+    :param obj: the ``PushedObject``.
+    :param pose: goal ``Pose``.
+    :return: ``MarkerArray``.
+    """
+    ghost = _body(header, obj, pose, GREEN, GHOST_ALPHA)
+    ghost.lifetime = Duration()
+    return MarkerArray(markers=[ghost])
+
+
+def erased(header: MarkerHeader) -> MarkerArray:
+    """
+    Make the marker that removes all others of its topic.
+
+    :param header: ``MarkerHeader``.
+    :return: ``MarkerArray``.
+    """
+    marker = _marker(header, 'all', Marker.CUBE, ORIGIN, GREY)
+    marker.action = Marker.DELETEALL
+    return MarkerArray(markers=[marker])
+
+
 def plan_markers(header: MarkerHeader, trajectory: PushTrajectory) -> MarkerArray:
     """
     Draw the paths of object, contact and robot in a plan.
@@ -111,6 +174,34 @@ def text_markers(header: MarkerHeader, pose: Coordinates, text: str) -> MarkerAr
     marker.pose.position.z = TEXT_ELEVATION
     marker.text = text
     return MarkerArray(markers=[marker])
+
+
+def _body(header: MarkerHeader, obj: PushedObject, pose: Coordinates, color: Color,
+          alpha: float) -> Any:
+    """Draw an object as a solid: its outline extruded, as triangles."""
+    if not obj.outline:
+        body = _marker(header, 'body', Marker.CYLINDER, pose, color)
+        _set_scale(body, 2.0 * obj.radius, 2.0 * obj.radius, OBJECT_HEIGHT)
+        body.pose.position.z = OBJECT_HEIGHT / 2
+    else:
+        body = _marker(header, 'body', Marker.TRIANGLE_LIST, pose, color)
+        _set_scale(body, 1.0, 1.0, 1.0)
+        body.points = _extruded(obj.outline)
+    body.color.a = alpha
+    return body
+
+
+def _extruded(outline: Sequence[Coordinates]) -> list[Point]:
+    """Make the triangles of a prism over a convex outline: its top and its sides."""
+    low = [_point(vertex) for vertex in outline]
+    high = [_point(vertex, OBJECT_HEIGHT) for vertex in outline]
+    triangles: list[Point] = []
+    for i in range(2, len(high)):
+        triangles += [high[0], high[i - 1], high[i]]
+    for i in range(len(low)):
+        j = (i + 1) % len(low)
+        triangles += [low[i], low[j], high[j], low[i], high[j], high[i]]
+    return triangles
 
 
 def _robot_markers(header: MarkerHeader, robot: RoundRobot, pose: Coordinates) -> list[Any]:
@@ -168,5 +259,5 @@ def _closed_outline(obj: PushedObject) -> Sequence[Coordinates]:
     return [(obj.radius * math.cos(angle), obj.radius * math.sin(angle)) for angle in angles]
 
 
-def _point(position: Coordinates) -> Point:
-    return Point(x=float(position[0]), y=float(position[1]), z=0.0)
+def _point(position: Coordinates, height: float = 0.0) -> Point:
+    return Point(x=float(position[0]), y=float(position[1]), z=height)

@@ -9,7 +9,7 @@ import bisect
 import enum
 from typing import NamedTuple
 
-from push_ros.transforms.rigid_transform import RigidTransform
+from push_model.rigid_transform import RigidTransform
 
 # How long transforms are kept [ns]; that of tf2.
 HISTORY = 10_000_000_000
@@ -149,6 +149,38 @@ class TransformBuffer:
         :param ancestor: frame id.
         """
         return _name(ancestor) in self._line(_name(frame))
+
+    def parent(self, frame: str) -> str:
+        """
+        Look up the parent of a frame.
+
+        :param frame: frame id.
+        :raises TransformUnavailable: where it has none.
+        """
+        link = self._links.get(_name(frame))
+        if link is None:
+            raise TransformUnavailable(Lack.UNKNOWN_FRAME, f'no transform of {frame!r} has come')
+        return link.parent
+
+    def newest(self, frame: str) -> int | None:
+        """
+        Look up the time of the newest transform of a frame in its parent.
+
+        :param frame: frame id.
+        :return: time [ns]; None before the first.
+        """
+        link = self._links.get(_name(frame))
+        return None if link is None else link.times[-1]
+
+    def has(self, frame: str, time: int) -> bool:
+        """
+        Tell whether there is a transform of a frame in its parent with exactly that stamp.
+
+        :param frame: frame id.
+        :param time: [ns].
+        """
+        link = self._links.get(_name(frame))
+        return link is not None and time in link.times
 
     @property
     def description(self) -> str:

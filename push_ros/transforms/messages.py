@@ -6,8 +6,8 @@ from typing import Any
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Pose as PoseMessage, TransformStamped
 import numpy as np
+from push_model.rigid_transform import RigidTransform
 from push_ros.conversions.primitives import MessageRefused
-from push_ros.transforms.rigid_transform import RigidTransform
 
 
 def from_transform_message(message: TransformStamped) -> RigidTransform:

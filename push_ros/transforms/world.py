@@ -17,12 +17,12 @@ import time
 from typing import Any, Callable, NamedTuple
 
 from push_model.geometry import Pose, wrap_angle
+from push_model.rigid_transform import RigidTransform
 from push_ros.conversions.primitives import MessageRefused, nanoseconds, seconds
 from push_ros.node import PushNode
 from push_ros.transforms.buffer import TransformBuffer, TransformUnavailable
 from push_ros.transforms.listener import NOT_INSTALLED, TransformListener
 from push_ros.transforms.messages import transformed
-from push_ros.transforms.rigid_transform import RigidTransform
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 

@@ -22,6 +22,7 @@ MAY_IMPORT = {
     'push_planner': PREDICTION,
     'push_control': PREDICTION,
     'push_sim_node': {'push_model', 'push_dynamics'},
+    'push_tracker': {'push_model'},
     'push_scenario': set(PLAIN) - {'push_scenario'},
     'push_study': set(PLAIN),
 }

@@ -2,8 +2,8 @@
 
 import numpy as np
 from push_model.geometry import Pose
+from push_model.rigid_transform import RigidTransform
 from push_ros.transforms.buffer import HISTORY, Lack, TransformBuffer, TransformUnavailable
-from push_ros.transforms.rigid_transform import RigidTransform
 import pytest
 
 SECOND = 1_000_000_000

@@ -8,13 +8,13 @@ from helpers.build_interfaces import available_tf2_msgs
 from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_model.geometry import Pose
+from push_model.rigid_transform import RigidTransform
 from push_ros.conversions.primitives import from_pose_message, to_pose_message, to_stamp
 from push_ros.node import PushNode
 from push_ros.transforms.listener import (
     DYNAMIC_QOS, DYNAMIC_TOPIC, STATIC_QOS, STATIC_TOPIC, transform_message_type,
 )
 from push_ros.transforms.messages import to_transform_message
-from push_ros.transforms.rigid_transform import RigidTransform
 from push_ros.transforms.world import Handlers, WorldFrame
 from push_scenario.dds.processes import private_domain
 from push_scenario.dds.replay_client import local_discovery

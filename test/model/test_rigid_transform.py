@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from push_model.geometry import Pose
-from push_ros.transforms.rigid_transform import RigidTransform
+from push_model.rigid_transform import RigidTransform
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 

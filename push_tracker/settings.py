@@ -1,0 +1,66 @@
+"""Settings of the tracker: tags and how they are mounted, their errors, and what is an outlier."""
+
+import dataclasses
+
+from push_model.quantity import check, quantity
+from push_model.rigid_transform import RigidTransform
+
+
+@dataclasses.dataclass(frozen=True)
+class MountedTag:
+    """A tag, marker or rigid body of motion capture, and its pose in the frame of the object."""
+
+    frame: str = quantity('frame of the tag in tf')
+    x: float = quantity('place of the tag in the frame of the object', 'm', -10.0, 10.0,
+                        default=0.0)
+    y: float = quantity('likewise', 'm', -10.0, 10.0, default=0.0)
+    z: float = quantity('likewise', 'm', -10.0, 10.0, default=0.0)
+    roll: float = quantity('rotation of the tag about the x axis of the object, before pitch and '
+                           'yaw; a tag that lies flat on top has none of the three', 'rad', -7.0,
+                           7.0, default=0.0)
+    pitch: float = quantity('then about the y axis of the object', 'rad', -7.0, 7.0, default=0.0)
+    yaw: float = quantity('then about the z axis of the object', 'rad', -7.0, 7.0, default=0.0)
+
+    def __post_init__(self) -> None:
+        """Validate the fields."""
+        check(self)
+        if not self.frame:
+            raise ValueError('MountedTag.frame: got an empty text, expected a frame id')
+
+    @property
+    def pose(self) -> RigidTransform:
+        """``RigidTransform`` of the tag in the frame of the object."""
+        return RigidTransform.from_angles((self.x, self.y, self.z),
+                                          (self.roll, self.pitch, self.yaw))
+
+
+@dataclasses.dataclass(frozen=True)
+class TrackerSettings:
+    """What the tracker reckons with; the defaults suit tags of 0.1 m before a good camera."""
+
+    tags: tuple[MountedTag, ...] = quantity('the tags of the object')
+    position_noise: float = quantity('standard deviation of the measured place of one tag', 'm',
+                                     above=0.0, high=0.5, default=0.002)
+    distance_noise: float = quantity(
+        'what is added to it per distance from the camera; 0 for motion capture', '', 0.0, 0.5,
+        default=0.004)
+    heading_noise: float = quantity('standard deviation of the measured yaw of one tag', 'rad',
+                                    above=0.0, high=1.0, default=0.02)
+    max_tilt: float = quantity('tilt of an object from which on a tag is misread', 'rad',
+                               above=0.0, high=1.6, default=0.26)
+    max_speed: float = quantity('greatest speed of the object; what is faster is an outlier',
+                                'm/s', above=0.0, high=10.0, default=0.5)
+    max_yaw_rate: float = quantity('greatest yaw rate of the object, likewise', 'rad/s',
+                                   above=0.0, high=20.0, default=2.0)
+    gate_sigmas: float = quantity('standard deviations beyond which a pose is an outlier', '',
+                                  above=0.0, high=100.0, default=4.0)
+    confirmations: int = quantity('outliers in a row, in agreement with each other, after which '
+                                  'the object has been moved', '', 1, 1000, default=5)
+
+    def __post_init__(self) -> None:
+        """Validate the fields."""
+        check(self)
+        frames = [tag.frame for tag in self.tags]
+        if not frames or len(set(frames)) < len(frames):
+            raise ValueError(f'TrackerSettings.tags: got the frames {frames}, expected at least '
+                             'one, each of them once')
