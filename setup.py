@@ -29,7 +29,7 @@ setup(
     maintainer_email=MANIFEST.find('maintainer').get('email'),
     license=MANIFEST.findtext('license'),
     python_requires='>=3.10',
-    packages=find_packages(include=['push_*'], exclude=['push_control_msgs*']),
+    packages=find_packages(include=['push_*']),
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (str(SHARE), ['package.xml']),
@@ -46,11 +46,11 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
-            'controller = push_control.controller_node:main',
-            'planner = push_planner.planner_node:main',
+            'controller = push_ros.start:controller',
+            'planner = push_ros.start:planner',
             'push-study = push_study.cli:main',
             'replay = push_scenario.cli:main',
-            'sim = push_sim_node.sim_node:main',
+            'sim = push_ros.start:sim',
             'study = push_study.cli:main',
         ],
     },

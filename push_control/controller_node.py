@@ -4,110 +4,159 @@ import sys
 from typing import Any, Callable, Sequence
 
 from builtin_interfaces.msg import Time
-from push_control.ros.measurements import LatestMeasurements, OdometryWatchdog
+from push_control.goal import GoalOutcome
+from push_control.ros.commands import CommandPublisher
+from push_control.ros.goal_entry import GoalEntry
+from push_control.ros.measurements import (
+    LatestMeasurements, OdometryState, OdometryWatchdog,
+)
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.single_push import SinglePushMode
 from push_control.ros.task import TaskMode
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
-from push_ros.conversions.measurements import (
-    from_object_pose_message, from_odometry_message, to_command_message,
-)
+from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.primitives import MessageRefused, nanoseconds
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
-from push_ros.node import PushNode, ServiceAnswer
+from push_ros.lifecycle import ManagedNode
+from push_ros.node import ServiceAnswer
 from push_ros.node_settings import ControllerOptions, Frames
+from push_ros.parameters import parameter_specs
 from push_ros.topics import CONTROLLER
-from rclpy.duration import Duration
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
             ('drive.', DriveSettings), ('supervision.', SupervisionSettings), ('', Frames),
             ('', ControllerOptions))
+DYNAMIC_GROUPS = ('control.', 'drive.', 'supervision.')
+# What the filter of robot and object is made with, and what was learned is kept with.
+FILTER_PARAMETERS = {
+    'control.pose_noise', 'control.heading_noise', 'supervision.motion_gate_sigmas',
+    'supervision.max_averaging_time', 'supervision.odometry_reference',
+    'supervision.odometry_scale', 'supervision.odometry_drift', 'supervision.odometry_walk',
+    'supervision.odometry_heading_walk', 'supervision.center_walk',
+    'supervision.contact_friction_walk'}
+DYNAMIC = {spec.name for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
+           for spec in parameter_specs(cls, prefix)} - FILTER_PARAMETERS
 # Period at which missing odometry is looked for [s]; chosen: a fifth of the default time-out.
 WATCHDOG_PERIOD = 0.05
-# Time within which the last command must be acknowledged [s]; chosen: enough for one resend.
-FLUSH_TIMEOUT = 0.2
 # A measurement older than the newest one by more is of a time that went back [s]; chosen: longer
 # than any latency.
 BACKWARDS = 1.0
 
 
-class ControllerNode(PushNode):
+class ControllerNode(ManagedNode):
     """
-    Answers every measurement with one command.
+    Answers measurements with commands while it pursues a goal.
 
-    With ``task`` false it follows one plan. A plan that starts at the push under way replaces it
-    without a stop; any other starts from rest, and only where the robot stands at its start. A
-    plan that is refused stops the push. Where a push has left its path, it calls
-    ``planner/replan``.
+    With ``task`` false it requests one plan for each ``goal_pose``, and follows it. A plan that
+    starts at the push under way replaces it without a stop; any other starts from rest, and only
+    where the robot stands at its start. A plan that is refused stops the push. Where a push has
+    left its path, another plan is requested.
 
-    With ``task`` true it brings the object to ``goal_pose``, at once or from the time of the
-    goal's stamp on, and requests plans by itself. With ``lockstep`` measurements are not
-    answered until the requested plan is there.
+    With ``task`` true it brings the object to ``goal_pose`` with as many pushes as that takes, and
+    requests a plan for each.
 
-    The command is zero before the start, without a plan or goal, for a measurement that is refused
-    (not finite, not in ``world_frame``) or stale, once all is done, when odometry stops for
-    ``watchdog_timeout`` on the node's clock, and at the end of the node.
+    The command is zero for a measurement that is refused (not finite, not in ``world_frame``) or
+    stale, and where odometry stops for ``watchdog_timeout`` on the node's clock. When the goal is
+    reached or abandoned, at the end of the node and when it is deactivated some zeros follow, then
+    nothing is published. With ``lockstep`` every measurement is answered, with its stamp, and in a
+    task not until a requested plan is there.
 
     Publishers
-        ``cmd_vel`` (TwistStamped, or Twist), in ``base_frame``, stamped with the measurement that
-        it answers; ``push_request`` (JointTrajectory, latched), in ``world_frame``;
-        ``diagnostics`` (DiagnosticArray); ``markers`` (MarkerArray).
+        ``cmd_vel`` (TwistStamped, or Twist), in ``base_frame``; ``push_request`` (JointTrajectory,
+        latched), in ``world_frame``; ``/diagnostics`` (DiagnosticArray); ``markers``
+        (MarkerArray).
 
-    Subscribers
+    Subscribers, while active
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped), best effort; ``push_plan``
         (MultiDOFJointTrajectory, latched); ``goal_pose`` (PoseStamped); ``map`` (OccupancyGrid,
         latched).
 
     Services
         ``controller/start``, ``controller/stop``, ``controller/pause``, ``controller/resume``
-        (Trigger).
+        (Trigger), and those of the lifecycle.
 
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``control.*``; ``drive.*`` and ``supervision.*`` of
         a task; ``world_frame``, ``object_frame``, ``base_frame``; and those of
-        ``ControllerOptions``.
+        ``ControllerOptions``. ``DYNAMIC`` ones may be set at any time.
 
     Frames
         Poses are in ``world_frame``, commands in ``base_frame``.
     """
 
+    _mode: Mode
+    _goals: GoalEntry
+    _commands: CommandPublisher
+
     def __init__(self) -> None:
-        super().__init__(CONTROLLER, SECTIONS)
-        *sections, self._frames, self._options = self.settings
-        self._mode = self._make_mode(ControllerParameters(*sections))
+        super().__init__(CONTROLLER, SECTIONS, DYNAMIC)
+        *_, self._frames, self._options = self.settings
         self._latest = LatestMeasurements()
         self._watchdog = OdometryWatchdog(self._options.watchdog_timeout)
         # Stamps of measurements that wait for a plan.
         self._unanswered: list[Time] = []
-        self._commands = self.publisher('cmd_vel', self._options.enable_stamped_cmd_vel)
-        self._subscribe()
-        self.create_timer(WATCHDOG_PERIOD, self._check_odometry)
-        self.reporter.report(OK, f'waits for {self._mode.awaited}', self._now())
+        self.serve_active_trigger('controller/start', self._start)
+        self.serve_active_trigger('controller/stop', self._stop)
+        self.serve_active_trigger('controller/pause', lambda: self._change(self._mode.pause))
+        self.serve_active_trigger('controller/resume', lambda: self._change(self._mode.resume))
 
-    def close(self) -> None:
-        """Publish a stop command, and wait until it is acknowledged."""
-        self._send(STOP, self._now())
-        self._commands.wait_for_all_acked(Duration(seconds=FLUSH_TIMEOUT))
+    @property
+    def is_autostarted(self) -> bool:
+        """Whether the node configures and activates itself."""
+        return self._options.autostart
 
-    def _make_mode(self, parameters: ControllerParameters) -> Mode:
+    @property
+    def goals(self) -> GoalEntry:
+        """The ``GoalEntry``, from configuring on."""
+        return self._goals
+
+    def configure(self) -> None:
+        """
+        Make the mode, which reads what was learned of the object.
+
+        :raises ValueError: where ``knowledge_file`` cannot be read.
+        """
         kind = TaskMode if self._options.task else SinglePushMode
-        return kind(self, parameters, self._frames.world_frame, self._options)
+        frame = self._frames.world_frame
+        self._mode = kind(self, self._present_parameters, frame, self._options)
+        self._goals = GoalEntry(self, self._mode, frame, is_lockstep=self._options.lockstep)
+        self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
 
-    def _subscribe(self) -> None:
+    def activate(self) -> None:
+        """Subscribe, and wait for a goal."""
         self.subscribe('odom', self._on_odometry, real_time=True)
         self.subscribe('object_pose', self._on_object_pose, real_time=True)
         self.subscribe('push_plan', self._on_plan)
-        self.subscribe('goal_pose', lambda message: self._handle(self._mode.on_goal, message))
+        self.subscribe('goal_pose', lambda message: self._handle(self._goals.on_message, message))
         self.subscribe('map', lambda message: self._handle(self._mode.on_map, message))
-        self.serve_trigger('controller/start', self._start)
-        self.serve_trigger('controller/stop', self._stop)
-        self.serve_trigger('controller/pause', lambda: self._change(self._mode.pause))
-        self.serve_trigger('controller/resume', lambda: self._change(self._mode.resume))
+        self._timer = self.create_timer(WATCHDOG_PERIOD, self._check_odometry)
+        self.reporter.report(OK, 'waits for a goal')
+
+    def deactivate(self) -> None:
+        """Stop the robot, and forget the goal."""
+        self.destroy_timer(self._timer)
+        self._commands.flush()
+        self._goals.interrupt(GoalOutcome.INTERRUPTED, 'the controller was deactivated')
+        self._forget_measurements()
+
+    def clean_up(self) -> None:
+        """Forget what was learned of the object, but for what is in its file."""
+        del self._mode, self._goals, self._commands
+
+    def on_settings_changed(self) -> None:
+        """Let movements use other settings from the next one on."""
+        if hasattr(self, '_mode'):
+            self._mode.set_parameters(self._present_parameters)
+
+    @property
+    def _present_parameters(self) -> ControllerParameters:
+        *sections, _, _ = self.settings
+        return ControllerParameters(*sections)
 
     def _on_odometry(self, message: Any) -> None:
         self._watchdog.feed(self.get_clock().now().nanoseconds, nanoseconds(message.header.stamp))
@@ -123,27 +172,28 @@ class ControllerNode(PushNode):
         try:
             measured = convert(message, self._frames.world_frame)
         except MessageRefused as error:
-            self._send(STOP, stamp)
+            self._commands.answer(STOP, stamp, is_commanding=self._mode.is_commanding)
             self._mode.report_again()
-            self.reporter.report(ERROR, f'{error}; stopped', stamp)
+            self.reporter.report(ERROR, f'{error}; stopped')
             return
         if measured.time < self._latest.time - BACKWARDS:
             self._reset()
         dt = self._latest.add(measured)
+        self._goals.update(self._latest.time)
         observation = self._latest.observation
         command = STOP if observation is None else self._mode.step(observation, dt)
         if self._options.lockstep and self._mode.awaits_plan:
             self._unanswered.append(stamp)
         else:
             self._answer_waiting()
-            self._send(command, stamp)
+            self._commands.answer(command, stamp, is_commanding=self._mode.is_commanding)
         self._mode.report(stamp, self._latest.time)
 
     def _answer_waiting(self) -> None:
         """Answer the measurements that waited for a plan, once it is there: the robot stood."""
         if not self._mode.awaits_plan:
             for stamp in self._unanswered:
-                self._send(STOP, stamp)
+                self._commands.answer(STOP, stamp, is_commanding=True)
             self._unanswered = []
 
     def _on_plan(self, message: Any) -> None:
@@ -157,16 +207,16 @@ class ControllerNode(PushNode):
         except MessageRefused as error:
             text = str(error)
             if stops_on_refusal:
-                self._send(STOP, self._now())
+                self._commands.stop()
                 text = f'{error}; stopped'
-            self.reporter.report(ERROR, text, message.header.stamp)
+            self.reporter.report(ERROR, text)
         self._follow_up()
 
     def _follow_up(self) -> None:
         """Answer and report what a message or a service has changed."""
         self._answer_waiting()
         if self._mode.reports_events:
-            self._mode.report(self._now(), self._latest.time)
+            self._mode.report(self.now(), self._latest.time)
 
     def _start(self) -> ServiceAnswer:
         received = {'odom': self._latest.odometry is not None,
@@ -181,7 +231,8 @@ class ControllerNode(PushNode):
 
     def _stop(self) -> ServiceAnswer:
         self._mode.stop()
-        self._send(STOP, self._now())
+        self._commands.stop()
+        self._goals.interrupt(GoalOutcome.CANCELLED, 'stopped')
         self._follow_up()
         return ServiceAnswer(True, 'stopped')
 
@@ -192,31 +243,29 @@ class ControllerNode(PushNode):
 
     def _reset(self) -> None:
         """Start over where time went back, as for a simulator that was reset."""
+        self._goals.interrupt(GoalOutcome.INTERRUPTED, 'time went back')
+        self._forget_measurements()
+        self.reporter.report(WARN, 'waits for a goal: time went back')
+
+    def _forget_measurements(self) -> None:
         self._mode.reset()
         self._latest = LatestMeasurements()
         self._watchdog.reset()
         self._unanswered = []
-        self.reporter.report(WARN, f'waits for {self._mode.awaited}: time went back', self._now())
 
     def _check_odometry(self) -> None:
-        """Stop the robot where odometry has stopped."""
-        if not self._mode.is_active:
-            return
-        now = self.get_clock().now()
-        had_expired = self._watchdog.has_expired
-        age = self._watchdog.check(now.nanoseconds)
-        if age is not None:
-            self._send(STOP, now.to_msg())
-            if not had_expired:
-                self.reporter.report(ERROR, f'no odometry for {age:.2f} s; stopped', now.to_msg())
+        """Stop the robot where odometry has stopped, and publish zeros that are left."""
+        # What has come already is not missing, however late this node gets round to it.
+        self.poll()
+        check = self._watchdog.check(self.get_clock().now().nanoseconds)
+        is_missing = check.state is not OdometryState.PRESENT
+        if not self._mode.is_commanding or is_missing:
+            self._commands.stop()
+        if self._mode.is_commanding and is_missing:
             self._mode.report_again()
-
-    def _send(self, twist: Twist, stamp: Time) -> None:
-        self._commands.publish(to_command_message(twist, stamp, self._frames.base_frame,
-                                                  self._options.enable_stamped_cmd_vel))
-
-    def _now(self) -> Time:
-        return self.get_clock().now().to_msg()
+            if check.is_news:
+                level = ERROR if check.state is OdometryState.LOST else WARN
+                self.reporter.report(level, f'no odometry for {check.age:.2f} s; stopped')
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,142 +1,149 @@
 """ROS node of the planner."""
 
 import sys
-from typing import Any, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from builtin_interfaces.msg import Time
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.plan_request import PlanFailure
+from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.signals import ObjectPose, Odometry
 from push_navigation.settings import DriveSettings
 from push_planner.plan import Plan
 from push_planner.problem import PlannerSettings, PlanningFailed
 from push_planner.ros.sequence_planner import (
     describe_task_plan, PlannerParameters, SequenceRequestHandler,
 )
-from push_planner.sequence.planner import TaskPlan
 from push_planner.settings import TaskSettings
 from push_planner.single_push.replanning import plan_from_measurements
 from push_planner.single_push.site_selection import SiteChoice
-from push_ros import qos
 from push_ros.conversions.map import map_text
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
 from push_ros.conversions.primitives import MessageRefused, nanoseconds
 from push_ros.diagnostics import ERROR, FAILURE, HAS_MAP, OK, WARN
 from push_ros.executor import run
-from push_ros.node import PushNode, ServiceAnswer
-from push_ros.node_settings import Frames
+from push_ros.lifecycle import ManagedNode
+from push_ros.node import NewestMessage, ServiceAnswer
+from push_ros.node_settings import Frames, PlannerOptions
+from push_ros.parameters import parameter_specs
 from push_ros.topics import PLANNER
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', PlannerSettings),
-            ('drive.', DriveSettings), ('task.', TaskSettings), ('', Frames))
+            ('drive.', DriveSettings), ('task.', TaskSettings), ('', Frames),
+            ('', PlannerOptions))
+DYNAMIC_GROUPS = ('planner.', 'drive.', 'task.')
+DYNAMIC = {spec.name for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
+           for spec in parameter_specs(cls, prefix)}
+# Period at which a request waits for measurements [s]; chosen: that of slow object poses.
+MEASUREMENT_WAIT = 0.05
 
 
-class MeasurementMessages:
+class PlannerNode(ManagedNode):
     """
-    Newest messages of what a plan starts from; they are converted when a plan is made.
+    Answers each request with a plan: of one push, or of the first of a sequence of pushes.
 
-    ``odometry``: ``nav_msgs/Odometry``. ``object_pose``: ``geometry_msgs/PoseStamped``. None
-    before the first.
-    """
+    The plan of one push starts from the newest measurements, for which a request waits; while the
+    robot pushes it starts from the present motion, at the site where it pushes. With
+    ``planner.site`` at ``best`` the plan of a robot at rest starts at the quickest site of the
+    object; the diagnostics say where the robot must stand for it, warn where it does not, and list
+    all sites. With ``planner.site`` at ``sequence`` the plan starts from the poses of the request,
+    and keeps clear of the obstacles of the ``map``, if there is one.
 
-    def __init__(self) -> None:
-        self.odometry: Any = None
-        self.object_pose: Any = None
-
-    @property
-    def missing(self) -> Sequence[str]:
-        """Topics on which nothing has come yet."""
-        received = {'odom': self.odometry, 'object_pose': self.object_pose}
-        return [topic for topic, message in received.items() if message is None]
-
-    @property
-    def stamp(self) -> Time | None:
-        """Stamp of the newest of them; None before the first."""
-        stamps = [message.header.stamp for message in (self.odometry, self.object_pose)
-                  if message is not None]
-        return max(stamps, key=nanoseconds) if stamps else None
-
-
-class PlannerNode(PushNode):
-    """
-    Plans a push for every goal, or the first of a sequence of pushes for every request.
-
-    The plan for a goal starts from the newest measurements and has their stamp; a goal that comes
-    before them waits for them. While the robot pushes, a new goal and ``planner/replan`` are
-    planned from the present motion, at the site where it pushes. A failed plan or a refused
-    message leaves the former plan as it is, and is an error on ``diagnostics`` with its reason.
-    With ``planner.site`` at ``best`` the plan of a robot at rest starts at the quickest site of
-    the object; the diagnostics say where the robot must stand for it, warn where it does not, and
-    list all sites.
-
-    A request is answered by a plan with its own stamp; where there is none, or the request is
-    refused, by one without points whose only joint name is the code of the reason. With
-    ``planner.site`` at ``sequence`` a goal is not planned for, only ``planner/replan`` and
-    requests are. Sequences keep clear of the obstacles of the ``map``, if there is one.
+    The answer has the stamp of the request; where there is no plan, or the request is refused, it
+    has no points and its only joint name is the code of the reason, which is an error on
+    ``/diagnostics`` as well.
 
     Publishers
         ``push_plan`` (MultiDOFJointTrajectory, latched); ``planned_path`` (Path, latched);
-        ``diagnostics`` (DiagnosticArray).
+        ``/diagnostics`` (DiagnosticArray).
 
-    Subscribers
-        ``odom`` (Odometry) and ``object_pose`` (PoseStamped), best effort; ``goal_pose``
-        (PoseStamped); ``map`` (OccupancyGrid, latched); ``push_request`` (JointTrajectory,
-        latched).
+    Subscribers, while active
+        ``odom`` (Odometry) and ``object_pose`` (PoseStamped), best effort; ``map``
+        (OccupancyGrid, latched); ``push_request`` (JointTrajectory, latched).
 
     Services
-        ``planner/replan`` (Trigger).
+        ``planner/replan`` (Trigger): plans again to the goal of the last request, from the newest
+        measurements; and those of the lifecycle.
 
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``planner.*``; ``drive.*`` and ``task.*`` of
-        sequences; ``world_frame``, ``object_frame``, ``base_frame``.
+        sequences; ``world_frame``, ``object_frame``, ``base_frame``; and those of
+        ``PlannerOptions``. ``DYNAMIC`` ones may be set at any time.
 
     Frames
         Everything is in ``world_frame``.
     """
 
+    _sequences: SequenceRequestHandler
+    _odometry: NewestMessage
+    _object_pose: NewestMessage
+
     def __init__(self) -> None:
-        super().__init__(PLANNER, SECTIONS)
-        *sections, frames = self.settings
-        self._sections = PlannerParameters(*sections)
+        super().__init__(PLANNER, SECTIONS, DYNAMIC)
+        *_, frames, self._options = self.settings
         self._world_frame: str = frames.world_frame
-        self._sequences = SequenceRequestHandler(self._sections, self._world_frame)
-        self._latest = MeasurementMessages()
-        # A goal that waits for measurements; the last one that was planned for.
-        self._goal: Pose | None = None
-        self._last_goal: Pose | None = None
-        self._former_plan: Plan | None = None
         self._plans = self.publisher('push_plan')
         self._paths = self.publisher('planned_path')
-        self.subscribe('odom', self._on_odometry, qos=qos.NEWEST)
-        self.subscribe('object_pose', self._on_object_pose, qos=qos.NEWEST)
-        self.subscribe('goal_pose', self._on_goal)
+        self._forget()
+        self.serve_active_trigger('planner/replan', self._replan)
+
+    @property
+    def is_autostarted(self) -> bool:
+        """Whether the node configures and activates itself."""
+        return self._options.autostart
+
+    def configure(self) -> None:
+        """Compile the planner of sequences, and load what pushes do, where they are planned."""
+        self._sequences = SequenceRequestHandler(self._present_parameters, self._world_frame)
+
+    def activate(self) -> None:
+        """Subscribe, and wait for a request."""
+        self._odometry = self.subscribe_newest('odom')
+        self._object_pose = self.subscribe_newest('object_pose')
         self.subscribe('map', self._on_map)
         self.subscribe('push_request', self._on_request)
-        self.serve_trigger('planner/replan', self._replan)
-        self._report(OK, 'waits for a goal')
+        self._timer = self.create_timer(MEASUREMENT_WAIT, self._plan_when_measured,
+                                        clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._timer.cancel()
+        self.reporter.report(OK, 'waits for a request')
 
-    def _on_odometry(self, message: Any) -> None:
-        self._latest.odometry = message
-        self._plan_when_measured()
+    def deactivate(self) -> None:
+        """Forget what was requested."""
+        self.destroy_timer(self._timer)
+        self._forget()
 
-    def _on_object_pose(self, message: Any) -> None:
-        self._latest.object_pose = message
-        self._plan_when_measured()
+    def clean_up(self) -> None:
+        """Forget the map."""
+        del self._sequences
 
-    def _on_goal(self, message: Any) -> None:
-        try:
-            goal = from_object_pose_message(message, self._world_frame, 'goal_pose').pose
-        except MessageRefused as error:
-            self._report(ERROR, str(error))
-            return
-        if self._sections.planner.site == 'sequence':
-            self._last_goal = goal
-            self._report(OK, 'has a goal and waits for a request')
-            return
-        self._goal = goal
-        self._report(OK, 'plans')
-        self._plan_when_measured()
+    def on_settings_changed(self) -> None:
+        """Plan with other settings from the next request on."""
+        if hasattr(self, '_sequences'):
+            self._sequences.set_parameters(self._present_parameters)
+
+    @property
+    def _present_parameters(self) -> PlannerParameters:
+        *sections, _, _ = self.settings
+        return PlannerParameters(*sections)
+
+    @property
+    def _plans_sequences(self) -> bool:
+        return self._present_parameters.planner.site == 'sequence'
+
+    @property
+    def _missing(self) -> Sequence[str]:
+        """Topics on which nothing has come yet."""
+        received = {'odom': self._odometry, 'object_pose': self._object_pose}
+        return [topic for topic, newest in received.items() if newest.message is None]
+
+    def _forget(self) -> None:
+        # A request of one push that waits for measurements, and its stamp.
+        self._pending: tuple[Pose, Time] | None = None
+        self._last_goal: Pose | None = None
+        self._former_plan: Plan | None = None
 
     def _on_map(self, message: Any) -> None:
         try:
@@ -149,54 +156,81 @@ class PlannerNode(PushNode):
     def _on_request(self, message: Any) -> None:
         stamp = message.header.stamp
         try:
-            self._publish_sequence(self._sequences.answer(message), stamp)
+            request = self._sequences.read(message)
         except MessageRefused as error:
-            self._refuse(PlanFailure.INVALID_REQUEST, stamp)
+            self._plans.publish(no_plan_message(PlanFailure.INVALID_REQUEST, stamp,
+                                                self._world_frame))
             self._report(ERROR, str(error), {FAILURE: PlanFailure.INVALID_REQUEST.name})
-        except PlanningFailed as failure:
-            self._refuse(failure.code, stamp)
-            self._report_failure(failure)
+            return
+        self.get_logger().debug(f'plans to the goal {request.goal}')
+        self._last_goal = request.goal
+        if self._plans_sequences:
+            self._answer(stamp, lambda: self._plan_sequence(request, stamp))
+            return
+        self._pending = request.goal, stamp
+        self._plan_when_measured()
 
-    def _refuse(self, code: PlanFailure, stamp: Time) -> None:
-        self._plans.publish(no_plan_message(code, stamp, self._world_frame))
+    def _plan_when_measured(self) -> None:
+        """Plan what was requested, or look again a little later."""
+        if self._pending is None:
+            self._timer.cancel()
+        elif self._missing:
+            self._report(WARN, f'has a goal and waits for {" and ".join(self._missing)}')
+            self._timer.reset()
+        else:
+            (goal, stamp), self._pending = self._pending, None
+            self._answer(stamp, lambda: self._plan_push(goal, stamp))
 
     def _replan(self) -> ServiceAnswer:
         if self._last_goal is None:
-            return ServiceAnswer(False, 'has received no goal yet')
-        if self._latest.missing:
-            return ServiceAnswer(False, f'has received no {" and no ".join(self._latest.missing)}'
-                                        ' yet')
-        self._goal = None
-        return self._plan_to(self._last_goal)
+            return ServiceAnswer(False, 'has received no request yet')
+        if self._missing:
+            return ServiceAnswer(False, f'has received no {" and no ".join(self._missing)} yet')
+        goal, self._pending = self._last_goal, None
+        stamps = [newest.message.header.stamp for newest in (self._odometry, self._object_pose)]
+        stamp = max(stamps, key=nanoseconds)
+        return self._answer(stamp, lambda: self._plan_from_measurements(goal, stamp),
+                            publishes_failure=False)
 
-    def _plan_when_measured(self) -> None:
-        if self._goal is None:
-            return
-        if self._latest.missing:
-            self._report(WARN, f'has a goal and waits for {" and ".join(self._latest.missing)}')
-            return
-        self._last_goal = self._goal
-        self._goal = None
-        self._plan_to(self._last_goal)
-
-    def _plan_to(self, goal: Pose) -> ServiceAnswer:
+    def _answer(self, stamp: Time, plan: Callable[[], str], *,
+                publishes_failure: bool = True) -> ServiceAnswer:
         """Plan and publish; return whether there is a plan, and what was reported."""
-        parameters, stamp = self._sections, self._stamp()
         try:
-            odometry = from_odometry_message(self._latest.odometry, self._world_frame)
-            measured = from_object_pose_message(self._latest.object_pose, self._world_frame)
-            if parameters.planner.site == 'sequence':
-                task_plan = self._sequences.plan(measured.pose, odometry.pose, goal)
-                return ServiceAnswer(True, self._publish_sequence(task_plan, stamp))
-            choice = plan_from_measurements(parameters.object, parameters.robot, measured,
-                                            odometry, goal, parameters.planner,
-                                            previous=self._former_plan)
+            return ServiceAnswer(True, plan())
         except MessageRefused as error:
-            return ServiceAnswer(False, self._report(ERROR, str(error)))
+            code, text = PlanFailure.INVALID_VALUE, self._report(ERROR, str(error))
         except PlanningFailed as failure:
-            return ServiceAnswer(False, self._report_failure(failure))
+            code, text = failure.code, self._report_failure(failure)
+        if publishes_failure:
+            self._plans.publish(no_plan_message(code, stamp, self._world_frame))
+        return ServiceAnswer(False, text)
+
+    def _plan_from_measurements(self, goal: Pose, stamp: Time) -> str:
+        if not self._plans_sequences:
+            return self._plan_push(goal, stamp)
+        measured, odometry = self._measurements()
+        return self._plan_sequence(PlanRequest(measured.pose, odometry.pose, goal,
+                                               self._present_parameters.object), stamp)
+
+    def _measurements(self) -> tuple[ObjectPose, Odometry]:
+        odometry = from_odometry_message(self._odometry.message, self._world_frame)
+        return from_object_pose_message(self._object_pose.message, self._world_frame), odometry
+
+    def _plan_push(self, goal: Pose, stamp: Time) -> str:
+        """Plan one push from the newest measurements, and publish it."""
+        parameters, (measured, odometry) = self._present_parameters, self._measurements()
+        choice = plan_from_measurements(parameters.object, parameters.robot, measured, odometry,
+                                        goal, parameters.planner, previous=self._former_plan)
         self._former_plan = choice.plan
-        return ServiceAnswer(True, self._publish(choice, odometry.pose, stamp))
+        return self._publish(choice, odometry.pose, stamp)
+
+    def _plan_sequence(self, request: PlanRequest, stamp: Time) -> str:
+        """Plan a sequence of pushes, and publish the first."""
+        task_plan = self._sequences.plan(request)
+        messages = self._sequences.messages(task_plan, stamp)
+        self._plans.publish(messages.plan)
+        self._paths.publish(messages.path)
+        return self._report(OK, *describe_task_plan(task_plan))
 
     def _publish(self, choice: SiteChoice, robot_pose: Pose, stamp: Time) -> str:
         plan, trajectory = choice.plan, choice.plan.trajectory
@@ -207,22 +241,16 @@ class PlannerNode(PushNode):
         text = (f'has planned a push of {trajectory.duration:.1f} s and '
                 f'{trajectory.path_length:.2f} m')
         level = OK
-        if distance(start, robot_pose) > self._sections.planner.contact_tolerance:
+        if distance(start, robot_pose) > self._present_parameters.planner.contact_tolerance:
             level = WARN
             text += f' for a robot at {start.x:.3f} m, {start.y:.3f} m, {start.theta:.3f} rad'
         return self._report(level, text, {
-            **plan.report, 'robot_start': tuple(start),
+            **plan.report, 'robot_start': start,
             'present_speed': plan.problem.motion.speed, **_one_line_per_site(choice.candidates)})
-
-    def _publish_sequence(self, task_plan: TaskPlan, stamp: Time) -> str:
-        messages = self._sequences.messages(task_plan, stamp)
-        self._plans.publish(messages.plan)
-        self._paths.publish(messages.path)
-        return self._report(OK, *describe_task_plan(task_plan))
 
     def _report(self, level: bytes, text: str, values: Mapping[str, Any] | None = None) -> str:
         """Report, and return the text."""
-        self.reporter.report(level, text, self._stamp(), values)
+        self.reporter.report(level, text, values)
         return text
 
     def _report_failure(self, failure: PlanningFailed) -> str:
@@ -230,11 +258,6 @@ class PlannerNode(PushNode):
         sites = values.pop('sites', ())
         return self._report(ERROR, failure.reason, {
             FAILURE: failure.code.name, **values, **_one_line_per_site(sites)})
-
-    def _stamp(self) -> Time:
-        """Stamp of the newest measurement; the time before the first."""
-        stamp = self._latest.stamp
-        return self.get_clock().now().to_msg() if stamp is None else stamp
 
 
 def _one_line_per_site(sites: Sequence[Any]) -> Mapping[str, Any]:

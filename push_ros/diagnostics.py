@@ -1,8 +1,13 @@
 """Diagnostics: what a node does, published when it changes and once a second."""
 
-from typing import Any, Mapping
+import enum
+import math
+import numbers
+from typing import Any, Callable, Mapping
 
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from push_model.geometry import Pose
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
@@ -16,52 +21,69 @@ PERIOD = 1.0
 # there is no plan.
 HAS_MAP = 'has_map'
 FAILURE = 'failure'
+# Units of the values by the last part of their names; all others are counts, words or ratios.
+UNITS = {
+    **dict.fromkeys(('time', 'since', 'duration', 'single_push'), 's'),
+    **dict.fromkeys(('position_error', 'remaining_distance', 'travelled_distance', 'path_length',
+                     'friction_center', 'final_straight', 'displacement_bound',
+                     'longest_blend'), 'm'),
+    **dict.fromkeys(('heading_error', 'push_direction', 'peak_angle_change'), 'rad'),
+    **dict.fromkeys(('pushing_speed', 'highest_speed', 'present_speed'), 'm/s')}
 
 
 class Reporter:
-    """
-    Publishes the status of a node on ``diagnostics``.
+    """Publishes the status of a node on ``/diagnostics``, and logs its changes."""
 
-    :param node: the node.
-    :param publisher: its publisher of ``DiagnosticArray``.
-    """
+    def __init__(self, node: Node, publisher: Any, now: Callable[[], Time]) -> None:
+        """
+        Start without a status.
 
-    def __init__(self, node: Node, publisher: Any) -> None:
-        self._name = node.get_name()
+        :param node: the node.
+        :param publisher: its publisher of ``DiagnosticArray``.
+        :param now: gives the present time of the node.
+        """
+        # With its namespace: all robots share one topic.
+        self._name = node.get_fully_qualified_name().lstrip('/')
         self._logger = node.get_logger()
         self._publisher = publisher
+        self._now = now
         self._last: tuple[bytes, str] | None = None
-        self._message: DiagnosticArray | None = None
+        self._status: DiagnosticStatus | None = None
         # On the wall clock, so that late subscribers receive it, even while time is held.
         node.create_timer(PERIOD, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def report(self, level: bytes, text: str, stamp: Any,
-               values: Mapping[str, Any] | None = None, always: bool = False) -> None:
+    def report(self, level: bytes, text: str, values: Mapping[str, Any] | None = None,
+               always: bool = False) -> None:
         """
         Report what the node does; published at once where level or text differ from the last.
 
         :param level: ``OK``, ``WARN`` or ``ERROR``.
         :param text: one sentence.
-        :param stamp: ``builtin_interfaces/Time`` to which it applies.
-        :param values: names to anything that has a text.
+        :param values: names, as in ``UNITS``, to values, see ``value_text``.
         :param always: whether it is published at once in any case.
         """
-        status = DiagnosticStatus(level=level, name=self._name, message=text)
-        status.values = [KeyValue(key=key, value=str(value))
-                         for key, value in (values or {}).items()]
-        self._message = DiagnosticArray(status=[status])
-        self._message.header.stamp = stamp
+        self._status = DiagnosticStatus(level=level, name=self._name, message=text)
+        self._status.values = [KeyValue(key=_key(name), value=value_text(value))
+                               for name, value in (values or {}).items()]
         if always or (level, text) != self._last:
             self._last = level, text
-            self._log(level, text)
+            self.log(level, text)
             self.publish()
 
     def publish(self) -> None:
-        """Publish the last status again."""
-        if self._message is not None:
-            self._publisher.publish(self._message)
+        """Publish the last status again, with the present time."""
+        if self._status is not None:
+            message = DiagnosticArray(status=[self._status])
+            message.header.stamp = self._now()
+            self._publisher.publish(message)
 
-    def _log(self, level: bytes, text: str) -> None:
+    def log(self, level: bytes, text: str) -> None:
+        """
+        Log a sentence that is no status.
+
+        :param level: ``OK``, ``WARN`` or ``ERROR``.
+        :param text: one sentence.
+        """
         # One call site each: rclpy ties a severity to the line that logs.
         if level == ERROR:
             self._logger.error(text)
@@ -69,3 +91,49 @@ class Reporter:
             self._logger.warning(text)
         else:
             self._logger.info(text)
+
+
+def value_text(value: Any) -> str:
+    """
+    Write a value for people, in a form that programs can read as well.
+
+    :param value: number, text, truth value, enum, ``Pose``, None, or several of them.
+    """
+    if value is None:
+        return 'none'
+    if isinstance(value, enum.Enum):
+        return str(value.value)
+    if isinstance(value, Pose):
+        return f'{value.x:.4f} m, {value.y:.4f} m, {value.theta:.4f} rad'
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, numbers.Real):
+        return _number_text(float(value))
+    if type(value) in (list, tuple):
+        # Types of their own have texts of their own.
+        return ', '.join(map(value_text, value))
+    return str(value)
+
+
+def status_values(status: DiagnosticStatus) -> dict[str, str]:
+    """
+    Read the values of a status.
+
+    :param status: as a ``Reporter`` made it.
+    :return: texts by name, without units.
+    """
+    return {item.key.partition(' [')[0]: item.value for item in status.values}
+
+
+def _key(name: str) -> str:
+    unit = UNITS.get(name.rpartition('.')[2])
+    return f'{name} [{unit}]' if unit else name
+
+
+def _number_text(number: float) -> str:
+    """Write a number with the decimals that matter, whole ones without any."""
+    if not math.isfinite(number):
+        return str(number)
+    # Times of a clock in microseconds, small quantities with six digits.
+    text = f'{number:.6f}' if abs(number) >= 0.1 else f'{number:.6g}'
+    return text.rstrip('0').rstrip('.') if '.' in text and 'e' not in text else text

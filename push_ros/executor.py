@@ -1,24 +1,25 @@
 """
 Run a node until a signal comes, and end it cleanly.
 
-In lockstep, simulator and controller exchange some thousand messages a second. Measured for the
-controller's node (median on a busy core): polling its two real-time topics takes 5 us, a turn of
-the executor 0.2 ms without and 0.5 ms with the background group. So real-time subscriptions are
-polled while messages keep coming:
+rclpy's executor builds its wait set anew at every turn, which takes 0.2 ms for the two real-time
+topics of the controller, and 0.5 ms with all its services, plans and timers. In lockstep there are
+some thousand messages a second, on a robot a hundred. So a node with real-time topics waits for
+these alone, and lets its background group join at intervals; while messages follow each other
+closely it polls for them instead (5 us). A node without such topics waits for everything:
 
-    spin:  every BACKGROUND_PERIOD (BUSY_BACKGROUND_PERIOD while busy)
-             open the background group (services, plans, maps, clock) and turn the executor
-           else, if a real-time message was there   handle it; busy for BUSY_TIME
-           else, while busy                         poll again after POLL_PAUSE
-           else                                     wait in the executor for the next message
-                                                    or the next background period
+    spin:  no real-time topics    wait for anything, or to look whether a signal has come
+           background due         open the background group, and turn the executor until it is idle
+           a real-time message    handle it
+           the last one was just now    poll again after POLL_PAUSE
+           else                   wait for the next one, or until the background is due
+
+The events executor of later distributions, which needs no wait set, is not in Jazzy's rclpy.
 """
 
 import abc
 import gc
 import math
 import signal
-import sys
 import time
 from types import FrameType
 from typing import Any, Callable, Sequence
@@ -32,20 +33,23 @@ from rclpy.subscription import Subscription
 from rclpy.utilities import try_shutdown
 
 # Longest wait of background callbacks [s]; chosen: nobody notices it in a service or a plan.
-BACKGROUND_PERIOD = 0.02
-# The same while real-time messages come [s]: its turns of 0.5 ms each take 2 % of it.
-BUSY_BACKGROUND_PERIOD = 0.1
+BACKGROUND_PERIOD = 0.05
 # Turns of the executor at one opening, each of which runs at most one callback; chosen.
-BACKGROUND_CALLBACKS = 4
-# Time after a real-time message during which the next one is polled for [s]: the period of
-# odometry at 50 Hz.
-BUSY_TIME = 0.02
+BACKGROUND_CALLBACKS = 8
+# Time after a real-time message during which the next one is polled for [s]; chosen: a simulator
+# in lockstep needs about a millisecond.
+BUSY_TIME = 0.003
 # Pauses after a message was handled and between polls [s]: the shorter one takes 0.1 ms with the
 # resolution of the system's timers, which is what a message waits at most.
 FIRST_PAUSE = 1e-4
 POLL_PAUSE = 2e-5
+# Longest wait of a node without real-time topics [s]: signals do not end it; chosen.
+SIGNAL_PERIOD = 0.1
 # Exit status where a parameter is refused.
 BAD_PARAMETER = 2
+# Time that the reason for that has to reach those who listen to rosout [s]; chosen: discovery
+# takes some tenths of a second.
+ROSOUT_TIME = 1.0
 
 
 class BackgroundGroup(MutuallyExclusiveCallbackGroup):
@@ -57,6 +61,17 @@ class BackgroundGroup(MutuallyExclusiveCallbackGroup):
     """
 
     is_open = True
+    # Number of callbacks that were run.
+    executed = 0
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """
+        Count a callback that is run now.
+
+        :param entity: the subscription, timer or service.
+        """
+        self.executed += 1
+        return super().beginning_execution(entity)
 
     def can_execute(self, entity: Any) -> bool:
         """
@@ -76,6 +91,15 @@ class PolledNode(Node, abc.ABC):
     def wake_time(self) -> float:
         """Time on the wall at which to poll even if nothing has come, of ``time.monotonic``."""
         return math.inf
+
+    @property
+    @abc.abstractmethod
+    def is_polled(self) -> bool:
+        """Whether there are real-time topics."""
+
+    @abc.abstractmethod
+    def start(self) -> None:
+        """Begin: called once, before the first callback."""
 
     @abc.abstractmethod
     def poll(self) -> bool:
@@ -108,32 +132,41 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
     :return: exit status: 0 after a signal, 2 where the node refuses a parameter.
     """
     stop = _StopSignal()
-    rclpy.init(args=None if arguments is None else list(arguments),
-               signal_handler_options=SignalHandlerOptions.NO)
     try:
-        try:
-            node = make_node()
-        except ValueError as error:
-            print(f'refused to start: {error} (give parameters with --params-file; '
-                  'config/push.yaml is an example)', file=sys.stderr)
-            return BAD_PARAMETER
-        # Nothing of what exists now will be collected: a full collection takes 50 ms.
-        gc.collect()
-        gc.freeze()
-        try:
-            spin(node, stop)
-        finally:
-            node.close()
-            node.destroy_node()
+        rclpy.init(args=None if arguments is None else list(arguments),
+                   signal_handler_options=SignalHandlerOptions.NO)
+        return _run(make_node, stop)
+    except KeyboardInterrupt:
+        return 0
     finally:
-        stop.release()
+        stop.is_starting = False
         try_shutdown()
+        stop.release()
+
+
+def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
+    try:
+        node = make_node()
+        node.start()
+    except ValueError:
+        # The node has logged why.
+        time.sleep(ROSOUT_TIME)
+        return BAD_PARAMETER
+    # Nothing of what exists now will be collected: a full collection takes 50 ms.
+    gc.collect()
+    gc.freeze()
+    stop.is_starting = False
+    try:
+        spin(node, stop)
+    finally:
+        node.close()
+        node.destroy_node()
     return 0
 
 
 def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
     """
-    Run a node's callbacks: real-time ones at once, the others 10 to 50 times a second.
+    Run a node's callbacks: real-time ones at once, the others 20 times a second.
 
     :param node: the ``PushNode``.
     :param is_stopped: takes nothing, tells whether to end.
@@ -144,10 +177,12 @@ def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
     busy_until = 0.0
     while not is_stopped():
         now = time.monotonic()
-        if now >= background_due:
+        if not node.is_polled:
+            node.background.is_open = True
+            executor.spin_once(timeout_sec=SIGNAL_PERIOD)
+        elif now >= background_due:
             _run_background(node, executor)
-            period = BUSY_BACKGROUND_PERIOD if now < busy_until else BACKGROUND_PERIOD
-            background_due = time.monotonic() + period
+            background_due = time.monotonic() + BACKGROUND_PERIOD
         elif node.poll():
             busy_until = now + BUSY_TIME
             time.sleep(FIRST_PAUSE)
@@ -163,20 +198,31 @@ def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
 def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
     node.background.is_open = True
     for _ in range(BACKGROUND_CALLBACKS):
+        executed = node.background.executed
         executor.spin_once(timeout_sec=0.0)
+        if node.background.executed == executed:
+            break
     node.background.is_open = False
 
 
 class _StopSignal:
-    """Remembers that SIGINT or SIGTERM came."""
+    """
+    Remembers that SIGINT or SIGTERM came.
+
+    While the node is made, which may take long, the signal interrupts that as well.
+    """
 
     def __init__(self) -> None:
+        self.is_starting = True
         self._has_come = False
         self._former_handlers = {number: signal.signal(number, self._remember)
                                  for number in (signal.SIGINT, signal.SIGTERM)}
 
     def _remember(self, number: int, frame: FrameType | None) -> None:
         self._has_come = True
+        if self.is_starting:
+            self.is_starting = False
+            raise KeyboardInterrupt
 
     def __call__(self) -> bool:
         return self._has_come

@@ -1,15 +1,15 @@
 """What the nodes share: parameters, topics by name, diagnostics, two groups of callbacks."""
 
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, Callable, Collection, NamedTuple, Sequence
 
+from builtin_interfaces.msg import Time
+from push_ros import qos
 from push_ros.diagnostics import Reporter
 from push_ros.executor import BackgroundGroup, PolledNode, take_message
-from push_ros.parameters import declare_parameters, Section
+from push_ros.parameters import ParameterSet, Section
 from push_ros.topics import SERVICES, TOPICS
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.client import Client
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
@@ -28,24 +28,83 @@ class PolledSubscription(NamedTuple):
     callback: Callable[[Any], None]
 
 
+class NewestMessage:
+    """The newest message of a topic, taken when it is asked for: until then it costs nothing."""
+
+    def __init__(self, subscription: Subscription) -> None:
+        """
+        Start without a message.
+
+        :param subscription: of depth 1, which no executor waits for.
+        """
+        self._subscription = subscription
+        self._message: Any = None
+
+    @property
+    def message(self) -> Any:
+        """The newest message, or None before the first."""
+        message = take_message(self._subscription)
+        if message is not None:
+            self._message = message
+        return self._message
+
+
 class PushNode(PolledNode):
     """
     A node with parameters from dataclasses, whose topics and services are those of the list.
 
     Callbacks belong to the group ``background`` unless they are made with ``real_time=True``.
-
-    :param name: of the node.
-    :param sections: (prefix with its dot, dataclass) sequence; the instances are ``settings``.
-    :raises ValueError: naming the parameter that is unknown, missing or wrong.
     """
 
-    def __init__(self, name: str, sections: Sequence[Section]) -> None:
+    def __init__(self, name: str, sections: Sequence[Section],
+                 dynamic: Collection[str] = ()) -> None:
+        """
+        Read the parameters.
+
+        :param name: of the node.
+        :param sections: (prefix with its dot, dataclass) sequence.
+        :param dynamic: names of the parameters that may be set at any time.
+        :raises ValueError: naming the parameter that is unknown, missing or wrong; it is logged,
+            too.
+        """
+        self._publishers_by_topic: dict[str, Publisher] = {}
+        self._own_subscriptions: list[Subscription] = []
         self._polled: list[PolledSubscription] = []
         self.background = BackgroundGroup()
         self.real_time = MutuallyExclusiveCallbackGroup()
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
-        self.settings = declare_parameters(self, sections)
-        self.reporter = Reporter(self, self.publisher('diagnostics'))
+        try:
+            self._parameter_set = ParameterSet(self, sections, dynamic, self.on_settings_changed)
+        except ValueError as error:
+            self.refuse_to_start(error)
+            raise
+        self.reporter = Reporter(self, self.publisher('diagnostics'), self.now)
+
+    @property
+    def settings(self) -> list[Any]:
+        """Instances of the dataclasses of the parameters, in the order of the sections."""
+        return self._parameter_set.settings
+
+    @property
+    def is_polled(self) -> bool:
+        """Whether there are real-time topics."""
+        return bool(self._polled)
+
+    def now(self) -> Time:
+        """Return the present time of the node."""
+        return self.get_clock().now().to_msg()
+
+    def on_settings_changed(self) -> None:
+        """Use ``settings``, of which a dynamic one has another value."""
+
+    def refuse_to_start(self, error: ValueError) -> None:
+        """
+        Log why the node cannot start.
+
+        :param error: naming the parameter.
+        """
+        self.get_logger().fatal(f'refused to start: {error} (give parameters with --params-file; '
+                                'config/push.yaml is an example)')
 
     @property
     def default_callback_group(self) -> BackgroundGroup:
@@ -54,16 +113,20 @@ class PushNode(PolledNode):
 
     def publisher(self, topic: str, stamped: bool = True) -> Publisher:
         """
-        Make the publisher of a topic of the list.
+        Make the publisher of a topic of the list; there is one for each.
 
         :param topic: its name.
         :param stamped: whether commands have a stamp.
         """
-        entry = TOPICS[topic]
-        return self.create_publisher(entry.message_type(stamped), topic, entry.publish_qos)
+        if topic not in self._publishers_by_topic:
+            entry = TOPICS[topic]
+            self._publishers_by_topic[topic] = self.create_publisher(
+                entry.message_type(stamped), f'/{topic}' if entry.is_global else topic,
+                entry.publish_qos)
+        return self._publishers_by_topic[topic]
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], *, real_time: bool = False,
-                  stamped: bool = True, qos: QoSProfile | None = None) -> Subscription:
+                  stamped: bool = True) -> Subscription:
         """
         Subscribe to a topic of the list.
 
@@ -71,16 +134,37 @@ class PushNode(PolledNode):
         :param callback: takes the message.
         :param real_time: whether the callback is run at once.
         :param stamped: whether commands have a stamp.
-        :param qos: another quality of service than that of the list.
         """
         entry = TOPICS[topic]
         group = self.real_time if real_time else self.background
         subscription = self.create_subscription(
-            entry.message_type(stamped), topic, callback, qos or entry.subscribe_qos,
+            entry.message_type(stamped), topic, callback, entry.subscribe_qos,
             callback_group=group)
+        self._own_subscriptions.append(subscription)
         if real_time:
             self._polled.append(PolledSubscription(subscription, callback))
         return subscription
+
+    def subscribe_newest(self, topic: str) -> NewestMessage:
+        """
+        Subscribe to a topic of the list of which only the newest message matters, now and then.
+
+        :param topic: its name.
+        :return: ``NewestMessage``.
+        """
+        group = BackgroundGroup()
+        group.is_open = False
+        subscription = self.create_subscription(
+            TOPICS[topic].message_type(), topic, _ignore, qos.NEWEST, callback_group=group)
+        self._own_subscriptions.append(subscription)
+        return NewestMessage(subscription)
+
+    def unsubscribe_all(self) -> None:
+        """End all subscriptions that ``subscribe`` made."""
+        self._polled = []
+        for subscription in self._own_subscriptions:
+            self.destroy_subscription(subscription)
+        self._own_subscriptions = []
 
     def poll(self) -> bool:
         """Handle a message of each real-time topic that has one; tell whether there was any."""
@@ -104,19 +188,8 @@ class PushNode(PolledNode):
             return response
         return self.create_service(SERVICES[service].type, service, answer)
 
-    def trigger_client(self, service: str) -> Callable[[], None]:
-        """
-        Make a function that calls a Trigger service of another node without waiting for it.
-
-        :param service: its name.
-        :return: function of nothing.
-        """
-        kind = SERVICES[service].type
-        client: Client = self.create_client(kind, service)
-
-        def call() -> None:
-            client.call_async(kind.Request())
-        return call
+    def start(self) -> None:
+        """Begin: called once, before the first callback."""
 
     def close(self) -> None:
         """Shut down: called once, while publishers are still valid."""
@@ -143,3 +216,7 @@ class RateLimiter:
             return False
         self._next = time + self._period
         return True
+
+
+def _ignore(_: Any) -> None:
+    """Do nothing with a message that is taken elsewhere."""

@@ -25,11 +25,25 @@ class Frames:
 
 
 @dataclasses.dataclass(frozen=True)
+class PlannerOptions:
+    """How the planner's node behaves."""
+
+    autostart: bool = quantity('configure and activate the node at its start; else whoever calls '
+                               'change_state does', default=True)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+
+
+@dataclasses.dataclass(frozen=True)
 class ControllerOptions:
     """How the controller's node behaves."""
 
-    wait_for_start: bool = quantity('stand until controller/start is called; else go on as soon as '
-                                    'there is a plan, or in a task a goal', default=False)
+    autostart: bool = quantity('configure and activate the node at its start; else whoever calls '
+                               'change_state does', default=True)
+    wait_for_start: bool = quantity('stand until controller/start is called; else go on as soon '
+                                    'as there is a plan, or in a task a goal', default=False)
     enable_stamped_cmd_vel: bool = quantity('publish TwistStamped on cmd_vel, else Twist',
                                             default=True)
     task: bool = quantity('bring the object to the goal with as many pushes as that takes, the '

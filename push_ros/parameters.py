@@ -11,10 +11,12 @@ and tuples of numbers flat lists:
 
 import dataclasses
 import math
-from typing import Any, get_args, get_origin, Mapping, Sequence
+from typing import Any, Callable, Collection, get_args, get_origin, Mapping, Sequence
 
 from push_model.quantity import expectation, field_types, range_text
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -25,6 +27,9 @@ RCLPY_NAMES = ('use_sim_time', 'start_type_description_service')
 RCLPY_PREFIX = 'qos_overrides.'
 # That of int64, the type of ROS integers.
 LARGEST_INTEGER = 2 ** 63 - 1
+# What descriptors say of parameters that may be set at any time, and of all others.
+DYNAMIC = 'may be set at any time, and is used from the next movement or plan on'
+READ_ONLY = 'read-only: the node is built with it; restart the node with another value'
 SCALARS = {bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parameter.Type.DOUBLE,
            str: Parameter.Type.STRING}
 ARRAYS = {int: Parameter.Type.INTEGER_ARRAY, float: Parameter.Type.DOUBLE_ARRAY,
@@ -131,43 +136,106 @@ def from_parameter_values(cls: Any, values: Mapping[str, Any], prefix: str = '')
         raise ValueError(_with_parameter_name(str(error), cls, prefix)) from error
 
 
-def declare_parameters(node: Node, sections: Sequence[Section]) -> list[Any]:
+class ParameterSet:
     """
-    Declare the parameters of a node, read-only, and read them.
+    The parameters of a node: declared, checked, and some of them free to be set at any time.
 
-    The node must have declared the values that it was given
-    (``automatically_declare_parameters_from_overrides``).
+    A parameter that is none of the node's is refused where it lies in one of its groups
+    (``object.masss``), and ignored with a warning elsewhere: a section ``/**`` is for all nodes.
 
-    :param node: the node.
-    :param sections: (prefix with its dot, dataclass) sequence.
-    :return: the dataclass instances, in the same order.
-    :raises ValueError: naming every unknown parameter, or the first one that is missing or wrong.
+    ``settings``: the dataclass instances, in the order of the sections.
     """
-    specs = [spec for prefix, cls in sections for spec in parameter_specs(cls, prefix)]
-    # The stubs of rclpy have values here, where it gives parameters.
-    declared: dict[str, Any] = dict(node.get_parameters_by_prefix(''))
-    given = {name: parameter.value for name, parameter in declared.items()
-             if parameter.type_ != Parameter.Type.NOT_SET and not _is_of_rclpy(name)}
-    unknown = sorted(set(given) - {spec.name for spec in specs})
-    if unknown:
-        raise ValueError(f'{", ".join(unknown)}: got a parameter that {node.get_name()} does not '
-                         'have, expected one of its own (see docs/reference)')
-    instances = [from_parameter_values(cls, given, prefix) for prefix, cls in sections]
-    for spec in specs:
-        _declare(node, spec, given.get(spec.name, spec.default))
-    return instances
+
+    def __init__(self, node: Node, sections: Sequence[Section], dynamic: Collection[str] = (),
+                 on_change: Callable[[], None] | None = None) -> None:
+        """
+        Declare and read them.
+
+        The node must have declared the values that it was given
+        (``automatically_declare_parameters_from_overrides``).
+
+        :param node: the node.
+        :param sections: (prefix with its dot, dataclass) sequence.
+        :param dynamic: names of those that may be set at any time; all others are read-only.
+        :param on_change: called when some were set.
+        :raises ValueError: naming every unknown parameter, or the first that is missing or wrong.
+        """
+        self._node = node
+        self._sections = sections
+        self._on_change = on_change
+        specs = [spec for prefix, cls in sections for spec in parameter_specs(cls, prefix)]
+        self._specs = {spec.name: spec for spec in specs}
+        given = self._given_values()
+        self.settings = [from_parameter_values(cls, given, prefix) for prefix, cls in sections]
+        for spec in specs:
+            _declare(node, spec, given.get(spec.name, spec.default),
+                     is_dynamic=spec.name in dynamic)
+        node.add_pre_set_parameters_callback(self._with_whole_numbers_as_real)
+        node.add_on_set_parameters_callback(self._check)
+        node.add_post_set_parameters_callback(self._use)
+
+    def _given_values(self) -> dict[str, Any]:
+        """Return the values that the node was given; refuse or forget those of others."""
+        # The stubs of rclpy have values here, where it gives parameters.
+        declared: dict[str, Any] = dict(self._node.get_parameters_by_prefix(''))
+        given = {name: parameter.value for name, parameter in declared.items()
+                 if parameter.type_ != Parameter.Type.NOT_SET and not _is_of_rclpy(name)}
+        unknown = sorted(set(given) - set(self._specs))
+        groups = tuple(prefix for prefix, _ in self._sections if prefix)
+        refused = [name for name in unknown if name.startswith(groups)]
+        if refused:
+            raise ValueError(f'{", ".join(refused)}: got a parameter that {self._node.get_name()} '
+                             'does not have, expected one of its own (see docs/reference)')
+        for name in unknown:
+            self._node.get_logger().warning(f'{name}: got a parameter that this node does not '
+                                            'have; ignored')
+            self._node.undeclare_parameter(name)
+        return {name: value for name, value in given.items() if name in self._specs}
+
+    def _with_whole_numbers_as_real(self, parameters: list[Parameter]) -> list[Parameter]:
+        """Let people write 3 for 3.0."""
+        real = [name for name, spec in self._specs.items() if spec.kind is float]
+        return [_as_real(parameter) if parameter.name in real else parameter
+                for parameter in parameters]
+
+    def _check(self, parameters: list[Parameter]) -> SetParametersResult:
+        """Refuse values that the dataclasses refuse, with their reason."""
+        try:
+            self._instances(parameters)
+        except ValueError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _use(self, parameters: list[Parameter]) -> None:
+        names = [parameter.name for parameter in parameters if parameter.name in self._specs]
+        if names:
+            self.settings = self._instances(parameters)
+            self._node.get_logger().info(f'{", ".join(names)}: set')
+            if self._on_change is not None:
+                self._on_change()
+
+    def _instances(self, parameters: list[Parameter]) -> list[Any]:
+        """Make the dataclasses with other values of some parameters."""
+        values: dict[str, Any] = {}
+        for (prefix, _), instance in zip(self._sections, self.settings):
+            values.update(to_parameter_values(instance, prefix))
+        values.update({parameter.name: parameter.value for parameter in parameters
+                       if parameter.name in self._specs})
+        return [from_parameter_values(cls, values, prefix) for prefix, cls in self._sections]
 
 
-def descriptor(spec: ParameterSpec) -> ParameterDescriptor:
+def descriptor(spec: ParameterSpec, *, is_dynamic: bool = False) -> ParameterDescriptor:
     """
     Make the ROS descriptor of a parameter.
 
     :param spec: the ``ParameterSpec``.
+    :param is_dynamic: whether it may be set at any time.
     """
     unit = f" [{spec.metadata['unit']}]" if spec.metadata['unit'] else ''
     result = ParameterDescriptor(
-        name=spec.name, description=spec.metadata['description'] + unit, read_only=True,
-        dynamic_typing=True, additional_constraints=spec.expectation)
+        name=spec.name, description=spec.metadata['description'] + unit,
+        read_only=not is_dynamic, dynamic_typing=True,
+        additional_constraints=f'{spec.expectation}; {DYNAMIC if is_dynamic else READ_ONLY}')
     low, high, above = (spec.metadata[name] for name in ('low', 'high', 'above'))
     low = low if above is None else above
     if not range_text(spec.metadata):
@@ -239,7 +307,7 @@ def _is_of_rclpy(name: str) -> bool:
     return name in RCLPY_NAMES or name.startswith(RCLPY_PREFIX)
 
 
-def _declare(node: Node, spec: ParameterSpec, value: Any) -> None:
+def _declare(node: Node, spec: ParameterSpec, value: Any, *, is_dynamic: bool) -> None:
     free = ParameterDescriptor(dynamic_typing=True)
     if node.has_parameter(spec.name):
         node.set_descriptor(spec.name, free)
@@ -249,7 +317,14 @@ def _declare(node: Node, spec: ParameterSpec, value: Any) -> None:
     result, = node.set_parameters([_parameter(spec, value)])
     if not result.successful:
         raise ValueError(f'{spec.name}: {result.reason}')
-    node.set_descriptor(spec.name, descriptor(spec))
+    node.set_descriptor(spec.name, descriptor(spec, is_dynamic=is_dynamic))
+
+
+def _as_real(parameter: Parameter) -> Parameter:
+    value: Any = parameter.value
+    if parameter.type_ != Parameter.Type.INTEGER:
+        return parameter
+    return Parameter(parameter.name, Parameter.Type.DOUBLE, float(value))
 
 
 def _parameter(spec: ParameterSpec, value: Any) -> Parameter:

@@ -29,6 +29,7 @@ class Topic(NamedTuple):
     :param publish_qos: quality of service that is offered.
     :param subscribe_qos: quality of service that is asked for.
     :param description: what it carries.
+    :param is_global: whether all robots share it, whatever the namespace of the node.
     """
 
     type: type[Any]
@@ -37,6 +38,7 @@ class Topic(NamedTuple):
     publish_qos: QoSProfile
     subscribe_qos: QoSProfile
     description: str
+    is_global: bool = False
 
     def message_type(self, stamped: bool = True) -> 'type[Any]':
         """
@@ -67,14 +69,14 @@ TOPICS = {
                   'velocity in its own axes'),
     'object_pose': Topic(PoseStamped, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
                          'measured object pose in the world frame'),
-    'goal_pose': Topic(PoseStamped, (), (PLANNER, CONTROLLER), qos.EVENT, qos.EVENT,
+    'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,
                        "goal pose of the object; RViz's 2D Goal Pose"),
     'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
                  'free floor for object and robot in a task; unknown cells and those of 50 or '
                  'more are obstacles, as is everything outside; latched'),
     'push_request': Topic(
         JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
-        'in a task: request for a plan, one point whose joint names say what each number is: x, y '
+        'request for a plan, one point whose joint names say what each number is: x, y '
         'and heading of object, robot and goal (object.x to goal.heading), the identified '
         'friction coefficient of each support (support_friction.0 and so on), the identified '
         'contact friction (contact_friction), the fraction of the friction cone that the plan '
@@ -92,8 +94,9 @@ TOPICS = {
                           'path of the object in the plan, through all pushes of a sequence, '
                           'for viewers; latched'),
     'cmd_vel': Topic(TwistStamped, (CONTROLLER,), (SIM,), qos.COMMAND, qos.LATEST_COMMAND,
-                     'velocity command in the axes of the robot, stamped with the measurement '
-                     'that it answers; Twist where enable_stamped_cmd_vel is false'),
+                     'velocity command in the axes of the robot, while the controller drives it: '
+                     'then some zeros, then nothing; in lockstep one for each measurement, with '
+                     'its stamp; Twist where enable_stamped_cmd_vel is false'),
     'contact_wrench': Topic(WrenchStamped, (SIM,), (), qos.MEASUREMENT, qos.SENSOR,
                             'true force of the robot on the object, axes of the object frame'),
     'clock': Topic(Clock, (SIM,), (), qos.CLOCK, qos.CLOCK,
@@ -103,7 +106,8 @@ TOPICS = {
     'markers': Topic(MarkerArray, (CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
                      'object, robot, supports, contact, friction cone, plan, for RViz, Foxglove'),
     'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
-                         'what each node does, and why not'),
+                         'what each node does, and why not; on /diagnostics in every namespace',
+                         is_global=True),
 }
 
 SERVICES = {

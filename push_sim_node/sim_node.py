@@ -6,6 +6,7 @@ import sys
 import time
 from typing import Any, NamedTuple
 
+from builtin_interfaces.msg import Time
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
@@ -91,6 +92,10 @@ class SimNode(PushNode):
             self._wake_time = now + STATE_PERIOD
             self._tick(now)
         return found
+
+    def now(self) -> Time:
+        """Return the simulated time, or where it is not the node's own, the time of its clock."""
+        return self._outputs.stamp(self._simulation.time)
 
     def close(self) -> None:
         """Write the tape, and times on the wall."""
@@ -247,7 +252,7 @@ class SimNode(PushNode):
         values = {'state': self._control.state.value, 'time': self._simulation.time}
         if self._speed_meter.speed is not None:
             values['speed'] = round(self._speed_meter.speed, 3)
-        self.reporter.report(level, text, self._outputs.stamp(self._simulation.time), values)
+        self.reporter.report(level, text, values)
 
 
 def main(arguments: list[str] | None = None) -> int:

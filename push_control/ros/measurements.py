@@ -1,10 +1,18 @@
 """What has been measured lately: newest odometry and object pose, and whether odometry stops."""
 
+import enum
+from typing import NamedTuple
+
 from push_control.observation import Observation
 from push_control.task.settings import SupervisionSettings
 from push_model.signals import ObjectPose, Odometry
 
 NANOSECOND = 1e-9
+# Odometry is lost, and not only late, after this many time-outs; chosen: 1 s by default.
+LOST_RATIO = 4.0
+# Time with odometry after which another gap is reported again [s]; chosen: gaps under load follow
+# each other more closely.
+RECOVERY_TIME = 5.0
 
 
 class LatestMeasurements:
@@ -71,14 +79,41 @@ class CovarianceCheck:
                 'supervision.odometry_reference is absolute; odometry counts as drifting')
 
 
+class OdometryState(enum.IntEnum):
+    """Whether odometry comes; the robot stands unless it does."""
+
+    PRESENT = 0
+    MISSING = 1
+    LOST = 2
+
+
+class OdometryCheck(NamedTuple):
+    """
+    Result of a look at the clock.
+
+    :param state: ``OdometryState``.
+    :param age: of the last odometry [s], 0 before the first.
+    :param is_news: whether that is worth a report.
+    """
+
+    state: OdometryState
+    age: float
+    is_news: bool
+
+
 class OdometryWatchdog:
-    """Notices that odometry has stopped, by the clock of the node and the stamps of messages."""
+    """
+    Notices that odometry has stopped, by the clock of the node and the stamps of messages.
+
+    A machine under load lets odometry come late now and then: the robot stops each time, but that
+    is reported once, and not again until odometry has come for a while.
+    """
 
     def __init__(self, timeout: float) -> None:
         """
         Start before the first odometry, which may take its time.
 
-        :param timeout: age of the last odometry beyond which it has stopped [s].
+        :param timeout: age of the last odometry beyond which it is missing [s].
         """
         self._timeout = timeout
         self.reset()
@@ -86,7 +121,8 @@ class OdometryWatchdog:
     def reset(self) -> None:
         """Wait for the next odometry."""
         self._received: int | None = None
-        self.has_expired = False
+        self._reported = OdometryState.PRESENT
+        self._missing_at = 0
 
     def feed(self, now: int, stamp: int) -> None:
         """
@@ -98,15 +134,22 @@ class OdometryWatchdog:
         """
         self._received = max(now, stamp)
 
-    def check(self, now: int) -> float | None:
+    def check(self, now: int) -> OdometryCheck:
         """
-        Compute how long odometry has been missing, and set ``has_expired``.
+        Find out how long odometry has been missing.
 
         :param now: time on the clock of the node [ns].
-        :return: age of the last odometry where that is too old [s]; else None.
         """
         if self._received is None:
-            return None
+            return OdometryCheck(OdometryState.PRESENT, 0.0, False)
         age = (now - self._received) * NANOSECOND
-        self.has_expired = age > self._timeout
-        return age if self.has_expired else None
+        state = OdometryState.PRESENT
+        if age > self._timeout:
+            self._missing_at = now
+            state = OdometryState.MISSING
+        if age > LOST_RATIO * self._timeout:
+            state = OdometryState.LOST
+        is_news = state > self._reported
+        if is_news or (now - self._missing_at) * NANOSECOND > RECOVERY_TIME:
+            self._reported = state
+        return OdometryCheck(state, age, is_news)

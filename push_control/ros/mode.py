@@ -3,6 +3,7 @@
 import abc
 from typing import Any, ClassVar, NamedTuple
 
+from push_control.goal import GoalProgress, PushGoal
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
@@ -32,16 +33,15 @@ class ControllerParameters(NamedTuple):
 
 class Mode(abc.ABC):
     """
-    What the controller's node does with measurements, plans, goals, maps and services.
+    What the controller's node does with measurements, goals, plans, maps and services.
 
     ``required_topic``: topic that it needs besides measurements before it can start.
-    ``awaited``: what comes on it, in words. ``stops_on_refused_plan``: whether a plan that is
+    ``stops_on_refused_plan``: whether a plan that is
     refused stops the robot. ``reports_events``: whether it reports after every plan, goal, map and
     service, not only after measurements.
     """
 
     required_topic: ClassVar[str]
-    awaited: ClassVar[str]
     stops_on_refused_plan: ClassVar[bool]
     reports_events: ClassVar[bool]
 
@@ -52,17 +52,46 @@ class Mode(abc.ABC):
 
     @property
     @abc.abstractmethod
-    def is_active(self) -> bool:
-        """Whether it does it, so that measurements must come."""
+    def is_commanding(self) -> bool:
+        """Whether it drives the robot, or holds it for a moment: then measurements must come."""
 
     @property
     @abc.abstractmethod
     def awaits_plan(self) -> bool:
         """Whether a plan was requested and has not come yet."""
 
+    @property
+    @abc.abstractmethod
+    def progress(self) -> GoalProgress:
+        """How far the pursuit of the goal has come."""
+
     @abc.abstractmethod
     def reset(self) -> None:
-        """Forget everything, as time went back."""
+        """Forget everything, as when time went back."""
+
+    @abc.abstractmethod
+    def set_parameters(self, parameters: ControllerParameters) -> None:
+        """
+        Set parameters; movements use them from the next one on.
+
+        :param parameters: ``ControllerParameters``, with the object and robot of before.
+        """
+
+    @abc.abstractmethod
+    def set_goal(self, goal: PushGoal) -> None:
+        """
+        Pursue a goal, in place of the present one; before the start, keep it until then.
+
+        :param goal: the ``PushGoal``.
+        """
+
+    @abc.abstractmethod
+    def cancel(self, reason: str) -> None:
+        """
+        Abandon the goal; the robot may back off before it stands.
+
+        :param reason: one sentence.
+        """
 
     @abc.abstractmethod
     def on_plan(self, message: Any) -> None:
@@ -70,15 +99,6 @@ class Mode(abc.ABC):
         Handle a plan.
 
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
-        :raises MessageRefused: where it cannot be used.
-        """
-
-    @abc.abstractmethod
-    def on_goal(self, message: Any) -> None:
-        """
-        Handle a goal.
-
-        :param message: ``geometry_msgs/PoseStamped``.
         :raises MessageRefused: where it cannot be used.
         """
 

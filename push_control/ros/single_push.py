@@ -1,22 +1,27 @@
 """Single push: the controller's node follows the newest plan."""
 
+import dataclasses
 from typing import Any
 
+from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.observation import Observation
 from push_control.push.controller import Controller
 from push_control.push.status import ControllerStatus, Phase
 from push_control.ros.mode import ControllerParameters, Mode
+from push_control.ros.plan_requests import PlanRequester
 from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.markers import GREY, MarkerHeader, plan_markers, scene_markers
-from push_ros.conversions.plan import from_plan_message
+from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.node import PushNode, RateLimiter, ServiceAnswer
 from push_ros.node_settings import ControllerOptions
 
 LEVELS = {Phase.WAITING: WARN, Phase.FAILED: ERROR}
+OUTCOMES = {Phase.DONE: GoalOutcome.REACHED, Phase.FAILED: GoalOutcome.FAILED}
 # Most diagnostics and markers per second of measured time without a change [Hz]; chosen: enough to
 # follow a push by eye.
 REPORT_RATE = 1.0
@@ -24,10 +29,14 @@ MARKER_RATE = 2.0
 
 
 class SinglePushMode(Mode):
-    """Follows one plan at a time; goals and maps are those of the planner."""
+    """
+    Requests a plan for each goal, and follows one plan at a time.
+
+    A plan that starts at the push under way replaces it without a stop; any other starts from
+    rest. Where there is no plan for a goal the former one stays.
+    """
 
     required_topic = 'push_plan'
-    awaited = 'a plan'
     stops_on_refused_plan = True
     reports_events = False
 
@@ -41,18 +50,16 @@ class SinglePushMode(Mode):
         :param frame: id of the world frame.
         :param options: ``ControllerOptions``.
         """
-        self._object = parameters.object
-        self._robot = parameters.robot
+        self._parameters = parameters
         self._frame = frame
         self._reporter = node.reporter
-        # Unused here: a node has the topics of the list in every mode.
-        node.publisher('push_request')
+        self._requester = PlanRequester(node, frame)
         self._markers = node.publisher('markers')
         self._marker_rate = RateLimiter(MARKER_RATE)
-        self._request_replan = node.trigger_client('planner/replan')
-        self._controller = Controller(parameters.object, parameters.robot, parameters.control)
         self._is_started = not options.wait_for_start
-        self._forget_plan()
+        self._settings = parameters.control
+        self._controller = Controller(parameters.object, parameters.robot, self._settings)
+        self.reset()
 
     @property
     def is_set(self) -> bool:
@@ -60,52 +67,102 @@ class SinglePushMode(Mode):
         return self._target is not None
 
     @property
-    def is_active(self) -> bool:
-        """Whether it follows a plan."""
-        return self._is_started and self.is_set
+    def is_commanding(self) -> bool:
+        """Whether it follows a plan that has not ended."""
+        return self._is_active and not self._controller.status.phase.has_ended
 
     @property
     def awaits_plan(self) -> bool:
         """False: a plan is set when it comes."""
         return False
 
-    def reset(self) -> None:
-        """Forget the plan and everything measured."""
-        self._controller.reset()
-        self._forget_plan()
+    @property
+    def progress(self) -> GoalProgress:
+        """How far the push has come; errors are those of the estimate."""
+        status = self._controller.status
+        if self._goal is not None:
+            return GoalProgress('plan', 'waits for a plan')
+        if self._failure is not None:
+            return GoalProgress('plan', f'no plan: {self._failure.value}', GoalOutcome.NO_PLAN)
+        outcome = None if status.replan_requested else OUTCOMES.get(status.phase)
+        has_begun = status.phase is not Phase.IDLE
+        return GoalProgress(status.phase.value, status.reason, outcome, int(has_begun),
+                            status.position_error, status.heading_error)
 
-    def _forget_plan(self) -> None:
+    def reset(self) -> None:
+        """Forget goal, plan and everything measured."""
+        # A goal that waits for its plan, and the tolerances of the last one.
+        self._goal: PushGoal | None = None
+        self._tolerances: dict[str, float] = {}
+        self._failure: PlanFailure | None = None
+        self._request: PlanRequest | None = None
+        self._has_requested_replan = False
+        self._requester.reset()
         self._target: PushTrajectory | None = None
-        self._robot_pose: Pose | None = None
+        self._observation: Observation | None = None
+        self._restart_controller()
         self._reported: tuple[Phase, str] | None = None
         self._report_rate = RateLimiter(REPORT_RATE)
 
+    def set_parameters(self, parameters: ControllerParameters) -> None:
+        """
+        Set parameters; the next push from rest uses them.
+
+        :param parameters: ``ControllerParameters``, with the object and robot of before.
+        """
+        self._parameters = parameters
+
+    def set_goal(self, goal: PushGoal) -> None:
+        """
+        Request a plan, as soon as there are measurements; until it comes the former one stays.
+
+        :param goal: the ``PushGoal``.
+        """
+        self._goal = goal
+        self._failure = None
+        self._request = None
+        self._request_plan()
+
+    def cancel(self, reason: str) -> None:
+        """
+        Forget goal and plan, and stand.
+
+        :param reason: not reported: a single push has no state for it.
+        """
+        self.reset()
+
     def on_plan(self, message: Any) -> None:
         """
-        Set the plan.
+        Set the plan, whoever asked for it.
 
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
         :raises MessageRefused: where it cannot be used; there is none then.
         """
         self.report_again()
+        is_answer = self._requester.is_answered_by(message)
+        failure = plan_failure(message)
+        if failure is not None:
+            if is_answer:
+                self._goal, self._failure = None, failure
+                self._reporter.report(ERROR, f'no plan: {failure.value} (details in the '
+                                             'diagnostics of the planner)')
+            return
         try:
             self._target = from_plan_message(message, self._frame)
         except MessageRefused:
             self._target = None
             self._controller.reset()
             raise
-        stamp = message.header.stamp
+        if is_answer and self._goal is not None:
+            self._tolerances = self._goal_tolerances(self._goal)
+            self._goal = None
+        status = self._controller.status
+        if status.phase is Phase.IDLE or status.phase.has_ended and not status.replan_requested:
+            self._restart_controller()
         self._markers.publish(plan_markers(
-            MarkerHeader(stamp, self._frame, 'plan'), self._target))
+            MarkerHeader(message.header.stamp, self._frame, 'plan'), self._target))
         waits = '' if self._is_started else ' and waits for controller/start'
-        self._reporter.report(OK, f'has a plan{waits}', stamp)
-
-    def on_goal(self, message: Any) -> None:
-        """
-        Leave a goal to the planner.
-
-        :param message: not read.
-        """
+        self._reporter.report(OK, f'has a plan{waits}')
 
     def on_map(self, message: Any) -> None:
         """
@@ -116,7 +173,7 @@ class SinglePushMode(Mode):
 
     def start(self) -> None:
         """Start to push."""
-        self._controller.reset()
+        self._restart_controller()
         self._is_started = True
         self.report_again()
 
@@ -142,10 +199,13 @@ class SinglePushMode(Mode):
         :param dt: time since the last one [s].
         :return: ``Twist``.
         """
-        self._robot_pose = observation.odometry.pose
-        if not self.is_active:
+        self._observation = observation
+        self._request_plan()
+        if not self._is_active:
             return STOP
-        return self._controller.step(self._target, observation, dt)
+        command = self._controller.step(self._target, observation, dt)
+        self._request_replan()
+        return command
 
     def report(self, stamp: Any, time: float) -> None:
         """
@@ -158,11 +218,9 @@ class SinglePushMode(Mode):
         has_changed = (status.phase, status.reason) != self._reported
         if self._report_rate.due(time) or has_changed:
             self._reported = status.phase, status.reason
-            if has_changed and status.replan_requested:
-                self._request_replan()
             text = status.reason or f'is {status.phase.value}'
             level = LEVELS.get(status.phase, OK if status.event is None else WARN)
-            self._reporter.report(level, text, stamp, {'time': time, **status.values()})
+            self._reporter.report(level, text, {'time': time, **status.values()})
         if self._marker_rate.due(time) and self._markers.get_subscription_count():
             self._draw(status, stamp)
 
@@ -170,8 +228,48 @@ class SinglePushMode(Mode):
         """Report at the next measurement, changed or not."""
         self._reported = None
 
+    @property
+    def _is_active(self) -> bool:
+        return self._is_started and self.is_set
+
+    def _restart_controller(self) -> None:
+        """Let the controller stand idle, with the present settings."""
+        parameters = self._parameters
+        settings = dataclasses.replace(parameters.control, **self._tolerances)
+        if settings == self._settings:
+            self._controller.reset()
+        else:
+            self._settings = settings
+            self._controller = Controller(parameters.object, parameters.robot, settings)
+
+    def _goal_tolerances(self, goal: PushGoal) -> dict[str, float]:
+        given = {'position_tolerance': goal.position_tolerance,
+                 'heading_tolerance': goal.heading_tolerance}
+        return {name: value for name, value in given.items() if value is not None}
+
+    def _request_plan(self) -> None:
+        """Request a plan for a goal that has none, from what is measured."""
+        if self._goal is not None and self._request is None:
+            self._publish_request(self._goal.pose)
+
+    def _request_replan(self) -> None:
+        """Request another plan to the goal of the present one, once, where the push needs it."""
+        is_requested = self._controller.status.replan_requested
+        if is_requested and not self._has_requested_replan and self._target is not None:
+            self._publish_request(Pose(*self._target.object_poses[-1].tolist()))
+        self._has_requested_replan = is_requested
+
+    def _publish_request(self, goal: Pose) -> None:
+        observation = self._observation
+        if observation is None or observation.object_pose is None:
+            return
+        self._request = PlanRequest(observation.object_pose.pose, observation.odometry.pose, goal,
+                                    self._parameters.object)
+        self._requester.update(self._request, observation.time)
+
     def _draw(self, status: ControllerStatus, stamp: Any) -> None:
-        if self._robot_pose is not None and status.phase in (Phase.PUSHING, Phase.WAITING):
+        if self._observation is not None and status.phase in (Phase.PUSHING, Phase.WAITING):
             self._markers.publish(scene_markers(
-                MarkerHeader(stamp, self._frame, 'controller'), self._object, self._robot,
-                status.object_pose, self._robot_pose, color=GREY))
+                MarkerHeader(stamp, self._frame, 'controller'), self._parameters.object,
+                self._parameters.robot, status.object_pose, self._observation.odometry.pose,
+                color=GREY))

@@ -1,108 +1,38 @@
 """Task: the controller's node pushes repeatedly until the object is at its goal."""
 
+import dataclasses
 from pathlib import Path
 import time
 from typing import Any
 
+from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.observation import Observation
 from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.mode import ControllerParameters, Mode
+from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.task_report import TaskReporter
+from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
-from push_model.geometry import Pose
-from push_model.plan_request import PlanFailure, PlanRequest
-from push_model.signals import ObjectPose, Twist
+from push_model.geometry import distance, wrap_angle
+from push_model.plan_request import PlanFailure
+from push_model.signals import Twist
 from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import from_map_message
-from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.plan import from_plan_message, plan_failure
-from push_ros.conversions.plan_request import to_request_message
-from push_ros.conversions.primitives import exact_stamp, MessageRefused, NANOSECONDS, nanoseconds
+from push_ros.conversions.primitives import MessageRefused
 from push_ros.node import PushNode, ServiceAnswer
 from push_ros.node_settings import ControllerOptions
 
-# A stamp farther ahead is of another clock [s]; chosen: longer than any task.
-LONGEST_AHEAD = 3600.0
-
-
-class PlanRequester:
-    """
-    Publishes plan requests, each with a stamp of its own, and recognizes their answers.
-
-    :param publisher: of ``push_request``.
-    :param frame: id of the world frame.
-    """
-
-    def __init__(self, publisher: Any, frame: str) -> None:
-        self._publisher = publisher
-        self._frame = frame
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the request."""
-        self._request: PlanRequest | None = None
-        self._stamp = 0
-
-    def update(self, request: PlanRequest | None, time: float) -> None:
-        """
-        Publish a request that is new.
-
-        :param request: the present ``PlanRequest``, or None.
-        :param time: of the newest measurement [s].
-        """
-        if request is not None and request is not self._request:
-            self._stamp = max(round(time * NANOSECONDS), self._stamp + 1)
-            self._publisher.publish(to_request_message(request, exact_stamp(self._stamp),
-                                                       self._frame))
-        self._request = request
-
-    def is_answered_by(self, message: Any) -> bool:
-        """
-        Tell whether a plan answers the last request.
-
-        :param message: message with a header.
-        """
-        return nanoseconds(message.header.stamp) == self._stamp
-
-
-class GoalSchedule:
-    """Goals whose stamps are ahead of the measurements; they hold from that time on."""
-
-    def __init__(self) -> None:
-        self._goals: list[ObjectPose] = []
-
-    def add(self, goal: ObjectPose, now: float) -> bool:
-        """
-        Keep a goal until its time has come.
-
-        :param goal: ``ObjectPose``, with the time from which on it holds.
-        :param now: time of the newest measurement [s].
-        :return: whether it is kept; else it holds now.
-        """
-        is_ahead = 0.0 < goal.time - now <= LONGEST_AHEAD
-        if is_ahead:
-            self._goals = sorted([*self._goals, goal])
-        return is_ahead
-
-    def take_due(self, now: float) -> list[Pose]:
-        """
-        Take the goals whose time has come.
-
-        :param now: time of the newest measurement [s].
-        :return: goal poses, the oldest first.
-        """
-        due = [goal.pose for goal in self._goals if goal.time <= now]
-        self._goals = self._goals[len(due):]
-        return due
+OUTCOMES = {TaskState.DONE: GoalOutcome.REACHED, TaskState.FAILED: GoalOutcome.FAILED,
+            TaskState.IDLE: GoalOutcome.CANCELLED}
 
 
 class TaskMode(Mode):
     """Lets a ``Supervisor`` bring the object to its goal, with as many pushes as it takes."""
 
     required_topic = 'goal_pose'
-    awaited = 'a goal'
     stops_on_refused_plan = False
     reports_events = True
 
@@ -124,7 +54,7 @@ class TaskMode(Mode):
         self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
         self._covariance_check = CovarianceCheck(parameters.supervision)
         self._occupancy_map: OccupancyMap | None = None
-        self._requester = PlanRequester(node.publisher('push_request'), frame)
+        self._requester = PlanRequester(node, frame)
         self._reporter = TaskReporter(node, parameters.object, parameters.robot, frame)
         self.reset()
 
@@ -134,36 +64,66 @@ class TaskMode(Mode):
         return self._goal is not None
 
     @property
-    def is_active(self) -> bool:
-        """Whether a task is under way."""
-        return self._is_started and self.is_set
+    def is_commanding(self) -> bool:
+        """Whether a task is under way, or the retreat from one that was cancelled."""
+        return not self._supervisor.status.state.is_standing
 
     @property
     def awaits_plan(self) -> bool:
         """Whether a plan was requested and has not come yet."""
         return self._supervisor.plan_request is not None
 
+    @property
+    def progress(self) -> GoalProgress:
+        """How far the task has come; errors are those of the last measured pose."""
+        status = self._supervisor.status
+        outcome = OUTCOMES.get(status.state) if self._is_started else None
+        progress = GoalProgress(status.state.value, status.reason, outcome, status.pushes)
+        measured = None if self._observation is None else self._observation.object_pose
+        if measured is None or self._goal is None:
+            return progress
+        goal = self._goal.pose
+        return progress._replace(
+            position_error=distance(measured.pose, goal),
+            heading_error=wrap_angle(measured.pose.theta - goal.theta))
+
     def reset(self) -> None:
         """Forget everything but the map and what was learned of the object."""
         self._supervisor = Supervisor(*self._parameters, knowledge=self._memory.recall())
         self._supervisor.set_map(self._occupancy_map)
-        self._goal: Pose | None = None
-        self._later_goals = GoalSchedule()
+        self._goal: PushGoal | None = None
         self._observation: Observation | None = None
         self._requester.reset()
         self.report_again()
 
-    def on_goal(self, message: Any) -> None:
+    def set_parameters(self, parameters: ControllerParameters) -> None:
         """
-        Set a goal, or keep it until its time has come.
+        Set parameters; movements use them from the next one on.
 
-        :param message: ``geometry_msgs/PoseStamped``.
-        :raises MessageRefused: where it cannot be used; the former one stays.
+        :param parameters: ``ControllerParameters``, with the object and robot of before.
         """
-        goal = from_object_pose_message(message, self._frame, 'goal_pose')
-        now = 0.0 if self._observation is None else self._observation.time
-        if not self._later_goals.add(goal, now):
-            self._set_goal(goal.pose)
+        self._parameters = parameters
+        self._apply_settings()
+
+    def set_goal(self, goal: PushGoal) -> None:
+        """
+        Pursue a goal, in place of the present one; before the start, keep it until then.
+
+        :param goal: the ``PushGoal``.
+        """
+        self._goal = goal
+        self._apply_settings()
+        if self._is_started:
+            self._supervisor.set_goal(goal.pose)
+
+    def cancel(self, reason: str) -> None:
+        """
+        Abandon the task; a robot that may touch the object backs off first.
+
+        :param reason: one sentence.
+        """
+        self._goal = None
+        self._supervisor.cancel(reason)
 
     def on_map(self, message: Any) -> None:
         """
@@ -201,7 +161,7 @@ class TaskMode(Mode):
     def start(self) -> None:
         """Start the task; over again where it was started before."""
         self._is_started = True
-        self._supervisor.set_goal(self._goal)
+        self._supervisor.set_goal(None if self._goal is None else self._goal.pose)
         self._supervisor.resume()
 
     def stop(self) -> None:
@@ -234,8 +194,6 @@ class TaskMode(Mode):
         :return: ``Twist``.
         """
         self._observation = observation
-        for goal in self._later_goals.take_due(observation.time):
-            self._set_goal(goal)
         command = self._supervisor.step(observation, dt)
         self._requester.update(self._supervisor.plan_request, observation.time)
         if self._memory.is_due(self._supervisor.status.state):
@@ -251,7 +209,7 @@ class TaskMode(Mode):
         :param time: of the newest measurement [s].
         """
         status = self._supervisor.status
-        self._reporter.report(status, stamp, time)
+        self._reporter.report(status, time)
         if self._observation is not None:
             self._reporter.draw(status, self._observation, stamp)
 
@@ -259,7 +217,15 @@ class TaskMode(Mode):
         """Report at the next measurement, changed or not."""
         self._reporter.report_again()
 
-    def _set_goal(self, pose: Pose) -> None:
-        self._goal = pose
-        if self._is_started:
-            self._supervisor.set_goal(pose)
+    def _apply_settings(self) -> None:
+        parameters = self._parameters
+        self._supervisor.set_settings(parameters.control, parameters.drive,
+                                      self._goal_supervision(parameters.supervision))
+
+    def _goal_supervision(self, settings: SupervisionSettings) -> SupervisionSettings:
+        """Replace the tolerances by those of the goal, where it has any."""
+        tolerances = {} if self._goal is None else {
+            'position_tolerance': self._goal.position_tolerance,
+            'heading_tolerance': self._goal.heading_tolerance}
+        return dataclasses.replace(settings, **{
+            name: value for name, value in tolerances.items() if value is not None})

@@ -10,7 +10,6 @@ from push_ros.conversions.map import map_text
 from push_ros.conversions.markers import (
     GREY, MarkerHeader, plan_markers, scene_markers, text_markers,
 )
-from push_ros.conversions.primitives import to_stamp
 from push_ros.diagnostics import ERROR, HAS_MAP, OK, WARN
 from push_ros.node import PushNode, RateLimiter
 
@@ -47,22 +46,21 @@ class TaskReporter:
         self._reported: tuple[TaskState, str] | None = None
         self._report_rate = RateLimiter(REPORT_RATE)
 
-    def report(self, status: SupervisorStatus, stamp: Any, time: float) -> None:
+    def report(self, status: SupervisorStatus, time: float) -> None:
         """
         Report every change of state, and what the robot waits for.
 
         :param status: ``SupervisorStatus``.
-        :param stamp: ``builtin_interfaces/Time`` of the measurement.
         :param time: of the newest measurement [s].
         """
         known, self._history = self._history, status.history
         is_continued = status.history[:len(known)] == known
         for change in status.history[len(known) if is_continued else 0:]:
-            self._report(status, change, stamp, time, always=True)
+            self._report(status, change, time, always=True)
         is_due = self._report_rate.due(time)
         if is_due or (status.state, status.reason) != self._reported:
-            present = StateChange(status.since, status.state, status.reason)
-            self._report(status, present, stamp, time, always=False)
+            present = StateChange(status.since, status.state, status.reason, status.is_requested)
+            self._report(status, present, time, always=False)
 
     def draw(self, status: SupervisorStatus, observation: Observation, stamp: Any) -> None:
         """
@@ -93,7 +91,7 @@ class TaskReporter:
         :param observation: ``Observation`` of which it holds.
         """
         if text:
-            self._reporter.report(WARN, text, to_stamp(observation.time), always=True)
+            self._reporter.report(WARN, text, {'time': observation.time}, always=True)
 
     def report_map(self, message: Any) -> None:
         """
@@ -101,8 +99,7 @@ class TaskReporter:
 
         :param message: ``nav_msgs/OccupancyGrid``.
         """
-        self._reporter.report(OK, map_text(message), message.header.stamp,
-                              {HAS_MAP: True})
+        self._reporter.report(OK, map_text(message), {HAS_MAP: True})
 
     def draw_plan(self, plan: PushTrajectory, stamp: Any) -> None:
         """
@@ -113,17 +110,18 @@ class TaskReporter:
         """
         self._markers.publish(plan_markers(MarkerHeader(stamp, self._frame, 'plan'), plan))
 
-    def _report(self, status: SupervisorStatus, change: StateChange, stamp: Any, time: float, *,
+    def _report(self, status: SupervisorStatus, change: StateChange, time: float, *,
                 always: bool) -> None:
         self._reported = change.state, change.reason
         values = {
             'time': time, 'state': change.state.value, 'reason': change.reason,
             'since': change.time, 'pushes': status.pushes, 'recoveries': status.recoveries,
-            'robot_pose': None if status.robot_pose is None else tuple(status.robot_pose)}
+            'robot_pose': status.robot_pose}
         values.update({f'push.{key}': value for key, value in status.push.values().items()})
-        level = LEVELS.get(change.state, WARN if change.reason else OK)
-        self._reporter.report(level, f'task: {_sentence(change.state, change.reason)}', stamp,
-                              values, always)
+        is_fault = bool(change.reason) and not change.is_requested
+        level = LEVELS.get(change.state, WARN if is_fault else OK)
+        self._reporter.report(level, f'task: {_sentence(change.state, change.reason)}', values,
+                              always)
 
 
 def _sentence(state: TaskState, reason: str) -> str:

@@ -9,12 +9,11 @@ from push_control.settings import ControlSettings
 from push_control.task.approach import Approach, MovingApproach
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.guarded_approach import GuardedApproach
-from push_control.task.inspection import Inspection
 from push_control.task.perception import TaskPerception
 from push_control.task.primitive_push import PrimitivePush
 from push_control.task.push import SupervisedPush
 from push_control.task.retreat import Retreat
-from push_control.task.settings import aimed_tolerances, SupervisionSettings
+from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -62,10 +61,21 @@ class BehaviorFactory:
         """
         self._obj = obj
         self._robot = robot
+        self.set_settings(control, drive, supervision)
+        self.occupancy_map: OccupancyMap | None = None
+
+    def set_settings(self, control: ControlSettings, drive: DriveSettings,
+                     supervision: SupervisionSettings) -> None:
+        """
+        Set the settings of the behaviours that are made from now on.
+
+        :param control: ``ControlSettings``, which are adapted to pushes of a task.
+        :param drive: ``DriveSettings``.
+        :param supervision: ``SupervisionSettings``.
+        """
         self._control = _for_task(control)
         self._drive = drive
         self._supervision = supervision
-        self.occupancy_map: OccupancyMap | None = None
 
     def create(self, state: TaskState, target: PushTrajectory | None, goal: Pose | None,
                perception: TaskPerception) -> Behavior | None:
@@ -105,20 +115,11 @@ class BehaviorFactory:
             return SupervisedPush(context._replace(control=control), target)
         return None
 
-    def inspection(self, perception: TaskPerception) -> Behavior:
-        """
-        Make the behaviour that sees the object from another side.
-
-        :param perception: ``TaskPerception`` of robot and object.
-        """
-        return Inspection(BehaviorContext(
-            perception.localization.obj, self._robot, self._control, self._drive,
-            self._supervision, self.occupancy_map))
-
     def _primitives(self) -> PushPrimitives:
-        position_tolerance, heading_tolerance = aimed_tolerances(self._control, self._supervision)
+        supervision = self._supervision
         return load_primitives(self._obj, self._robot, CostSettings(
-            position_tolerance=position_tolerance, heading_tolerance=heading_tolerance,
+            position_tolerance=supervision.position_tolerance,
+            heading_tolerance=supervision.heading_tolerance,
             robot_speed=self._drive.limited_to(self._robot).speed, drive=self._robot.drive))
 
     def correct_overlap(self, perception: TaskPerception) -> None:

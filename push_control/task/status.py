@@ -39,11 +39,13 @@ class StateChange(NamedTuple):
     :param time: when [s].
     :param state: the new ``TaskState``.
     :param reason: why, one sentence; empty where all goes as it should.
+    :param is_requested: whether the user asked for it, so that the reason is no fault.
     """
 
     time: float
     state: TaskState
     reason: str
+    is_requested: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,6 +62,7 @@ class SupervisorStatus:
         None before the first odometry.
     :param history: ``StateChange`` of every state since the goal was set.
     :param push: ``ControllerStatus`` of the present or last push.
+    :param is_requested: whether the user asked for this state, so that the reason is no fault.
     """
 
     state: TaskState = TaskState.IDLE
@@ -70,3 +73,4 @@ class SupervisorStatus:
     robot_pose: Pose | None = None
     history: tuple[StateChange, ...] = ()
     push: ControllerStatus = ControllerStatus()
+    is_requested: bool = False

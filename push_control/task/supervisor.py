@@ -19,9 +19,9 @@ from push_control.push.status import ControllerStatus
 from push_control.settings import ControlSettings
 from push_control.task.behavior import Behavior
 from push_control.task.behavior_factory import BehaviorFactory
-from push_control.task.perception import ObjectAtRest, TaskPerception
+from push_control.task.perception import TaskPerception
 from push_control.task.progress import GoalCheck, ProgressMonitor
-from push_control.task.settings import aimed_tolerances, SupervisionSettings
+from push_control.task.settings import SupervisionSettings
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -91,8 +91,7 @@ class Supervisor:
         :param knowledge: what was learned of the object in former tasks, or None.
         """
         self._settings = supervision
-        self._aim = aimed_tolerances(control, supervision)
-        self._progress = ProgressMonitor(supervision, self._aim)
+        self._progress = ProgressMonitor(supervision)
         self._behaviors = BehaviorFactory(obj, robot, control, drive, supervision)
         self._perception = TaskPerception(obj, robot, control, supervision)
         if knowledge is not None:
@@ -135,11 +134,27 @@ class Supervisor:
         if not Pose(*pose).is_finite():
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal = Pose(*pose)
-        self._progress = ProgressMonitor(self._settings, self._aim)
+        self._progress = ProgressMonitor(self._settings)
         self._entered = dataclasses.replace(self._entered, pushes=0, recoveries=0, history=())
         if self._entered.state is not TaskState.PAUSED:
             self._restart(self._entered.state, 'new goal')
         self._update_status()
+
+    def set_settings(self, control: ControlSettings, drive: DriveSettings,
+                     supervision: SupervisionSettings) -> None:
+        """
+        Set settings under way: checks of the goal use them now, movements from the next one on.
+
+        What perception was made with stays: noise of the sensors, drift of the odometry, and how
+        long the object is averaged.
+
+        :param control: ``ControlSettings``.
+        :param drive: ``DriveSettings``.
+        :param supervision: ``SupervisionSettings``.
+        """
+        self._settings = supervision
+        self._progress.settings = supervision
+        self._behaviors.set_settings(control, drive, supervision)
 
     def set_map(self, occupancy_map: OccupancyMap | None) -> None:
         """
@@ -197,7 +212,22 @@ class Supervisor:
         :param reason: one sentence.
         """
         self._goal = None
-        self._enter(TaskState.IDLE, reason)
+        self._enter(TaskState.IDLE, reason, is_requested=True)
+        self._update_status()
+
+    def cancel(self, reason: str) -> None:
+        """
+        Abandon the task; a robot that may touch the object backs off before it stands.
+
+        :param reason: one sentence.
+        """
+        state = self._entered.state
+        if state.is_standing or TRANSITIONS[state].restart is not TaskState.RETREAT:
+            self.stop(reason)
+            return
+        self._goal = None
+        if state is not TaskState.RETREAT:
+            self._enter(TaskState.RETREAT, reason, is_requested=True)
         self._update_status()
 
     def step(self, observation: Observation, dt: float) -> Twist:
@@ -259,8 +289,6 @@ class Supervisor:
         check = self._progress.check_goal(object_at_rest, self._goal)
         if check is GoalCheck.REACHED:
             self._enter(TaskState.DONE)
-        elif check is GoalCheck.UNSEEN:
-            self._inspect(object_at_rest)
         elif check is GoalCheck.MISSED and self._progress.abort_reason:
             self._enter(TaskState.FAILED, self._progress.abort_reason)
         elif check is GoalCheck.MISSED:
@@ -268,18 +296,10 @@ class Supervisor:
             localization, knowledge = perception.localization, perception.localization.knowledge
             request = PlanRequest(
                 object_at_rest.pose, perception.robot_pose, self._goal, localization.obj,
-                self._progress.cone_fraction, *self._aim, localization.position_deviation,
+                self._progress.cone_fraction, settings.position_tolerance,
+                settings.heading_tolerance, localization.position_deviation,
                 knowledge.center_deviation, knowledge.contact_friction_deviation)
             self._pending = _PendingRequest(request, now)
-
-    def _inspect(self, object_at_rest: ObjectAtRest) -> None:
-        """See an object that may be at its goal from another side, then check it again."""
-        self._progress.count_inspection(object_at_rest)
-        if self._progress.abort_reason:
-            self._enter(TaskState.FAILED, self._progress.abort_reason)
-            return
-        self._enter(TaskState.RETREAT, 'the object has to be seen from another side')
-        self._behavior = self._behaviors.inspection(self._perception)
 
     def _advance(self) -> None:
         state = self._entered.state
@@ -303,9 +323,13 @@ class Supervisor:
 
     def _restart(self, state: TaskState, reason: str) -> None:
         """Seek another plan, from a state in which the robot was."""
-        self._enter(TaskState.PLAN if state.is_standing else TRANSITIONS[state].restart, reason)
+        self._enter(TaskState.PLAN if state.is_standing else TRANSITIONS[state].restart, reason,
+                    is_requested=True)
 
-    def _enter(self, state: TaskState, reason: str = '') -> None:
+    def _enter(self, state: TaskState, reason: str = '', *, is_requested: bool = False) -> None:
+        if state is TaskState.PLAN and self._goal is None:
+            # After the retreat of a task that was cancelled.
+            state = TaskState.IDLE
         push, now = self._push_status(), self._perception.time
         self._pending = None
         self._behavior = self._behaviors.create(state, self._plan, self._goal, self._perception)
@@ -318,7 +342,8 @@ class Supervisor:
             pushes += 1
         self._entered = dataclasses.replace(
             self._entered, state=state, reason=reason, since=now, push=push, pushes=pushes,
-            history=(*self._entered.history, StateChange(now, state, reason)))
+            is_requested=is_requested,
+            history=(*self._entered.history, StateChange(now, state, reason, is_requested)))
 
     def _push_status(self) -> ControllerStatus:
         """Status of the present push, or of the last one."""
@@ -333,4 +358,5 @@ class Supervisor:
         localization = self._perception.localization
         self._status = dataclasses.replace(
             entered, reason=reason, push=push,
+            is_requested=entered.is_requested and not waiting_reason,
             robot_pose=localization.pose if localization.is_initialized else None)

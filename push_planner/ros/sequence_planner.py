@@ -2,7 +2,6 @@
 
 from typing import Any, Mapping, NamedTuple
 
-from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanRequest
 from push_model.trajectory import PushStyle
@@ -60,12 +59,20 @@ class SequenceRequestHandler:
         :param parameters: ``PlannerParameters``.
         :param frame: id of the world frame.
         """
-        self._parameters = parameters
         self._frame = frame
         self._occupancy_map: OccupancyMap | None = None
+        self.set_parameters(parameters)
         if parameters.planner.site == 'sequence' and parameters.task.method == 'primitives':
             # Compiles the planner and makes the table of the object where there is none yet.
             warm_up(parameters.object, parameters.robot, parameters.drive)
+
+    def set_parameters(self, parameters: PlannerParameters) -> None:
+        """
+        Plan with other parameters from the next request on.
+
+        :param parameters: ``PlannerParameters``.
+        """
+        self._parameters = parameters
 
     def on_map(self, message: Any) -> None:
         """
@@ -76,28 +83,27 @@ class SequenceRequestHandler:
         """
         self._occupancy_map = from_map_message(message, self._frame)
 
-    def answer(self, message: Any) -> TaskPlan:
+    def read(self, message: Any) -> PlanRequest:
         """
-        Plan for a request.
+        Read a request.
 
         :param message: ``trajectory_msgs/JointTrajectory``.
-        :return: ``TaskPlan``.
-        :raises MessageRefused: where the request cannot be used.
-        :raises PlanningFailed: where there is no plan.
+        :return: ``PlanRequest``.
+        :raises MessageRefused: where it cannot be used.
         """
-        return self._plan(from_request_message(message, self._frame, self._parameters.object))
+        return from_request_message(message, self._frame, self._parameters.object)
 
-    def plan(self, object_pose: Pose, robot_pose: Pose, goal: Pose) -> TaskPlan:
+    def plan(self, request: PlanRequest) -> TaskPlan:
         """
-        Plan from poses, with the nominal object.
+        Plan for a request, with the poses that it states.
 
-        :param object_pose: ``Pose`` of the object in the world.
-        :param robot_pose: ``Pose`` of the robot in the world.
-        :param goal: goal ``Pose`` of the object.
+        :param request: ``PlanRequest``.
         :return: ``TaskPlan``.
         :raises PlanningFailed: where there is no plan.
         """
-        return self._plan(PlanRequest(object_pose, robot_pose, goal, self._parameters.object))
+        parameters = self._parameters
+        return plan_for_request(request, parameters.robot, parameters.planner, parameters.drive,
+                                parameters.task, self._occupancy_map)
 
     def messages(self, task_plan: TaskPlan, stamp: Any) -> SequencePlanMessages:
         """
@@ -110,11 +116,6 @@ class SequenceRequestHandler:
         poses = sequence_poses(trajectory, task_plan.later_steps, PATH_SPACING)
         return SequencePlanMessages(to_plan_message(trajectory, stamp, self._frame),
                                     to_path_message(poses, stamp, self._frame))
-
-    def _plan(self, request: PlanRequest) -> TaskPlan:
-        parameters = self._parameters
-        return plan_for_request(request, parameters.robot, parameters.planner, parameters.drive,
-                                parameters.task, self._occupancy_map)
 
 
 class Description(NamedTuple):
@@ -137,4 +138,4 @@ def describe_task_plan(task_plan: TaskPlan) -> Description:
             f'first of {first.path_length:.2f} m')
     return Description(text, {
         **task_plan.push_report, **task_plan.report.as_values(),
-        'single_push': task_plan.single_push_time, 'robot_start': tuple(first.robot_start)})
+        'single_push': task_plan.single_push_time, 'robot_start': first.robot_start})

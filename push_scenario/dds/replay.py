@@ -15,7 +15,7 @@ from push_scenario.dds.replay_client import ReplayClient, ReplayFailed
 from push_scenario.dds.result import collect_result
 from push_scenario.dds.run_monitor import RunMonitor
 from push_scenario.definition.scenario import Scenario
-from push_scenario.definition.task import Task
+from push_scenario.definition.task import LaterGoal, Task
 from push_scenario.simulation.loop import control_settings, ProgressCallback, SETTLE_TIME
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.start import place_robot
@@ -71,12 +71,12 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
             monitor.write = writer.write
         for node, path in files.items():
             nodes.start(node, MODULES[node], path)
-        refusal = _set_goal(scenario, client, monitor)
+        refusal = _set_goal(scenario, client, monitor, is_lockstep=not real_time)
         if not refusal:
             _start(client)
             if on_start is not None:
                 on_start(nodes)
-            _watch(scenario, client, monitor)
+            _watch(scenario, client, monitor, _later_goals(scenario) if real_time else [])
         nodes.stop_all()
         client.drain()
     if refusal:
@@ -84,15 +84,23 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     return collect_result(scenario, law, monitor, tape_path, bag)
 
 
-def _set_goal(scenario: Scenario, client: ReplayClient, monitor: RunMonitor) -> str:
+def _later_goals(scenario: Scenario) -> list[LaterGoal]:
+    """List the goals that follow the first, the earliest first."""
+    goals = () if scenario.task is None else scenario.task.goals
+    return sorted(goals, key=lambda later: later.time)
+
+
+def _set_goal(scenario: Scenario, client: ReplayClient, monitor: RunMonitor, *,
+              is_lockstep: bool) -> str:
     """Set map and goals; return why there is no plan of a single push, an empty text else."""
     client.wait_for(lambda: client.is_connected() and monitor.nodes.keys() == MODULES.keys(),
                     START_TIMEOUT, 'the nodes to start')
     frame = Frames().world_frame
     if scenario.task is not None:
         _send_map(scenario.task, client, monitor, frame)
-        # The first goal comes last: a node that has it has the later ones too.
-        for later in scenario.task.goals:
+        # The first goal comes last: a node that has it has the later ones too. Only in lockstep
+        # do goals hold from the time of their stamps on.
+        for later in _later_goals(scenario) if is_lockstep else ():
             client.send_goal(later.goal.pose, frame, later.time)
         client.send_goal(scenario.goal.pose, frame)
         return ''
@@ -115,8 +123,9 @@ def _start(client: ReplayClient) -> None:
     client.call('sim/start', SERVICE_TIMEOUT)
 
 
-def _watch(scenario: Scenario, client: ReplayClient, monitor: RunMonitor) -> None:
-    """Go on until the run has ended and everything has had its time to come to rest."""
+def _watch(scenario: Scenario, client: ReplayClient, monitor: RunMonitor,
+           later_goals: list[LaterGoal]) -> None:
+    """Set later goals, until the run has ended and everything has had its time to rest."""
     time_before, advanced_at = monitor.time, time.monotonic()
     # In lockstep, simulated time stands still while a task is planned.
     patience = STALL_TIMEOUT if scenario.task is None else PLAN_TIMEOUT
@@ -124,6 +133,8 @@ def _watch(scenario: Scenario, client: ReplayClient, monitor: RunMonitor) -> Non
     # One step further than the end: the clock may show a time before the tape has its row.
     while monitor.time <= until:
         client.pump()
+        while later_goals and later_goals[0].time <= monitor.time:
+            client.send_goal(later_goals.pop(0).goal.pose, Frames().world_frame)
         if monitor.error(SIM):
             raise ReplayFailed(f'{SIM}: {monitor.error(SIM)}')
         if monitor.time > time_before:

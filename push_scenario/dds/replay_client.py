@@ -105,7 +105,7 @@ class ReplayClient:
 
         :param pose: goal ``Pose`` of the object.
         :param frame: id of the world frame.
-        :param time: when it starts to hold, in a task [s].
+        :param time: when it starts to hold, in a task in lockstep [s].
         """
         message = PoseStamped(pose=to_pose_message(pose))
         message.header.stamp, message.header.frame_id = to_stamp(time), frame

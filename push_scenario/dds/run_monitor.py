@@ -13,7 +13,7 @@ from push_model.trajectory import PushTrajectory
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.plan import from_plan_message
 from push_ros.conversions.primitives import NANOSECONDS
-from push_ros.diagnostics import ERROR, HAS_MAP
+from push_ros.diagnostics import ERROR, HAS_MAP, status_values, value_text
 from push_ros.topics import CONTROLLER, PLANNER, TOPICS
 from push_scenario.dds.recorder import stamp_of
 from push_scenario.definition.scenario import Scenario
@@ -145,8 +145,8 @@ class RunMonitor:
             report = self.nodes.setdefault(status.name, NodeReport())
             if status.level == ERROR:
                 report.error = status.message
-            values = {item.key: item.value for item in status.values}
-            report.has_map = report.has_map or values.get(HAS_MAP) == str(True)
+            values = status_values(status)
+            report.has_map = report.has_map or values.get(HAS_MAP) == value_text(True)
             self._on_status(status, values)
 
     def _on_status(self, status: DiagnosticStatus, values: dict[str, str]) -> None:

@@ -10,17 +10,19 @@ import sys
 from geometry_msgs.msg import PoseStamped, Twist as TwistMessage
 from helpers.node_bench import bench
 from push_model.geometry import distance, Pose
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_planner.problem import problem_from_placement
 from push_planner.single_push.planner import plan_push
 from push_ros.conversions.measurements import (
     from_object_pose_message, to_object_pose_message, to_odometry_message,
 )
-from push_ros.conversions.plan import from_plan_message, to_plan_message
+from push_ros.conversions.plan import from_plan_message, plan_failure, to_plan_message
+from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import (
-    check_frame, nanoseconds, seconds, to_pose_message, to_stamp,
+    check_frame, nanoseconds, to_pose_message, to_stamp,
 )
-from push_ros.diagnostics import ERROR, WARN
+from push_ros.diagnostics import ERROR, status_values, WARN
 from push_ros.parameters import to_parameter_values
 from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
@@ -71,7 +73,7 @@ def controller(lasting, trajectory):
 @contextlib.contextmanager
 def running_controller(folder):
     """Start a controller on simulated time that may push at once."""
-    parameters = {**PHYSICS, 'use_sim_time': True}
+    parameters = {**PHYSICS, 'use_sim_time': True, 'lockstep': True}
     with bench(folder, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.subscribe('cmd_vel')
         b.subscribe('diagnostics')
@@ -168,21 +170,6 @@ def texts(b):
     return [status.message for message in b.received['diagnostics'] for status in message.status]
 
 
-def test_the_robot_stops_when_odometry_stops(controller):
-    """Nothing comes but the clock."""
-    count = len(controller.received['cmd_vel'])
-    for i in range(0, 60):
-        controller.clock(0.18 + 0.005 * i)
-        controller.spin(0.01)
-        if len(controller.received['cmd_vel']) > count:
-            break
-    controller.wait_until(lambda: len(controller.received['cmd_vel']) > count)
-    command = controller.received['cmd_vel'][count]
-    assert (command.twist.linear.x, command.twist.angular.z) == (0.0, 0.0)
-    assert 0.2 < seconds(command.header.stamp) - controller.base - 0.18 <= STOP_TIME
-    controller.wait_until(lambda: any('no odometry' in error for error in errors(controller)))
-
-
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_the_robot_stops_when_the_controller_is_shut_down(tmp_path, trajectory, number):
     """The zero command goes out before the node does, and the exit status is 0."""
@@ -234,7 +221,8 @@ def test_time_that_goes_back_ends_the_push(controller):
 
 def test_commands_without_stamp_and_a_start_by_hand(tmp_path, trajectory):
     """Twist for robots that want it; nothing moves before controller/start."""
-    parameters = {**PHYSICS, 'enable_stamped_cmd_vel': False, 'wait_for_start': True}
+    parameters = {**PHYSICS, 'enable_stamped_cmd_vel': False, 'wait_for_start': True,
+                  'lockstep': True}
     with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.subscribe('cmd_vel', TwistMessage)
         refused = b.call('controller/start')
@@ -264,43 +252,43 @@ def goal(pose, frame='odom'):
     return message
 
 
+def request(pose, time=1.0):
+    """Make a request for a plan to a goal."""
+    return to_request_message(PlanRequest(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time),
+                              'odom')
+
+
 def measure(b):
     """Publish what is measured at 1.5 s."""
     b.publish('object_pose', to_object_pose_message(ObjectPose(1.4, OBJECT), 'odom'))
     b.publish('odom', to_odometry_message(Odometry(1.5, ROBOT, STOP), 'odom', 'base_link'))
 
 
-def test_the_planner_answers_a_goal(planner, trajectory):
-    """It waits for measurements; the plan has the stamp of the newest, and is the planner's."""
-    planner.publish('goal_pose', goal(GOAL))
+def test_the_planner_answers_a_request(planner, trajectory):
+    """It waits for measurements; the plan has the stamp of the request, and is the planner's."""
+    planner.publish('push_request', request(GOAL, 1.25))
     planner.wait_until(lambda: 'waits for odom and object_pose' in last_text(planner))
     planner.repeat_until(
         lambda: measure(planner),
         lambda: planner.received['push_plan'] and planner.received['planned_path'])
     message = planner.received['push_plan'][0]
-    assert nanoseconds(message.header.stamp) == 1_500_000_000
+    assert nanoseconds(message.header.stamp) == 1_250_000_000
     check_frame(message.header.frame_id, 'odom', 'push_plan')
     got = from_plan_message(message, 'odom')
     assert got.duration == pytest.approx(trajectory.duration, abs=1e-6)
     assert distance(got.object_poses[-1], GOAL) < 5e-3
 
 
-@pytest.mark.parametrize('message, text', [
-    (goal(GOAL, 'map'), "goal_pose: got frame 'map', expected 'odom'"),
-    (goal((math.nan, 0.0, 0.0)), 'goal_pose: got the position (nan, 0)'),
-    (PoseStamped(header=goal(GOAL).header), None),
-    (goal((1000.0, 0.0, 0.0)), 'at most 20 m is accepted')],
-    ids=['frame', 'nan', 'default', 'infeasible'])
-def test_the_planner_refuses_a_goal_and_keeps_its_plan(planner, message, text):
-    """With the reason as an error; nothing is published in place of the plan."""
-    if text is None:
-        message.pose.orientation.w = 0.0
-        text = 'goal_pose: got the quaternion (0, 0, 0, 0)'
+def test_where_there_is_no_plan_the_answer_says_why(planner):
+    """Without points, with the code of the reason, which is an error on diagnostics as well."""
     plans, known = len(planner.received['push_plan']), len(errors(planner))
-    planner.publish('goal_pose', message)
-    planner.repeat_until(lambda: measure(planner),
-                         lambda: any(text in error for error in errors(planner)[known:]))
-    assert len(planner.received['push_plan']) == plans
+    planner.publish('push_request', request(Pose(1000.0, 0.0, 0.0), 1.5))
+    planner.repeat_until(lambda: measure(planner), lambda: any(
+        'at most 20 m is accepted' in error for error in errors(planner)[known:]))
+    planner.wait_until(lambda: len(planner.received['push_plan']) > plans)
+    answer = planner.received['push_plan'][-1]
+    assert plan_failure(answer) is PlanFailure.PATH_TOO_LONG
+    assert nanoseconds(answer.header.stamp) == 1_500_000_000
 
 
 def push_on(b, shift):
@@ -319,10 +307,9 @@ def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
         planner.spin(0.1)
     for topic in ('push_plan', 'planned_path'):
         planner.received[topic].clear()
-    planner.publish('goal_pose', goal(wanted))
+    planner.publish('push_request', request(wanted, 2.0))
     planner.wait_until(lambda: planner.received['push_plan'] and planner.received['planned_path'])
     message = planner.received['push_plan'][0]
-    assert nanoseconds(message.header.stamp) == 2_000_000_000
     got = from_plan_message(message, 'odom')
     assert distance(got.object_poses[0], shift @ OBJECT) < 1e-6
     speed = math.hypot(0.07, 0.04 * SCENARIO.robot.radius)
@@ -340,7 +327,7 @@ def test_a_push_is_planned_again_when_asked(planner):
     planner.received['push_plan'].clear()
 
     def ask():
-        planner.publish('goal_pose', goal(wanted))
+        planner.publish('push_request', request(wanted))
         measure(planner)
 
     planner.repeat_until(ask, lambda: planner.received['push_plan'])
@@ -363,11 +350,11 @@ def test_the_planner_says_where_the_robot_must_stand(tmp_path):
         for topic in ('push_plan', 'diagnostics'):
             b.subscribe(topic)
         refused = b.call('planner/replan')
-        assert not refused.success and refused.message == 'has received no goal yet'
+        assert not refused.success and refused.message == 'has received no request yet'
 
         def ask():
             # The first message may come before its reader is known.
-            b.publish('goal_pose', goal(OBJECT @ Pose(0.0, 1.0, 0.0)))
+            b.publish('push_request', request(OBJECT @ Pose(0.0, 1.0, 0.0)))
             measure(b)
 
         def reports():
@@ -381,7 +368,7 @@ def test_the_planner_says_where_the_robot_must_stand(tmp_path):
         assert status.level == WARN
         assert f'for a robot at {begin[0]:.3f} m, {begin[1]:.3f} m' in status.message
         assert distance(begin, OBJECT @ Pose(0.0, -0.37, 0.0)) < 1e-6
-        values = {item.key: item.value for item in status.values}
+        values = status_values(status)
         assert values['site 1'].startswith('face 0 from') and 'site 9' in values
 
 
@@ -389,7 +376,7 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
     """Planner and controller over DDS, the plant here: the push goes on to the new goal."""
     scenario = dataclasses.replace(SCENARIO, sensors=LATE)
     plant, wanted = make_simulation(scenario), Pose(2.4, 0.5, -0.5)
-    parameters = {**PHYSICS, 'watchdog_timeout': 5.0}
+    parameters = {**PHYSICS, 'watchdog_timeout': 5.0, 'lockstep': True}
     with bench(tmp_path, CONTROLLER, MODULES[CONTROLLER], parameters) as b:
         b.start(PLANNER, MODULES[PLANNER], PHYSICS)
         for topic in ('cmd_vel', 'push_plan', 'planned_path', 'diagnostics'):
@@ -412,7 +399,7 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
 
 
 def test_rviz_gives_the_goal_and_shows_the_path():
-    """On the topics of the planner; the latched path is asked for as such."""
+    """On the topics of the nodes; the latched path is asked for as such."""
     manager = yaml.safe_load(config_file('push.rviz').read_text())['Visualization Manager']
     tools = {tool['Class']: tool.get('Topic', {}).get('Value') for tool in manager['Tools']}
     assert tools['rviz_default_plugins/SetGoal'] == 'goal_pose' in TOPICS
@@ -462,7 +449,7 @@ def test_a_node_has_the_topics_and_services_of_the_list(tmp_path, name):
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
 @pytest.mark.parametrize('change, text', [
     ('object.mass:=-1.0', 'object.mass: got -1.0, expected a finite number above 0 [kg]'),
-    ('frobnicate:=1', 'frobnicate: got a parameter that')])
+    ('object.color:=1', 'object.color: got a parameter that')])
 def test_a_bad_parameter_keeps_a_node_from_starting(name, change, text):
     """Exit status 2, and the reason."""
     done = subprocess.run(

@@ -4,17 +4,17 @@ import math
 
 from helpers.node_bench import bench
 from push_control.estimation.contact_site import initial_contact_site
-from push_model.geometry import Pose
+from push_model.geometry import distance, Pose
 from push_model.signals import Twist
 from push_planner.problem import problem_from_placement
 from push_planner.single_push.planner import plan_push
 from push_ros.conversions.plan import to_plan_message
+from push_ros.conversions.plan_request import from_request_message
 from push_ros.conversions.primitives import to_stamp
 from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
-from std_srvs.srv import Trigger
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
@@ -22,7 +22,7 @@ SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
 PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'),
-              'use_sim_time': True, 'control.max_reapproaches': 0}
+              'use_sim_time': True, 'lockstep': True, 'control.max_reapproaches': 0}
 SPEED, PERIOD = 0.2, 0.1
 
 
@@ -36,14 +36,8 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
     target = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
                                               SCENARIO.planner)).trajectory
     assert initial_contact_site(SCENARIO.object, SCENARIO.robot, target).kind == 'vertex'
-    asked = []
-
-    def answer(_, response):
-        asked.append(len(asked))
-        return response
-
     with bench(tmp_path, CONTROLLER, 'push_control.controller_node', PARAMETERS) as b:
-        b.node.create_service(Trigger, 'planner/replan', answer)
+        b.subscribe('push_request')
         b.subscribe('cmd_vel')
         b.subscribe('diagnostics')
         b.wait_until(lambda: b.received['diagnostics'])
@@ -63,7 +57,10 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
             command = b.odometry(way / SPEED, place, twist=Twist(SPEED, 0.0, 0.0))
             command = b.object_pose(way / SPEED, pose)
         assert command == (0.0, 0.0, 0.0)
-        b.wait_until(lambda: asked)
+        requests = b.received['push_request']
+        b.wait_until(lambda: requests)
         b.odometry(way / SPEED + PERIOD, place)
         b.spin(0.3)
-    assert asked == [0]
+    assert len(requests) == 1
+    request = from_request_message(requests[0], 'odom', SCENARIO.object)
+    assert distance(request.goal, GOAL) < 5e-3

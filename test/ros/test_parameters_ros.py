@@ -10,7 +10,7 @@ from push_planner import planner_node
 from push_planner.problem import PlannerSettings
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
 from push_ros.parameters import (
-    declare_parameters, from_parameter_values, parameter_specs, to_parameter_values,
+    from_parameter_values, parameter_specs, ParameterSet, to_parameter_values,
 )
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.definition.data import config_file
@@ -74,7 +74,7 @@ def test_a_node_reads_the_same_dataclass(instance):
     """Also through rclpy, and through a YAML file's types."""
     values = yaml.safe_load(yaml.safe_dump(to_parameter_values(instance, 'some.')))
     with node_with(values) as node:
-        assert declare_parameters(node, [('some.', type(instance))]) == [instance]
+        assert ParameterSet(node, [('some.', type(instance))]).settings == [instance]
         for name, value in values.items():
             got = node.get_parameter(name).value
             assert (list(got) if isinstance(value, list) else got) == value
@@ -85,7 +85,7 @@ def test_defaults_are_those_of_the_dataclasses(name):
     """Nothing is given but what must be; all the rest is declared with its default."""
     required = {**to_parameter_values(BOX, 'object.'), 'robot.radius': 0.17}
     with node_with(required) as node:
-        instances = declare_parameters(node, SECTIONS[name])
+        instances = ParameterSet(node, SECTIONS[name]).settings
         for (prefix, cls), instance in zip(SECTIONS[name], instances):
             if cls not in (PushedObject, RoundRobot):
                 assert instance == cls()
@@ -99,7 +99,7 @@ def test_defaults_are_those_of_the_dataclasses(name):
 def test_every_parameter_is_described_and_read_only(name):
     """Tools see description, unit and range; nobody changes physics under way."""
     with node_with({**to_parameter_values(BOX, 'object.'), 'robot.radius': 0.17}) as node:
-        declare_parameters(node, SECTIONS[name])
+        ParameterSet(node, SECTIONS[name])
         for spec in parameters(name):
             described = node.describe_parameter(spec.name)
             assert len(described.description) > 3 and described.read_only
@@ -127,20 +127,20 @@ def test_a_bad_parameter_is_refused_by_its_name(change, text):
     values = {**to_parameter_values(BOX, 'object.'), 'robot.radius': 0.17, **change}
     sections = (('object.', PushedObject), ('robot.', RoundRobot), ('', Frames))
     with node_with(values) as node, pytest.raises(ValueError, match=text):
-        declare_parameters(node, sections)
+        ParameterSet(node, sections)
 
 
 def test_a_missing_parameter_is_named():
     """There is no default for what must be measured."""
     with node_with({'object.inertia': 1.0}) as node, \
             pytest.raises(ValueError, match='object.mass: got nothing, expected'):
-        declare_parameters(node, [('object.', PushedObject)])
+        ParameterSet(node, [('object.', PushedObject)])
 
 
 def test_whole_numbers_do_for_real_ones():
     """People write ``mass: 3`` in YAML."""
     with node_with({**to_parameter_values(BOX, 'object.'), 'object.mass': 3}) as node:
-        assert declare_parameters(node, [('object.', PushedObject)]) == [BOX]
+        assert ParameterSet(node, [('object.', PushedObject)]).settings == [BOX]
         assert isinstance(node.get_parameter('object.mass').value, float)
 
 

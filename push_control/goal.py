@@ -1,0 +1,77 @@
+"""A goal for the object, how far its pursuit has come, and how it ended."""
+
+import dataclasses
+import enum
+import math
+from typing import NamedTuple
+
+from push_model.geometry import Pose
+
+
+class GoalOutcome(enum.Enum):
+    """How the pursuit of a goal ended."""
+
+    REACHED = 'reached'
+    # By whoever gave the goal, or by the service that stops the robot.
+    CANCELLED = 'cancelled'
+    # By another goal.
+    REPLACED = 'replaced'
+    TIMED_OUT = 'timed out'
+    # There is no plan of a single push, or a task made no progress.
+    NO_PLAN = 'no plan'
+    FAILED = 'failed'
+    # The controller was deactivated, or time went back.
+    INTERRUPTED = 'interrupted'
+
+
+@dataclasses.dataclass(frozen=True)
+class PushGoal:
+    """
+    Goal for the object.
+
+    :param pose: goal ``Pose`` of the object in the world.
+    :param position_tolerance: distance from the goal at which it is reached [m]; None for that of
+        the parameters.
+    :param heading_tolerance: heading error at which it is reached [rad]; None likewise.
+    :param time_limit: time after which it is abandoned [s]; infinite for none.
+    :raises ValueError: naming the field, what came and what was expected.
+    """
+
+    pose: Pose
+    position_tolerance: float | None = None
+    heading_tolerance: float | None = None
+    time_limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        """Validate the fields."""
+        if not self.pose.is_finite():
+            raise ValueError(f'goal: got {self.pose}, expected three finite numbers')
+        for name in ('position_tolerance', 'heading_tolerance'):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value <= 1.0:
+                raise ValueError(f'goal: {name}: got {value:g}, expected a number above 0, at '
+                                 'most 1')
+        if not self.time_limit > 0.0:
+            raise ValueError(f'goal: time_limit: got {self.time_limit:g}, expected a number '
+                             'above 0 [s]')
+
+
+class GoalProgress(NamedTuple):
+    """
+    How far the pursuit of a goal has come.
+
+    :param state: what the robot does, one word.
+    :param reason: why, or what is wrong, one sentence; empty while all is well.
+    :param outcome: the ``GoalOutcome``, once the robot has ended by itself; else None.
+    :param pushes: number of pushes begun.
+    :param position_error: distance of the object from its goal as last measured or estimated [m];
+        nan before.
+    :param heading_error: heading of the object minus that of its goal [rad]; nan before.
+    """
+
+    state: str
+    reason: str = ''
+    outcome: GoalOutcome | None = None
+    pushes: int = 0
+    position_error: float = math.nan
+    heading_error: float = math.nan

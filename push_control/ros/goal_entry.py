@@ -1,0 +1,196 @@
+"""
+The one entry of goals: from ``goal_pose``, or a program, to the mode that pursues them.
+
+One goal is pursued at a time; another one replaces it. A goal is taken when it comes, and the
+stamp of its message is no appointment: the clock of an operator's computer may be wrong. Only in
+lockstep, where there is but one clock, a goal holds from the time of its stamp on.
+"""
+
+from typing import Any, Callable, NamedTuple
+
+from push_control.goal import GoalOutcome, GoalProgress, PushGoal
+from push_control.ros.mode import Mode
+from push_model.signals import ObjectPose
+from push_ros.conversions.measurements import from_object_pose_message
+from push_ros.conversions.primitives import seconds
+from push_ros.diagnostics import OK
+from push_ros.node import PushNode
+
+# Difference between a goal's stamp and the clock of the node that is worth a line in the log [s];
+# chosen: longer than a message takes, shorter than what confuses an operator.
+NOTED_CLOCK_DIFFERENCE = 1.0
+
+
+class GoalFeedback(NamedTuple):
+    """
+    How a goal is doing.
+
+    :param progress: ``GoalProgress``.
+    :param elapsed_time: since the goal was taken [s].
+    :param time_left: until its time limit [s], infinite without one.
+    """
+
+    progress: GoalProgress
+    elapsed_time: float
+    time_left: float
+
+
+class GoalHandle:
+    """
+    A goal that was taken.
+
+    ``goal``: the ``PushGoal``. ``outcome``: its ``GoalOutcome``, None while it is pursued.
+    ``reason``: one sentence on that, or empty.
+    """
+
+    def __init__(self, goal: PushGoal, on_end: Callable[['GoalHandle'], None] | None) -> None:
+        """
+        Begin the pursuit.
+
+        :param goal: the ``PushGoal``.
+        :param on_end: called with this handle once the outcome is known.
+        """
+        self.goal = goal
+        self.outcome: GoalOutcome | None = None
+        self.reason = ''
+        # How it ends as soon as the robot stands.
+        self.pending_outcome: GoalOutcome | None = None
+        # Time of the first measurement after it was taken [s].
+        self.start_time: float | None = None
+        self._on_end = on_end
+
+    def end(self, outcome: GoalOutcome, reason: str) -> None:
+        """
+        Note how the pursuit ended.
+
+        :param outcome: the ``GoalOutcome``.
+        :param reason: one sentence, or empty.
+        """
+        self.outcome = outcome
+        self.reason = reason
+        if self._on_end is not None:
+            self._on_end(self)
+
+
+class GoalEntry:
+    """Takes goals, one at a time, and notes how each of them ends."""
+
+    def __init__(self, node: PushNode, mode: Mode, frame: str, *, is_lockstep: bool) -> None:
+        """
+        Wait for a goal.
+
+        :param node: the ``PushNode``.
+        :param mode: the ``Mode``, which pursues them.
+        :param frame: id of the world frame.
+        :param is_lockstep: whether goals hold from the time of their stamps on.
+        """
+        self._node = node
+        self._mode = mode
+        self._frame = frame
+        self._is_lockstep = is_lockstep
+        self._time = 0.0
+        self._current: GoalHandle | None = None
+        # Goals that hold from a later time on, in lockstep.
+        self._later: list[ObjectPose] = []
+
+    @property
+    def current(self) -> GoalHandle | None:
+        """The ``GoalHandle`` of the goal that is pursued, or None."""
+        return self._current
+
+    def on_message(self, message: Any) -> None:
+        """
+        Take a goal from a topic.
+
+        :param message: ``geometry_msgs/PoseStamped``.
+        :raises MessageRefused: where it cannot be used; the former goal stays.
+        """
+        goal = from_object_pose_message(message, self._frame, 'goal_pose')
+        if self._is_lockstep and goal.time > self._time:
+            self._later = sorted([*self._later, goal])
+            return
+        self._note_clock_difference(message)
+        self.start(PushGoal(goal.pose))
+
+    def start(self, goal: PushGoal,
+              on_end: Callable[[GoalHandle], None] | None = None) -> GoalHandle:
+        """
+        Take a goal, in place of the present one.
+
+        :param goal: the ``PushGoal``.
+        :param on_end: called with the handle once the outcome is known.
+        :return: ``GoalHandle``.
+        """
+        self._end(GoalOutcome.REPLACED, 'another goal has come')
+        self._current = GoalHandle(goal, on_end)
+        self._node.reporter.log(OK, f'has a goal at {goal.pose.x:.3f} m, {goal.pose.y:.3f} m, '
+                                    f'{goal.pose.theta:.3f} rad')
+        self._mode.set_goal(goal)
+        return self._current
+
+    def cancel(self) -> None:
+        """Abandon the goal: the robot backs off from the object and stands, then it has ended."""
+        if self._current is not None and self._current.pending_outcome is None:
+            self._abandon(self._current, GoalOutcome.CANCELLED)
+
+    def interrupt(self, outcome: GoalOutcome, reason: str) -> None:
+        """
+        Note that the robot no longer pursues any goal, present or later.
+
+        :param outcome: the ``GoalOutcome``.
+        :param reason: one sentence.
+        """
+        self._later = []
+        self._time = 0.0
+        self._end(outcome, reason)
+
+    def update(self, time: float) -> None:
+        """
+        Start goals whose time has come, and notice that the present one has ended.
+
+        :param time: of the newest measurement [s].
+        """
+        self._time = time
+        while self._later and self._later[0].time <= time:
+            self.start(PushGoal(self._later.pop(0).pose))
+        current = self._current
+        if current is None:
+            return
+        if current.start_time is None:
+            current.start_time = time
+        progress = self._mode.progress
+        if current.pending_outcome is not None:
+            if not self._mode.is_commanding:
+                self._end(current.pending_outcome, progress.reason)
+        elif progress.outcome is not None:
+            self._end(progress.outcome, progress.reason)
+        elif time - current.start_time > current.goal.time_limit:
+            self._abandon(current, GoalOutcome.TIMED_OUT)
+
+    def feedback(self) -> GoalFeedback | None:
+        """Return the ``GoalFeedback`` of the present goal; None without one."""
+        if self._current is None:
+            return None
+        start_time = self._current.start_time
+        elapsed_time = 0.0 if start_time is None else self._time - start_time
+        return GoalFeedback(self._mode.progress, elapsed_time,
+                            self._current.goal.time_limit - elapsed_time)
+
+    def _abandon(self, handle: GoalHandle, outcome: GoalOutcome) -> None:
+        handle.pending_outcome = outcome
+        self._mode.cancel(outcome.value)
+
+    def _end(self, outcome: GoalOutcome, reason: str) -> None:
+        handle, self._current = self._current, None
+        if handle is not None:
+            self._node.get_logger().debug(f'goal {outcome.value}: {reason or "as expected"}')
+            handle.end(outcome, reason)
+
+    def _note_clock_difference(self, message: Any) -> None:
+        stamp = seconds(message.header.stamp)
+        difference = stamp - seconds(self._node.now())
+        if stamp and abs(difference) > NOTED_CLOCK_DIFFERENCE:
+            relation = 'ahead of' if difference > 0.0 else 'behind'
+            self._node.get_logger().info(
+                f'goal_pose: its stamp is {abs(difference):.1f} s {relation} the clock of this '
+                'node; the goal holds from now on all the same')
