@@ -137,6 +137,12 @@ class ControlSettings:
     heading_noise: float = quantity(
         'standard deviation of a measured object heading that states none', 'rad',
         above=0.0, high=0.5, default=0.006)
+    pose_bias: float = quantity(
+        'standard deviation, along each axis, of the error of a measured object position that '
+        'averaging does not reduce, as it stays while the object is seen from the same side', 'm',
+        0.0, 0.5, default=0.0)
+    heading_bias: float = quantity(
+        'the same of the heading', 'rad', 0.0, 0.5, default=0.0)
     pose_gate: float = quantity(
         'squared Mahalanobis distance at which a pose is rejected', '', above=0.0, high=1000.0,
         default=16.0)

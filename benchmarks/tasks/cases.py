@@ -74,10 +74,10 @@ YAW_SCALE = 0.02
 TAG_SENSORS = {'pose_rate': 10.0, 'pose_latency': 0.15, 'pose_bias': 0.03,
                'pose_heading_bias': math.radians(1.0), 'pose_jump_probability': 0.02,
                'pose_jump': 0.1, 'pose_heading_jump': math.radians(10.0)}
-# What a user of such poses sets: noise in place of the bias, half of which is its root mean
-# square over both axes; latency and three periods as the age at which poses are too old; and what
-# moves between two looks by no more than the bias has not been moved.
-TAG_CONTROL = {'pose_noise': 0.011, 'heading_noise': math.radians(0.5), 'pose_timeout': 0.45}
+# What a user of such poses sets: the bias, half of which is its root mean square over both axes;
+# latency and three periods as the age at which poses are too old; and what moves between two looks
+# by no more than the bias has not been moved.
+TAG_CONTROL = {'pose_bias': 0.011, 'heading_bias': math.radians(0.5), 'pose_timeout': 0.45}
 TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
 # Noise of the place of a robot that knows where it is [m, rad]: as good as none, but above 0.
 INFORMED_NOISE = 1e-4

@@ -39,6 +39,7 @@ from push_control.localization.members import (
     CONTACT_FRICTION_STD, DRIFT, identified_object, LONGEST_STEP, MEMBER_COUNT, Members,
     ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE,
 )
+from push_control.localization.pose_bias import PoseBias
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
@@ -132,6 +133,9 @@ class PushEnsemble:
         self._settings = control
         self._odometry_noise = odometry_noise
         self._rng = np.random.default_rng(seed)
+        # With numbers of its own: all others do not depend on whether there is a bias.
+        self._bias = PoseBias(control.pose_bias, control.heading_bias, MEMBER_COUNT,
+                              np.random.default_rng((seed, 1)))
         self._odometry: Odometry | None = None
         self._history: deque[_Snapshot] = deque()
         self._last_contact = -math.inf
@@ -179,6 +183,16 @@ class PushEnsemble:
     def object_pose(self) -> Pose:
         """Mean ``Pose`` of the object at the last odometry."""
         return self.members.mean_object_pose
+
+    @property
+    def object_deviations(self) -> FloatArray:
+        """Standard deviations of x, y [m] and heading [rad] of the object, shape (3,)."""
+        return self.members.object_poses.std(axis=0)
+
+    @property
+    def has_pose_bias(self) -> bool:
+        """Whether object poses have a bias that is estimated."""
+        return self._bias.exists
 
     @property
     def standard_deviations(self) -> FloatArray:
@@ -288,35 +302,57 @@ class PushEnsemble:
 
     # Updates.
 
-    def update(self, measured: ObjectPose) -> None:
+    def update(self, measured: ObjectPose) -> bool:
         """
         Correct all members by a measured object pose.
 
         :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
+        :return: whether it was believed.
         """
         if self._pose_time is None:
             self._place_objects(measured)
             self._pose_time = measured.time
-            return
+            return True
         if measured.time <= self._pose_time or not self._history:
-            return
+            return False
         self._pose_time = measured.time
-        objects = self._at(measured.time)[:, POSE:]
-        mean = objects.mean(axis=0)
+        poses = self._at(measured.time)
+        expected = poses[:, POSE:] + self._bias.errors(poses[:, :POSE], poses[:, POSE:])
+        mean = expected.mean(axis=0)
         innovation = np.array(measured.pose) - mean
         innovation[2] = wrap_angle(innovation[2])
-        spread = objects - mean
-        noise = self._settings.believed_covariance(measured).matrix
+        spread = expected - mean
+        noise = self._noise(measured)
         covariance = spread.T @ spread / (len(spread) - 1) + noise
         if innovation @ np.linalg.solve(covariance, innovation) > OUTLIER_GATE:
             self._outliers += 1
-            if self._outliers >= MAX_OUTLIERS:
-                self._on_object_displaced(measured)
-            return
+            is_displaced = self._outliers >= MAX_OUTLIERS
+            if is_displaced:
+                self._on_object_displaced(measured, innovation)
+            return is_displaced
         self._outliers = 0
         is_coupled = measured.time - self._last_contact < COUPLING_TIME
         self._correct(spread, innovation, noise, is_coupled)
         self._keep_object_spread()
+        return True
+
+    def _noise(self, measured: ObjectPose) -> FloatArray:
+        """Covariance of the errors that differ from one object pose to the next."""
+        return self._settings.believed_covariance(measured).matrix + self._bias.roughness
+
+    def without_bias(self, measured: ObjectPose) -> ObjectPose:
+        """
+        Take the estimated bias off a measured object pose.
+
+        :param measured: ``ObjectPose``, of the time of the history.
+        """
+        if not self._history:
+            return measured
+        poses = self._at(measured.time)
+        errors = self._bias.errors(poses[:, :POSE], poses[:, POSE:])
+        x, y, theta = errors.mean(axis=0).tolist()
+        pose = measured.pose
+        return measured._replace(pose=Pose(pose.x - x, pose.y - y, wrap_angle(pose.theta - theta)))
 
     def update_robot(self, pose: Pose, covariance: FloatArray) -> None:
         """
@@ -440,21 +476,24 @@ class PushEnsemble:
         """
         members, history = self.members, self._history
         state = np.concatenate(
-            (members.poses, *(snapshot.poses for snapshot in history), members.parameters), axis=1)
+            (members.poses, *(snapshot.poses for snapshot in history), self._bias.coefficients,
+             members.parameters), axis=1)
         anomalies = state - state.mean(axis=0)
         gain = np.linalg.solve(spread.T @ spread + (len(state) - 1) * noise, spread.T @ anomalies)
         steps = 1 + len(history)
         size = steps * 2 * POSE
+        end_of_bias = size + self._bias.coefficients.shape[1]
         if not is_coupled:
             columns = np.arange(gain.shape[1])
-            is_object = (columns < size) & (columns % (2 * POSE) >= POSE)
-            gain[:, ~is_object] = 0.0
+            is_robot = (columns < size) & (columns % (2 * POSE) < POSE)
+            gain[:, is_robot | (columns >= end_of_bias)] = 0.0
         state += (innovation - 0.5 * spread) @ gain
         poses = state[:, :size].reshape(len(state), steps, 2 * POSE)
         members.set_object_poses(poses[:, 0, POSE:])
+        self._bias.coefficients = state[:, size:end_of_bias]
         if is_coupled:
             members.set_robot_poses(poses[:, 0, :POSE])
-            members.parameters[:] = state[:, size:]
+            members.parameters[:] = state[:, end_of_bias:]
             members.apply_parameters()
             if self.has_object:
                 members.close_gaps()
@@ -470,18 +509,21 @@ class PushEnsemble:
         if missing.any() and self.contact_ratio == 0.0:
             members.set_object_poses(poses + missing * self._normal(poses.shape))
 
-    def _on_object_displaced(self, measured: ObjectPose) -> None:
+    def _on_object_displaced(self, measured: ObjectPose, displacement: FloatArray) -> None:
         """Accept that the object is elsewhere: somebody has moved it, or the robot is lost."""
         was_pushed = self.contact_ratio > 0.0
+        if self._bias.explains(displacement):
+            # Perhaps it is where it was, and the robot sees another mark.
+            self._bias.forget()
         self._place_objects(measured)
         if was_pushed:
             self.inflate_covariance(LOST_POSITION_STD, LOST_HEADING_STD)
 
     def _place_objects(self, measured: ObjectPose) -> None:
         members = self.members
-        deviations = np.sqrt(np.diag(self._settings.believed_covariance(measured).matrix))
-        members.set_object_poses(
-            np.array(measured.pose) + deviations * self._normal((members.count, POSE)))
+        deviations = np.sqrt(np.diag(self._noise(measured)))
+        poses = np.array(measured.pose) + deviations * self._normal((members.count, POSE))
+        members.set_object_poses(poses - self._bias.errors(members.robot_poses, poses))
         members.states[:, _MOTION] = 0.0
         self._outliers = 0
         self._forget_history()

@@ -63,6 +63,7 @@ class Approach(Behavior):
         self._execution: PathExecution | None = None
         self._paths_driven = 0
         self._first_object_pose: Pose | None = None
+        self._moved_distance = OVERLAP_TOLERANCE
 
     def pause(self) -> None:
         """Forget the path; the next step plans another one."""
@@ -122,12 +123,16 @@ class Approach(Behavior):
         deviation = perception.localization.position_deviation
         if gap < -OVERLAP_TOLERANCE:
             perception.update_from_contact(obj, robot, OVERLAP_TOLERANCE)
-        pose = perception.object_at_rest.pose
+        at_rest = perception.object_at_rest
+        pose = at_rest.pose
         planned = Pose(*self._target.object_poses[0].tolist())
         if self._first_object_pose is None:
             self._first_object_pose = pose
+            # As it is seen from other sides, an object with biased poses seems to move.
+            if at_rest.is_biased:
+                self._moved_distance += CERTAIN_SIGMAS * at_rest.position_error
         may_touch = gap < settings.probe_distance + CERTAIN_SIGMAS * deviation
-        if may_touch and distance(pose, self._first_object_pose) > OVERLAP_TOLERANCE:
+        if may_touch and distance(pose, self._first_object_pose) > self._moved_distance:
             contact_deviation = OVERLAP_TOLERANCE
             if gap > OVERLAP_TOLERANCE + CERTAIN_SIGMAS * deviation:
                 # Either its pose is wrong by that, or somebody else has moved the object.

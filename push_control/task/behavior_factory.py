@@ -9,11 +9,12 @@ from push_control.settings import ControlSettings
 from push_control.task.approach import Approach, MovingApproach
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.guarded_approach import GuardedApproach
+from push_control.task.inspection import Inspection
 from push_control.task.perception import TaskPerception
 from push_control.task.primitive_push import PrimitivePush
 from push_control.task.push import SupervisedPush
 from push_control.task.retreat import Retreat
-from push_control.task.settings import SupervisionSettings
+from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_control.task.status import TaskState
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -115,11 +116,20 @@ class BehaviorFactory:
             return SupervisedPush(context._replace(control=control), target)
         return None
 
+    def inspection(self, perception: TaskPerception) -> Behavior:
+        """
+        Make the behaviour that sees the object from another side.
+
+        :param perception: ``TaskPerception`` of robot and object.
+        """
+        return Inspection(BehaviorContext(
+            perception.localization.obj, self._robot, self._control, self._drive,
+            self._supervision, self.occupancy_map))
+
     def _primitives(self) -> PushPrimitives:
-        supervision = self._supervision
+        position_tolerance, heading_tolerance = aimed_tolerances(self._control, self._supervision)
         return load_primitives(self._obj, self._robot, CostSettings(
-            position_tolerance=supervision.position_tolerance,
-            heading_tolerance=supervision.heading_tolerance,
+            position_tolerance=position_tolerance, heading_tolerance=heading_tolerance,
             robot_speed=self._drive.limited_to(self._robot).speed, drive=self._robot.drive))
 
     def correct_overlap(self, perception: TaskPerception) -> None:

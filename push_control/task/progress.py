@@ -14,6 +14,8 @@ from push_model.plan_request import PlanFailure, PlanRequest
 CAUTION_FACTOR = 0.8
 MIN_CONE_FRACTION = 0.4
 ATTEMPTS_PER_REDUCTION = 2
+# Looks from other sides at an object that may be at its goal; chosen: all round it.
+MAX_INSPECTIONS = 3
 
 
 class GoalCheck(enum.Enum):
@@ -23,6 +25,8 @@ class GoalCheck(enum.Enum):
     MISSED = 'missed'
     # More measurements may tell.
     UNCERTAIN = 'uncertain'
+    # Only poses from another side may.
+    UNSEEN = 'unseen'
 
 
 class _FailedRequest(NamedTuple):
@@ -36,21 +40,26 @@ class ProgressMonitor:
     """
     Counts pushes and recoveries since the object last came nearer to its goal.
 
-    ``settings``: the ``SupervisionSettings``, which may be replaced.
+    ``settings``: the ``SupervisionSettings``, and ``aim``: the tolerances that pushes aim at, both of
+    which may be replaced.
     """
 
-    def __init__(self, settings: SupervisionSettings) -> None:
+    def __init__(self, settings: SupervisionSettings, aim: tuple[float, float]) -> None:
         """
         Start without attempts.
 
         :param settings: ``SupervisionSettings``.
+        :param aim: tolerances of position [m] and heading [rad] that pushes aim at.
         """
         self.settings = settings
+        self.aim = aim
+        self._inspections = 0
         self._least_error = math.inf
         self._attempts = 0
         self._last_failure = ''
         self._failed_request: _FailedRequest | None = None
         self._planning_failure = ''
+        self._uncertainty = ''
 
     def count_attempt(self, failure_reason: str = '') -> None:
         """
@@ -59,7 +68,21 @@ class ProgressMonitor:
         :param failure_reason: what went wrong, empty where nothing did.
         """
         self._attempts += 1
+        self._inspections = 0
         self._last_failure = failure_reason or self._last_failure
+
+    def count_inspection(self, object_at_rest: ObjectAtRest) -> None:
+        """
+        Count a look from another side at an object that may be at its goal; some are too many.
+
+        :param object_at_rest: the ``ObjectAtRest``.
+        """
+        self._inspections += 1
+        if self._inspections > MAX_INSPECTIONS:
+            self._uncertainty = (
+                'aborted: the object may be at its goal, but its poses do not show it to within '
+                f'the tolerances: standard errors of {1e3 * object_at_rest.position_error:.1f} mm '
+                f'and {math.degrees(object_at_rest.heading_error):.2f} deg')
 
     def on_planning_failed(self, request: PlanRequest, code: PlanFailure, reason: str) -> None:
         """
@@ -101,9 +124,13 @@ class ProgressMonitor:
         if (position_error <= settings.position_tolerance - position_margin
                 and heading_error <= settings.heading_tolerance - heading_margin):
             return GoalCheck.REACHED
+        if (object_at_rest.is_biased and position_error <= self.aim[0]
+                and heading_error <= self.aim[1]):
+            return GoalCheck.UNSEEN
         is_certain = (position_error > settings.position_tolerance + position_margin
                       or heading_error > settings.heading_tolerance + heading_margin)
-        if is_certain or object_at_rest.duration >= settings.max_averaging_time:
+        if (is_certain or object_at_rest.is_biased
+                or object_at_rest.duration >= settings.max_averaging_time):
             return GoalCheck.MISSED
         return GoalCheck.UNCERTAIN
 
@@ -117,7 +144,7 @@ class ProgressMonitor:
     def abort_reason(self) -> str:
         """Why the task is to be aborted, empty while it is not."""
         if self._attempts < self.settings.max_attempts:
-            return self._planning_failure
+            return self._uncertainty or self._planning_failure
         last = f'; last failure: {self._last_failure}' if self._last_failure else ''
         return f'aborted: no progress in {self._attempts} attempts{last}'
 

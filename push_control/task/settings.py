@@ -3,8 +3,15 @@
 import dataclasses
 from typing import get_args
 
+from push_control.settings import ControlSettings
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, OdometryReference, PoseCovariance
+
+# What remains of the bias of object poses after they were seen from some sides, over what it was;
+# measured by tasks with a bias that depends on the side.
+REMAINING_BIAS = 0.35
+# Part of the tolerances that pushes aim at, at least; chosen: less takes many taps.
+LEAST_AIM = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -90,3 +97,18 @@ class SupervisionSettings:
             pose drifts: then the pose measures motion only, with the errors of these settings.
         """
         return odometry.covariance if self.odometry_reference == 'absolute' else None
+
+
+def aimed_tolerances(control: ControlSettings,
+                     supervision: SupervisionSettings) -> tuple[float, float]:
+    """
+    Reduce the tolerances of a task by what the bias of object poses leaves uncertain.
+
+    :param control: ``ControlSettings``, for the bias.
+    :param supervision: ``SupervisionSettings``.
+    :return: tolerances of position [m] and heading [rad] for pushes to aim at.
+    """
+    margin = supervision.confidence_sigmas * REMAINING_BIAS
+    position, heading = supervision.position_tolerance, supervision.heading_tolerance
+    return (max(LEAST_AIM * position, position - margin * control.pose_bias),
+            max(LEAST_AIM * heading, heading - margin * control.heading_bias))

@@ -19,9 +19,9 @@ from push_control.push.status import ControllerStatus
 from push_control.settings import ControlSettings
 from push_control.task.behavior import Behavior
 from push_control.task.behavior_factory import BehaviorFactory
-from push_control.task.perception import TaskPerception
+from push_control.task.perception import ObjectAtRest, TaskPerception
 from push_control.task.progress import GoalCheck, ProgressMonitor
-from push_control.task.settings import SupervisionSettings
+from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -91,7 +91,8 @@ class Supervisor:
         :param knowledge: what was learned of the object in former tasks, or None.
         """
         self._settings = supervision
-        self._progress = ProgressMonitor(supervision)
+        self._aim = aimed_tolerances(control, supervision)
+        self._progress = ProgressMonitor(supervision, self._aim)
         self._behaviors = BehaviorFactory(obj, robot, control, drive, supervision)
         self._perception = TaskPerception(obj, robot, control, supervision)
         if knowledge is not None:
@@ -134,7 +135,7 @@ class Supervisor:
         if not Pose(*pose).is_finite():
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal = Pose(*pose)
-        self._progress = ProgressMonitor(self._settings)
+        self._progress = ProgressMonitor(self._settings, self._aim)
         self._entered = dataclasses.replace(self._entered, pushes=0, recoveries=0, history=())
         if self._entered.state is not TaskState.PAUSED:
             self._restart(self._entered.state, 'new goal')
@@ -153,7 +154,9 @@ class Supervisor:
         :param supervision: ``SupervisionSettings``.
         """
         self._settings = supervision
+        self._aim = aimed_tolerances(control, supervision)
         self._progress.settings = supervision
+        self._progress.aim = self._aim
         self._behaviors.set_settings(control, drive, supervision)
 
     def set_map(self, occupancy_map: OccupancyMap | None) -> None:
@@ -289,6 +292,8 @@ class Supervisor:
         check = self._progress.check_goal(object_at_rest, self._goal)
         if check is GoalCheck.REACHED:
             self._enter(TaskState.DONE)
+        elif check is GoalCheck.UNSEEN:
+            self._inspect(object_at_rest)
         elif check is GoalCheck.MISSED and self._progress.abort_reason:
             self._enter(TaskState.FAILED, self._progress.abort_reason)
         elif check is GoalCheck.MISSED:
@@ -296,10 +301,18 @@ class Supervisor:
             localization, knowledge = perception.localization, perception.localization.knowledge
             request = PlanRequest(
                 object_at_rest.pose, perception.robot_pose, self._goal, localization.obj,
-                self._progress.cone_fraction, settings.position_tolerance,
-                settings.heading_tolerance, localization.position_deviation,
+                self._progress.cone_fraction, *self._aim, localization.position_deviation,
                 knowledge.center_deviation, knowledge.contact_friction_deviation)
             self._pending = _PendingRequest(request, now)
+
+    def _inspect(self, object_at_rest: ObjectAtRest) -> None:
+        """See an object that may be at its goal from another side, then check it again."""
+        self._progress.count_inspection(object_at_rest)
+        if self._progress.abort_reason:
+            self._enter(TaskState.FAILED, self._progress.abort_reason)
+            return
+        self._enter(TaskState.RETREAT, 'the object has to be seen from another side')
+        self._behavior = self._behaviors.inspection(self._perception)
 
     def _advance(self) -> None:
         state = self._entered.state

@@ -3,16 +3,18 @@
 import math
 
 from helpers.objects import box
+from push_control.settings import ControlSettings
 from push_control.task.perception import ObjectAtRest
 from push_control.task.progress import (
-    CAUTION_FACTOR, GoalCheck, MIN_CONE_FRACTION, ProgressMonitor,
+    CAUTION_FACTOR, GoalCheck, MAX_INSPECTIONS, MIN_CONE_FRACTION, ProgressMonitor,
 )
-from push_control.task.settings import SupervisionSettings
+from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 import pytest
 
 SUPERVISION = SupervisionSettings()
+AIM = SUPERVISION.position_tolerance, SUPERVISION.heading_tolerance
 GOAL = Pose(1.0, -2.0, math.pi)
 AT_GOAL = ObjectAtRest(GOAL, 0.5, 5e-4, 1e-3)
 REQUEST = PlanRequest(Pose(0.0, 0.0, 0.0), Pose(2.0, 0.0, 0.0), GOAL, box())
@@ -28,7 +30,7 @@ def test_a_task_is_done_only_where_that_is_certain():
     inside = SUPERVISION.position_tolerance - 5e-4
     edge = AT_GOAL._replace(pose=GOAL._replace(x=GOAL.x + inside))
     rotated = AT_GOAL._replace(pose=GOAL._replace(theta=-GOAL.theta + 0.1))
-    monitor = ProgressMonitor(SUPERVISION)
+    monitor = ProgressMonitor(SUPERVISION, AIM)
     assert monitor.check_goal(AT_GOAL, GOAL) is GoalCheck.REACHED
     assert monitor.check_goal(edge, GOAL) is GoalCheck.UNCERTAIN
     late = edge._replace(duration=SUPERVISION.max_averaging_time)
@@ -38,7 +40,7 @@ def test_a_task_is_done_only_where_that_is_certain():
 
 def test_attempts_count_from_the_last_progress():
     """It aborts after as many as allowed in a row, with the last failure."""
-    monitor = ProgressMonitor(SUPERVISION)
+    monitor = ProgressMonitor(SUPERVISION, AIM)
     for error in (0.5, 0.3):
         for _ in range(SUPERVISION.max_attempts - 1):
             monitor.check_goal(beside_goal(error), GOAL)
@@ -51,7 +53,7 @@ def test_attempts_count_from_the_last_progress():
 
 def test_plans_become_more_careful_without_progress():
     """The cone fraction falls every other attempt, to its minimum, and recovers with progress."""
-    monitor = ProgressMonitor(SUPERVISION)
+    monitor = ProgressMonitor(SUPERVISION, AIM)
     monitor.check_goal(beside_goal(0.5), GOAL)
     fractions = []
     for _ in range(12):
@@ -69,10 +71,33 @@ def test_plans_become_more_careful_without_progress():
     (PlanFailure.BLOCKED, REQUEST._replace(object_pose=Pose(0.0, 0.0, 0.5)), False)])
 def test_the_same_planning_failure_twice_from_the_same_poses_aborts(code, request_, aborts):
     """Whatever numbers its sentence has; not another failure, nor one from elsewhere."""
-    monitor = ProgressMonitor(SUPERVISION)
+    monitor = ProgressMonitor(SUPERVISION, AIM)
     monitor.on_planning_failed(REQUEST, PlanFailure.BLOCKED, 'a wall 1.03 m wide')
     assert not monitor.abort_reason
     monitor.on_planning_failed(request_, code, 'a wall 1.02 m wide')
     assert ('1.02 m' in monitor.abort_reason) == aborts
     monitor.forget_planning_failures()
     assert not monitor.abort_reason
+
+
+def test_an_object_with_biased_poses_is_seen_from_other_sides():
+    """Within what pushes aim at, no push helps; after some looks the task fails, with numbers."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    biased = AT_GOAL._replace(position_error=SUPERVISION.position_tolerance, is_biased=True)
+    for _ in range(MAX_INSPECTIONS):
+        assert monitor.check_goal(biased, GOAL) is GoalCheck.UNSEEN
+        monitor.count_inspection(biased)
+        assert not monitor.abort_reason
+    monitor.count_inspection(biased)
+    assert '10.0 mm' in monitor.abort_reason
+    beside = biased._replace(pose=GOAL._replace(y=GOAL.y + 0.02))
+    assert monitor.check_goal(beside, GOAL) is GoalCheck.MISSED
+
+
+def test_tolerances_that_pushes_aim_at_leave_room_for_the_bias():
+    """All of them where there is none, and half of them at least."""
+    assert aimed_tolerances(ControlSettings(), SUPERVISION) == AIM
+    biases = [aimed_tolerances(ControlSettings(pose_bias=bias), SUPERVISION)[0]
+              for bias in (0.0, 0.002, 0.004, 0.1)]
+    assert biases == sorted(biases, reverse=True) and biases[1] < biases[0]
+    assert biases[-1] == 0.5 * SUPERVISION.position_tolerance
