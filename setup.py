@@ -29,7 +29,7 @@ setup(
     maintainer_email=MANIFEST.find('maintainer').get('email'),
     license=MANIFEST.findtext('license'),
     python_requires='>=3.10',
-    packages=find_packages(include=['push_*']),
+    packages=find_packages(include=['push_*'], exclude=['push_control_msgs*']),
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (str(SHARE), ['package.xml']),

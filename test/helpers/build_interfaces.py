@@ -81,7 +81,7 @@ def available(source):
     :return: context manager; the environment is as before after it.
     """
     name = package_name(source)
-    if importlib.util.find_spec(name) is not None and name not in _built:
+    if name not in _built and _is_installed(name):
         yield
         return
     prefix = build(source)
@@ -192,6 +192,12 @@ def package_name(source):
 _built = set()
 
 
+def _is_installed(name):
+    """Tell a package from a mere folder of the same name, as that of the definitions is."""
+    spec = importlib.util.find_spec(name)
+    return spec is not None and spec.origin is not None
+
+
 def _load(name, prefix):
     """Make the modules importable here, where the loader no longer reads its search path."""
     if name in _built:
@@ -199,6 +205,9 @@ def _load(name, prefix):
     for library in sorted((prefix / LIBRARIES).glob('*.so')):
         ctypes.CDLL(str(library))
     sys.path.insert(0, str(prefix / MODULES))
+    for module in [module for module in sys.modules if module.split('.')[0] == name]:
+        # Imported before, as a mere folder.
+        del sys.modules[module]
     importlib.invalidate_caches()
     _built.add(name)
 
