@@ -1,56 +1,210 @@
 """
 Start planner and controller for a real robot.
 
-The robot and a tracker provide ``odom`` and ``object_pose``, and the robot subscribes ``cmd_vel``;
-the arguments remap these topics. The robot moves only after a call of ``controller/start``.
+The robot and a tracker provide ``odom`` and ``object_pose``, and the robot subscribes ``cmd_vel``.
+With ``wait_for_start:=true`` the robot moves only after a call of ``controller/start``. Arguments
+that are left empty leave their parameters as ``params_file`` has them.
 """
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, Shutdown
-from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
-from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
-from launch_ros.substitutions import FindPackageShare
+from pathlib import Path
+import shutil
 
+from ament_index_python.packages import get_package_prefix, PackageNotFoundError
+from launch import LaunchDescription
+from launch.actions import (
+    DeclareLaunchArgument, ExecuteProcess, LogInfo, OpaqueFunction, Shutdown,
+)
+from launch.substitutions import PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+from push_scenario.dds.launch_parameters import launch_parameters, switch, write_parameters
+
+CONFIG = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
+# Arguments that name topics, and what these carry.
 TOPICS = {
     'odom': 'nav_msgs/Odometry of the robot',
-    'object_pose': 'geometry_msgs/PoseStamped of the object, in the frame of odom',
+    'object_pose': 'geometry_msgs/PoseStamped or PoseWithCovarianceStamped of the object',
     'goal_pose': 'geometry_msgs/PoseStamped, goal pose of the object',
-    'map': 'nav_msgs/OccupancyGrid of the obstacles in a task, in the frame of odom; optional',
     'cmd_vel': 'velocity command for the robot',
 }
+# Name: (default, choices, description).
+SWITCH = ['', 'true', 'false']
+ARGUMENTS = {
+    'namespace': ('', None, 'namespace of all nodes, topics and services, tf included'),
+    'params_file': (PathJoinSubstitution([CONFIG, 'push.yaml']), None,
+                    'parameters of the nodes: measure your object and robot first'),
+    'use_sim_time': ('false', ['true', 'false'], 'take the time from the topic clock'),
+    'log_level': ('info', ['debug', 'info', 'warn', 'error', 'fatal'], 'of the nodes'),
+    'object': ('', None, 'object in place of that of params_file: name in config/objects, or a '
+               'file'),
+    'robot': ('', None, 'robot in place of that of params_file: name in config/robots, or a file'),
+    'task': ('', SWITCH, 'drive around the object and push as often as necessary; else push once '
+             'from where the robot stands'),
+    'map': ('', None, 'YAML file of a map for nav2_map_server, which is then started; without it '
+            'any map that is published is used'),
+    'map_topic': ('map', None, 'nav_msgs/OccupancyGrid of the obstacles in a task'),
+    'map_frame': ('map', None, 'frame in which that file has its origin'),
+    'clock': ('/clock', None, 'topic of the clock, where use_sim_time is true'),
+    'simulation': ('false', ['true', 'false'],
+                   'start the simulator in place of robot and tracker'),
+    'sensors': ('', None, 'sensors of the simulator: name in config/sensors, or file'),
+    'autostart': ('', SWITCH, 'configure and activate planner and controller at once; else a '
+                  'lifecycle manager does'),
+    'wait_for_start': ('', SWITCH, 'push only after a call of the service controller/start'),
+    'enable_stamped_cmd_vel': ('', SWITCH, 'command with TwistStamped, else with Twist'),
+    'rviz': ('false', ['true', 'false'], 'start RViz, where it is installed'),
+    'record': ('', None, 'folder for a recording of all topics of the nodes; empty for none'),
+    'respawn': ('false', ['true', 'false'], 'start a node again that has ended; else all end'),
+}
+RECORDED = ('push_request', 'push_plan', 'planned_path', 'contact_wrench', 'markers')
+# Time before a node is started again [s], chosen as that of Nav2.
+RESPAWN_DELAY = 2.0
 
 
 def generate_launch_description():
-    """Describe the nodes to start, and the launch arguments."""
-    config = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
-    params_file = LaunchConfiguration('params_file')
-    remappings = [(topic, LaunchConfiguration(topic)) for topic in TOPICS]
-    switches = {name: ParameterValue(LaunchConfiguration(name), value_type=bool)
-                for name in ('wait_for_start', 'enable_stamped_cmd_vel')}
-    # With name and namespace given, values set here take precedence over the node's section.
-    root = {'namespace': '/', 'remappings': remappings, 'output': 'screen', 'on_exit': Shutdown()}
+    """Describe the launch arguments, and the nodes to start."""
     return LaunchDescription([
-        DeclareLaunchArgument(
-            'params_file', default_value=PathJoinSubstitution([config, 'push.yaml']),
-            description='parameters of both nodes: measure your object and robot first'),
-        *[DeclareLaunchArgument(topic, default_value=topic, description=text)
-          for topic, text in TOPICS.items()],
-        DeclareLaunchArgument(
-            'enable_stamped_cmd_vel', default_value='true', choices=['true', 'false'],
-            description='command with TwistStamped, else with Twist'),
-        DeclareLaunchArgument(
-            'wait_for_start', default_value='true', choices=['true', 'false'],
-            description='push only after a call of the service controller/start'),
-        DeclareLaunchArgument(
-            'rviz', default_value='false', choices=['true', 'false'],
-            description='start RViz'),
-        Node(package='push_control', executable='planner', name='push_planner',
-             parameters=[params_file], **root),
-        Node(package='push_control', executable='controller', name='push_controller',
-             parameters=[params_file, switches], **root),
-        Node(package='rviz2', executable='rviz2', remappings=remappings,
-             condition=IfCondition(LaunchConfiguration('rviz')),
-             arguments=['-d', PathJoinSubstitution([config, 'push.rviz'])]),
+        *[DeclareLaunchArgument(name, default_value=default, choices=choices, description=text)
+          for name, (default, choices, text) in ARGUMENTS.items()],
+        *[DeclareLaunchArgument(name, default_value=name, description=text)
+          for name, text in TOPICS.items()],
+        # Every mistake shows here, before anything is started.
+        OpaqueFunction(function=make_nodes),
     ])
+
+
+def make_nodes(context):
+    """
+    Make the nodes for the arguments that were given.
+
+    :param context: ``LaunchContext``.
+    :return: actions.
+    :raises ValueError: naming an argument, what came and what was expected.
+    """
+    given = context.launch_configurations
+    sections = launch_parameters(given['params_file'], given['object'], given['robot'],
+                                 given['sensors'])
+    common = common_options(given)
+    common['parameters'] = [write_parameters(sections)]
+    task = switch('task', given['task'])
+    planner = {} if task is None else {'planner.site': 'sequence' if task else 'current'}
+    planner.update(switches(given, 'autostart'))
+    controller = switches(given, 'autostart', 'task', 'wait_for_start', 'enable_stamped_cmd_vel')
+    return [
+        *simulator(given, common), push_node('planner', common, planner),
+        push_node('controller', common, controller), *map_server(given), *recording(given),
+        *rviz(given, common),
+    ]
+
+
+def common_options(given):
+    """
+    Make what all nodes have in common.
+
+    :param given: arguments, texts by name.
+    :return: keyword arguments of ``Node``, without ``parameters``.
+    """
+    respawn = switch('respawn', given['respawn'])
+    remappings = [(name, given[name]) for name in TOPICS]
+    # As in Nav2: every namespace has a tf of its own.
+    remappings += [('map', given['map_topic']), ('/tf', 'tf'), ('/tf_static', 'tf_static'),
+                   ('/clock', given['clock'])]
+    return {'namespace': given['namespace'], 'remappings': remappings, 'output': 'screen',
+            'respawn': respawn, 'respawn_delay': RESPAWN_DELAY, 'log_level': given['log_level'],
+            'use_sim_time': switch('use_sim_time', given['use_sim_time'])}
+
+
+def switches(given, *names):
+    """Read those of some arguments that were given."""
+    return {name: switch(name, given[name]) for name in names if given[name]}
+
+
+def push_node(name, common, parameters):
+    """
+    Make a node of this package.
+
+    :param name: of the executable.
+    :param common: of ``common_options``, with ``parameters``.
+    :param parameters: dict of those that take precedence.
+    """
+    options = dict(common)
+    # Of this node alone: that of the middleware drowns everything.
+    logger = '.'.join([*filter(None, options['namespace'].split('/')), f'push_{name}'])
+    level = f'{logger}:={options.pop("log_level")}'
+    own = {'use_sim_time': options.pop('use_sim_time'), **parameters}
+    parameters = [*options.pop('parameters'), own]
+    ending = {} if options['respawn'] else {'on_exit': Shutdown(reason=f'{name} has ended')}
+    return Node(package='push_control', executable=name, name=f'push_{name}',
+                parameters=parameters, ros_arguments=['--log-level', level], **options, **ending)
+
+
+def simulator(given, common):
+    """Make the simulator, which makes the time where the others take it from the clock."""
+    if not switch('simulation', given['simulation']):
+        return []
+    parameters = {'autostart': True, 'use_sim_time': False,
+                  'publish_clock': switch('use_sim_time', given['use_sim_time']),
+                  **switches(given, 'enable_stamped_cmd_vel')}
+    return [push_node('sim', common, parameters)]
+
+
+def is_installed(package):
+    """Tell whether a ROS package is installed."""
+    try:
+        get_package_prefix(package)
+    except PackageNotFoundError:
+        return False
+    return True
+
+
+def map_server(given):
+    """Make the map server for a map file, and the node that activates it."""
+    if not given['map']:
+        return []
+    for package in ('nav2_map_server', 'nav2_lifecycle_manager'):
+        if not is_installed(package):
+            raise ValueError(f'map: got {given["map"]!r} without {package}; expected that this '
+                             'is installed, or a map on a topic')
+    if not Path(given['map']).is_file():
+        raise ValueError(f'map: got {given["map"]!r}, expected a file')
+    use_sim_time = switch('use_sim_time', given['use_sim_time'])
+    common = {'namespace': given['namespace'], 'output': 'screen',
+              'remappings': [('map', given['map_topic']), ('/clock', given['clock'])]}
+    return [
+        Node(package='nav2_map_server', executable='map_server', name='map_server',
+             parameters=[{'yaml_filename': given['map'], 'frame_id': given['map_frame'],
+                          'use_sim_time': use_sim_time}], **common),
+        Node(package='nav2_lifecycle_manager', executable='lifecycle_manager',
+             name='lifecycle_manager_push_map',
+             parameters=[{'autostart': True, 'node_names': ['map_server'],
+                          'use_sim_time': use_sim_time}], **common),
+    ]
+
+
+def recording(given):
+    """Make the recorder of the topics."""
+    if not given['record']:
+        return []
+    ros2 = shutil.which('ros2')
+    if ros2 is None or not is_installed('ros2bag'):
+        raise ValueError(f'record: got {given["record"]!r} without ros2bag; expected that it is '
+                         'installed')
+    namespace = '/' + given['namespace'].strip('/')
+    names = [*(given[name] for name in (*TOPICS, 'map_topic')), *RECORDED, 'tf', 'tf_static']
+    topics = [name if name.startswith('/') else f'{namespace.rstrip("/")}/{name}'
+              for name in names]
+    return [ExecuteProcess(cmd=[ros2, 'bag', 'record', '--output', given['record'], *topics,
+                                '/diagnostics', '/rosout'], output='screen')]
+
+
+def rviz(given, common):
+    """Make RViz, or say that there is none."""
+    if not switch('rviz', given['rviz']):
+        return []
+    if not is_installed('rviz2'):
+        return [LogInfo(msg='rviz2 is not installed: RViz is not started')]
+    return [Node(package='rviz2', executable='rviz2', name='rviz2', output='screen',
+                 namespace=given['namespace'], remappings=common['remappings'],
+                 arguments=['-d', PathJoinSubstitution([CONFIG, 'push.rviz'])],
+                 parameters=[{'use_sim_time': common['use_sim_time']}],
+                 on_exit=Shutdown(reason='RViz was closed'))]

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Iterator, Sequence
+import dataclasses
 from pathlib import Path
 import sys
 import time
@@ -10,7 +11,7 @@ from typing import TextIO
 from push_control.settings import LAWS
 from push_scenario.batch.interrupts import Interrupts
 from push_scenario.definition.loader import (
-    find_scenario, read_scenario, scenario_names, scenario_text,
+    find_scenario, named_file, read_scenario, read_sensors, scenario_names, scenario_text,
 )
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import is_as_expected
@@ -122,6 +123,9 @@ def _parser() -> argparse.ArgumentParser:
                         help=f'replay {DEMO}; the plots are demo.png and demo.gif')
     parser.add_argument('--law', action='append', choices=LAWS,
                         help="control law, in place of the scenario's; repeat it to compare laws")
+    parser.add_argument('--sensors', metavar='NAME',
+                        help="sensors of the simulator, in place of the scenario's: path of a "
+                        'file, or name of one of config/sensors')
     parser.add_argument('--in-process', action='store_true',
                         help='run planner, controller and simulator in one process, without ROS')
     parser.add_argument('--real-time', action='store_true',
@@ -151,6 +155,9 @@ def _replay(options: argparse.Namespace) -> int:
     if options.in_process and options.real_time:
         raise ValueError('--real-time: got --in-process too, expected one of the two')
     scenario = read_scenario(find_scenario(options.scenario))
+    if options.sensors:
+        scenario = dataclasses.replace(
+            scenario, sensors=read_sensors(named_file('sensors', options.sensors)))
     laws = list(dict.fromkeys(options.law or [scenario.control.control_law]))
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')

@@ -1,9 +1,9 @@
 """
 Scenario files: YAML to ``Scenario`` and back.
 
-``object`` and ``robot`` may name a file of ``config/objects`` or ``config/robots`` (key ``file``)
-and change parts of it; ``true_object`` and ``true_robot`` hold only what differs from them. A map
-may name a file of ``config/maps``.
+``object``, ``robot`` and ``sensors`` may name a file of ``config/objects``, ``config/robots`` or
+``config/sensors`` (key ``file``) and change parts of it; ``true_object`` and ``true_robot`` hold
+only what differs from them. A map may name a file of ``config/maps``.
 """
 
 from pathlib import Path
@@ -16,6 +16,7 @@ from push_scenario.definition.mapping import (
 )
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.strict_yaml import load_yaml, parse_yaml, ScenarioError
+from push_sim_node.sensors import SensorSettings
 import yaml
 
 # Key of the nominal parameters: key of the true ones, folder of the files that both may name.
@@ -118,6 +119,38 @@ def read_robot(path: str | Path) -> RoundRobot:
     return from_mapping(RoundRobot, load_yaml(Path(path)), Location(path))
 
 
+def read_sensors(path: str | Path) -> SensorSettings:
+    """
+    Read a file of ``config/sensors``.
+
+    :param path: the file.
+    :return: the ``SensorSettings``.
+    :raises ScenarioError: naming file and key, what came and what was expected.
+    """
+    return from_mapping(SensorSettings, load_yaml(Path(path)), Location(path))
+
+
+def named_file(folder: str, name: str | Path) -> Path:
+    """
+    Find a file of objects, robots or sensors by path, or by name among those of the package.
+
+    :param folder: below ``config``, as ``objects``.
+    :param name: path of a file, or name such as ``box_04``.
+    :return: its path.
+    :raises ScenarioError: where there is none, with the names there are.
+    """
+    path = Path(name)
+    if path.suffix in ('.yaml', '.yml') or path.is_file():
+        return path
+    directory = share_directory() / 'config' / folder
+    path = directory / f'{name}.yaml'
+    if not path.is_file():
+        known = sorted(path.stem for path in directory.glob('*.yaml'))
+        raise ScenarioError(f'{name}: got no such file, expected a path or one of {folder}: '
+                            + ', '.join(known))
+    return path
+
+
 def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | None) -> Scenario:
     """Make a scenario; ``directory`` is where the files that it names are looked for first."""
     data = dict(data)
@@ -130,6 +163,8 @@ def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | N
         nominal = _with_file(data[key], at.key(key), folder, directory)
         changes = expect_mapping(data.get(true_key, {}), at.key(true_key))
         data[key], data[true_key] = nominal, merge(nominal, changes, at.key(true_key))
+    if 'sensors' in data:
+        data['sensors'] = _with_file(data['sensors'], at.key('sensors'), 'sensors', directory)
     task = data.get('task')
     if isinstance(task, dict) and 'map' in task:
         floor_map = _with_file(task['map'], at.key('task').key('map'), 'maps', directory)

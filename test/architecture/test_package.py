@@ -186,18 +186,16 @@ def test_manifest_and_changelog_are_what_ros_tools_read():
     assert get_forthcoming_label(changelog.rst) or released[:1] == [manifest.version]
 
 
-@pytest.mark.parametrize('name', ['simulation', 'robot'])
-def test_launch_files_name_what_exists(name):
-    """Executables, node names and config files in launch files are those of the package."""
-    started, files = {}, set()
-    for node in ast.walk(ast.parse((ROOT / f'launch/{name}_launch.py').read_text())):
-        if isinstance(node, ast.Call):
-            words = {word.arg: ast.unparse(word.value).strip("'") for word in node.keywords}
-            if words.get('package') == 'push_control':
-                started[words['executable']] = words['name']
-            if ast.unparse(node.func) == 'PathJoinSubstitution':
+def test_launch_files_name_what_exists():
+    """Executables and config files in launch files are those of the package."""
+    started, files = set(), set()
+    for path in (ROOT / 'launch').glob('*.py'):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == 'push_node':
+                started.add(ast.literal_eval(node.args[0]))
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == 'PathJoinSubstitution':
                 files.add(ast.unparse(node.args[0].elts[-1]).strip("'"))
-    assert started and started.items() <= EXECUTABLES.items()
+    assert {name: f'push_{name}' for name in started} == EXECUTABLES
     assert {file for file in files if (ROOT / 'config' / file).is_file()} == files - {'config'}
     assert len(files) == 3
 

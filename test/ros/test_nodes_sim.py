@@ -1,13 +1,16 @@
 """The simulator's node over Fast DDS, with a controller that the test plays."""
 
+import math
+
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
+from helpers.build_interfaces import available_tf2_msgs
 from helpers.node_bench import bench
 from push_model.geometry import Pose
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message
 from push_ros.diagnostics import WARN
 from push_ros.parameters import to_parameter_values
-from push_ros.topics import SIM
+from push_ros.topics import CONTROLLER, SIM
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
 
@@ -123,3 +126,32 @@ def test_odometry_states_its_covariance(sim):
     odometry = sim.received['odom'][-1]
     for covariance in (odometry.pose.covariance, odometry.twist.covariance):
         assert all(covariance[place] > 0.0 for place in (0, 7, 35))
+
+
+def test_tf_is_odometry_and_the_truth_has_frames_of_its_own(tmp_path):
+    """Odometry begins with a wrong heading here."""
+    with available_tf2_msgs():
+        from tf2_msgs.msg import TFMessage
+        parameters = {**PHYSICS, **AWAY, 'autostart': True,
+                      'sensors.odometry_heading_offset': 0.3}
+        with bench(tmp_path, SIM, MODULE, parameters) as b:
+            yaws = {}
+
+            def on_tf(message):
+                for transform in message.transforms:
+                    assert transform.header.frame_id == 'odom'
+                    rotation = transform.transform.rotation
+                    yaws[transform.child_frame_id] = 2.0 * math.atan2(rotation.z, rotation.w)
+            b.node.create_subscription(TFMessage, '/tf', on_tf, 100)
+            b.wait_until(lambda: len(yaws) >= 3)
+            assert yaws == pytest.approx(
+                {'base_link': 0.3, 'truth/base_link': 0.0, 'truth/object': 0.0}, abs=1e-6)
+
+
+def test_a_signal_ends_a_node_that_still_compiles(tmp_path, monkeypatch):
+    """With an empty cache of machine code; it ends in order, and without a traceback."""
+    monkeypatch.setenv('NUMBA_CACHE_DIR', str(tmp_path / 'cache'))
+    with bench(tmp_path, CONTROLLER, 'push_control.controller_node', PHYSICS) as b:
+        b.wait_until(lambda: (CONTROLLER, '/') in b.node.get_node_names_and_namespaces())
+        b.processes.stop(CONTROLLER)
+    assert 'Traceback' not in (tmp_path / f'{CONTROLLER}.log').read_text()

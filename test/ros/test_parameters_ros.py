@@ -149,9 +149,9 @@ def test_the_default_file_has_only_parameters_that_its_nodes_have(name):
     """Each key of push.yaml, in ``/**`` and in the node's own section; values pass the checks."""
     sections = yaml.safe_load(config_file('push.yaml').read_text())
     values = {}
-    for part in ('/**', name):
+    for part in ('/**', f'/**/{name}'):
         values.update(_flat(sections[part]['ros__parameters']))
-    assert set(sections) == {'/**', PLANNER, CONTROLLER, SIM}
+    assert set(sections) == {'/**', *(f'/**/{node}' for node in (PLANNER, CONTROLLER, SIM))}
     assert set(values) <= {spec.name for spec in parameters(name)}
     for prefix, cls in SECTIONS[name]:
         from_parameter_values(cls, values, prefix)
