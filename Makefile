@@ -34,11 +34,13 @@ lint: .venv/linters ## style, architecture and types
 	$(BIN)/python -m pytest -q test/architecture/test_style.py test/architecture/test_architecture.py
 	$(BIN)/basedpyright
 
-lock: ## pin what requirements.in asks for; needs Python 3.10
-	rm -rf build/lock
-	python3.10 -m venv build/lock
-	build/lock/bin/python -m pip install -qq -r requirements-build.txt
-	build/lock/bin/python .ci/lock.py
+# Pins that are there stay, unless requirements.in forbids them; ARGS="--upgrade-package scipy"
+# moves one, ARGS=--upgrade all. The markers hold for every Python from the oldest on.
+lock: ## pin what requirements.in asks for
+	$(PYTHON) -m venv --clear build/lock
+	build/lock/bin/python -m pip install -qq --disable-pip-version-check uv==0.13.9
+	build/lock/bin/uv pip compile --quiet --universal --python-version 3.10 --no-annotate \
+		--custom-compile-command 'make lock' $(ARGS) requirements.in -o requirements.txt
 
 clean: ## remove everything made here
 	rm -rf .venv out build install log *.egg-info .pytest_cache

@@ -25,6 +25,8 @@ setup(
     name=NAME,
     version=MANIFEST.findtext('version'),
     description=' '.join(MANIFEST.findtext('description').split()),
+    url=MANIFEST.findtext('url'),
+    author=MANIFEST.findtext('author'),
     maintainer=MANIFEST.findtext('maintainer'),
     maintainer_email=MANIFEST.find('maintainer').get('email'),
     license=MANIFEST.findtext('license'),
@@ -36,12 +38,14 @@ setup(
         *data_below('config'),
         *data_below('launch'),
     ],
-    install_requires=['setuptools', 'numpy', 'scipy', 'casadi', 'numba', 'PyYAML'],
+    # What a robot needs besides ROS; solvers and buffers as casadi has them from 3.7.0 on.
+    install_requires=['setuptools', 'numpy', 'scipy', 'casadi>=3.7.0', 'numba', 'PyYAML'],
     extras_require={
         'cluster': ['distributed'],
-        'plot': ['matplotlib', 'tqdm'],
+        'plot': ['matplotlib', 'pillow', 'tqdm'],
         'record': ['rosbags'],
-        'test': ['mcap', 'distributed', 'mujoco', 'pytest', 'pytest-xdist'],
+        'validation': ['mujoco'],
+        'test': ['catkin-pkg', 'colcon-core', 'colcon-ros', 'mcap', 'pytest', 'pytest-xdist'],
     },
     zip_safe=False,
     entry_points={

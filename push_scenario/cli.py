@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 import dataclasses
+from importlib import util
 from pathlib import Path
 import sys
 import time
@@ -204,7 +205,15 @@ def _run_over_dds(scenario: Scenario, law: str, options: argparse.Namespace,
         raise RuntimeError(f'a replay over DDS needs ROS 2: no module {error.name}; source a ROS '
                            'installation, or use --in-process') from error
     return run_over_dds(scenario, law, options.out, real_time=options.real_time,
-                        record=not options.no_record, progress=show)
+                        record=not options.no_record and _can_record(), progress=show)
+
+
+def _can_record() -> bool:
+    """Return whether rosbags is there, and print where it is not."""
+    found = util.find_spec('rosbags') is not None
+    if not found:
+        print('replay: no recording: module rosbags is not installed', file=sys.stderr)
+    return found
 
 
 def _finish(results: Sequence[RunResult], options: argparse.Namespace) -> None:

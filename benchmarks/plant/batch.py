@@ -75,7 +75,8 @@ def execution_modes(cores: int, with_cluster: bool) -> Iterator[tuple[str, dict[
         with distributed.LocalCluster(cores, threads_per_worker=1, host='127.0.0.1',
                                       dashboard_address=':0') as cluster, \
                 distributed.Client(cluster, set_as_default=False) as client:
-            yield f'Dask, {cores} workers', {'scheduler': client}
+            yield (f'Dask, {cores} workers',
+                   {'executor': client.get_executor(pure=False), 'workers': cores})
 
 
 def main() -> None:

@@ -1,5 +1,5 @@
 """
-Batches: many variations of anything, on all cores or on a cluster, resumable.
+Batches: many variations of anything, on all cores or on any executor, resumable.
 
 A job is plain values (numbers, text, lists and dicts of them). A function of one job gives a flat
 record. It must be pure, seeded by the job alone: then every record is the same to the bit wherever
@@ -7,6 +7,7 @@ and in whatever order the jobs run.
 """
 
 from collections.abc import Callable, Iterable
+from concurrent import futures
 import dataclasses
 import math
 from os import PathLike
@@ -54,7 +55,7 @@ class BatchResult:
 
 
 def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[str] | None = None,
-              *, workers: int | None = None, scheduler: Any = None,
+              *, workers: int | None = None, executor: futures.Executor | None = None,
               progress: BatchProgress | None = None, chunk: int | None = None,
               any_software: bool = False) -> BatchResult:
     """
@@ -74,7 +75,10 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
     :param jobs: plain values.
     :param out: file of JSON lines to write, as a path; None keeps results in memory only.
     :param workers: number of processes; None for one per core, 1 for no others than this one.
-    :param scheduler: ``distributed.Client``, or address, of a Dask cluster to run on instead.
+        With an executor: how many workers that has, None for as many as this machine has cores.
+    :param executor: runs the jobs in place of processes; it has the interface of
+        ``concurrent.futures``, as have the pools of the standard library and what
+        ``get_executor(pure=False)`` of a Dask client returns. It stays open.
     :param progress: called with (finished jobs, all jobs).
     :param chunk: jobs that a worker is given at a time, which is what a kill may lose; None for
         an estimate that suits short jobs.
@@ -98,7 +102,7 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
         report()
         missing = [index for index in range(len(jobs)) if index not in store.entries]
         if missing:
-            with StopRequest() as stop, open_workers(workers or available_cores(), scheduler,
+            with StopRequest() as stop, open_workers(workers or available_cores(), executor,
                                                      len(missing)) as pool:
                 collect(pool, function, _chunks(jobs, missing, chunk, pool), keep, stop)
         entries = [store.entries[index] for index in range(len(jobs))]

@@ -1,4 +1,4 @@
-"""Where the jobs of a batch run: in this process, in others, or on a Dask cluster."""
+"""Where the jobs of a batch run: in this process, in others, or where an executor has them run."""
 
 import abc
 from collections.abc import Generator
@@ -9,7 +9,6 @@ from multiprocessing.synchronize import Event
 import os
 import signal
 import threading
-from types import ModuleType
 from typing import Any
 
 from push_scenario.batch.chunks import Chunk, ChunkResult, JobFunction, run_chunk, Stop
@@ -27,20 +26,18 @@ def available_cores() -> int:
 
 
 @contextlib.contextmanager
-def open_workers(count: int, scheduler: Any, jobs: int) -> Generator['Workers', None, None]:
+def open_workers(count: int, executor: futures.Executor | None,
+                 jobs: int) -> Generator['Workers', None, None]:
     """
     Open what the jobs run on, and close it again.
 
-    :param count: number of processes; 1 for this one.
-    :param scheduler: ``distributed.Client`` or address of a Dask cluster; None for no cluster.
+    :param count: number of processes, 1 for this one; with an executor: how many workers it has.
+    :param executor: what the caller has opened, and closes; None for processes.
     :param jobs: number of jobs to come.
     :return: context manager that yields the ``Workers``.
     """
-    if isinstance(scheduler, str):
-        with _import_distributed().Client(scheduler, set_as_default=False) as client:
-            yield Cluster(client)
-    elif scheduler is not None:
-        yield Cluster(scheduler)
+    if executor is not None:
+        yield GivenExecutor(executor, count)
     elif min(count, jobs) <= 1:
         yield InProcess()
     else:
@@ -139,19 +136,24 @@ class Processes(Workers):
         self._stop.set()
 
 
-class Cluster(Workers):
-    """A Dask cluster; a chunk that runs there cannot be stopped, and is given up."""
+class GivenExecutor(Workers):
+    """
+    An executor of the caller, for example of a cluster; a chunk that runs there is given up.
 
-    # Its scheduler takes some 10 ms per chunk: fewer and larger ones.
+    :param executor: has the interface of ``concurrent.futures``.
+    :param count: number of its workers.
+    """
+
+    # A scheduler of a cluster takes some 10 ms per chunk: fewer and larger ones.
     chunks_per_worker = 16
     max_chunk_size = 256
 
-    def __init__(self, client: Any) -> None:
-        super().__init__(max(1, sum(client.nthreads().values())))
-        self._executor = client.get_executor(pure=False)
+    def __init__(self, executor: futures.Executor, count: int) -> None:
+        super().__init__(count)
+        self._executor = executor
 
     def submit(self, function: JobFunction, chunk: Chunk, stop: Stop) -> ChunkFuture:
-        """Hand a chunk to the cluster."""
+        """Hand a chunk to the executor."""
         return self._executor.submit(run_chunk, function, chunk)
 
     def stop(self) -> None:
@@ -177,12 +179,3 @@ def _end_with_parent(parent: Any) -> None:
 
 def _run_in_worker(function: JobFunction, chunk: Chunk) -> ChunkResult:
     return run_chunk(function, chunk, _stop_event)
-
-
-def _import_distributed() -> ModuleType:
-    try:
-        import distributed
-    except ImportError as error:
-        raise ValueError('scheduler: got an address, expected the extra "cluster" to be installed '
-                         '(pip install "push_control[cluster]")') from error
-    return distributed

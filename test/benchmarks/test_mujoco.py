@@ -4,15 +4,17 @@ import dataclasses
 import math
 import statistics
 
-from benchmarks.plant.comparison import (
-    by_mujoco, by_plant, DEFAULT, HARD, pose_difference, Push, PUSHES, TUNED,
-)
-from benchmarks.plant.mujoco_scene import MujocoPlant
+from helpers.extras import import_extra
 from push_model.geometry import Pose
 from push_model.signals import STOP
 from push_sim_node.plant import Plant
 import pytest
 
+comparison = import_extra('mujoco', 'validation', 'benchmarks.plant.comparison')
+MujocoPlant = import_extra('mujoco', 'validation', 'benchmarks.plant.mujoco_scene').MujocoPlant
+by_mujoco, by_plant = comparison.by_mujoco, comparison.by_plant
+pose_difference, PUSHES = comparison.pose_difference, comparison.PUSHES
+DEFAULT, HARD, TUNED = comparison.DEFAULT, comparison.HARD, comparison.TUNED
 pytestmark = [pytest.mark.physics, pytest.mark.slow]
 QUICK = dataclasses.replace(TUNED, step=1e-3)
 # Speed below which MuJoCo shifts the loads of the feet too little to matter [m/s].
@@ -65,10 +67,10 @@ def coast(engine, push):
     return poses[1:]
 
 
-@pytest.mark.parametrize('push', [Push('box', 2.0, 0.2, 0.5, 0.0, (1.0, 0.0)),
-                                  Push('box', 2.0, 0.4, 0.5, 0.04, (1.0, 0.0)),
-                                  Push('three feet', 2.0, 0.3, 0.5, -0.03, (0.7, 0.0)),
-                                  Push('bin', 5.0, 0.3, 0.5, 0.02, (0.8, 0.0))])
+@pytest.mark.parametrize('push', [comparison.Push('box', 2.0, 0.2, 0.5, 0.0, (1.0, 0.0)),
+                                  comparison.Push('box', 2.0, 0.4, 0.5, 0.04, (1.0, 0.0)),
+                                  comparison.Push('three feet', 2.0, 0.3, 0.5, -0.03, (0.7, 0.0)),
+                                  comparison.Push('bin', 5.0, 0.3, 0.5, 0.02, (0.8, 0.0))])
 def test_object_slides_on_as_far_in_both(push):
     plant = coast(Plant, push)
     mujoco = coast(lambda *scene: MujocoPlant(*scene, QUICK), push)
@@ -94,6 +96,6 @@ def test_difference_shrinks_as_the_push_slows_down():
     """Loads that depend on the speed of the feet are MuJoCo's; the effect vanishes with it."""
     angles = []
     for speed in (0.4, 0.2, 0.1, 0.05):
-        push = Push('uneven box', 3.0, 0.3, 0.6, 0.02, (speed, 0.0), distance=0.4)
+        push = comparison.Push('uneven box', 3.0, 0.3, 0.6, 0.02, (speed, 0.0), distance=0.4)
         angles.append(difference(push, dataclasses.replace(TUNED, step=5e-4))[1])
     assert angles[0] > 1.3 * angles[1] > 1.6 * angles[2] > 1.6 * angles[3]

@@ -1,5 +1,6 @@
 """Batches: the same to the bit however they are run, interrupted or spread."""
 
+from concurrent import futures
 import contextlib
 import csv
 import dataclasses
@@ -13,10 +14,10 @@ import subprocess
 import sys
 import time
 
-import distributed
 from helpers.batch_jobs import (
     extremes, interrupted, leave, noisy, recorded, slow, sometimes_failing,
 )
+from helpers.extras import import_extra
 from helpers.objects import box
 import numpy as np
 from push_dynamics.floor import FloorPatch
@@ -58,11 +59,12 @@ def table(out):
 
 @pytest.fixture(scope='module')
 def cluster():
-    """Start a local Dask cluster of two worker processes."""
+    """Start a local Dask cluster of two worker processes; yield its executor."""
+    distributed = import_extra('distributed', 'cluster')
     with distributed.LocalCluster(2, threads_per_worker=1, processes=True, memory_limit=0,
                                   host='127.0.0.1', dashboard_address=':0') as cluster, \
             distributed.Client(cluster, set_as_default=False) as client:
-        yield client
+        yield client.get_executor(pure=False)
 
 
 @pytest.fixture(scope='module')
@@ -121,23 +123,29 @@ def test_two_processes_give_the_result_of_one(tmp_path, alone):
     assert len(set(alone[0].column('object_y'))) == len(PUSH_JOBS)
 
 
-@pytest.mark.parametrize('by_address', [True, False])
-def test_a_cluster_gives_the_result_of_one_process(tmp_path, alone, cluster, by_address):
+def test_a_cluster_gives_the_result_of_one_process(tmp_path, alone, cluster):
     out = tmp_path / 'out.jsonl'
-    scheduler = cluster.scheduler.address if by_address else cluster
-    assert run_batch(PUSH, PUSH_JOBS, out, scheduler=scheduler, chunk=7) == alone[0]
+    assert run_batch(PUSH, PUSH_JOBS, out, executor=cluster, workers=2, chunk=7) == alone[0]
+    assert table(out) == alone[1]
+
+
+def test_any_executor_gives_the_result_of_one_process_and_stays_open(tmp_path, alone):
+    out = tmp_path / 'out.jsonl'
+    with futures.ThreadPoolExecutor(2) as threads:
+        assert run_batch(PUSH, PUSH_JOBS, out, executor=threads) == alone[0]
+        assert threads.submit(sum, (1, 2)).result() == 3
     assert table(out) == alone[1]
 
 
 def test_a_cluster_keeps_errors_and_stops_at_an_interrupt(tmp_path, cluster):
-    failed = run_batch(sometimes_failing, JOBS, scheduler=cluster)
+    failed = run_batch(sometimes_failing, JOBS, executor=cluster)
     assert failed == run_batch(sometimes_failing, JOBS, workers=1) and len(failed.errors) == 15
     flag, out = tmp_path / 'flag', tmp_path / 'out.jsonl'
     flag.touch()
     with pytest.raises(KeyboardInterrupt):
-        run_batch(partial(interrupted, str(flag)), JOBS, out, scheduler=cluster, chunk=1)
+        run_batch(partial(interrupted, str(flag)), JOBS, out, executor=cluster, chunk=1)
     flag.unlink()
-    again = run_batch(partial(interrupted, str(flag)), JOBS, out, scheduler=cluster)
+    again = run_batch(partial(interrupted, str(flag)), JOBS, out, executor=cluster)
     assert again.records == run_batch(noisy, JOBS, workers=1).records
 
 
@@ -370,12 +378,6 @@ def test_the_documented_example_runs(tmp_path):
     assert [row['job'] for row in rows] == [str(n) for n in range(12)]
     assert all(row['error'] == '' and float(row['object_x']) > 0.3 for row in rows)
     assert len({row['job.robot_pose.1'] for row in rows}) == 12
-
-
-def test_a_cluster_without_its_extra_is_explained(monkeypatch):
-    monkeypatch.setitem(sys.modules, 'distributed', None)
-    with pytest.raises(ValueError, match='cluster'):
-        run_batch(noisy, JOBS, scheduler='tcp://127.0.0.1:1')
 
 
 def test_a_batch_of_nothing_is_empty():

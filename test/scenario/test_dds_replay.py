@@ -5,7 +5,7 @@ import dataclasses
 import os
 import signal
 
-from mcap.reader import make_reader
+from helpers.extras import import_extra
 import numpy as np
 from push_control.settings import LAWS
 from push_model.geometry import distance
@@ -20,8 +20,9 @@ from push_scenario.simulation.loop import SETTLE_TIME, simulate
 from push_scenario.simulation.result import Outcome
 from push_sim_node.disturbance import change_times
 import pytest
-from rosbags.highlevel import AnyReader
 
+AnyReader = import_extra('rosbags', 'record', 'rosbags.highlevel').AnyReader
+make_reader = import_extra('mcap', 'test', 'mcap.reader').make_reader
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+from helpers.extras import import_extra
 import numpy as np
 from push_model.geometry import distance
 from push_ros.conversions.primitives import nanoseconds
@@ -13,8 +14,8 @@ from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 import pytest
-from rosbags.highlevel import AnyReader
 
+AnyReader = import_extra('rosbags', 'record', 'rosbags.highlevel').AnyReader
 NEAR, TURNED = 0.01, np.radians(1.0)
 LATER = Placement(0.0, 0.3, 0.0)
 

@@ -4,7 +4,7 @@ import contextlib
 import time
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
-from mcap.reader import make_reader
+from helpers.extras import import_extra
 from nav_msgs.msg import Odometry
 from push_ros.conversions.primitives import to_stamp
 from push_ros.topics import TOPICS
@@ -15,9 +15,10 @@ import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.serialization import serialize_message
-from rosbags.highlevel import AnyReader
 from visualization_msgs.msg import Marker, MarkerArray
 
+AnyReader = import_extra('rosbags', 'record', 'rosbags.highlevel').AnyReader
+make_reader = import_extra('mcap', 'test', 'mcap.reader').make_reader
 NANOSECONDS = 10 ** 9
 DISCOVERY_TIMEOUT = 60.0
 TYPES = {name: entry.message_type(False) for name, entry in TOPICS.items()}

@@ -1,0 +1,108 @@
+"""What is asked for in setup.py, package.xml and requirements agrees, and robots need no more."""
+
+import ast
+import os
+from pathlib import Path
+import re
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+from helpers.architecture import ROOT
+import pytest
+import yaml
+
+NAME = re.compile(r'[\w.-]+')
+# Names of the same things for pip and for rosdep.
+ROSDEP_KEYS = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'casadi': 'casadi-pip',
+               'numba': 'python3-numba', 'pyyaml': 'python3-yaml', 'setuptools': None}
+EXTRA_KEYS = {'python3-matplotlib', 'python3-pil', 'python3-rosbags-pip', 'python3-tqdm',
+              'python3-mujoco-pip', 'python3-pytest', 'rviz2'}
+# Modules that the extras bring, some of them through others.
+EXTRA_MODULES = ['dask', 'distributed', 'matplotlib', 'mcap', 'mujoco', 'PIL', 'rosbags', 'tqdm']
+IMPORT_WITHOUT = """
+import importlib, sys
+modules, absent = (text.split(',') for text in sys.argv[1:])
+sys.modules.update(dict.fromkeys(absent))
+for module in modules:
+    importlib.import_module(module)
+print('imported')
+"""
+
+
+def distribution(requirement):
+    """Return the name of what a requirement asks for, as package indices compare names."""
+    return re.sub(r'[-_.]+', '-', NAME.match(requirement).group()).lower()
+
+
+def requested(name):
+    """List the lines of a requirements file."""
+    lines = (ROOT / name).read_text().splitlines()
+    return [line.strip() for line in lines if line.strip() and not line.lstrip().startswith('#')]
+
+
+def setup_argument(name):
+    """Return what setup.py passes to setup."""
+    for node in ast.walk(ast.parse((ROOT / 'setup.py').read_text())):
+        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'setup':
+            return next(ast.literal_eval(word.value) for word in node.keywords if word.arg == name)
+    raise ValueError(f'setup.py: got no argument {name} of setup')
+
+
+def manifest_keys(*tags):
+    """Map the keys of dependencies in package.xml to their attributes."""
+    manifest = ElementTree.parse(ROOT / 'package.xml').getroot()
+    return {item.text: item.attrib for tag in tags for item in manifest.findall(tag)}
+
+
+def test_what_is_installed_by_pip_is_pinned():
+    """Requirements and every extra are asked for in requirements.in, and pinned."""
+    asked = {distribution(line): line for line in requested('requirements.in')}
+    needed = [*setup_argument('install_requires'),
+              *(item for extra in setup_argument('extras_require').values() for item in extra)]
+    build = {distribution(line) for line in requested('requirements-build.txt')}
+    assert {distribution(item) for item in needed} <= asked.keys() | build
+    assert all(asked.get(distribution(item), item) == item for item in needed)
+    assert asked.keys() <= {distribution(line) for line in requested('requirements.txt')}
+
+
+@pytest.mark.parametrize('name', ['requirements.txt', 'requirements-build.txt',
+                                  'requirements-lint.txt'])
+def test_every_requirement_is_pinned(name):
+    """Each line names one version."""
+    lines = requested(name)
+    assert lines and [line for line in lines
+                      if not re.match(r'[\w.-]+==\d[\w.]*( ;|$)', line)] == []
+
+
+def test_ros_machines_install_what_pip_does_and_no_extra():
+    """Keys of package.xml are those of install_requires, with the same bounds."""
+    keys = manifest_keys('depend', 'exec_depend')
+    for item in setup_argument('install_requires'):
+        name, _, bound = item.partition('>=')
+        key = ROSDEP_KEYS[distribution(name)]
+        assert key is None or keys[key].get('version_gte', '') == bound
+    assert not keys.keys() & EXTRA_KEYS
+    assert manifest_keys('test_depend').keys() >= {'python3-pytest', 'python3-matplotlib'}
+
+
+def test_the_documentation_builder_finds_its_folder():
+    """The file that package.xml names exists, and names a folder that exists."""
+    manifest = ElementTree.parse(ROOT / 'package.xml').getroot()
+    kind, settings = yaml.safe_load_all((ROOT / manifest.findtext('export/rosdoc2')).read_text())
+    assert kind == {'type': 'rosdoc2 config', 'version': 1}
+    folder = settings['builders'][0]['sphinx']['user_doc_dir']
+    assert (ROOT / folder / 'index.md').is_file()
+
+
+@pytest.mark.slow
+def test_nodes_need_no_extra():
+    """Every node is imported although nothing is there that only an extra brings."""
+    nodes = ['.'.join(path.relative_to(ROOT).with_suffix('').parts)
+             for path in sorted(ROOT.glob('push_*/*_node.py'))]
+    assert len(nodes) >= 3
+    done = subprocess.run(
+        [sys.executable, '-c', IMPORT_WITHOUT, ','.join(nodes), ','.join(EXTRA_MODULES)],
+        cwd=ROOT, env={**os.environ, 'PYTHONPATH': os.pathsep.join([str(Path(ROOT)), *sys.path])},
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.stdout == 'imported\n'
