@@ -106,6 +106,21 @@ def test_an_object_at_its_goal_is_left_alone():
     assert not result.tape['robot_v_x'].any()
 
 
+@pytest.mark.parametrize('bias, outcome', [(0.011, Outcome.DONE), (0.03, Outcome.FAILED)])
+def test_an_object_whose_poses_are_biased_is_seen_from_other_sides(bias, outcome):
+    """It is at its goal, and left alone; whether that can be shown depends on the bias."""
+    scenario = task('holonomic', goal=Placement())
+    settings = dataclasses.replace(SUPERVISION, position_tolerance=0.02, heading_tolerance=0.035)
+    result = simulate(dataclasses.replace(
+        scenario, control=ControlSettings(pose_bias=bias),
+        task=dataclasses.replace(scenario.task, supervision=settings)))
+    assert result.outcome is outcome and result.status.pushes == 0, result.reason
+    assert ('standard errors' in result.reason) == (outcome is Outcome.FAILED)
+    assert abs(result.position_error) < 1e-6
+    looks = [change for change in result.status.history if 'another side' in change.reason]
+    assert len(looks) >= (3 if outcome is Outcome.FAILED else 1)
+
+
 class Once:
     """Does something when a state is reached for the first time, and some time has passed."""
 
