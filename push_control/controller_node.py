@@ -11,6 +11,9 @@ from push_control.ros.measurements import (
     LatestMeasurements, OdometryState, OdometryWatchdog,
 )
 from push_control.ros.mode import ControllerParameters, Mode
+from push_control.ros.push_action import (
+    ACTION, GoalReceiver, import_interfaces, PushActionServer,
+)
 from push_control.ros.single_push import SinglePushMode
 from push_control.ros.task import TaskMode
 from push_control.settings import ControlSettings
@@ -19,7 +22,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
-from push_ros.conversions.primitives import MessageRefused, nanoseconds
+from push_ros.conversions.primitives import check_frame, MessageRefused, nanoseconds
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
@@ -76,6 +79,9 @@ class ControllerNode(ManagedNode):
         (MultiDOFJointTrajectory, latched); ``goal_pose`` (PoseStamped); ``map`` (OccupancyGrid,
         latched).
 
+    Action, where ``push_control_msgs`` is installed
+        ``push_object`` (PushObject), with the topic ``push_status`` (PushStatus, latched).
+
     Services
         ``controller/start``, ``controller/stop``, ``controller/pause``, ``controller/resume``
         (Trigger), and those of the lifecycle.
@@ -92,6 +98,7 @@ class ControllerNode(ManagedNode):
     _mode: Mode
     _goals: GoalEntry
     _commands: CommandPublisher
+    _action: PushActionServer | None = None
 
     def __init__(self) -> None:
         super().__init__(CONTROLLER, SECTIONS, DYNAMIC)
@@ -126,6 +133,7 @@ class ControllerNode(ManagedNode):
         self._mode = kind(self, self._present_parameters, frame, self._options)
         self._goals = GoalEntry(self, self._mode, frame, is_lockstep=self._options.lockstep)
         self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
+        self._action = self._make_action()
 
     def activate(self) -> None:
         """Subscribe, and wait for a goal."""
@@ -146,12 +154,33 @@ class ControllerNode(ManagedNode):
 
     def clean_up(self) -> None:
         """Forget what was learned of the object, but for what is in its file."""
-        del self._mode, self._goals, self._commands
+        if self._action is not None:
+            self._action.destroy()
+        del self._mode, self._goals, self._commands, self._action
 
     def on_settings_changed(self) -> None:
         """Let movements use other settings from the next one on."""
         if hasattr(self, '_mode'):
             self._mode.set_parameters(self._present_parameters)
+
+    def _make_action(self) -> PushActionServer | None:
+        interfaces = import_interfaces()
+        if interfaces is None:
+            self.get_logger().info(f'push_control_msgs is not installed: no action {ACTION}; '
+                                   'goals come on goal_pose')
+            return None
+        obj, *_ = self.settings
+        return PushActionServer(self, self._goals, interfaces, self._receive_goal,
+                                is_active=lambda: self.is_active, obj=obj)
+
+    def _receive_goal(self, name: str, message: Any, receiver: GoalReceiver) -> None:
+        """Hand on a goal pose that is in the world frame."""
+        try:
+            check_frame(message.header.frame_id, self._frames.world_frame, name)
+        except MessageRefused as error:
+            receiver.refuse(error, message)
+            return
+        receiver.accept(message)
 
     @property
     def _present_parameters(self) -> ControllerParameters:
@@ -188,6 +217,8 @@ class ControllerNode(ManagedNode):
             self._answer_waiting()
             self._commands.answer(command, stamp, is_commanding=self._mode.is_commanding)
         self._mode.report(stamp, self._latest.time)
+        if self._action is not None:
+            self._action.update(self._latest.time)
 
     def _answer_waiting(self) -> None:
         """Answer the measurements that waited for a plan, once it is there: the robot stood."""

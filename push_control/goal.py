@@ -8,6 +8,20 @@ from typing import NamedTuple
 from push_model.geometry import Pose
 
 
+class PushState(enum.Enum):
+    """What the robot does about a goal; the names are those of the constants of ``PushStatus``."""
+
+    IDLE = 'idle'
+    PLANNING = 'planning'
+    APPROACHING = 'approaching'
+    ALIGNING = 'aligning'
+    PUSHING = 'pushing'
+    RETREATING = 'retreating'
+    REACHED = 'reached'
+    FAILED = 'failed'
+    PAUSED = 'paused'
+
+
 class GoalOutcome(enum.Enum):
     """How the pursuit of a goal ended."""
 
@@ -17,8 +31,9 @@ class GoalOutcome(enum.Enum):
     # By another goal.
     REPLACED = 'replaced'
     TIMED_OUT = 'timed out'
-    # There is no plan of a single push, or a task made no progress.
+    # There is no plan: in a task, twice from the same place.
     NO_PLAN = 'no plan'
+    # A single push was lost, or a task made no progress.
     FAILED = 'failed'
     # The controller was deactivated, or time went back.
     INTERRUPTED = 'interrupted'
@@ -60,7 +75,7 @@ class GoalProgress(NamedTuple):
     """
     How far the pursuit of a goal has come.
 
-    :param state: what the robot does, one word.
+    :param state: what the robot does, a ``PushState``.
     :param reason: why, or what is wrong, one sentence; empty while all is well.
     :param outcome: the ``GoalOutcome``, once the robot has ended by itself; else None.
     :param pushes: number of pushes begun.
@@ -69,7 +84,7 @@ class GoalProgress(NamedTuple):
     :param heading_error: heading of the object minus that of its goal [rad]; nan before.
     """
 
-    state: str
+    state: PushState = PushState.IDLE
     reason: str = ''
     outcome: GoalOutcome | None = None
     pushes: int = 0

@@ -6,6 +6,7 @@ stamp of its message is no appointment: the clock of an operator's computer may 
 lockstep, where there is but one clock, a goal holds from the time of its stamp on.
 """
 
+import math
 from typing import Any, Callable, NamedTuple
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
@@ -40,7 +41,8 @@ class GoalHandle:
     A goal that was taken.
 
     ``goal``: the ``PushGoal``. ``outcome``: its ``GoalOutcome``, None while it is pursued.
-    ``reason``: one sentence on that, or empty.
+    ``reason``: one sentence on that, or empty. ``last_feedback``: ``GoalFeedback`` of the last
+    measurement.
     """
 
     def __init__(self, goal: PushGoal, on_end: Callable[['GoalHandle'], None] | None) -> None:
@@ -53,6 +55,7 @@ class GoalHandle:
         self.goal = goal
         self.outcome: GoalOutcome | None = None
         self.reason = ''
+        self.last_feedback = GoalFeedback(GoalProgress(), 0.0, goal.time_limit)
         # How it ends as soon as the robot stands.
         self.pending_outcome: GoalOutcome | None = None
         # Time of the first measurement after it was taken [s].
@@ -94,6 +97,11 @@ class GoalEntry:
         self._later: list[ObjectPose] = []
 
     @property
+    def frame(self) -> str:
+        """Id of the world frame."""
+        return self._frame
+
+    @property
     def current(self) -> GoalHandle | None:
         """The ``GoalHandle`` of the goal that is pursued, or None."""
         return self._current
@@ -132,6 +140,7 @@ class GoalEntry:
         """Abandon the goal: the robot backs off from the object and stands, then it has ended."""
         if self._current is not None and self._current.pending_outcome is None:
             self._abandon(self._current, GoalOutcome.CANCELLED)
+            self._end_abandoned(self._current)
 
     def interrupt(self, outcome: GoalOutcome, reason: str) -> None:
         """
@@ -140,9 +149,9 @@ class GoalEntry:
         :param outcome: the ``GoalOutcome``.
         :param reason: one sentence.
         """
+        self._end(outcome, reason)
         self._later = []
         self._time = 0.0
-        self._end(outcome, reason)
 
     def update(self, time: float) -> None:
         """
@@ -160,27 +169,40 @@ class GoalEntry:
             current.start_time = time
         progress = self._mode.progress
         if current.pending_outcome is not None:
-            if not self._mode.is_commanding:
-                self._end(current.pending_outcome, progress.reason)
+            self._end_abandoned(current)
         elif progress.outcome is not None:
             self._end(progress.outcome, progress.reason)
         elif time - current.start_time > current.goal.time_limit:
             self._abandon(current, GoalOutcome.TIMED_OUT)
 
-    def feedback(self) -> GoalFeedback | None:
-        """Return the ``GoalFeedback`` of the present goal; None without one."""
-        if self._current is None:
-            return None
-        start_time = self._current.start_time
-        elapsed_time = 0.0 if start_time is None else self._time - start_time
-        return GoalFeedback(self._mode.progress, elapsed_time,
-                            self._current.goal.time_limit - elapsed_time)
+    def feedback(self) -> GoalFeedback:
+        """Return the ``GoalFeedback`` of the present goal, or of what the robot does without."""
+        current, progress = self._current, self._mode.progress
+        if current is None:
+            return GoalFeedback(progress, 0.0, math.inf)
+        if current.pending_outcome is not None:
+            # The mode knows the goal no more.
+            before = current.last_feedback.progress
+            progress = progress._replace(position_error=before.position_error,
+                                         heading_error=before.heading_error,
+                                         pushes=before.pushes)
+        elapsed_time = 0.0 if current.start_time is None else self._time - current.start_time
+        current.last_feedback = GoalFeedback(progress, elapsed_time,
+                                             current.goal.time_limit - elapsed_time)
+        return current.last_feedback
 
     def _abandon(self, handle: GoalHandle, outcome: GoalOutcome) -> None:
+        self.feedback()
         handle.pending_outcome = outcome
         self._mode.cancel(outcome.value)
 
+    def _end_abandoned(self, handle: GoalHandle) -> None:
+        if handle.pending_outcome is not None and not self._mode.is_commanding:
+            self._end(handle.pending_outcome, self._mode.progress.reason)
+
     def _end(self, outcome: GoalOutcome, reason: str) -> None:
+        if self._current is not None:
+            self.feedback()
         handle, self._current = self._current, None
         if handle is not None:
             self._node.get_logger().debug(f'goal {outcome.value}: {reason or "as expected"}')

@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Any
 
-from push_control.goal import GoalOutcome, GoalProgress, PushGoal
+from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.observation import Observation
 from push_control.push.controller import Controller
 from push_control.push.status import ControllerStatus, Phase
@@ -21,6 +21,10 @@ from push_ros.node import PushNode, RateLimiter, ServiceAnswer
 from push_ros.node_settings import ControllerOptions
 
 LEVELS = {Phase.WAITING: WARN, Phase.FAILED: ERROR}
+# A robot that waits for measurements is at its push all the same.
+STATES = {Phase.IDLE: PushState.IDLE, Phase.PUSHING: PushState.PUSHING,
+          Phase.WAITING: PushState.PUSHING, Phase.DONE: PushState.REACHED,
+          Phase.FAILED: PushState.FAILED}
 OUTCOMES = {Phase.DONE: GoalOutcome.REACHED, Phase.FAILED: GoalOutcome.FAILED}
 # Most diagnostics and markers per second of measured time without a change [Hz]; chosen: enough to
 # follow a push by eye.
@@ -81,12 +85,12 @@ class SinglePushMode(Mode):
         """How far the push has come; errors are those of the estimate."""
         status = self._controller.status
         if self._goal is not None:
-            return GoalProgress('plan', 'waits for a plan')
+            return GoalProgress(PushState.PLANNING)
         if self._failure is not None:
-            return GoalProgress('plan', f'no plan: {self._failure.value}', GoalOutcome.NO_PLAN)
+            return GoalProgress(PushState.FAILED, f'no plan: {self._failure.value}', GoalOutcome.NO_PLAN)
         outcome = None if status.replan_requested else OUTCOMES.get(status.phase)
         has_begun = status.phase is not Phase.IDLE
-        return GoalProgress(status.phase.value, status.reason, outcome, int(has_begun),
+        return GoalProgress(STATES[status.phase], status.reason, outcome, int(has_begun),
                             status.position_error, status.heading_error)
 
     def reset(self) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import time
 from typing import Any
 
-from push_control.goal import GoalOutcome, GoalProgress, PushGoal
+from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.observation import Observation
 from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.ros.measurements import CovarianceCheck
@@ -13,7 +13,7 @@ from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.task_report import TaskReporter
 from push_control.task.settings import SupervisionSettings
-from push_control.task.status import TaskState
+from push_control.task.status import TaskFailure, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance, wrap_angle
 from push_model.plan_request import PlanFailure
@@ -27,6 +27,11 @@ from push_ros.node_settings import ControllerOptions
 
 OUTCOMES = {TaskState.DONE: GoalOutcome.REACHED, TaskState.FAILED: GoalOutcome.FAILED,
             TaskState.IDLE: GoalOutcome.CANCELLED}
+STATES = {TaskState.IDLE: PushState.IDLE, TaskState.PLAN: PushState.PLANNING,
+          TaskState.APPROACH: PushState.APPROACHING, TaskState.ALIGN: PushState.ALIGNING,
+          TaskState.PUSH: PushState.PUSHING, TaskState.RETREAT: PushState.RETREATING,
+          TaskState.DONE: PushState.REACHED, TaskState.FAILED: PushState.FAILED,
+          TaskState.PAUSED: PushState.PAUSED}
 
 
 class TaskMode(Mode):
@@ -78,7 +83,9 @@ class TaskMode(Mode):
         """How far the task has come; errors are those of the last measured pose."""
         status = self._supervisor.status
         outcome = OUTCOMES.get(status.state) if self._is_started else None
-        progress = GoalProgress(status.state.value, status.reason, outcome, status.pushes)
+        if self._is_started and status.failure is TaskFailure.NO_PLAN:
+            outcome = GoalOutcome.NO_PLAN
+        progress = GoalProgress(STATES[status.state], status.reason, outcome, status.pushes)
         measured = None if self._observation is None else self._observation.object_pose
         if measured is None or self._goal is None:
             return progress

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from push_control.task.perception import has_moved, ObjectAtRest
 from push_control.task.settings import SupervisionSettings
+from push_control.task.status import TaskFailure
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure, PlanRequest
 
@@ -147,6 +148,13 @@ class ProgressMonitor:
             return self._uncertainty or self._planning_failure
         last = f'; last failure: {self._last_failure}' if self._last_failure else ''
         return f'aborted: no progress in {self._attempts} attempts{last}'
+
+    @property
+    def failure(self) -> TaskFailure | None:
+        """Why the task is to be aborted, None while it is not."""
+        if self._attempts >= self.settings.max_attempts:
+            return TaskFailure.NO_PROGRESS
+        return TaskFailure.NO_PLAN if self._planning_failure else None
 
     def _have_moved(self, before: PlanRequest, request: PlanRequest) -> bool:
         """Whether object or robot are elsewhere than in a former request."""

@@ -32,6 +32,14 @@ class TaskState(enum.Enum):
         return self in (TaskState.DONE, TaskState.FAILED)
 
 
+class TaskFailure(enum.Enum):
+    """Why a task was given up."""
+
+    # Planning failed twice from the same place.
+    NO_PLAN = 'no plan'
+    NO_PROGRESS = 'no progress'
+
+
 class StateChange(NamedTuple):
     """
     A change of state.
@@ -63,6 +71,7 @@ class SupervisorStatus:
     :param history: ``StateChange`` of every state since the goal was set.
     :param push: ``ControllerStatus`` of the present or last push.
     :param is_requested: whether the user asked for this state, so that the reason is no fault.
+    :param failure: the ``TaskFailure`` where the state is ``FAILED``, else None.
     """
 
     state: TaskState = TaskState.IDLE
@@ -74,3 +83,4 @@ class SupervisorStatus:
     history: tuple[StateChange, ...] = ()
     push: ControllerStatus = ControllerStatus()
     is_requested: bool = False
+    failure: TaskFailure | None = None

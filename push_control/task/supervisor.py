@@ -296,6 +296,7 @@ class Supervisor:
             self._inspect(object_at_rest)
         elif check is GoalCheck.MISSED and self._progress.abort_reason:
             self._enter(TaskState.FAILED, self._progress.abort_reason)
+            self._entered = dataclasses.replace(self._entered, failure=self._progress.failure)
         elif check is GoalCheck.MISSED:
             self._behaviors.correct_overlap(perception)
             localization, knowledge = perception.localization, perception.localization.knowledge
@@ -355,7 +356,7 @@ class Supervisor:
             pushes += 1
         self._entered = dataclasses.replace(
             self._entered, state=state, reason=reason, since=now, push=push, pushes=pushes,
-            is_requested=is_requested,
+            is_requested=is_requested, failure=None,
             history=(*self._entered.history, StateChange(now, state, reason, is_requested)))
 
     def _push_status(self) -> ControllerStatus:

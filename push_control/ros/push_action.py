@@ -1,0 +1,252 @@
+"""
+The action ``push_object``: goals from programs, with feedback, cancellation and a result.
+
+It is served where the package ``push_control_msgs`` is installed. As servers of Nav2 do, it accepts
+every goal while the node is active and aborts one that cannot be used, with an error code; another
+goal, also one from ``goal_pose``, takes the place of the present one.
+"""
+
+import importlib
+import math
+from typing import Any, Callable, NamedTuple
+
+from builtin_interfaces.msg import Duration
+from push_control.goal import GoalOutcome, PushGoal, PushState
+from push_control.ros.goal_entry import GoalEntry, GoalFeedback, GoalHandle
+from push_control.time_left import TimeLeftEstimator
+from push_model.parameters import PushedObject
+from push_ros import qos
+from push_ros.conversions.measurements import from_object_pose_message
+from push_ros.conversions.primitives import MessageRefused, seconds, to_stamp
+from push_ros.node import PushNode, RateLimiter
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
+
+ACTION = 'push_object'
+STATUS = 'push_status'
+# Feedback and status per second of measured time without a change [Hz]; chosen: smooth for a
+# progress bar, few beside a hundred measurements per second.
+FEEDBACK_RATE = 5.0
+# Names of the error codes; a goal whose client has cancelled it has none.
+ERRORS = {GoalOutcome.REACHED: 'NONE', GoalOutcome.CANCELLED: 'INTERRUPTED',
+          GoalOutcome.REPLACED: 'PREEMPTED', GoalOutcome.TIMED_OUT: 'TIMEOUT',
+          GoalOutcome.NO_PLAN: 'NO_VALID_PLAN', GoalOutcome.FAILED: 'FAILED_TO_MAKE_PROGRESS',
+          GoalOutcome.INTERRUPTED: 'INTERRUPTED'}
+
+
+class Interfaces(NamedTuple):
+    """Types of ``push_control_msgs``: the action and the message."""
+
+    action: Any
+    status: Any
+
+
+def import_interfaces() -> Interfaces | None:
+    """Import the types of ``push_control_msgs``; None where it is not installed."""
+    try:
+        return Interfaces(importlib.import_module('push_control_msgs.action').PushObject,
+                          importlib.import_module('push_control_msgs.msg').PushStatus)
+    except (ImportError, AttributeError):
+        # The second where only the folder with the definitions is found.
+        return None
+
+
+class GoalReceiver(NamedTuple):
+    """
+    What becomes of a goal pose on its arrival in the world frame.
+
+    :param accept: takes the ``geometry_msgs/PoseStamped`` in the world frame.
+    :param refuse: takes the ``MessageRefused`` and the message as it came.
+    """
+
+    accept: Callable[[Any], None]
+    refuse: Callable[[MessageRefused, Any], None]
+
+
+class _DeferringServer(ActionServer):
+    """
+    An action server whose goals are pursued by somebody else, with the measurements.
+
+    rclpy would run a callback until the end of the goal: in a thread of its own, or resumed at every
+    turn of the executor, which never waits then.
+    """
+
+    def notify_execute(self, goal_handle: ServerGoalHandle,
+                       execute_callback: Callable[[ServerGoalHandle], Any] | None) -> None:
+        """
+        Run a callback that is given, which makes the result; do nothing at the beginning.
+
+        :param goal_handle: ``ServerGoalHandle``.
+        :param execute_callback: takes it and returns the result; None at the beginning.
+        """
+        if execute_callback is not None:
+            super().notify_execute(goal_handle, execute_callback)
+
+
+class PushActionServer:
+    """Serves ``push_object``, and publishes ``push_status``."""
+
+    def __init__(self, node: PushNode, goals: GoalEntry, interfaces: Interfaces,
+                 receive: Callable[[str, Any, GoalReceiver], None], *,
+                 is_active: Callable[[], bool], obj: PushedObject) -> None:
+        """
+        Wait for goals.
+
+        :param node: the ``PushNode``.
+        :param goals: the ``GoalEntry``.
+        :param interfaces: ``Interfaces``.
+        :param receive: brings a goal pose to the world frame; takes a name for errors, the message
+            and the ``GoalReceiver``.
+        :param is_active: whether goals are accepted.
+        :param obj: the nominal ``PushedObject``.
+        """
+        self._node = node
+        self._goals = goals
+        self._interfaces = interfaces
+        self._receive = receive
+        self._is_active = is_active
+        self._time_left = TimeLeftEstimator(obj)
+        self._current: ServerGoalHandle | None = None
+        self._last_state: tuple[PushState, str] | None = None
+        self._rate = RateLimiter(FEEDBACK_RATE)
+        self._status_publisher = node.create_publisher(interfaces.status, STATUS, qos.LATCHED)
+        self._server = _DeferringServer(
+            node, interfaces.action, ACTION, _no_result, goal_callback=self._answer_goal,
+            handle_accepted_callback=self._on_goal, cancel_callback=self._on_cancel)
+
+    def destroy(self) -> None:
+        """Serve no more."""
+        self._server.destroy()
+        self._node.destroy_publisher(self._status_publisher)
+
+    def update(self, time: float) -> None:
+        """
+        Publish status and feedback, where they have changed or it is time.
+
+        :param time: of the newest measurement [s].
+        """
+        feedback = self._goals.feedback()
+        progress = feedback.progress
+        state = progress.state, progress.reason
+        if not self._rate.due(time) and state == self._last_state:
+            return
+        self._last_state = state
+        status = self._status_message(feedback, time)
+        self._status_publisher.publish(status)
+        if self._current is None or not math.isfinite(progress.position_error):
+            return
+        time_left = self._time_left.estimate(feedback.elapsed_time, progress.position_error,
+                                             progress.heading_error)
+        self._current.publish_feedback(self._interfaces.action.Feedback(
+            status=status, elapsed_time=to_stamp(feedback.elapsed_time, Duration),
+            estimated_time_remaining=to_stamp(time_left, Duration)))
+
+    def _answer_goal(self, _: Any) -> GoalResponse:
+        if self._is_active():
+            return GoalResponse.ACCEPT
+        self._node.get_logger().warning(f'{ACTION}: a goal is rejected, as the node is inactive')
+        return GoalResponse.REJECT
+
+    def _on_goal(self, handle: ServerGoalHandle) -> None:
+        """Begin with a goal, once its pose is in the world frame."""
+        handle.execute()
+        request = handle.request
+
+        def refuse(code: str, reason: str) -> None:
+            self._node.get_logger().error(f'{ACTION}: {reason}')
+            self._finish(handle, code, reason, self._interfaces.action.Result())
+
+        def accept(message: Any) -> None:
+            if handle.is_active:
+                self._pursue(handle, message, refuse)
+        if request.object_name:
+            refuse('UNKNOWN_OBJECT', f'object_name: got {request.object_name!r}, expected an empty '
+                                     'one: the object of the parameters has no name')
+            return
+        try:
+            _check_pose(request.goal_pose)
+        except MessageRefused as error:
+            refuse('INVALID_GOAL', str(error))
+            return
+        self._receive(f'{ACTION}.goal_pose', request.goal_pose,
+                      GoalReceiver(accept, lambda error, _: refuse('TF_ERROR', str(error))))
+
+    def _pursue(self, handle: ServerGoalHandle, message: Any,
+                refuse: Callable[[str, str], None]) -> None:
+        request = handle.request
+        try:
+            pose = from_object_pose_message(message, message.header.frame_id, ACTION).pose
+            goal = PushGoal(pose, request.position_tolerance or None,
+                            request.heading_tolerance or None,
+                            seconds(request.time_limit) or math.inf)
+        except ValueError as error:
+            refuse('INVALID_GOAL', str(error))
+            return
+        self._goals.start(goal, lambda ended: self._on_end(handle, ended))
+        self._time_left.reset()
+        self._current = handle
+
+    def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:
+        """Accept, and begin to back off once the state of the goal is that."""
+        executor = self._node.executor
+        if executor is None:
+            return CancelResponse.REJECT
+        executor.create_task(self._cancel, handle)
+        return CancelResponse.ACCEPT
+
+    def _cancel(self, handle: ServerGoalHandle) -> None:
+        if handle is self._current:
+            self._goals.cancel()
+        elif handle.is_active:
+            # Its pose has not come to the world frame yet.
+            self._finish(handle, 'NONE', 'cancelled', self._interfaces.action.Result())
+
+    def _on_end(self, handle: ServerGoalHandle, ended: GoalHandle) -> None:
+        if handle is self._current:
+            self._current = None
+        outcome = ended.outcome or GoalOutcome.INTERRUPTED
+        last = ended.last_feedback
+        result = self._interfaces.action.Result(
+            position_error=last.progress.position_error, heading_error=last.progress.heading_error,
+            pushes=last.progress.pushes, duration=to_stamp(last.elapsed_time, Duration))
+        is_reached = outcome is GoalOutcome.REACHED
+        text = '' if is_reached else ended.reason or outcome.value
+        is_cancelled = outcome is GoalOutcome.CANCELLED and handle.is_cancel_requested
+        self._finish(handle, 'NONE' if is_cancelled else ERRORS[outcome], text, result,
+                     is_reached=is_reached)
+
+    def _finish(self, handle: ServerGoalHandle, code: str, text: str, result: Any, *,
+                is_reached: bool = False) -> None:
+        """End a goal of a client."""
+        result.error_code = getattr(self._interfaces.action.Result, code)
+        result.error_msg = text
+        if is_reached:
+            handle.succeed()
+        elif handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        if self._node.executor is not None:
+            # Else the node is being shut down, and nobody can be answered any more.
+            self._server.notify_execute(handle, lambda _: result)
+
+    def _status_message(self, feedback: GoalFeedback, time: float) -> Any:
+        progress = feedback.progress
+        is_pushing = progress.state is PushState.PUSHING
+        status = self._interfaces.status(
+            state=getattr(self._interfaces.status, progress.state.name),
+            text=f'{progress.state.value}, {progress.reason}' if progress.reason
+            else progress.state.value,
+            push_number=progress.pushes, pushes_done=progress.pushes - is_pushing,
+            position_error=progress.position_error, heading_error=progress.heading_error)
+        status.header.stamp = to_stamp(time)
+        status.header.frame_id = self._goals.frame
+        return status
+
+
+def _check_pose(message: Any) -> None:
+    """Refuse a pose that is none in any frame."""
+    from_object_pose_message(message, message.header.frame_id, f'{ACTION}.goal_pose')
+
+
+def _no_result(_: Any) -> None:
+    """Do nothing: every goal is ended with a callback of its own."""

@@ -1,0 +1,192 @@
+"""The action push_object over DDS: the controller alone, before an object that does not move."""
+
+import math
+
+from action_msgs.msg import GoalStatus
+from builtin_interfaces.msg import Duration
+from geometry_msgs.msg import PoseStamped
+from helpers.architecture import ROOT
+from helpers.build_interfaces import available
+from helpers.node_bench import bench
+from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure
+from push_model.signals import ObjectPose, Odometry, STOP
+from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
+from push_ros.conversions.plan import no_plan_message
+from push_ros.conversions.primitives import seconds, to_pose_message
+from push_ros.parameters import to_parameter_values
+from push_ros.qos import LATCHED
+from push_ros.topics import CONTROLLER
+from push_scenario.definition.loader import find_scenario, read_scenario
+import pytest
+from rclpy.action import ActionClient
+
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+
+SCENARIO = read_scenario(find_scenario('task_approach'))
+OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
+PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
+              **to_parameter_values(SCENARIO.robot, 'robot.'), 'use_sim_time': True, 'task': True}
+PERIOD = 0.05
+
+
+class Client:
+    """A client of the action, and the world around the controller; its time is of its own."""
+
+    def __init__(self, b):
+        from push_control_msgs.action import PushObject
+        from push_control_msgs.msg import PushStatus
+        self.b, self.action, self.now = b, PushObject, 0.0
+        self.statuses, self.feedback = [], []
+        b.subscribe('push_request')
+        b.node.create_subscription(PushStatus, 'push_status', self.statuses.append, LATCHED)
+        self._client = ActionClient(b.node, PushObject, 'push_object')
+        b.wait_until(self._client.server_is_ready)
+
+    def measure(self):
+        """Let time pass by one measurement each of robot and object."""
+        self.now += PERIOD
+        self.b.publish('object_pose', to_object_pose_message(ObjectPose(self.now, OBJECT), 'odom'))
+        self.b.publish('odom', to_odometry_message(Odometry(self.now, ROBOT, STOP), 'odom',
+                                                   'base_link'))
+        self.b.spin(0.01)
+
+    def measure_until(self, condition):
+        """Let time pass until a condition holds."""
+        while not condition():
+            self.b.processes.check()
+            self.measure()
+            assert self.now < 200.0
+
+    def send(self, pose, **fields):
+        """Send a goal; return the handle of the accepted goal and the future of its result."""
+        self.feedback.clear()
+        goal = self.action.Goal(goal_pose=stamped(pose), **fields)
+        sent = self._client.send_goal_async(
+            goal, feedback_callback=lambda message: self.feedback.append(message.feedback))
+        self.b.wait_until(sent.done)
+        handle = sent.result()
+        assert handle.accepted
+        return handle, handle.get_result_async()
+
+    def result(self, pose, **fields):
+        """Send a goal, and wait for its result."""
+        _, result = self.send(pose, **fields)
+        self.measure_until(result.done)
+        return result.result()
+
+
+def stamped(pose, frame='odom'):
+    """Make a pose message, or hand on one that is."""
+    if isinstance(pose, PoseStamped):
+        return pose
+    message = PoseStamped(pose=to_pose_message(pose))
+    message.header.frame_id = frame
+    return message
+
+
+@pytest.fixture(scope='module')
+def client(tmp_path_factory):
+    """Start a controller in a task, for all tests."""
+    with available(ROOT / 'push_control_msgs'), bench(
+            tmp_path_factory.mktemp('action'), CONTROLLER, 'push_control.controller_node',
+            PARAMETERS) as b:
+        yield Client(b)
+
+
+def test_a_goal_where_the_object_is_is_reached(client):
+    """It succeeds without a push, with errors within the tolerances, and the status says so."""
+    ended = client.result(OBJECT)
+    assert ended.status == GoalStatus.STATUS_SUCCEEDED
+    result = ended.result
+    assert (result.error_code, result.error_msg, result.pushes) == (client.action.Result.NONE,
+                                                                    '', 0)
+    assert result.position_error < 0.01 and abs(result.heading_error) < 0.0175
+    assert 0.0 < seconds(result.duration) < 10.0
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].REACHED)
+    assert client.statuses[-1].header.frame_id == 'odom'
+
+
+def test_feedback_comes_until_a_goal_is_cancelled(client):
+    """The robot waits for its plan; the client is told so with the errors, and may cancel."""
+    handle, result = client.send(GOAL)
+    client.measure_until(lambda: len(client.feedback) > 2)
+    last = client.feedback[-1]
+    assert last.status.state == last.status.PLANNING and 'planning' in last.status.text
+    assert last.status.position_error == pytest.approx(
+        math.dist(OBJECT[:2], GOAL[:2]), abs=1e-3)
+    assert (last.status.push_number, last.status.pushes_done) == (0, 0)
+    cancelled = handle.cancel_goal_async()
+    client.b.wait_until(cancelled.done)
+    assert len(cancelled.result().goals_canceling) == 1
+    client.measure_until(result.done)
+    assert result.result().status == GoalStatus.STATUS_CANCELED
+    assert result.result().result.error_code == client.action.Result.NONE
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].IDLE)
+
+
+@pytest.mark.parametrize('fields, pose, code, text', [
+    ({}, Pose(math.nan, 0.0, 0.0), 'INVALID_GOAL', 'expected finite numbers'),
+    ({'position_tolerance': -0.1}, GOAL, 'INVALID_GOAL', 'position_tolerance: got -0.1'),
+    ({'heading_tolerance': math.nan}, GOAL, 'INVALID_GOAL', 'heading_tolerance: got nan'),
+    ({'time_limit': Duration(sec=-1)}, GOAL, 'INVALID_GOAL', 'time_limit: got -1'),
+    ({'object_name': 'moon'}, GOAL, 'UNKNOWN_OBJECT', "got 'moon'"),
+    ({}, stamped(GOAL, 'nowhere'), 'TF_ERROR', "frame 'nowhere'"),
+], ids=['nan', 'tolerance', 'nan tolerance', 'time limit', 'object', 'frame'])
+def test_a_goal_that_cannot_be_used_is_aborted(client, fields, pose, code, text):
+    """With code and text; the goal that is pursued stays."""
+    _, former = client.send(GOAL)
+    ended = client.result(pose, **fields)
+    assert ended.status == GoalStatus.STATUS_ABORTED
+    assert ended.result.error_code == getattr(client.action.Result, code)
+    assert text in ended.result.error_msg
+    client.measure()
+    assert not former.done()
+
+
+def test_a_goal_pose_takes_the_place_of_a_goal_of_the_action(client):
+    """Both come in by one entry: a click in RViz preempts a program, and the other way round."""
+    _, first = client.send(GOAL)
+    _, second = client.send(GOAL)
+    client.measure_until(first.done)
+    client.measure()
+    assert not second.done()
+    client.b.publish('goal_pose', stamped(OBJECT))
+    client.measure_until(second.done)
+    for ended in (first.result(), second.result()):
+        assert ended.status == GoalStatus.STATUS_ABORTED
+        assert ended.result.error_code == client.action.Result.PREEMPTED
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].REACHED)
+
+
+def test_a_goal_ends_at_its_time_limit_and_by_the_service(client):
+    """Each with a code of its own, and not before."""
+    began = client.now
+    ended = client.result(GOAL, time_limit=Duration(sec=1))
+    assert ended.result.error_code == client.action.Result.TIMEOUT
+    assert client.now - began > 1.0 and seconds(ended.result.duration) > 1.0
+    _, result = client.send(GOAL)
+    client.measure()
+    client.b.call('controller/stop')
+    client.measure_until(result.done)
+    assert result.result().status == GoalStatus.STATUS_ABORTED
+    assert result.result().result.error_code == client.action.Result.INTERRUPTED
+    assert client.b.call('controller/start').success
+
+
+def test_a_goal_without_a_plan_is_given_up(client):
+    """The second refusal from the same place ends it, with the reason of the planner."""
+    requests = client.b.received['push_request']
+    requests.clear()
+    _, result = client.send(GOAL)
+    answered = 0
+    while not result.done():
+        client.measure()
+        if len(requests) > answered:
+            answered = len(requests)
+            client.b.publish('push_plan', no_plan_message(
+                PlanFailure.NOT_CONVERGED, requests[-1].header.stamp, 'odom'))
+    ended = result.result()
+    assert ended.status == GoalStatus.STATUS_ABORTED
+    assert ended.result.error_code == client.action.Result.NO_VALID_PLAN
+    assert PlanFailure.NOT_CONVERGED.value in ended.result.error_msg
