@@ -1,6 +1,9 @@
 """Command line: list the studies and run them."""
 
 import argparse
+from collections.abc import Generator
+from concurrent.futures import Executor
+import contextlib
 from pathlib import Path
 import sys
 from typing import Any, Sequence
@@ -114,15 +117,18 @@ def _run_studies(studies: Sequence[Study], chosen: ChosenValues, overrides: Over
                  options: argparse.Namespace) -> list[StudyResult]:
     """Run studies with a progress bar, and print what they found."""
     results: list[StudyResult] = []
-    with _progress_bar(len(studies)) as bar, Interrupts() as interrupts:
+    with (contextlib.ExitStack() as stack, _progress_bar(len(studies)) as bar,
+          Interrupts() as interrupts):
         def on_progress(finished: int, total: int) -> None:
             if finished:
                 bar.update(len(results) + BATCH_FRACTION * finished / total - bar.n)
             else:
                 bar.update(0.0)
 
-        runner = StudyRunner(options.out, chosen, overrides, workers=options.jobs,
-                             scheduler=options.scheduler, on_progress=on_progress)
+        executor, workers = (stack.enter_context(_cluster(options.scheduler))
+                             if options.scheduler else (None, options.jobs))
+        runner = StudyRunner(options.out, chosen, overrides, workers=workers, executor=executor,
+                             on_progress=on_progress)
         for study in studies:
             bar.set_description(study.figure)
             results.append(runner.run(study))
@@ -131,6 +137,19 @@ def _run_studies(studies: Sequence[Study], chosen: ChosenValues, overrides: Over
     for result in results:
         _print(result)
     return results
+
+
+@contextlib.contextmanager
+def _cluster(address: str) -> Generator[tuple[Executor, int], None, None]:
+    """Connect to a Dask cluster; yield its executor and the number of its threads."""
+    try:
+        import distributed
+    except ImportError as error:
+        raise ValueError(f'--scheduler: got {address}, expected that distributed is installed '
+                         '(extra "cluster")') from error
+    client: Any = distributed.Client(address, set_as_default=False)
+    with client:
+        yield client.get_executor(pure=False), max(1, sum(client.nthreads().values()))
 
 
 def _print(result: StudyResult) -> None:

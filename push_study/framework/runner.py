@@ -1,5 +1,6 @@
 """Run studies: compute what is not there yet, draw it, write its files."""
 
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Callable, NamedTuple, Sequence
 
@@ -38,19 +39,19 @@ class StudyRunner:
     :param folder: where files go; made if need be.
     :param chosen: values that captions leave open, as of ``read_chosen_values``.
     :param overrides: parameter name -> value that counts before all others.
-    :param workers: number of processes; None for one per core.
-    :param scheduler: address of a Dask cluster to run on instead, or None.
+    :param workers: number of processes, or of the executor's workers; None for one per core.
+    :param executor: see ``run_batch``; None for processes.
     :param on_progress: called with (finished jobs, all jobs) while a study runs a batch.
     """
 
     def __init__(self, folder: Path, chosen: ChosenValues, overrides: Overrides | None = None, *,
-                 workers: int | None = None, scheduler: str | None = None,
+                 workers: int | None = None, executor: Executor | None = None,
                  on_progress: Callable[[int, int], None] | None = None) -> None:
         self._folder = folder
         self._chosen = chosen
         self._overrides = overrides or {}
         self._workers = workers
-        self._scheduler = scheduler
+        self._executor = executor
         self._on_progress = on_progress
 
     def run(self, study: Study) -> StudyResult:
@@ -85,8 +86,9 @@ class StudyRunner:
 
     def _run_batch(self, function: Callable[[Any], Record], jobs: Sequence[Any],
                    path: Path) -> Sequence[Record]:
-        workers = 1 if len(jobs) < MIN_JOBS_FOR_WORKERS else self._workers
-        result = run_batch(function, jobs, path, workers=workers, scheduler=self._scheduler,
+        is_small = self._executor is None and len(jobs) < MIN_JOBS_FOR_WORKERS
+        workers = 1 if is_small else self._workers
+        result = run_batch(function, jobs, path, workers=workers, executor=self._executor,
                            progress=self._on_progress)
         if result.errors:
             number, error = next(iter(result.errors.items()))

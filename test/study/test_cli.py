@@ -1,5 +1,7 @@
 """The command line: lists studies, runs them, and says what is wrong."""
 
+import sys
+
 from push_study import cli
 from push_study.framework.runner import StudyRunner
 import pytest
@@ -28,6 +30,13 @@ def test_run_prints_findings_and_what_is_up_to_date(tmp_path, capsys):
 def test_misuse_is_explained(words, tmp_path, capsys):
     assert cli.main([*words, '--out', str(tmp_path)]) == 2
     assert 'expected' in capsys.readouterr().err
+
+
+def test_a_cluster_without_its_extra_is_explained(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    address = 'tcp://127.0.0.1:1'
+    assert cli.main(['run', '2.11', '--out', str(tmp_path), '--scheduler', address]) == 2
+    assert f'got {address}, expected that distributed is installed' in capsys.readouterr().err
 
 
 def test_number_of_processes_is_at_least_one():
