@@ -172,8 +172,8 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
         try:
             yield
             is_logged = False
-        except ValueError:
-            # The caller says which parameter is wrong.
+        except (ValueError, KeyboardInterrupt):
+            # The caller says which parameter is wrong; and a signal is no error.
             is_logged = False
             raise
         finally:
