@@ -28,6 +28,8 @@ from push_sim_node.simulation import Simulation
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
             ('simulation.', SimulationSettings), ('', Frames), ('', SimOptions))
+# Parameters that may be set at any time.
+DYNAMIC = ('time_scale',)
 # Period on the wall at which the state of the run is looked at where nothing is due before [s],
 # chosen: it finds in lockstep what is lost, and offers measurements while time is held.
 STATE_PERIOD = 0.05
@@ -65,7 +67,7 @@ class SimNode(PushNode):
     """
 
     def __init__(self) -> None:
-        super().__init__(SIM, SECTIONS)
+        super().__init__(SIM, SECTIONS, DYNAMIC)
         obj, robot, sensors, settings, self._frames, self._options = self.settings
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
                                       Pose(*self._options.robot_start), settings, sensors,
@@ -78,6 +80,11 @@ class SimNode(PushNode):
         self.subscribe('initialpose', self._on_initial_pose)
         self.serve_trigger('sim/start', self._start)
         self.serve_trigger('sim/reset', self._reset)
+
+    def on_settings_changed(self) -> None:
+        """Let time run at another pace, from now on."""
+        self._options = self.settings[-1]
+        self._pacer.set_scale(self._options.time_scale, time.monotonic())
 
     @property
     def wake_time(self) -> float:
