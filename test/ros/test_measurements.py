@@ -1,6 +1,6 @@
 """What the controller's node keeps of its measurements, and what it says of them."""
 
-from push_control.ros.measurements import CovarianceCheck
+from push_control.ros.measurements import CovarianceCheck, OdometryState, OdometryWatchdog
 from push_control.task.settings import SupervisionSettings
 from push_model.geometry import Pose
 from push_model.signals import Odometry, PoseCovariance, STOP
@@ -20,3 +20,35 @@ def test_absolute_odometry_without_a_covariance_is_reported_once():
 def test_drifting_odometry_needs_no_covariance():
     check = CovarianceCheck(SupervisionSettings())
     assert not check.update(SILENT) and not check.update(STATED)
+
+
+def reports(arrivals, end):
+    """Look at the clock 20 times a second while odometry comes at times; list what is news."""
+    watchdog, news = OdometryWatchdog(0.25), []
+    for now in (round(tick * 0.05, 2) for tick in range(round(end / 0.05))):
+        if now in arrivals:
+            watchdog.feed(round(now * 1e9), round(now * 1e9))
+        check = watchdog.check(round(now * 1e9))
+        assert (check.state is OdometryState.PRESENT) == (check.age <= 0.25)
+        if check.is_news:
+            news.append((check.state, now))
+    return news
+
+
+def ticks(start, end):
+    """List the ticks of the clock between two times."""
+    return {round(tick * 0.05, 2) for tick in range(round(start / 0.05), round(end / 0.05))}
+
+
+def test_odometry_that_is_late_is_reported_before_odometry_that_is_lost():
+    """First that it is missing, then that it stays away; nothing before the first of all."""
+    assert reports(ticks(0.0, 1.0), 3.0) == [(OdometryState.MISSING, 1.25),
+                                             (OdometryState.LOST, 2.0)]
+    assert reports(set(), 3.0) == []
+
+
+def test_gaps_that_follow_each_other_are_reported_once():
+    """As on a machine under load; again after odometry has come for a while."""
+    flickering = ticks(0.0, 1.0) | ticks(1.5, 2.0) | ticks(2.5, 3.0) | ticks(3.5, 10.0)
+    assert reports(flickering | ticks(10.5, 11.0), 11.0) == [(OdometryState.MISSING, 1.25),
+                                                             (OdometryState.MISSING, 10.25)]
