@@ -11,9 +11,7 @@ from push_control.ros.measurements import (
     LatestMeasurements, OdometryState, OdometryWatchdog,
 )
 from push_control.ros.mode import ControllerParameters, Mode
-from push_control.ros.push_action import (
-    ACTION, GoalReceiver, import_interfaces, PushActionServer,
-)
+from push_control.ros.push_action import GoalReceiver, PushActionServer
 from push_control.ros.single_push import SinglePushMode
 from push_control.ros.task import TaskMode
 from push_control.settings import ControlSettings
@@ -29,6 +27,7 @@ from push_ros.lifecycle import ManagedNode
 from push_ros.node import ServiceAnswer
 from push_ros.node_settings import ControllerOptions, Frames
 from push_ros.parameters import parameter_specs
+from push_ros.push_interfaces import ACTION, import_push_interfaces
 from push_ros.topics import CONTROLLER
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
@@ -164,7 +163,7 @@ class ControllerNode(ManagedNode):
             self._mode.set_parameters(self._present_parameters)
 
     def _make_action(self) -> PushActionServer | None:
-        interfaces = import_interfaces()
+        interfaces = import_push_interfaces()
         if interfaces is None:
             self.get_logger().info(f'push_control_msgs is not installed: no action {ACTION}; '
                                    'goals come on goal_pose')

@@ -1,12 +1,11 @@
 """
 The action ``push_object``: goals from programs, with feedback, cancellation and a result.
 
-It is served where the package ``push_control_msgs`` is installed. As servers of Nav2 do, it accepts
-every goal while the node is active and aborts one that cannot be used, with an error code; another
-goal, also one from ``goal_pose``, takes the place of the present one.
+It is served where the package ``push_control_msgs`` is installed. As servers of Nav2 do, it
+accepts every goal while the node is active and aborts one that cannot be used, with an error code;
+another goal, also one from ``goal_pose``, takes the place of the present one.
 """
 
-import importlib
 import math
 from typing import Any, Callable, NamedTuple
 
@@ -19,10 +18,9 @@ from push_ros import qos
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import MessageRefused, seconds, to_stamp
 from push_ros.node import PushNode, RateLimiter
+from push_ros.push_interfaces import ACTION, PushInterfaces, STATUS
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 
-ACTION = 'push_object'
-STATUS = 'push_status'
 # Feedback and status per second of measured time without a change [Hz]; chosen: smooth for a
 # progress bar, few beside a hundred measurements per second.
 FEEDBACK_RATE = 5.0
@@ -31,23 +29,6 @@ ERRORS = {GoalOutcome.REACHED: 'NONE', GoalOutcome.CANCELLED: 'INTERRUPTED',
           GoalOutcome.REPLACED: 'PREEMPTED', GoalOutcome.TIMED_OUT: 'TIMEOUT',
           GoalOutcome.NO_PLAN: 'NO_VALID_PLAN', GoalOutcome.FAILED: 'FAILED_TO_MAKE_PROGRESS',
           GoalOutcome.INTERRUPTED: 'INTERRUPTED'}
-
-
-class Interfaces(NamedTuple):
-    """Types of ``push_control_msgs``: the action and the message."""
-
-    action: Any
-    status: Any
-
-
-def import_interfaces() -> Interfaces | None:
-    """Import the types of ``push_control_msgs``; None where it is not installed."""
-    try:
-        return Interfaces(importlib.import_module('push_control_msgs.action').PushObject,
-                          importlib.import_module('push_control_msgs.msg').PushStatus)
-    except (ImportError, AttributeError):
-        # The second where only the folder with the definitions is found.
-        return None
 
 
 class GoalReceiver(NamedTuple):
@@ -66,8 +47,8 @@ class _DeferringServer(ActionServer):
     """
     An action server whose goals are pursued by somebody else, with the measurements.
 
-    rclpy would run a callback until the end of the goal: in a thread of its own, or resumed at every
-    turn of the executor, which never waits then.
+    rclpy would run a callback until the end of the goal: in a thread of its own, or resumed at
+    every turn of the executor, which never waits then.
     """
 
     def notify_execute(self, goal_handle: ServerGoalHandle,
@@ -85,7 +66,7 @@ class _DeferringServer(ActionServer):
 class PushActionServer:
     """Serves ``push_object``, and publishes ``push_status``."""
 
-    def __init__(self, node: PushNode, goals: GoalEntry, interfaces: Interfaces,
+    def __init__(self, node: PushNode, goals: GoalEntry, interfaces: PushInterfaces,
                  receive: Callable[[str, Any, GoalReceiver], None], *,
                  is_active: Callable[[], bool], obj: PushedObject) -> None:
         """
@@ -93,7 +74,7 @@ class PushActionServer:
 
         :param node: the ``PushNode``.
         :param goals: the ``GoalEntry``.
-        :param interfaces: ``Interfaces``.
+        :param interfaces: ``PushInterfaces``.
         :param receive: brings a goal pose to the world frame; takes a name for errors, the message
             and the ``GoalReceiver``.
         :param is_active: whether goals are accepted.
@@ -159,8 +140,8 @@ class PushActionServer:
             if handle.is_active:
                 self._pursue(handle, message, refuse)
         if request.object_name:
-            refuse('UNKNOWN_OBJECT', f'object_name: got {request.object_name!r}, expected an empty '
-                                     'one: the object of the parameters has no name')
+            refuse('UNKNOWN_OBJECT', f'object_name: got {request.object_name!r}, expected none: '
+                                     'the object of the parameters has no name')
             return
         try:
             _check_pose(request.goal_pose)

@@ -87,7 +87,8 @@ class SinglePushMode(Mode):
         if self._goal is not None:
             return GoalProgress(PushState.PLANNING)
         if self._failure is not None:
-            return GoalProgress(PushState.FAILED, f'no plan: {self._failure.value}', GoalOutcome.NO_PLAN)
+            return GoalProgress(PushState.FAILED, f'no plan: {self._failure.value}',
+                                GoalOutcome.NO_PLAN)
         outcome = None if status.replan_requested else OUTCOMES.get(status.phase)
         has_begun = status.phase is not Phase.IDLE
         return GoalProgress(STATES[status.phase], status.reason, outcome, int(has_begun),

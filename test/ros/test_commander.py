@@ -1,0 +1,120 @@
+"""The commander over DDS: with planner, controller and simulator, as a program uses it."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import time
+
+from helpers.architecture import ROOT
+from helpers.build_interfaces import available
+from push_model.geometry import Pose
+from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_scenario.dds.parameter_files import write_parameter_files
+from push_scenario.dds.processes import NodeProcesses, private_domain
+from push_scenario.dds.replay_client import local_discovery
+from push_scenario.definition.loader import find_scenario, read_scenario
+import pytest
+import rclpy
+import yaml
+
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+
+MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node',
+           SIM: 'push_sim_node.sim_node'}
+SCENARIO = read_scenario(find_scenario('task_tap'))
+# Of the simulator without a limit of time, which begins at once.
+ENDLESS = {'time_limit': 0.0, 'autostart': True}
+POLL_PAUSE = 2e-3
+FAR, NEAR = Pose(0.5, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
+
+
+@pytest.fixture(scope='module')
+def context(tmp_path_factory):
+    """Start all nodes."""
+    folder = tmp_path_factory.mktemp('commander')
+    paths = write_parameter_files(folder, SCENARIO, SCENARIO.control, folder / 'tape.csv',
+                                  real_time=False, stamped=True)
+    for name, changes in ((SIM, ENDLESS), (CONTROLLER, {'wait_for_start': False})):
+        values = yaml.safe_load(paths[name].read_text())
+        values[name]['ros__parameters'].update(changes)
+        paths[name].write_text(yaml.safe_dump(values))
+    context = rclpy.Context()
+    with available(ROOT / 'push_control_msgs'), private_domain() as domain, \
+            NodeProcesses(domain, folder) as processes, contextlib.ExitStack() as stack:
+        with local_discovery():
+            rclpy.init(args=[], context=context, domain_id=domain)
+        stack.callback(rclpy.shutdown, context=context)
+        for name, module in MODULES.items():
+            processes.start(name, module, paths[name])
+        yield context, processes
+
+
+@pytest.fixture
+def commander(context):
+    """Make a commander for the controller."""
+    from push_ros.commander import PushCommander
+    with PushCommander(context=context[0]) as commander:
+        assert commander.wait_until_ready()
+        yield commander
+
+
+def watch(commander, processes, reaction=None):
+    """Follow a goal to its end; return the result and the states that were seen."""
+    states = []
+    # By single messages, as simulated time runs fast.
+    while not commander.is_done(timeout=0.0):
+        time.sleep(POLL_PAUSE)
+        processes.check()
+        feedback = commander.feedback()
+        if feedback is not None:
+            states.append(feedback.state)
+            if reaction is not None:
+                reaction(feedback)
+    return commander.result(), states
+
+
+def test_a_cancelled_robot_backs_off_and_the_next_goal_is_reached(context, commander):
+    """Cancelled in a push, the robot retreats first; then it brings the object to its goal."""
+    from push_control_msgs.msg import PushStatus
+    from push_ros.commander import PushOutcome
+
+    def cancel_while_pushing(feedback):
+        if feedback.state == PushStatus.PUSHING:
+            commander.cancel()
+
+    assert commander.push_to(FAR)
+    result, states = watch(commander, context[1], cancel_while_pushing)
+    assert (result.outcome, result.error_code) == (PushOutcome.CANCELLED, 0)
+    assert result.pushes == 1 and PushStatus.RETREATING in states
+    assert 0.0 < result.position_error < 0.6
+
+    assert commander.push_to(NEAR)
+    result, states = watch(commander, context[1])
+    assert (result.outcome, result.error_code, result.error_msg) == (PushOutcome.SUCCEEDED, 0, '')
+    assert result.position_error < 0.02 and abs(result.heading_error) < 0.04
+    assert result.pushes >= 1 and result.duration > 0.0
+    assert {PushStatus.PLANNING, PushStatus.PUSHING} <= set(states)
+
+
+def test_the_example_runs(context, commander):
+    """The object is at its goal already, or nearly so; the example ends with the result."""
+    done = subprocess.run(
+        [sys.executable, str(ROOT / 'examples' / '05_commander.py')], text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+        env={**os.environ, 'ROS_DOMAIN_ID': str(context[1].domain),
+             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+             'PYTHONPATH': os.pathsep.join([str(ROOT), os.environ['PYTHONPATH']])})
+    assert done.returncode == 0, done.stdout
+    assert 'SUCCEEDED' in done.stdout
+
+
+def test_a_controller_that_ends_is_noticed(context, commander):
+    """No program waits for ever for a node that is gone."""
+    from push_ros.commander import PushOutcome
+    assert commander.push_to(FAR)
+    while commander.feedback() is None:
+        assert not commander.is_done()
+    context[1].stop(CONTROLLER)
+    result, _ = watch(commander, context[1])
+    assert result.outcome in (PushOutcome.LOST, PushOutcome.ABORTED)
