@@ -177,11 +177,14 @@ def _manoeuvres(approach: Approach) -> Iterator[tuple[float, FloatArray]]:
     departures = _departures(robot, body, start, limits)
     if departures is None:
         return
+    # Off the object in any case.
+    reverse_limit = max(limits.reverse_limit, float(departures[:, DEPARTURE].min()) + NO_LENGTH)
     given = Manoeuvring(
         _corners(body.core), obj.radius + robot.radius, limits.clearance,
         ARC_ALLOWANCE * limits.clearance, robot.drive == 'holonomic', start.x, start.y,
         robot.drive == 'differential', goal.x, goal.y, goal.theta, limits.speed, limits.yaw_rate,
-        limits.acceleration, limits.yaw_acceleration, approach.end_speed, robot.time_constant)
+        limits.acceleration, limits.yaw_acceleration, approach.end_speed, robot.time_constant,
+        reverse_limit)
     found = np.zeros((SHAPES + 1, MANOEUVRE_SIZE + 2))
     segments = np.zeros((MAX_SEGMENTS, SEGMENT_SIZE))
     steps, least = _refinement(robot.drive, approach.final_straight)

@@ -103,6 +103,7 @@ class Manoeuvring(NamedTuple):
     :param yaw_acceleration: limit [rad/s^2].
     :param end_speed: at which the robot passes the goal, 0 where it stops there [m/s].
     :param time_constant: lag of the drive [s].
+    :param reverse_limit: distance that a differential drive may move backwards [m].
     """
 
     corners: Any
@@ -122,6 +123,7 @@ class Manoeuvring(NamedTuple):
     yaw_acceleration: float
     end_speed: float
     time_constant: float
+    reverse_limit: float
 
 
 @compiled
@@ -565,14 +567,17 @@ def evaluate(given: Manoeuvring, manoeuvre: Any, segments: Any, bound: float) ->
     :param segments: scratch, shape (MAX_SEGMENTS, SEGMENT_SIZE).
     :param bound: of the times that count [s].
     :return: time [s]; infinite where it is not below the bound, not a number where the object is
-        in the way or there is no such manoeuvre.
+        in the way, the robot would move backwards too far, or there is no such manoeuvre.
     """
     count = lay_out(given, manoeuvre, segments)
     if count == 0:
         return math.nan
-    length = 0.0
+    length = backwards = 0.0
     for i in range(count):
         length += segments[i, LENGTH]
+        backwards += segments[i, LENGTH] * segments[i, REVERSES]
+    if backwards > given.reverse_limit:
+        return math.nan
     if length >= bound * given.speed:
         return math.inf
     time = duration(given, segments, count)

@@ -96,11 +96,12 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
     ends = PathEnds(start, goal,
                     departure._replace(place=object_pose.transform(departure.place)),
                     arrival._replace(place=object_pose.transform(arrival.place)))
+    reversing = min(settings.max_reverse_distance, settings.reverse_limit)
     paths: list[Path] = []
     for route in routes:
         waypoints = [Waypoint(*object_pose.transform((x, y)), arc_angle)
                      for x, y, arc_angle in route]
-        paths += assemble_paths(robot, ends, waypoints, settings.max_reverse_distance)
+        paths += assemble_paths(robot, ends, waypoints, reversing)
     if occupancy_map is not None:
         margin = map_margin(robot, start, goal, settings, occupancy_map)
         paths = [path for path in paths if occupancy_map.robot_is_free(
@@ -108,7 +109,7 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
         if not paths:
             waypoints = grid_waypoints(occupancy_map, robot.radius + margin, body, object_pose,
                                        ends.departure.place, ends.arrival.place)
-            paths = assemble_paths(robot, ends, waypoints, settings.max_reverse_distance)
+            paths = assemble_paths(robot, ends, waypoints, reversing)
     return min(paths, key=lambda path: travel_time(path, robot, settings))
 
 

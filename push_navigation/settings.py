@@ -32,6 +32,10 @@ class DriveSettings:
                                        'm', above=0.0, high=1.0, default=0.15)
     max_reverse_distance: float = quantity('longest path round the object on which a differential '
                                            'drive moves backwards', 'm', 0.0, 100.0, default=0.5)
+    reverse_limit: float = quantity('distance that a differential drive moves backwards at a '
+                                    'time, more only where it has to leave the object; for bases '
+                                    'that limit it, as Create 3 does', 'm', above=0.0, high=100.0,
+                                    default=100.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -84,7 +84,9 @@ def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
         directions = [heading + math.pi, heading]
     attempts = ((retreat_distance, MIN_GAP_RATIO), (0.5 * retreat_distance, MIN_GAP_RATIO),
                 (2.0 * retreat_distance, LEAST_GAP_RATIO))
-    for length, ratio in attempts:
+    limit = context.drive.reverse_limit if robot.drive == 'differential' else math.inf
+    for full_length, ratio in attempts:
+        length = min(full_length, limit)
         for direction in directions:
             end = Pose(x + length * math.cos(direction), y + length * math.sin(direction), heading)
             path = Path((robot_pose, end))

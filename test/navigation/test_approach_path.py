@@ -196,3 +196,30 @@ def test_poses_inside_the_object_are_refused():
             plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), *poses, SETTINGS)
     with pytest.raises(ValueError, match='contact_pose: got'):
         plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), far, Pose(math.nan, 0.0, 0.0), SETTINGS)
+
+
+def reversed_distances(path):
+    """List how far a differential drive moves backwards on a path before it goes forwards."""
+    distances = [0.0]
+    for segment in path.segments:
+        if segment.length > 0.0:
+            if math.cos(segment.directions[0] - segment.start.theta) < 0.0:
+                distances[-1] += segment.length
+            else:
+                distances.append(0.0)
+    return distances
+
+
+@each
+def test_it_moves_backwards_no_farther_than_the_limit_or_off_the_object(name):
+    """Without a limit some approaches are quicker backwards."""
+    obj, robot = OBJECTS[name], ROBOTS['differential']
+    limited = dataclasses.replace(SETTINGS, reverse_limit=0.06)
+    longest = []
+    for object_pose, start, contact in approaches(obj, 20, seed=8):
+        paths = [plan_approach(robot, obj, object_pose, start, contact, settings)
+                 for settings in (SETTINGS, limited)]
+        longest.append([max(reversed_distances(path)) for path in paths])
+    free, bound = np.array(longest).T
+    assert free.max() > 0.2
+    assert bound.max() < 0.13

@@ -1,0 +1,85 @@
+"""Parameter files of robots: they name only what the nodes have, and keep what they promise."""
+
+from docs.tools.reference import GROUPS
+import numpy as np
+from push_control.settings import ControlSettings
+from push_model.parameters import RoundRobot
+from push_navigation.settings import DriveSettings
+from push_planner.settings import PlannerSettings
+from push_ros.parameters import from_parameter_values, parameter_specs
+from push_ros.topics import CONTROLLER, PLANNER
+from push_scenario.dds.launch_parameters import launch_parameters
+from push_scenario.definition.data import config_file
+import pytest
+import yaml
+
+FOLDER = config_file('bringup/create3.yaml').parent
+# Files for nodes of others.
+FOREIGN = {'create3_motion_control', 'nav2'}
+FILES = sorted({path.stem for path in FOLDER.glob('*.yaml')} - FOREIGN)
+# What a reader is told to start with [m/s].
+FIRST_SPEED = 0.05
+
+
+def given(name, node):
+    """Return the parameters that a node gets from a file."""
+    sections = launch_parameters(FOLDER / f'{name}.yaml')
+    return {**sections['/**'], **sections.get(f'/**/{node}', {})}
+
+
+@pytest.mark.parametrize('node', [PLANNER, CONTROLLER])
+@pytest.mark.parametrize('name', FILES)
+def test_files_have_only_parameters_that_their_nodes_have(name, node):
+    """And values that pass every check."""
+    values = given(name, node)
+    known = {spec.name for prefix, cls in GROUPS[node] for spec in parameter_specs(cls, prefix)}
+    assert set(values) <= known
+    for prefix, cls in GROUPS[node]:
+        from_parameter_values(cls, values, prefix)
+
+
+@pytest.mark.parametrize('name', FILES)
+def test_the_first_push_is_slow_and_waits(name):
+    planner, controller = given(name, PLANNER), given(name, CONTROLLER)
+    settings = from_parameter_values(PlannerSettings, planner, 'planner.')
+    assert settings.pushing_speed == settings.unsteered_speed == FIRST_SPEED
+    assert controller['wait_for_start'] and controller['task']
+    # Poses and odometry at 20 Hz, three of them lost.
+    control = from_parameter_values(ControlSettings, controller, 'control.')
+    assert min(control.pose_timeout, control.odometry_timeout) > 4 / 20
+
+
+def test_a_create3_with_its_reverse_limit_goes_back_by_an_eighth_of_a_metre_at_most():
+    """Its retreat and the beginning of the next path, together."""
+    values = given('create3_reverse_limit', CONTROLLER)
+    drive = from_parameter_values(DriveSettings, values, 'drive.')
+    assert drive.retreat_distance + drive.reverse_limit <= 0.125
+    assert from_parameter_values(DriveSettings, given('create3_reverse_limit', PLANNER),
+                                 'drive.') == drive
+
+
+def test_the_base_of_a_create3_ignores_touches_and_still_sees_cliffs():
+    sections = yaml.safe_load((FOLDER / 'create3_motion_control.yaml').read_text())
+    values = sections['/**']['ros__parameters']
+    off = {name for name, value in values.items() if value is False}
+    assert off == {f'reflexes.REFLEX_{name}' for name in ('BUMP', 'PANIC', 'PROXIMITY_SLOWDOWN',
+                                                          'STUCK')}
+    assert values['safety_override'] == 'backup_only'
+
+
+def test_what_stands_between_us_and_the_base_changes_no_plan():
+    """The smoother limits nothing that the robot of the Create 3 can; pushes precede Nav2."""
+    nodes = {name: section['ros__parameters'] for name, section in
+             yaml.safe_load((FOLDER / 'nav2.yaml').read_text()).items()}
+    robot = from_parameter_values(RoundRobot, given('create3', CONTROLLER), 'robot.')
+    smoother = nodes['velocity_smoother']
+    assert np.all(np.abs([smoother['max_velocity'], smoother['min_velocity']])
+                  >= [robot.max_speed, 0.0, robot.max_yaw_rate])
+    assert np.all(np.abs([smoother['max_accel'], smoother['max_decel']])
+                  >= [robot.max_acceleration, 0.0, robot.max_yaw_acceleration])
+    priority = {name: entry['priority'] for name, entry in nodes['twist_mux']['topics'].items()}
+    assert priority['teleop'] > priority['push'] > priority['navigation']
+    zone = nodes['collision_monitor_push']['behind']['backwards']
+    points = np.array(yaml.safe_load(zone['points']))
+    assert points[:, 0].max() <= 0.0 and np.abs(points).max() > robot.radius
+    assert zone['linear_max'] < 0.0
