@@ -13,7 +13,10 @@ from push_ros.parameters import (
     from_parameter_values, parameter_specs, ParameterSet, to_parameter_values,
 )
 from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.definition.data import config_file
+from push_scenario.definition.loader import load_scenario, scenario_names
+from push_scenario.simulation.start import place_robot
 from push_sim_node import sim_node
 from push_sim_node.disturbance import FrictionChange
 from push_sim_node.sensors import SensorSettings
@@ -78,6 +81,28 @@ def test_a_node_reads_the_same_dataclass(instance):
         for name, value in values.items():
             got = node.get_parameter(name).value
             assert (list(got) if isinstance(value, list) else got) == value
+
+
+@pytest.mark.parametrize('name', scenario_names())
+def test_the_nodes_of_a_replay_get_its_scenario(tmp_path, name):
+    """Planner and controller what is believed, the simulator what is true."""
+    case = place_robot(load_scenario(name))
+    files = write_parameter_files(tmp_path, case, case.control, tmp_path / 'tape.csv',
+                                  real_time=False, stamped=True)
+    expected = {SIM: [case.true_object, case.true_robot, case.sensors, case.simulation],
+                PLANNER: [case.object, case.robot],
+                CONTROLLER: [case.object, case.robot, case.control]}
+    if case.task is None:
+        expected[PLANNER] += [case.planner]
+    else:
+        expected[PLANNER] += [case.task.drive, case.task.planning]
+        expected[CONTROLLER] += [case.task.drive, case.task.supervision]
+    for node, instances in expected.items():
+        values = yaml.safe_load(files[node].read_text())[node]['ros__parameters']
+        prefixes = {cls: prefix for prefix, cls in SECTIONS[node]}
+        for instance in instances:
+            cls = type(instance)
+            assert from_parameter_values(cls, values, prefixes[cls]) == instance
 
 
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])

@@ -93,11 +93,11 @@ def test_closed_loops_decide_where_laws_are_compared(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_a_task_is_reported_and_drawn(tmp_path, capsys):
-    assert replay(tmp_path, 'task_two_pushes') == 0
+    assert replay(tmp_path, 'task_tap') == 0
     printed = capsys.readouterr().out
     assert 'pushes' in printed and 'time of the best single push' in printed
     for suffix in ('png', 'gif'):
-        assert (tmp_path / 'out' / f'task_two_pushes.{suffix}').is_file()
+        assert (tmp_path / 'out' / f'task_tap.{suffix}').is_file()
 
 
 @pytest.mark.slow

@@ -1,21 +1,31 @@
-"""Tasks of unsteered pushes over Fast DDS, in lockstep, each as in one process."""
+"""Short tasks over Fast DDS, in lockstep: three nodes in three processes each."""
+
+import dataclasses
 
 from push_scenario.dds.replay import run_over_dds
 from push_scenario.definition.loader import load_scenario
+from push_scenario.definition.placement import Placement
 from push_scenario.evaluation.metrics import is_as_expected
 from push_scenario.evaluation.report import format_report
+from push_scenario.simulation.result import Outcome
 import pytest
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 
-@pytest.mark.parametrize('name', ['task_tap', 'task_frictionless'])
-def test_the_task_ends_as_expected(name, tmp_path):
-    """
-    With requests, plans and their style in messages, and three nodes in three processes.
-
-    The first one has commands without a stamp.
-    """
-    result = run_over_dds(load_scenario(name), None, tmp_path, record=False,
-                          stamped=name != 'task_tap')
+def test_a_task_ends_as_expected_without_stamps(tmp_path):
+    """With requests, plans and their style in messages, and commands without a stamp."""
+    result = run_over_dds(load_scenario('task_tap'), None, tmp_path, record=False, stamped=False)
     assert is_as_expected(result), format_report([result])
+
+
+def test_a_task_without_a_path_fails_and_says_so(tmp_path):
+    """The robot never moves; it gives up after as many attempts as are allowed."""
+    walled = load_scenario('task_map')
+    task = dataclasses.replace(walled.task, supervision=dataclasses.replace(
+        walled.task.supervision, max_attempts=2))
+    goal = Placement(5.0, 0.0, 0.0)
+    result = run_over_dds(dataclasses.replace(walled, goal=goal, task=task), None, tmp_path,
+                          record=False)
+    assert result.outcome is Outcome.FAILED and 'does not fit into the map' in result.reason
+    assert not result.tape['robot_v_x'].any() and result.recoveries == 2

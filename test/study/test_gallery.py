@@ -3,9 +3,11 @@
 from pathlib import Path
 import re
 
+from helpers.study_outcomes import outcome_of, values_of
 from push_study import catalogue, cli, gallery
-from push_study.framework.files import StudyFiles
-from push_study.framework.runner import StudyResult
+from push_study.framework import plot_style
+from push_study.framework.files import stamp_of, StudyFiles
+from push_study.framework.runner import draw_figure, StudyResult
 from push_study.framework.study import Finding, Outcome, Study
 import pytest
 
@@ -16,31 +18,47 @@ PAGES = {'studies.md': ['chapter2', 'chapter3', 'chapter4'], 'one_push.md': ['pr
 CHAPTER_2 = [f'2.{number}' for number in range(1, 34)]
 
 
-@pytest.fixture(scope='module', params=PAGES)
-def made(request, tmp_path_factory):
-    """Run the studies of a page, and insert their gallery in a copy of it."""
-    folder = tmp_path_factory.mktemp('gallery')
-    page = folder / request.param
-    page.write_text((DOCS / request.param).read_text(encoding='utf-8'), encoding='utf-8')
-    assert cli.main(['run', *PAGES[request.param], '--out', str(folder / 'studies'), '--page',
-                     str(page)]) == 0
-    return page
-
-
 @pytest.mark.slow
-def test_page_is_what_the_command_makes(made):
+@pytest.mark.parametrize('name', PAGES)
+def test_page_is_what_the_studies_find(name, tmp_path):
     """The sentences quote findings, so every number of the page is computed here."""
-    assert made.read_text(encoding='utf-8') == (DOCS / made.name).read_text(encoding='utf-8')
+    results = [StudyResult(study, outcome_of(study).findings,
+                           StudyFiles(study, tmp_path / 'studies'), is_cached=False)
+               for study in catalogue.select(PAGES[name])]
+    shown = (DOCS / name).read_text(encoding='utf-8')
+    assert gallery.insert(shown, gallery.page(results, tmp_path)) == shown
 
 
 @pytest.mark.slow
-def test_every_study_has_its_files(made):
-    for study in catalogue.select(PAGES[made.name]):
+@pytest.mark.parametrize('study', catalogue.studies(), ids=lambda study: study.figure)
+def test_every_study_is_drawn_and_has_tables(study, tmp_path):
+    outcome, values = outcome_of(study), values_of(study)
+    with plot_style.applied():
+        figure = draw_figure(study, outcome, values)
+        figure.draw_without_rendering()
+    assert figure.axes
+    files = StudyFiles(study, tmp_path)
+    files.write(stamp_of(study, values), outcome)
+    assert outcome.tables
+    for name in outcome.tables:
+        assert files.table(name).stat().st_size > 500
+
+
+@pytest.mark.slow
+def test_the_command_writes_figures_and_page(tmp_path):
+    figures = ['2.11', '2.12']
+    page = tmp_path / 'page.md'
+    page.write_text(f'{gallery.BEGIN}\n{gallery.END}\n', encoding='utf-8')
+    assert cli.main(['run', *figures, '--out', str(tmp_path / 'studies'), '--page',
+                     str(page)]) == 0
+    results = [StudyResult(study, outcome_of(study).findings,
+                           StudyFiles(study, tmp_path / 'studies'), is_cached=False)
+               for study in catalogue.select(figures)]
+    assert gallery.page(results, tmp_path) in page.read_text(encoding='utf-8')
+    for study in figures:
         for suffix in ('.png', '.svg', '.json'):
-            path = made.parent / 'studies' / f'{study.figure}{suffix}'
+            path = tmp_path / 'studies' / f'{study}{suffix}'
             assert path.stat().st_size > 500, path.name
-        tables = list((made.parent / 'studies').glob(f'{study.figure}-*.csv'))
-        assert tables, study.figure
 
 
 def test_chapter_2_is_complete():

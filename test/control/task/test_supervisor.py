@@ -1,6 +1,7 @@
 """The supervisor of a task, on the simulated plant and on measurements made up."""
 
 import dataclasses
+import functools
 import math
 
 from helpers.objects import box
@@ -54,6 +55,12 @@ def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False, method='primitives
         task=Task(planning=TaskSettings(method=method)), time_limit=300.0)
 
 
+@functools.lru_cache(maxsize=None)
+def undisturbed(drive):
+    """Simulate the task, once."""
+    return simulate(task(drive))
+
+
 def check_reached(result):
     """Check that it says it is done, is done, and that the robot is clear of the object."""
     assert result.outcome is Outcome.DONE, result.reason
@@ -67,7 +74,7 @@ def check_reached(result):
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])
 def test_a_task_is_done_from_the_wrong_side(drive):
     """The robot goes round the box, brings it to its goal and keeps its limits all the time."""
-    result = simulate(task(drive))
+    result = undisturbed(drive)
     check_reached(result)
     tape, robot = result.tape, result.scenario.robot
     assert np.hypot(tape['command_v_x'], tape['command_v_y']).max() <= robot.max_speed + 1e-9
@@ -80,8 +87,7 @@ def test_a_task_is_done_from_the_wrong_side(drive):
     assert np.abs(tape['command_omega'])[alone].max() <= DRIVE.yaw_rate + 1e-9
 
 
-@pytest.mark.parametrize('seed', [3, 4])
-@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+@pytest.mark.parametrize('drive, seed', [('differential', 3), ('holonomic', 4)])
 def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
     """Friction is uneven, poses are late and noisy, odometry drifts by centimetres."""
     result = simulate(task(drive, sensors=SENSORS, seed=seed, wrong=True))
@@ -94,7 +100,8 @@ def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
 
 def test_the_same_task_again_goes_the_same_way():
     """Nothing in it reads a clock or draws unseeded numbers."""
-    tapes = [simulate(task('holonomic', sensors=SENSORS)).tape.rows for _ in range(2)]
+    near = task('holonomic', goal=Placement(0.2, 0.05, 0.1), sensors=SENSORS)
+    tapes = [simulate(near).tape.rows for _ in range(2)]
     assert np.array_equal(*tapes, equal_nan=True)
 
 
@@ -315,7 +322,7 @@ def test_a_robot_that_does_not_move_is_noticed():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    trajectory = simulate(task('differential')).sequence_plans[0].trajectory
+    trajectory = undisturbed('differential').sequence_plans[0].trajectory
     bench.supervisor.set_plan(trajectory)
     assert bench.supervisor.status.state == TaskState.APPROACH
     commands = bench.run(SUPERVISION.stall_timeout + 0.2)
@@ -330,7 +337,7 @@ def test_an_overlap_is_an_error_of_odometry():
     bench = Bench(robot=Pose(0.3, 0.0, 0.0))
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    bench.supervisor.set_plan(simulate(task('differential')).sequence_plans[0].trajectory)
+    bench.supervisor.set_plan(undisturbed('differential').sequence_plans[0].trajectory)
     bench.run(1.0)
     gap = find_contact(box(), Pose(0.0, 0.0, 0.0), bench.supervisor.status.robot_pose[:2], 0.17)[2]
     assert gap > -0.02

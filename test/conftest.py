@@ -1,0 +1,40 @@
+"""Order of the tests, and which of them share a process where there are several."""
+
+import pytest
+
+# Files and folders of tests that take long, the longest first: what begins last decides when all
+# processes have ended. The tests of one entry share results, hence a process.
+LONGEST = ('test/study/', 'test/scenario/test_dds_replay.py', 'test/scenario/test_dds_task.py',
+           'test/scenario/test_tasks.py', 'test/control/task/test_supervisor.py',
+           'test/ros/test_nodes.py')
+
+
+def pytest_collection_modifyitems(items):
+    """Begin with the longest entries, then files with nodes, then those with slow tests."""
+    marked = {marker: {item.path for item in items if item.get_closest_marker(marker)}
+              for marker in ('dds', 'slow')}
+    items.sort(key=lambda item: (rank(item.nodeid), item.path not in marked['dds'],
+                                 item.path not in marked['slow']))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Hand out an entry of ``LONGEST`` or a file at a time, in the order of the tests."""
+    # Not installed everywhere.
+    from xdist.scheduler import LoadFileScheduling
+    config.option.loadscopereorder = False
+    scheduler = LoadFileScheduling(config, log)
+    scheduler._split_scope = group
+    return scheduler
+
+
+def rank(nodeid):
+    """Return the place of a test among ``LONGEST``, or one behind all of them."""
+    return next((place for place, entry in enumerate(LONGEST) if nodeid.startswith(entry)),
+                len(LONGEST))
+
+
+def group(nodeid):
+    """Return the name of what a test shares a process with."""
+    place = rank(nodeid)
+    return LONGEST[place] if place < len(LONGEST) else nodeid.split('::', 1)[0]
