@@ -7,7 +7,7 @@ velocity u is dissipated at the supports: f . u = sum q_i |v_i|, with the fricti
 the velocity v_i of each support. Since f balances the friction at the supports, |f| is at most
 sum q_i. Hence |u| is at least the mean of the |v_i|, weighted by the q_i; integrated over time,
 the path length of the contact is at least the weighted mean of the distances that the supports
-must travel, whatever pushes where and how often. It is travelled at pushing speed at most.
+must travel, whatever pushes where and how often. It is travelled at the greatest speed of a push.
 
 Not included: rotations of the robot, guarded approaches, retreats and detours. Inertia lets an
 object slide on for v^2 / (2 mu g), some millimetres per push, which is not subtracted.
@@ -22,6 +22,7 @@ from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_navigation.settings import DriveSettings
+from push_planner.primitive_push.trajectory import greatest_speed
 from push_scenario.definition.scenario import Scenario
 
 
@@ -65,4 +66,5 @@ def least_time(scenario: Scenario, drive: Optional[DriveSettings] = None) -> flo
                                   scenario.goal.pose)
     if math.isclose(distance, 0.0):
         return 0.0
-    return gap(scenario) / speed + distance / scenario.planner.pushing_speed
+    pushing = greatest_speed(scenario.true_robot, scenario.planner)
+    return gap(scenario) / speed + distance / pushing
