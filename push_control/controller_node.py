@@ -170,7 +170,8 @@ class ControllerNode(ManagedNode):
             return None
         obj, *_ = self.settings
         return PushActionServer(self, self._goals, interfaces, self._receive_goal,
-                                is_active=lambda: self.is_active, obj=obj)
+                                is_active=lambda: self.is_active, obj=obj,
+                                object_name=self._options.object_name)
 
     def _receive_goal(self, name: str, message: Any, receiver: GoalReceiver) -> None:
         """Hand on a goal pose that is in the world frame."""

@@ -68,7 +68,7 @@ class PushActionServer:
 
     def __init__(self, node: PushNode, goals: GoalEntry, interfaces: PushInterfaces,
                  receive: Callable[[str, Any, GoalReceiver], None], *,
-                 is_active: Callable[[], bool], obj: PushedObject) -> None:
+                 is_active: Callable[[], bool], obj: PushedObject, object_name: str) -> None:
         """
         Wait for goals.
 
@@ -79,12 +79,14 @@ class PushActionServer:
             and the ``GoalReceiver``.
         :param is_active: whether goals are accepted.
         :param obj: the nominal ``PushedObject``.
+        :param object_name: its name, or empty.
         """
         self._node = node
         self._goals = goals
         self._interfaces = interfaces
         self._receive = receive
         self._is_active = is_active
+        self._object_name = object_name
         self._time_left = TimeLeftEstimator(obj)
         self._current: ServerGoalHandle | None = None
         self._last_state: tuple[PushState, str] | None = None
@@ -139,9 +141,10 @@ class PushActionServer:
         def accept(message: Any) -> None:
             if handle.is_active:
                 self._pursue(handle, message, refuse)
-        if request.object_name:
-            refuse('UNKNOWN_OBJECT', f'object_name: got {request.object_name!r}, expected none: '
-                                     'the object of the parameters has no name')
+        if request.object_name not in ('', self._object_name):
+            expected = f'{self._object_name!r} or none' if self._object_name else 'none'
+            refuse('UNKNOWN_OBJECT', f'object_name: got {request.object_name!r}, expected '
+                                     f'{expected}, as in the parameters')
             return
         try:
             _check_pose(request.goal_pose)
@@ -214,6 +217,7 @@ class PushActionServer:
         progress = feedback.progress
         is_pushing = progress.state is PushState.PUSHING
         status = self._interfaces.status(
+            object_name=self._object_name,
             state=getattr(self._interfaces.status, progress.state.name),
             text=f'{progress.state.value}, {progress.reason}' if progress.reason
             else progress.state.value,

@@ -7,12 +7,13 @@ from typing import Any
 
 from push_model.parameters import PushedObject, RoundRobot
 from push_ros.parameters import from_parameter_values, to_parameter_values
-from push_ros.topics import SIM
+from push_ros.topics import CONTROLLER, SIM
 from push_scenario.definition.loader import named_file, read_object, read_robot, read_sensors
 import yaml
 
 ANY_NODE = '/**'
 SIM_SECTION = f'{ANY_NODE}/{SIM}'
+CONTROLLER_SECTION = f'{ANY_NODE}/{CONTROLLER}'
 # Clearance between robot and object at the start of a simulation [m], chosen: room to turn.
 START_CLEARANCE = 0.3
 
@@ -44,7 +45,9 @@ def launch_parameters(path: str | Path, object_name: str = '', robot_name: str =
         key = name if str(name).startswith('/') else f'{ANY_NODE}/{name}'
         sections.setdefault(key, {}).update(_with_dots(section['ros__parameters']))
     if object_name:
-        _replace(sections, 'object.', read_object(named_file('objects', object_name)))
+        file = named_file('objects', object_name)
+        _replace(sections, 'object.', read_object(file))
+        sections.setdefault(CONTROLLER_SECTION, {})['object_name'] = file.stem
     if robot_name:
         _replace(sections, 'robot.', read_robot(named_file('robots', robot_name)))
     sim = sections.setdefault(SIM_SECTION, {})

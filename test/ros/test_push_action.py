@@ -26,7 +26,8 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 SCENARIO = read_scenario(find_scenario('task_approach'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
 PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
-              **to_parameter_values(SCENARIO.robot, 'robot.'), 'use_sim_time': True, 'task': True}
+              **to_parameter_values(SCENARIO.robot, 'robot.'), 'use_sim_time': True, 'task': True,
+              'object_name': 'box_04'}
 PERIOD = 0.05
 
 
@@ -96,7 +97,7 @@ def client(tmp_path_factory):
 
 def test_a_goal_where_the_object_is_is_reached(client):
     """It succeeds without a push, with errors within the tolerances, and the status says so."""
-    ended = client.result(OBJECT)
+    ended = client.result(OBJECT, object_name='box_04')
     assert ended.status == GoalStatus.STATUS_SUCCEEDED
     result = ended.result
     assert (result.error_code, result.error_msg, result.pushes) == (client.action.Result.NONE,
@@ -105,6 +106,7 @@ def test_a_goal_where_the_object_is_is_reached(client):
     assert 0.0 < seconds(result.duration) < 10.0
     client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].REACHED)
     assert client.statuses[-1].header.frame_id == 'odom'
+    assert client.statuses[-1].object_name == 'box_04'
 
 
 def test_feedback_comes_until_a_goal_is_cancelled(client):
@@ -130,7 +132,7 @@ def test_feedback_comes_until_a_goal_is_cancelled(client):
     ({'position_tolerance': -0.1}, GOAL, 'INVALID_GOAL', 'position_tolerance: got -0.1'),
     ({'heading_tolerance': math.nan}, GOAL, 'INVALID_GOAL', 'heading_tolerance: got nan'),
     ({'time_limit': Duration(sec=-1)}, GOAL, 'INVALID_GOAL', 'time_limit: got -1'),
-    ({'object_name': 'moon'}, GOAL, 'UNKNOWN_OBJECT', "got 'moon'"),
+    ({'object_name': 'moon'}, GOAL, 'UNKNOWN_OBJECT', "got 'moon', expected 'box_04'"),
     ({}, stamped(GOAL, 'nowhere'), 'TF_ERROR', "frame 'nowhere'"),
 ], ids=['nan', 'tolerance', 'nan tolerance', 'time limit', 'object', 'frame'])
 def test_a_goal_that_cannot_be_used_is_aborted(client, fields, pose, code, text):

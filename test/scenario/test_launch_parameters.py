@@ -63,6 +63,7 @@ def test_an_object_by_name_takes_the_place_of_that_in_the_file(name):
     sim = {**sections['/**'], **sections[SIM_SECTION]}
     for values in (sections['/**'], sim):
         assert from_parameter_values(PushedObject, values, 'object.') == expected
+    assert sections[f'/**/{CONTROLLER}']['object_name'] == name
     robot = from_parameter_values(RoundRobot, sim, 'robot.')
     plant = Plant(expected, robot, sim['object_start'], sim['robot_start'], interpret=True)
     assert plant.truth(0.0).gap > 0.2
