@@ -10,7 +10,7 @@ closely it polls for them instead (5 us). A node without such topics waits for e
     spin:  no real-time topics    wait for anything, or to look whether a signal has come
            background due         open the background group, and turn the executor until it is idle
            a real-time message    handle it
-           the last one was just now    poll again after POLL_PAUSE
+           messages come thick and fast   poll again after POLL_PAUSE
            else                   wait for the next one, or until the background is due
 
 The events executor of later distributions, which needs no wait set, is not in Jazzy's rclpy.
@@ -36,8 +36,9 @@ from rclpy.utilities import try_shutdown
 BACKGROUND_PERIOD = 0.05
 # Turns of the executor at one opening, each of which runs at most one callback; chosen.
 BACKGROUND_CALLBACKS = 8
-# Time after a real-time message during which the next one is polled for [s]; chosen: a simulator
-# in lockstep needs about a millisecond.
+# Messages that follow each other within the first time belong to a simulator in lockstep, which
+# takes about a millisecond for each: the next one is polled for during the second [s]; chosen.
+LOCKSTEP_INTERVAL = 0.005
 BUSY_TIME = 0.003
 # Pauses after a message was handled and between polls [s]: the shorter one takes 0.1 ms with the
 # resolution of the system's timers, which is what a message waits at most.
@@ -175,6 +176,7 @@ def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
     executor.add_node(node)
     background_due = 0.0
     busy_until = 0.0
+    last_message = 0.0
     while not is_stopped():
         now = time.monotonic()
         if not node.is_polled:
@@ -184,7 +186,9 @@ def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
             _run_background(node, executor)
             background_due = time.monotonic() + BACKGROUND_PERIOD
         elif node.poll():
-            busy_until = now + BUSY_TIME
+            if now - last_message < LOCKSTEP_INTERVAL:
+                busy_until = now + BUSY_TIME
+            last_message = now
             time.sleep(FIRST_PAUSE)
         elif now < busy_until:
             time.sleep(POLL_PAUSE)

@@ -144,9 +144,9 @@ def push(setup):
 
 def test_a_foreign_parameter_is_a_warning(setup):
     """It may be meant for others; the node names it, and goes on without it."""
-    setup.b.wait_until(lambda: {entry.name for entry in setup.log if entry.msg.startswith(
-        'robot_description: got a parameter that this node does not have')} >= {CONTROLLER,
-                                                                               PLANNER})
+    text = 'robot_description: got a parameter that this node does not have'
+    setup.b.wait_until(lambda: {entry.name for entry in setup.log
+                                if entry.msg.startswith(text)} >= {CONTROLLER, PLANNER})
 
 
 def test_an_idle_controller_is_silent(setup):

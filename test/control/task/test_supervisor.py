@@ -308,6 +308,40 @@ def test_stopped_it_stands_and_forgets_its_goal():
     assert bench.supervisor.status.reason == 'was told to'
 
 
+def test_a_task_that_is_cancelled_in_a_push_backs_off_first():
+    """The robot leaves the object and stands idle; elsewhere it stands at once."""
+    states = []
+
+    def cancel(simulation, supervisor):
+        state = supervisor.status.state
+        if state is TaskState.PUSH and simulation.time > 0.0:
+            supervisor.cancel('changed my mind')
+        if not states or states[-1] is not supervisor.status.state:
+            states.append(supervisor.status.state)
+
+    result = simulate(dataclasses.replace(task('holonomic'), time_limit=30.0), intervene=cancel)
+    assert states[states.index(TaskState.RETREAT):] == [TaskState.RETREAT, TaskState.IDLE]
+    assert result.status.pushes == 1 and result.tape['gap'][-1] > 0.02
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.run(1.0)
+    bench.supervisor.cancel('changed my mind')
+    assert bench.supervisor.status.state is TaskState.IDLE
+    assert bench.supervisor.status.is_requested
+
+
+def test_settings_may_change_under_way():
+    """A tolerance that grows to the distance that is left makes the task done."""
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.run(0.2)
+    bench.supervisor.set_settings(ControlSettings(), DRIVE, dataclasses.replace(
+        SUPERVISION, position_tolerance=1.0, heading_tolerance=1.0))
+    bench.supervisor.set_goal(Pose(0.3, 0.0, 0.2))
+    bench.run(5.0)
+    assert bench.supervisor.status.state is TaskState.DONE
+
+
 def test_what_cannot_be_is_refused():
     """A goal or a time that is not finite is named."""
     bench = Bench()
