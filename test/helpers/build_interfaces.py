@@ -50,7 +50,7 @@ MANIFEST = """<?xml version="1.0"?>
   <name>{name}</name>
   <version>1.0.0</version>
   <description>Built for tests.</description>
-  <maintainer email="maintainers@push-control.invalid">push_control maintainers</maintainer>
+  <maintainer email="maintainers@push-control.invalid">push_control contributors</maintainer>
   <license>Apache-2.0</license>
   <buildtool_depend>ament_cmake</buildtool_depend>
   <buildtool_depend>rosidl_default_generators</buildtool_depend>

@@ -49,11 +49,11 @@ def test_the_first_push_is_slow_and_waits(name):
     assert min(control.pose_timeout, control.odometry_timeout) > 4 / 20
 
 
-def test_a_create3_with_its_reverse_limit_goes_back_by_an_eighth_of_a_metre_at_most():
-    """Its retreat and the beginning of the next path, together."""
+def test_a_create3_with_its_reverse_limit_goes_back_by_a_decimetre():
+    """Its retreat and the beginning of the next path together; half as much is left to stop."""
     values = given('create3_reverse_limit', CONTROLLER)
     drive = from_parameter_values(DriveSettings, values, 'drive.')
-    assert drive.retreat_distance + drive.reverse_limit <= 0.125
+    assert drive.retreat_distance + drive.reverse_limit <= 0.1
     assert from_parameter_values(DriveSettings, given('create3_reverse_limit', PLANNER),
                                  'drive.') == drive
 
