@@ -41,8 +41,8 @@ class ProgressMonitor:
     """
     Counts pushes and recoveries since the object last came nearer to its goal.
 
-    ``settings``: the ``SupervisionSettings``, and ``aim``: the tolerances that pushes aim at, both of
-    which may be replaced.
+    ``settings``: the ``SupervisionSettings``, and ``aim``: the tolerances that pushes aim at, both
+    of which may be replaced.
     """
 
     def __init__(self, settings: SupervisionSettings, aim: tuple[float, float]) -> None:
