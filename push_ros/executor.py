@@ -13,7 +13,9 @@ closely it polls for them instead (5 us). A node without such topics waits for e
            messages come thick and fast   poll again after POLL_PAUSE
            else                   wait for the next one, or until the background is due
 
-The events executor of later distributions, which needs no wait set, is not in Jazzy's rclpy.
+rclpy 7.1.6 has an experimental events executor, which needs no wait set; not every Jazzy has it.
+It was tried with the entities of the controller: idle it took 10 % of a core where this takes 1 %,
+it answered none of 86 messages, and it did not end on SIGINT.
 """
 
 import abc

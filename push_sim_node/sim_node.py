@@ -20,7 +20,7 @@ from push_ros.node_settings import Frames, SimOptions
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import SimOutputs
-from push_sim_node.ros.pacing import Pacer, SpeedMeter
+from push_sim_node.ros.pacing import Pacer, SpeedMeter, SUSPENSION
 from push_sim_node.ros.run_control import QUIET_TIME, RunAction, RunControl, RunState
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
@@ -177,7 +177,9 @@ class SimNode(PushNode):
             next_clock = self._outputs.next_clock_time(self._pacer.time(now))
             self._wake_time = min(due, self._pacer.due(next_clock))
             return
-        self._outputs.skip_time(self._pacer.reached(self._simulation.time, now))
+        delay = self._pacer.reached(self._simulation.time, now)
+        if delay > SUSPENSION:
+            self._outputs.skip_time(delay)
         self._publish(self._computed, now)
         self._watch_speed(now)
 

@@ -9,6 +9,10 @@ clock.
 # Delay that is made up for [s], chosen: what timers and a busy machine do to single measurements,
 # so that the rate is right on average.
 JITTER = 0.05
+# Delay beyond which stamps on the wall clock are moved on [s], chosen: the process was suspended.
+# After shorter ones stamps stay behind: a machine that is too slow would else let measurements
+# look as if the robot stood still between them, and as if they were too old.
+SUSPENSION = 0.5
 # Wall time over which the speed of time is measured [s], chosen: a person sees it change, and
 # jitter does not show.
 SPEED_WINDOW = 2.0
