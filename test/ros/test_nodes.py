@@ -426,19 +426,20 @@ def drive(b, plant, end, done=lambda: False, pause=0.0):
 
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
 def test_a_node_has_the_topics_and_services_of_the_list(tmp_path, name):
-    """With the default parameters; what else it has is rclpy's own."""
+    """With the default parameters; what else it has is rclpy's own, or of the action."""
     values = {'use_sim_time': False, **PHYSICS}
     values.update({**AWAY, 'publish_clock': True} if name == SIM else {})
     with bench(tmp_path, name, MODULES[name], values) as b:
         b.wait_until(lambda: (name, '/') in b.node.get_node_names_and_namespaces())
-        own = ('/rosout', '/parameter_events', '/tf')
+        # The last two where push_control_msgs is installed, as on a machine with ROS 2.
+        own = ('/rosout', '/parameter_events', '/tf', '/push_status', '/push_object/')
         published = {topic for topic, entry in TOPICS.items() if name in entry.publishers}
         subscribed = {topic for topic, entry in TOPICS.items() if name in entry.subscribers}
         served = {service for service, (_, node, _) in SERVICES.items() if node == name}
 
         def graph(list_names):
             return {topic.lstrip('/'): kinds for topic, kinds in list_names(name, '/')
-                    if topic not in own and not topic.startswith(f'/{name}/')}
+                    if not topic.startswith((*own, f'/{name}/'))}
 
         b.wait_until(lambda: set(graph(b.node.get_service_names_and_types_by_node)) == served)
         b.wait_until(lambda: set(graph(b.node.get_publisher_names_and_types_by_node)) == published)
