@@ -33,7 +33,7 @@ SPEED = 0.2
 def test_the_robot_never_overlaps_the_object(name, drive):
     """It leads straight off, keeps the clearance but for arcs, and ends along the push."""
     obj, robot = OBJECTS[name], ROBOTS[drive]
-    for object_pose, start, contact in approaches(obj, 40, seed=1):
+    for object_pose, start, contact in approaches(obj, 16, seed=1):
         path = plan_approach(robot, obj, object_pose, start, contact, SETTINGS)
         assert path.poses[0] == start and path.poses[-1][:2] == contact[:2]
         last = path.segments[-1]

@@ -447,10 +447,10 @@ def test_a_node_has_the_topics_and_services_of_the_list(tmp_path, name):
             lambda: set(graph(b.node.get_subscriber_names_and_types_by_node)) == subscribed)
 
 
-@pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
-@pytest.mark.parametrize('change, text', [
-    ('object.mass:=-1.0', 'object.mass: got -1.0, expected a finite number above 0 [kg]'),
-    ('object.color:=1', 'object.color: got a parameter that')])
+@pytest.mark.parametrize('name, change, text', [
+    (PLANNER, 'object.mass:=-1.0', 'object.mass: got -1.0, expected a finite number above 0 [kg]'),
+    (CONTROLLER, 'object.color:=1', 'object.color: got a parameter that'),
+    (SIM, 'object.color:=1', 'object.color: got a parameter that')])
 def test_a_bad_parameter_keeps_a_node_from_starting(name, change, text):
     """Exit status 2, and the reason."""
     done = subprocess.run(
