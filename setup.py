@@ -56,6 +56,7 @@ setup(
             'replay = push_scenario.cli:main',
             'sim = push_ros.start:sim',
             'study = push_study.cli:main',
+            'tf_tracker = push_ros.start:tf_tracker',
         ],
     },
 )

@@ -12,6 +12,7 @@ from push_control.ros.measurements import (
 )
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.push_action import GoalReceiver, PushActionServer
+from push_control.ros.scene import ScenePublisher
 from push_control.ros.single_push import SinglePushMode
 from push_control.ros.task import TaskMode
 from push_control.settings import ControlSettings
@@ -20,7 +21,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
-from push_ros.conversions.primitives import check_frame, MessageRefused, nanoseconds
+from push_ros.conversions.primitives import MessageRefused, nanoseconds
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
@@ -29,6 +30,7 @@ from push_ros.node_settings import ControllerOptions, Frames
 from push_ros.parameters import parameter_specs
 from push_ros.push_interfaces import ACTION, import_push_interfaces
 from push_ros.topics import CONTROLLER
+from push_ros.transforms.world import Handlers, WorldFrame
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
             ('drive.', DriveSettings), ('supervision.', SupervisionSettings), ('', Frames),
@@ -62,21 +64,24 @@ class ControllerNode(ManagedNode):
     With ``task`` true it brings the object to ``goal_pose`` with as many pushes as that takes, and
     requests a plan for each.
 
-    The command is zero for a measurement that is refused (not finite, not in ``world_frame``) or
-    stale, and where odometry stops for ``watchdog_timeout`` on the node's clock. When the goal is
-    reached or abandoned, at the end of the node and when it is deactivated some zeros follow, then
-    nothing is published. With ``lockstep`` every measurement is answered, with its stamp, and in a
-    task not until a requested plan is there.
+    The command is zero for a measurement that is refused (not finite, in a frame without a
+    transform to ``world_frame``) or stale, and where odometry stops for ``watchdog_timeout`` on
+    the node's clock. When the goal is reached or abandoned, at the end of the node and when it is
+    deactivated some zeros follow, then nothing is published. With ``lockstep`` every measurement
+    is answered, with its stamp, and in a task not until a requested plan is there.
 
     Publishers
         ``cmd_vel`` (TwistStamped, or Twist), in ``base_frame``; ``push_request`` (JointTrajectory,
         latched), in ``world_frame``; ``/diagnostics`` (DiagnosticArray); ``markers``
-        (MarkerArray).
+        (MarkerArray); ``plan_markers`` (MarkerArray, latched); ``footprint`` (PolygonStamped), in
+        ``base_frame``; with ``publish_tf`` the transform from ``world_frame`` to ``object_frame``
+        on ``/tf``, where tf2_msgs is installed.
 
     Subscribers, while active
-        ``odom`` (Odometry) and ``object_pose`` (PoseStamped), best effort; ``push_plan``
-        (MultiDOFJointTrajectory, latched); ``goal_pose`` (PoseStamped); ``map`` (OccupancyGrid,
-        latched).
+        ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
+        effort; ``push_plan`` (MultiDOFJointTrajectory, latched); ``goal_pose`` (PoseStamped);
+        ``map`` (OccupancyGrid, latched); ``/tf`` and ``/tf_static`` (TFMessage) as soon as one of
+        these comes in another frame.
 
     Action, where ``push_control_msgs`` is installed
         ``push_object`` (PushObject), with the topic ``push_status`` (PushStatus, latched).
@@ -91,7 +96,8 @@ class ControllerNode(ManagedNode):
         ``ControllerOptions``. ``DYNAMIC`` ones may be set at any time.
 
     Frames
-        Poses are in ``world_frame``, commands in ``base_frame``.
+        Poses are brought to ``world_frame`` at their stamps, goals and maps again where their
+        frame drifts; odometry is in it. Commands are in ``base_frame``.
     """
 
     _mode: Mode
@@ -102,6 +108,7 @@ class ControllerNode(ManagedNode):
     def __init__(self) -> None:
         super().__init__(CONTROLLER, SECTIONS, DYNAMIC)
         *_, self._frames, self._options = self.settings
+        self._world = WorldFrame(self, self._frames.world_frame, self._options.transform_timeout)
         self._latest = LatestMeasurements()
         self._watchdog = OdometryWatchdog(self._options.watchdog_timeout)
         # Stamps of measurements that wait for a plan.
@@ -129,7 +136,10 @@ class ControllerNode(ManagedNode):
         """
         kind = TaskMode if self._options.task else SinglePushMode
         frame = self._frames.world_frame
-        self._mode = kind(self, self._present_parameters, frame, self._options)
+        parameters = self._present_parameters
+        scene = ScenePublisher(self, parameters.object, parameters.robot, self._frames,
+                               self._options)
+        self._mode = kind(self, parameters, frame, self._options, scene)
         self._goals = GoalEntry(self, self._mode, frame, is_lockstep=self._options.lockstep)
         self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
         self._action = self._make_action()
@@ -137,10 +147,16 @@ class ControllerNode(ManagedNode):
     def activate(self) -> None:
         """Subscribe, and wait for a goal."""
         self.subscribe('odom', self._on_odometry, real_time=True)
-        self.subscribe('object_pose', self._on_object_pose, real_time=True)
+        self.subscribe('object_pose', self._world.receiver('object_pose', Handlers(
+            self._on_object_pose, self._refuse_measurement)), real_time=True,
+            with_covariance=self._options.object_pose_with_covariance)
         self.subscribe('push_plan', self._on_plan)
-        self.subscribe('goal_pose', lambda message: self._handle(self._goals.on_message, message))
-        self.subscribe('map', lambda message: self._handle(self._mode.on_map, message))
+        self.subscribe('goal_pose', self._world.receiver('goal_pose', Handlers(
+            lambda message: self._handle(self._goals.on_message, message), self._refuse,
+            self._goals.move)))
+        self.subscribe('map', self._world.receiver('map', Handlers(
+            lambda message: self._handle(self._mode.on_map, message), self._refuse,
+            self._mode.move_map)))
         self._timer = self.create_timer(WATCHDOG_PERIOD, self._check_odometry)
         self.reporter.report(OK, 'waits for a goal')
 
@@ -174,13 +190,9 @@ class ControllerNode(ManagedNode):
                                 object_name=self._options.object_name)
 
     def _receive_goal(self, name: str, message: Any, receiver: GoalReceiver) -> None:
-        """Hand on a goal pose that is in the world frame."""
-        try:
-            check_frame(message.header.frame_id, self._frames.world_frame, name)
-        except MessageRefused as error:
-            receiver.refuse(error, message)
-            return
-        receiver.accept(message)
+        """Hand on a goal pose in the world frame."""
+        self._world.receive(name, message, Handlers(receiver.accept, receiver.refuse,
+                                                    self._goals.move))
 
     @property
     def _present_parameters(self) -> ControllerParameters:
@@ -189,6 +201,7 @@ class ControllerNode(ManagedNode):
 
     def _on_odometry(self, message: Any) -> None:
         self._watchdog.feed(self.get_clock().now().nanoseconds, nanoseconds(message.header.stamp))
+        self._world.take()
         self._on_measurement(message, from_odometry_message)
 
     def _on_object_pose(self, message: Any) -> None:
@@ -201,9 +214,7 @@ class ControllerNode(ManagedNode):
         try:
             measured = convert(message, self._frames.world_frame)
         except MessageRefused as error:
-            self._commands.answer(STOP, stamp, is_commanding=self._mode.is_commanding)
-            self._mode.report_again()
-            self.reporter.report(ERROR, f'{error}; stopped')
+            self._refuse_measurement(error, message)
             return
         if measured.time < self._latest.time - BACKWARDS:
             self._reset()
@@ -219,6 +230,18 @@ class ControllerNode(ManagedNode):
         self._mode.report(stamp, self._latest.time)
         if self._action is not None:
             self._action.update(self._latest.time)
+
+    def _refuse_measurement(self, error: MessageRefused, message: Any) -> None:
+        """Stop the robot, and say why."""
+        self._commands.answer(STOP, message.header.stamp,
+                              is_commanding=self._mode.is_commanding)
+        self._mode.report_again()
+        self.reporter.report(ERROR, f'{error}; stopped')
+
+    def _refuse(self, error: MessageRefused, message: Any) -> None:
+        """Report a goal or a map that cannot be used; the former one stays."""
+        self.reporter.report(ERROR, str(error))
+        self._follow_up()
 
     def _answer_waiting(self) -> None:
         """Answer the measurements that waited for a plan, once it is there: the robot stood."""
@@ -280,6 +303,7 @@ class ControllerNode(ManagedNode):
 
     def _forget_measurements(self) -> None:
         self._mode.reset()
+        self._world.reset()
         self._latest = LatestMeasurements()
         self._watchdog.reset()
         self._unanswered = []

@@ -80,13 +80,13 @@ class ObjectEstimate(NamedTuple):
 
     :param time: of the estimate [s].
     :param pose: ``Pose`` in the world.
-    :param covariance: ``PoseCovariance`` of it.
+    :param covariance: ``PoseCovariance`` of it; None where it is not known.
     :param friction_center: centre of friction as identified, object frame (x, y) [m].
     """
 
     time: float
     pose: Pose
-    covariance: PoseCovariance
+    covariance: PoseCovariance | None
     friction_center: tuple[float, float]
 
 

@@ -1,5 +1,6 @@
 """Occupancy map of the floor: what is occupied, and how far away it is."""
 
+import copy
 import functools
 import math
 
@@ -40,12 +41,26 @@ class OccupancyMap:
                              f'{cells.shape}, expected rows and columns of bool')
         cells.setflags(write=False)
         self.resolution = float(resolution)
-        self.origin = Pose(*origin)
         self.occupied: BoolArray = cells
-        c, s = math.cos(self.origin.theta), math.sin(self.origin.theta)
-        self._rotation = np.array([[c, -s], [s, c]])
+        self._place(Pose(*origin))
         # Distance of each cell from the nearest occupied one, in cells, with a border round them.
         self._distances = distance_transform_edt(~np.pad(cells, 1, constant_values=True))
+
+    def _place(self, origin: Pose) -> None:
+        self.origin = origin
+        c, s = math.cos(origin.theta), math.sin(origin.theta)
+        self._rotation = np.array([[c, -s], [s, c]])
+
+    def moved(self, correction: Pose) -> 'OccupancyMap':
+        """
+        Return the same map elsewhere, as where the frame that it is in has drifted.
+
+        :param correction: ``Pose`` that takes the former origin to the new one,
+            ``correction @ origin``.
+        """
+        result = copy.copy(self)
+        result._place(correction @ self.origin)
+        return result
 
     def to_map(self, points: ArrayLike) -> FloatArray:
         """

@@ -28,6 +28,7 @@ from push_ros.node import NewestMessage, ServiceAnswer
 from push_ros.node_settings import Frames, PlannerOptions
 from push_ros.parameters import parameter_specs
 from push_ros.topics import PLANNER
+from push_ros.transforms.world import Handlers, WorldFrame
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
@@ -61,8 +62,9 @@ class PlannerNode(ManagedNode):
         ``/diagnostics`` (DiagnosticArray).
 
     Subscribers, while active
-        ``odom`` (Odometry) and ``object_pose`` (PoseStamped), best effort; ``map``
-        (OccupancyGrid, latched); ``push_request`` (JointTrajectory, latched).
+        ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
+        effort; ``map`` (OccupancyGrid, latched); ``push_request`` (JointTrajectory, latched);
+        ``/tf`` and ``/tf_static`` (TFMessage) as soon as one of these comes in another frame.
 
     Services
         ``planner/replan`` (Trigger): plans again to the goal of the last request, from the newest
@@ -74,7 +76,8 @@ class PlannerNode(ManagedNode):
         ``PlannerOptions``. ``DYNAMIC`` ones may be set at any time.
 
     Frames
-        Everything is in ``world_frame``.
+        Object poses and maps are brought to ``world_frame``, maps again where their frame drifts;
+        everything else is in it.
     """
 
     _sequences: SequenceRequestHandler
@@ -85,6 +88,7 @@ class PlannerNode(ManagedNode):
         super().__init__(PLANNER, SECTIONS, DYNAMIC)
         *_, frames, self._options = self.settings
         self._world_frame: str = frames.world_frame
+        self._world = WorldFrame(self, frames.world_frame, self._options.transform_timeout)
         self._plans = self.publisher('push_plan')
         self._paths = self.publisher('planned_path')
         self._forget()
@@ -102,8 +106,10 @@ class PlannerNode(ManagedNode):
     def activate(self) -> None:
         """Subscribe, and wait for a request."""
         self._odometry = self.subscribe_newest('odom')
-        self._object_pose = self.subscribe_newest('object_pose')
-        self.subscribe('map', self._on_map)
+        self._object_pose = self.subscribe_newest(
+            'object_pose', with_covariance=self._options.object_pose_with_covariance)
+        self.subscribe('map', self._world.receiver('map', Handlers(
+            self._on_map, self._refuse_map, self._sequences.move_map)))
         self.subscribe('push_request', self._on_request)
         self._timer = self.create_timer(MEASUREMENT_WAIT, self._plan_when_measured,
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -152,6 +158,9 @@ class PlannerNode(ManagedNode):
             self._report(ERROR, str(error))
         else:
             self._report(OK, map_text(message), {HAS_MAP: True})
+
+    def _refuse_map(self, error: MessageRefused, message: Any) -> None:
+        self._report(ERROR, str(error))
 
     def _on_request(self, message: Any) -> None:
         stamp = message.header.stamp
@@ -214,7 +223,8 @@ class PlannerNode(ManagedNode):
 
     def _measurements(self) -> tuple[ObjectPose, Odometry]:
         odometry = from_odometry_message(self._odometry.message, self._world_frame)
-        return from_object_pose_message(self._object_pose.message, self._world_frame), odometry
+        message = self._world.in_world('object_pose', self._object_pose.message)
+        return from_object_pose_message(message, self._world_frame), odometry
 
     def _plan_push(self, goal: Pose, stamp: Time) -> str:
         """Plan one push from the newest measurements, and publish it."""

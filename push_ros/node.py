@@ -117,22 +117,24 @@ class PushNode(PolledNode):
         """Group of everything that rclpy makes by itself, and of what may wait."""
         return self.background
 
-    def publisher(self, topic: str, stamped: bool = True) -> Publisher:
+    def publisher(self, topic: str, stamped: bool = True, *,
+                  with_covariance: bool = False) -> Publisher:
         """
         Make the publisher of a topic of the list; there is one for each.
 
         :param topic: its name.
         :param stamped: whether commands have a stamp.
+        :param with_covariance: whether poses have a covariance.
         """
         if topic not in self._publishers_by_topic:
             entry = TOPICS[topic]
             self._publishers_by_topic[topic] = self.create_publisher(
-                entry.message_type(stamped), f'/{topic}' if entry.is_global else topic,
-                entry.publish_qos)
+                entry.message_type(stamped, with_covariance=with_covariance),
+                f'/{topic}' if entry.is_global else topic, entry.publish_qos)
         return self._publishers_by_topic[topic]
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], *, real_time: bool = False,
-                  stamped: bool = True) -> Subscription:
+                  stamped: bool = True, with_covariance: bool = False) -> Subscription:
         """
         Subscribe to a topic of the list.
 
@@ -140,28 +142,32 @@ class PushNode(PolledNode):
         :param callback: takes the message.
         :param real_time: whether the callback is run at once.
         :param stamped: whether commands have a stamp.
+        :param with_covariance: whether poses have a covariance.
         """
         entry = TOPICS[topic]
         group = self.real_time if real_time else self.background
         subscription = self.create_subscription(
-            entry.message_type(stamped), topic, callback, entry.subscribe_qos,
-            callback_group=group, event_callbacks=NO_EVENTS if real_time else None)
+            entry.message_type(stamped, with_covariance=with_covariance), topic, callback,
+            entry.subscribe_qos, callback_group=group,
+            event_callbacks=NO_EVENTS if real_time else None)
         self._own_subscriptions.append(subscription)
         if real_time:
             self._polled.append(PolledSubscription(subscription, callback))
         return subscription
 
-    def subscribe_newest(self, topic: str) -> NewestMessage:
+    def subscribe_newest(self, topic: str, *, with_covariance: bool = False) -> NewestMessage:
         """
         Subscribe to a topic of the list of which only the newest message matters, now and then.
 
         :param topic: its name.
+        :param with_covariance: whether poses have a covariance.
         :return: ``NewestMessage``.
         """
         group = BackgroundGroup()
         group.is_open = False
         subscription = self.create_subscription(
-            TOPICS[topic].message_type(), topic, _ignore, qos.NEWEST, callback_group=group)
+            TOPICS[topic].message_type(with_covariance=with_covariance), topic, _ignore,
+            qos.NEWEST, callback_group=group)
         self._own_subscriptions.append(subscription)
         return NewestMessage(subscription)
 

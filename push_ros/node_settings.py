@@ -30,6 +30,11 @@ class PlannerOptions:
 
     autostart: bool = quantity('configure and activate the node at its start; else whoever calls '
                                'change_state does', default=True)
+    object_pose_with_covariance: bool = quantity(
+        'object_pose is PoseWithCovarianceStamped, else PoseStamped', default=False)
+    transform_timeout: float = quantity(
+        'time that a pose, goal or map in another frame waits for its transform', 's', 0.0, 10.0,
+        default=0.3)
 
     def __post_init__(self):
         """Validate the fields."""
@@ -59,10 +64,37 @@ class ControllerOptions:
                                    default='')
     watchdog_timeout: float = quantity('time without odometry after which the robot is stopped',
                                        's', above=0.0, high=5.0, default=0.25)
+    object_pose_with_covariance: bool = quantity(
+        'object_pose is PoseWithCovarianceStamped, else PoseStamped', default=False)
+    transform_timeout: float = quantity(
+        'time that a pose, goal or map in another frame waits for its transform', 's', 0.0, 10.0,
+        default=0.3)
+    publish_tf: bool = quantity('publish the estimated pose of the object as a transform from '
+                                'world_frame to object_frame, where tf2_msgs is installed',
+                                default=True)
 
     def __post_init__(self):
         """Validate the fields."""
         check(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class TrackerOptions:
+    """How the tracker's node behaves."""
+
+    world_frame: str = quantity('frame of the object poses that are published', default='odom')
+    object_pose_with_covariance: bool = quantity(
+        'publish PoseWithCovarianceStamped on object_pose, else PoseStamped', default=True)
+    max_rate: float = quantity('most object poses per second of their stamps', 'Hz', above=0.0,
+                               high=1000.0, default=50.0)
+    transform_timeout: float = quantity('time that an image waits for the transform to the world',
+                                        's', 0.0, 10.0, default=0.3)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        if not self.world_frame:
+            raise ValueError('TrackerOptions.world_frame: got an empty text, expected a frame id')
 
 
 @dataclasses.dataclass(frozen=True)

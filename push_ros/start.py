@@ -11,7 +11,7 @@ import sys
 from types import FrameType
 
 NODES = {'controller': 'push_control.controller_node', 'planner': 'push_planner.planner_node',
-         'sim': 'push_sim_node.sim_node'}
+         'sim': 'push_sim_node.sim_node', 'tf_tracker': 'push_tracker.tracker_node'}
 
 
 def controller() -> int:
@@ -27,6 +27,11 @@ def planner() -> int:
 def sim() -> int:
     """Run the simulator; return its exit status."""
     return start('sim')
+
+
+def tf_tracker() -> int:
+    """Run the tracker; return its exit status."""
+    return start('tf_tracker')
 
 
 def start(name: str, arguments: list[str] | None = None) -> int:

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import (
-    PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, WrenchStamped,
+    PolygonStamped, PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, WrenchStamped,
 )
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from push_ros import qos
@@ -17,6 +17,7 @@ from visualization_msgs.msg import MarkerArray
 PLANNER = 'push_planner'
 CONTROLLER = 'push_controller'
 SIM = 'push_sim'
+TRACKER = 'push_tracker'
 
 
 class Topic(NamedTuple):
@@ -40,13 +41,18 @@ class Topic(NamedTuple):
     description: str
     is_global: bool = False
 
-    def message_type(self, stamped: bool = True) -> 'type[Any]':
+    def message_type(self, stamped: bool = True, *, with_covariance: bool = False) -> 'type[Any]':
         """
         Return the type of the messages.
 
-        :param stamped: value of ``enable_stamped_cmd_vel``; only commands have two types.
+        :param stamped: value of ``enable_stamped_cmd_vel``; commands have two types.
+        :param with_covariance: value of ``object_pose_with_covariance``; poses have two types.
         """
-        return Twist if self.type is TwistStamped and not stamped else self.type
+        if self.type is TwistStamped and not stamped:
+            return Twist
+        if self.type is PoseStamped and with_covariance:
+            return PoseWithCovarianceStamped
+        return self.type
 
 
 class Service(NamedTuple):
@@ -67,8 +73,11 @@ TOPICS = {
     'odom': Topic(Odometry, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
                   'robot pose in the world frame with its covariance where that is stated, '
                   'velocity in its own axes'),
-    'object_pose': Topic(PoseStamped, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
-                         'measured object pose in the world frame'),
+    'object_pose': Topic(PoseStamped, (SIM, TRACKER), (PLANNER, CONTROLLER), qos.MEASUREMENT,
+                         qos.SENSOR,
+                         'measured object pose in the world frame, or in one with a transform to '
+                         'it; PoseWithCovarianceStamped where object_pose_with_covariance is '
+                         'true'),
     'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,
                        "goal pose of the object; RViz's 2D Goal Pose"),
     'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
@@ -106,7 +115,14 @@ TOPICS = {
                          "puts the object there and starts over; RViz's 2D Pose Estimate"),
     'markers': Topic(MarkerArray, (CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
                      'object, robot, supports, contact, friction cone, plan, for RViz, Foxglove'),
-    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
+    'plan_markers': Topic(MarkerArray, (CONTROLLER,), (), qos.LATCHED, qos.LATCHED,
+                          'the plan, and a ghost of the object at its goal; latched, so that a '
+                          'display that is started later draws them too'),
+    'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
+                       'outline of all that moves with the robot, in its frame: of the robot, and '
+                       'while it pushes of the object too, for costmaps and collision monitors'),
+    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER), (), qos.EVENT,
+                         qos.EVENT,
                          'what each node does, and why not; on /diagnostics in every namespace',
                          is_global=True),
 }

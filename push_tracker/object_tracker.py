@@ -145,7 +145,7 @@ class ObjectTracker:
             inverse = np.linalg.inv(covariance)
             information += inverse
             weighted += inverse @ (pose.x, pose.y, wrap_angle(pose.theta - first))
-        covariance: FloatArray = np.linalg.inv(information)
+        covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
         x, y, rotation = (covariance @ weighted).tolist()
         return ObjectPose(time, Pose(x, y, wrap_angle(first + rotation)),
                           PoseCovariance.from_matrix(covariance))

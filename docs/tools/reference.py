@@ -15,8 +15,9 @@ from typing import Any
 from push_control import controller_node
 from push_planner import planner_node
 from push_ros.parameters import parameter_specs, ParameterSpec
-from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
+from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS, TRACKER
 from push_sim_node import sim_node
+from push_tracker import tracker_node
 
 REFERENCE = Path(__file__).resolve().parents[1] / 'reference'
 SECTION = re.compile(r'(<!-- (?P<name>[\w. ]+) -->\n)(?P<body>.*?)(<!-- end -->)', re.DOTALL)
@@ -25,6 +26,7 @@ GROUPS: dict[str, Sequence[tuple[str, type]]] = {
     PLANNER: planner_node.SECTIONS,
     CONTROLLER: controller_node.SECTIONS,
     SIM: sim_node.SECTIONS,
+    TRACKER: tracker_node.SECTIONS,
 }
 
 
@@ -47,11 +49,12 @@ def parameter_groups() -> dict[str, tuple[list[str], list[ParameterSpec]]]:
     Collect the parameters of all nodes.
 
     :return: for each group the names of its nodes, and its parameters. A group is named after its
-        prefix, such as ``planner``; parameters without a prefix are ``frames`` where all nodes
-        have them, and else named after their node.
+        prefix, such as ``planner``; parameters without a prefix are ``frames`` where several
+        nodes have them, and else named after their node.
     """
     groups: dict[str, tuple[list[str], list[ParameterSpec]]] = {}
-    common = set.intersection(*({cls for _, cls in sections} for sections in GROUPS.values()))
+    classes = [cls for sections in GROUPS.values() for _, cls in sections]
+    common = {cls for cls in classes if classes.count(cls) > 1}
     for node, sections in GROUPS.items():
         for prefix, cls in sections:
             name = prefix.rstrip('.') or ('frames' if cls in common else node)

@@ -43,7 +43,7 @@ from push_control.localization.pose_bias import PoseBias
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectPose, Odometry
+from push_model.signals import ObjectPose, Odometry, PoseCovariance
 
 # Time for which former poses are kept [s]; chosen: longer than object poses are late.
 HISTORY_TIME = 0.4
@@ -193,6 +193,12 @@ class PushEnsemble:
     def has_pose_bias(self) -> bool:
         """Whether object poses have a bias that is estimated."""
         return self._bias.exists
+
+    @property
+    def object_covariance(self) -> PoseCovariance:
+        """``PoseCovariance`` of the object at the last odometry."""
+        matrix = np.cov(self.members.object_poses.T)
+        return PoseCovariance.from_matrix(np.asarray(matrix, dtype=np.float64))
 
     @property
     def standard_deviations(self) -> FloatArray:

@@ -11,6 +11,7 @@ from typing import Any, Callable, NamedTuple
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.mode import Mode
+from push_model.geometry import Pose
 from push_model.signals import ObjectPose
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import seconds
@@ -119,6 +120,16 @@ class GoalEntry:
             return
         self._note_clock_difference(message)
         self.start(PushGoal(goal.pose))
+
+    def move(self, correction: Pose) -> None:
+        """
+        Move the present goal with the frame that it is in.
+
+        :param correction: ``Pose`` that takes the former goal to the new one,
+            ``correction @ goal``.
+        """
+        if self._current is not None:
+            self._mode.move_goal(correction)
 
     def start(self, goal: PushGoal,
               on_end: Callable[[GoalHandle], None] | None = None) -> GoalHandle:

@@ -7,6 +7,7 @@ from push_control.goal import GoalProgress, PushGoal
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
+from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
 from push_navigation.settings import DriveSettings
@@ -109,6 +110,23 @@ class Mode(abc.ABC):
 
         :param message: ``nav_msgs/OccupancyGrid``.
         :raises MessageRefused: where it cannot be used.
+        """
+
+    @abc.abstractmethod
+    def move_goal(self, correction: Pose) -> None:
+        """
+        Follow the frame of the goal, which has drifted.
+
+        :param correction: ``Pose`` that takes the former goal to the new one,
+            ``correction @ goal``.
+        """
+
+    @abc.abstractmethod
+    def move_map(self, correction: Pose) -> None:
+        """
+        Follow the frame of the map, which has drifted.
+
+        :param correction: ``Pose``, likewise.
         """
 
     @abc.abstractmethod

@@ -6,14 +6,14 @@ from typing import Any
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.observation import Observation
 from push_control.push.controller import Controller
-from push_control.push.status import ControllerStatus, Phase
+from push_control.push.status import Phase
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.plan_requests import PlanRequester
+from push_control.ros.scene import Scene, ScenePublisher
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
-from push_model.signals import STOP, Twist
+from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushTrajectory
-from push_ros.conversions.markers import GREY, MarkerHeader, plan_markers, scene_markers
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
@@ -26,10 +26,9 @@ STATES = {Phase.IDLE: PushState.IDLE, Phase.PUSHING: PushState.PUSHING,
           Phase.WAITING: PushState.PUSHING, Phase.DONE: PushState.REACHED,
           Phase.FAILED: PushState.FAILED}
 OUTCOMES = {Phase.DONE: GoalOutcome.REACHED, Phase.FAILED: GoalOutcome.FAILED}
-# Most diagnostics and markers per second of measured time without a change [Hz]; chosen: enough to
-# follow a push by eye.
+# Most diagnostics per second of measured time without a change [Hz]; chosen: enough to follow a
+# push by eye.
 REPORT_RATE = 1.0
-MARKER_RATE = 2.0
 
 
 class SinglePushMode(Mode):
@@ -45,7 +44,7 @@ class SinglePushMode(Mode):
     reports_events = False
 
     def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
-                 options: ControllerOptions) -> None:
+                 options: ControllerOptions, scene: ScenePublisher) -> None:
         """
         Wait for a plan.
 
@@ -53,13 +52,13 @@ class SinglePushMode(Mode):
         :param parameters: ``ControllerParameters``.
         :param frame: id of the world frame.
         :param options: ``ControllerOptions``.
+        :param scene: the ``ScenePublisher``.
         """
         self._parameters = parameters
         self._frame = frame
         self._reporter = node.reporter
         self._requester = PlanRequester(node, frame)
-        self._markers = node.publisher('markers')
-        self._marker_rate = RateLimiter(MARKER_RATE)
+        self._scene = scene
         self._is_started = not options.wait_for_start
         self._settings = parameters.control
         self._controller = Controller(parameters.object, parameters.robot, self._settings)
@@ -164,8 +163,9 @@ class SinglePushMode(Mode):
         status = self._controller.status
         if status.phase is Phase.IDLE or status.phase.has_ended and not status.replan_requested:
             self._restart_controller()
-        self._markers.publish(plan_markers(
-            MarkerHeader(message.header.stamp, self._frame, 'plan'), self._target))
+        goal = Pose(*self._target.object_poses[-1].tolist())
+        self._scene.show_goal(goal, message.header.stamp)
+        self._scene.show_plan(self._target, message.header.stamp)
         waits = '' if self._is_started else ' and waits for controller/start'
         self._reporter.report(OK, f'has a plan{waits}')
 
@@ -174,6 +174,22 @@ class SinglePushMode(Mode):
         Leave a map to the planner.
 
         :param message: not read.
+        """
+
+    def move_goal(self, correction: Pose) -> None:
+        """
+        Move a goal that waits for its plan; a plan is followed where it was planned.
+
+        :param correction: ``Pose``, as of ``Mode``.
+        """
+        if self._goal is not None:
+            self._goal = dataclasses.replace(self._goal, pose=correction @ self._goal.pose)
+
+    def move_map(self, correction: Pose) -> None:
+        """
+        Leave the map to the planner.
+
+        :param correction: not read.
         """
 
     def start(self) -> None:
@@ -226,8 +242,7 @@ class SinglePushMode(Mode):
             text = status.reason or f'is {status.phase.value}'
             level = LEVELS.get(status.phase, OK if status.event is None else WARN)
             self._reporter.report(level, text, {'time': time, **status.values()})
-        if self._marker_rate.due(time) and self._markers.get_subscription_count():
-            self._draw(status, stamp)
+        self._scene.publish(time, self._make_scene)
 
     def report_again(self) -> None:
         """Report at the next measurement, changed or not."""
@@ -272,9 +287,10 @@ class SinglePushMode(Mode):
                                     self._parameters.object)
         self._requester.update(self._request, observation.time)
 
-    def _draw(self, status: ControllerStatus, stamp: Any) -> None:
-        if self._observation is not None and status.phase in (Phase.PUSHING, Phase.WAITING):
-            self._markers.publish(scene_markers(
-                MarkerHeader(stamp, self._frame, 'controller'), self._parameters.object,
-                self._parameters.robot, status.object_pose, self._observation.odometry.pose,
-                color=GREY))
+    def _make_scene(self) -> Scene | None:
+        status = self._controller.status
+        if self._observation is None or status.phase not in (Phase.PUSHING, Phase.WAITING):
+            return None
+        estimate = ObjectEstimate(self._observation.time, status.object_pose, None,
+                                  status.friction_center)
+        return Scene(self._observation.odometry.pose, estimate, status.phase is Phase.PUSHING)

@@ -11,11 +11,12 @@ from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.plan_requests import PlanRequester
+from push_control.ros.scene import ScenePublisher
 from push_control.ros.task_report import TaskReporter
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskFailure, TaskState
 from push_control.task.supervisor import Supervisor
-from push_model.geometry import distance, wrap_angle
+from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure
 from push_model.signals import Twist
 from push_navigation.occupancy_map import OccupancyMap
@@ -42,7 +43,7 @@ class TaskMode(Mode):
     reports_events = True
 
     def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
-                 options: ControllerOptions) -> None:
+                 options: ControllerOptions, scene: ScenePublisher) -> None:
         """
         Wait for a goal.
 
@@ -50,6 +51,7 @@ class TaskMode(Mode):
         :param parameters: ``ControllerParameters``.
         :param frame: id of the world frame.
         :param options: ``ControllerOptions``.
+        :param scene: the ``ScenePublisher``.
         :raises ValueError: where ``knowledge_file`` cannot be read.
         """
         self._parameters = parameters
@@ -60,7 +62,7 @@ class TaskMode(Mode):
         self._covariance_check = CovarianceCheck(parameters.supervision)
         self._occupancy_map: OccupancyMap | None = None
         self._requester = PlanRequester(node, frame)
-        self._reporter = TaskReporter(node, parameters.object, parameters.robot, frame)
+        self._reporter = TaskReporter(node, scene)
         self.reset()
 
     @property
@@ -120,6 +122,7 @@ class TaskMode(Mode):
         """
         self._goal = goal
         self._apply_settings()
+        self._reporter.show_goal(goal.pose)
         if self._is_started:
             self._supervisor.set_goal(goal.pose)
 
@@ -130,6 +133,7 @@ class TaskMode(Mode):
         :param reason: one sentence.
         """
         self._goal = None
+        self._reporter.show_goal(None)
         self._supervisor.cancel(reason)
 
     def on_map(self, message: Any) -> None:
@@ -142,6 +146,27 @@ class TaskMode(Mode):
         self._occupancy_map = from_map_message(message, self._frame)
         self._supervisor.set_map(self._occupancy_map)
         self._reporter.report_map(message)
+
+    def move_goal(self, correction: Pose) -> None:
+        """
+        Move the goal; the task goes on.
+
+        :param correction: ``Pose``, as of ``Mode``.
+        """
+        if self._goal is not None:
+            self._goal = dataclasses.replace(self._goal, pose=correction @ self._goal.pose)
+            self._supervisor.move_goal(self._goal.pose)
+            self._reporter.move_goal(self._goal.pose)
+
+    def move_map(self, correction: Pose) -> None:
+        """
+        Move the map for the next path.
+
+        :param correction: ``Pose``, as of ``Mode``.
+        """
+        if self._occupancy_map is not None:
+            self._occupancy_map = self._occupancy_map.moved(correction)
+            self._supervisor.move_map(self._occupancy_map)
 
     def on_plan(self, message: Any) -> None:
         """
@@ -163,7 +188,7 @@ class TaskMode(Mode):
             self._supervisor.on_planning_failed(PlanFailure.INVALID_PLAN, str(error))
             raise
         self._supervisor.set_plan(plan)
-        self._reporter.draw_plan(plan, message.header.stamp)
+        self._reporter.show_plan(plan, message.header.stamp)
 
     def start(self) -> None:
         """Start the task; over again where it was started before."""
@@ -218,7 +243,7 @@ class TaskMode(Mode):
         status = self._supervisor.status
         self._reporter.report(status, time)
         if self._observation is not None:
-            self._reporter.draw(status, self._observation, stamp)
+            self._reporter.draw(self._supervisor, time)
 
     def report_again(self) -> None:
         """Report at the next measurement, changed or not."""

@@ -3,41 +3,34 @@
 from typing import Any
 
 from push_control.observation import Observation
+from push_control.ros.scene import Scene, ScenePublisher
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
-from push_model.parameters import PushedObject, RoundRobot
+from push_control.task.supervisor import Supervisor
+from push_model.geometry import Pose
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.map import map_text
-from push_ros.conversions.markers import (
-    GREY, MarkerHeader, plan_markers, scene_markers, text_markers,
-)
 from push_ros.diagnostics import ERROR, HAS_MAP, OK, WARN
 from push_ros.node import PushNode, RateLimiter
 
 LEVELS = {TaskState.FAILED: ERROR, TaskState.PAUSED: WARN}
-# Most diagnostics and markers per second of measured time without a change [Hz]; chosen: enough to
-# follow a task by eye.
+# Most diagnostics per second of measured time without a change [Hz]; chosen: enough to follow a
+# task by eye.
 REPORT_RATE = 1.0
-MARKER_RATE = 2.0
 
 
 class TaskReporter:
     """Reports every change of state, and draws object, robot, plan and state."""
 
-    def __init__(self, node: PushNode, obj: PushedObject, robot: RoundRobot, frame: str) -> None:
+    def __init__(self, node: PushNode, scene: ScenePublisher) -> None:
         """
         Start without reports.
 
         :param node: the ``PushNode``.
-        :param obj: the nominal ``PushedObject``.
-        :param robot: the ``RoundRobot``.
-        :param frame: id of the world frame.
+        :param scene: the ``ScenePublisher``.
         """
-        self._object = obj
-        self._robot = robot
-        self._frame = frame
+        self._node = node
+        self._scene = scene
         self._reporter = node.reporter
-        self._markers = node.publisher('markers')
-        self._marker_rate = RateLimiter(MARKER_RATE)
         self._history: tuple[StateChange, ...] = ()
         self.report_again()
 
@@ -62,26 +55,20 @@ class TaskReporter:
             present = StateChange(status.since, status.state, status.reason, status.is_requested)
             self._report(status, present, time, always=False)
 
-    def draw(self, status: SupervisorStatus, observation: Observation, stamp: Any) -> None:
+    def draw(self, supervisor: Supervisor, time: float) -> None:
         """
-        Draw object, robot and state now and then, for subscribers.
+        Show object, robot and state.
 
-        :param status: ``SupervisorStatus``.
-        :param observation: ``Observation``.
-        :param stamp: ``builtin_interfaces/Time`` of the measurement.
+        :param supervisor: the ``Supervisor``.
+        :param time: of the newest measurement [s].
         """
-        is_due = self._marker_rate.due(observation.time)
-        if (not is_due or observation.object_pose is None or status.robot_pose is None
-                or not self._markers.get_subscription_count()):
-            return
-        object_pose = observation.object_pose.pose
-        if status.state is TaskState.PUSH:
-            object_pose = status.push.object_pose
-        header = MarkerHeader(stamp, self._frame, 'controller')
-        self._markers.publish(scene_markers(header, self._object, self._robot, object_pose,
-                                            status.robot_pose, color=GREY))
-        self._markers.publish(text_markers(header, status.robot_pose,
-                                           _sentence(status.state, status.reason)))
+        def make_scene() -> Scene | None:
+            status, estimate = supervisor.status, supervisor.object_estimate
+            if estimate is None or status.robot_pose is None:
+                return None
+            return Scene(status.robot_pose, estimate, status.state is TaskState.PUSH,
+                         _sentence(status.state, status.reason))
+        self._scene.publish(time, make_scene)
 
     def warn(self, text: str, observation: Observation) -> None:
         """
@@ -101,14 +88,30 @@ class TaskReporter:
         """
         self._reporter.report(OK, map_text(message), {HAS_MAP: True})
 
-    def draw_plan(self, plan: PushTrajectory, stamp: Any) -> None:
+    def show_goal(self, goal: Pose | None) -> None:
+        """
+        Draw the goal, or erase it with the plan.
+
+        :param goal: ``Pose``, or None.
+        """
+        self._scene.show_goal(goal, self._node.now())
+
+    def move_goal(self, goal: Pose) -> None:
+        """
+        Draw the goal elsewhere.
+
+        :param goal: ``Pose``.
+        """
+        self._scene.move_goal(goal, self._node.now())
+
+    def show_plan(self, plan: PushTrajectory, stamp: Any) -> None:
         """
         Draw a plan.
 
         :param plan: ``PushTrajectory``.
         :param stamp: ``builtin_interfaces/Time`` of the plan.
         """
-        self._markers.publish(plan_markers(MarkerHeader(stamp, self._frame, 'plan'), plan))
+        self._scene.show_plan(plan, stamp)
 
     def _report(self, status: SupervisorStatus, change: StateChange, time: float, *,
                 always: bool) -> None:

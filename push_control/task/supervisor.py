@@ -26,7 +26,7 @@ from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
-from push_model.signals import STOP, Twist
+from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
@@ -122,6 +122,15 @@ class Supervisor:
         """What is known of the object by now."""
         return self._perception.localization.knowledge
 
+    @property
+    def object_estimate(self) -> ObjectEstimate | None:
+        """The present ``ObjectEstimate``; None before the first measurements."""
+        localization = self._perception.localization
+        if not (localization.is_initialized and localization.has_object):
+            return None
+        return ObjectEstimate(self._perception.time, localization.object_pose,
+                              localization.object_covariance, localization.friction_center)
+
     def set_goal(self, pose: Pose | None) -> None:
         """
         Start a task, whatever is under way; while paused it waits for ``resume``.
@@ -167,6 +176,23 @@ class Supervisor:
         """
         self._behaviors.occupancy_map = occupancy_map
         self._progress.forget_planning_failures()
+
+    def move_goal(self, pose: Pose) -> None:
+        """
+        Move the goal a little, as where the frame that it is in has drifted; the task goes on.
+
+        :param pose: goal ``Pose`` of the object, used from the next behaviour or plan on.
+        """
+        if self._goal is not None:
+            self._goal = pose
+
+    def move_map(self, occupancy_map: OccupancyMap) -> None:
+        """
+        Move the map a little, likewise.
+
+        :param occupancy_map: the ``OccupancyMap``.
+        """
+        self._behaviors.occupancy_map = occupancy_map
 
     def set_plan(self, trajectory: PushTrajectory) -> None:
         """

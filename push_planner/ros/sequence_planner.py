@@ -2,6 +2,7 @@
 
 from typing import Any, Mapping, NamedTuple
 
+from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanRequest
 from push_model.trajectory import PushStyle
@@ -82,6 +83,16 @@ class SequenceRequestHandler:
         :raises MessageRefused: where it cannot be used; the former one stays.
         """
         self._occupancy_map = from_map_message(message, self._frame)
+
+    def move_map(self, correction: Pose) -> None:
+        """
+        Move the map with the frame that it is in.
+
+        :param correction: ``Pose`` that takes its former origin to the new one,
+            ``correction @ origin``.
+        """
+        if self._occupancy_map is not None:
+            self._occupancy_map = self._occupancy_map.moved(correction)
 
     def read(self, message: Any) -> PlanRequest:
         """

@@ -9,7 +9,7 @@ import numpy as np
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import Coordinates, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectEstimate
+from push_model.signals import ObjectEstimate, PoseCovariance
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.primitives import to_pose_message
 from std_msgs.msg import ColorRGBA
@@ -97,20 +97,14 @@ def estimate_markers(header: MarkerHeader, obj: PushedObject,
     :param estimate: ``ObjectEstimate``.
     :return: ``MarkerArray``.
     """
-    body = _body(header, obj, estimate.pose, GREY, OBJECT_ALPHA)
-    variances, axes = np.linalg.eigh(estimate.covariance.matrix[:2, :2])
-    direction = math.atan2(axes[1, 1], axes[0, 1])
-    ellipse = _marker(header, 'ellipse', Marker.CYLINDER,
-                      Pose(estimate.pose.x, estimate.pose.y, direction), BLUE)
-    minor, major = (2.0 * ELLIPSE_SIGMAS * np.sqrt(np.maximum(0.0, variances))).tolist()
-    _set_scale(ellipse, max(major, FLAT), max(minor, FLAT), FLAT)
-    ellipse.pose.position.z = OBJECT_HEIGHT
-    ellipse.color.a = ELLIPSE_ALPHA
+    markers = [_body(header, obj, estimate.pose, GREY, OBJECT_ALPHA)]
+    if estimate.covariance is not None:
+        markers.append(_ellipse(header, estimate.pose, estimate.covariance))
     x, y = estimate.pose.transform(estimate.friction_center)
     center = _marker(header, 'friction_center', Marker.SPHERE, Pose(x, y, 0.0), ORANGE)
     _set_scale(center, CENTER_SIZE, CENTER_SIZE, CENTER_SIZE)
     center.pose.position.z = OBJECT_HEIGHT
-    return MarkerArray(markers=[body, ellipse, center])
+    return MarkerArray(markers=[*markers, center])
 
 
 def goal_markers(header: MarkerHeader, obj: PushedObject, pose: Coordinates) -> MarkerArray:
@@ -189,6 +183,18 @@ def _body(header: MarkerHeader, obj: PushedObject, pose: Coordinates, color: Col
         body.points = _extruded(obj.outline)
     body.color.a = alpha
     return body
+
+
+def _ellipse(header: MarkerHeader, pose: Pose, covariance: PoseCovariance) -> Any:
+    """Draw where a place may be, as a disc on top of the object."""
+    variances, axes = np.linalg.eigh(covariance.matrix[:2, :2])
+    direction = math.atan2(axes[1, 1], axes[0, 1])
+    ellipse = _marker(header, 'ellipse', Marker.CYLINDER, Pose(pose.x, pose.y, direction), BLUE)
+    minor, major = (2.0 * ELLIPSE_SIGMAS * np.sqrt(np.maximum(0.0, variances))).tolist()
+    _set_scale(ellipse, max(major, FLAT), max(minor, FLAT), FLAT)
+    ellipse.pose.position.z = OBJECT_HEIGHT
+    ellipse.color.a = ELLIPSE_ALPHA
+    return ellipse
 
 
 def _extruded(outline: Sequence[Coordinates]) -> list[Point]:

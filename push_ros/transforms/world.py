@@ -32,9 +32,11 @@ DISCOVERY_TIME = 3.0
 # Period at which waiting messages and drift are looked after [s]; chosen: well below a correction
 # of localization, which comes a few times per second.
 PERIOD = 0.1
-# Drift of which the node is told [m], [rad]; chosen: a tenth of what tasks tolerate.
-DRIFT = 1e-3
-HEADING_DRIFT = 1e-3
+# Drift that moves goals and maps [m], [rad]; chosen: a fifth of what tasks tolerate.
+DRIFT = 2e-3
+HEADING_DRIFT = 2e-3
+# Pause between looks for a transform that is waited for [s]; chosen: much shorter than the wait.
+POLL_PERIOD = 5e-3
 # Waiting messages of one topic; chosen: a second of measurements.
 MOST_WAITING = 50
 
@@ -69,7 +71,6 @@ class _Anchor(NamedTuple):
 
     frame: str
     pose: Pose
-    move: Callable[[Pose], None]
 
 
 class WorldFrame:
@@ -90,7 +91,8 @@ class WorldFrame:
         self._listener: TransformListener | None = None
         self._patient_until = 0.0
         self._waiting: list[_Waiting] = []
-        self._anchors: dict[str, _Anchor] = {}
+        # By the function that moves it.
+        self._anchors: dict[Callable[[Pose], None], _Anchor] = {}
 
     def receiver(self, topic: str, handlers: Handlers) -> Callable[[Any], None]:
         """
@@ -107,14 +109,14 @@ class WorldFrame:
         """
         Hand on a message in the world frame, at once or when its transform has come.
 
-        :param topic: what errors call the message; the former goal or map of that name is no
-            longer moved once this one is accepted.
+        :param topic: what errors call the message.
         :param message: ``PoseStamped``, ``PoseWithCovarianceStamped`` or ``OccupancyGrid``.
-        :param handlers: ``Handlers``.
+        :param handlers: ``Handlers``; what was accepted before with the same ``move`` is no longer
+            moved once this one is accepted.
         """
         frame = message.header.frame_id.lstrip('/')
         if frame == self._frame or not frame:
-            self._anchors.pop(topic, None)
+            self._release(handlers)
             handlers.accept(message)
             return
         if self._listener is None:
@@ -133,10 +135,35 @@ class WorldFrame:
             if len(of_topic) > MOST_WAITING:
                 self._waiting.remove(of_topic[0])
 
+    def in_world(self, topic: str, message: Any) -> Any:
+        """
+        Bring a measurement to the world frame at once, or wait for its transform here.
+
+        :param topic: what errors call the message.
+        :param message: ``PoseStamped`` or ``PoseWithCovarianceStamped``.
+        :return: the message in the world frame.
+        :raises MessageRefused: where no transform comes.
+        """
+        accepted: list[Any] = []
+        refused: list[MessageRefused] = []
+        self.receive(topic, message, Handlers(
+            accepted.append, lambda error, _: refused.append(error)))
+        while not accepted and not refused:
+            time.sleep(POLL_PERIOD)
+            self.take()
+        if refused:
+            raise refused[0]
+        return accepted[0]
+
+    def take(self) -> None:
+        """Hand on messages whose transforms have come, without waiting for the executor."""
+        if self._waiting and self._listener is not None:
+            self._listener.take()
+            self._hand_on_waiting()
+
     def reset(self) -> None:
         """Forget what is waiting and how frames have moved, as when time went back."""
         self._waiting = []
-        self._anchors = {}
         self._buffer.clear()
 
     def _listen(self) -> TransformListener:
@@ -173,12 +200,16 @@ class WorldFrame:
         except MessageRefused as error:
             handlers.refuse(error, message)
             return True
-        self._anchors.pop(topic, None)
+        self._release(handlers)
         handlers.accept(in_world)
         frame = message.header.frame_id
         if handlers.move is not None and not self._buffer.is_below(frame, self._frame):
-            self._anchors[topic] = _Anchor(frame, transform.planar, handlers.move)
+            self._anchors[handlers.move] = _Anchor(frame, transform.planar)
         return True
+
+    def _release(self, handlers: Handlers) -> None:
+        if handlers.move is not None:
+            self._anchors.pop(handlers.move, None)
 
     def _look_up(self, message: Any, handlers: Handlers, *, is_late: bool) -> RigidTransform:
         frame, stamp = message.header.frame_id, nanoseconds(message.header.stamp)
@@ -191,7 +222,7 @@ class WorldFrame:
 
     def _follow(self) -> None:
         """Move goals and maps with the frames that they are in."""
-        for topic, (frame, before, move) in list(self._anchors.items()):
+        for move, (frame, before) in list(self._anchors.items()):
             try:
                 pose = self._buffer.lookup(self._frame, frame).planar
             except TransformUnavailable:
@@ -199,11 +230,11 @@ class WorldFrame:
             correction = pose @ before.inverse()
             moved = max(abs(pose.x - before.x), abs(pose.y - before.y))
             if moved > DRIFT or abs(wrap_angle(correction.theta)) > HEADING_DRIFT:
-                self._anchors[topic] = _Anchor(frame, pose, move)
+                self._anchors[move] = _Anchor(frame, pose)
                 move(correction._replace(theta=wrap_angle(correction.theta)))
 
     def _refusal(self, topic: str, message: Any, reason: str) -> MessageRefused:
         header = message.header
         return MessageRefused(
-            f'{topic}: got frame {header.frame_id!r} at {seconds(header.stamp):.3f} s, expected '
-            f'{self._frame!r} or a frame with a transform to it: {reason}')
+            f'{topic}: got frame {header.frame_id!r}, expected {self._frame!r} or a frame with a '
+            f'transform to it at {seconds(header.stamp):.3f} s: {reason}')

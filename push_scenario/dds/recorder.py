@@ -18,8 +18,8 @@ STAMP = struct.Struct('<iI')
 ARRAY_LENGTH = 4
 # Messages kept between two calls of ``take_all``: some seconds of all topics in lockstep.
 QUEUE_DEPTH = 2000
-# Messages begin with their stamp; on this topic, the first element of their array does.
-ARRAY_TOPIC = 'markers'
+# Messages begin with their stamp; on these topics, the first element of their array does.
+ARRAY_TOPICS = 'markers', 'plan_markers'
 TYPE_WITHOUT_STAMP = 'Twist'
 # rosbag2 writes the longest duration where a deadline, lifespan or lease is not set.
 UNLIMITED = 9223372036, 854775807
@@ -110,7 +110,7 @@ def stamp_of(topic: str, data: bytes, kind: type) -> int | None:
     :return: [ns]; None where it has none.
     """
     offset = CDR_HEADER
-    if topic == ARRAY_TOPIC:
+    if topic in ARRAY_TOPICS:
         offset += ARRAY_LENGTH
     if kind.__name__ == TYPE_WITHOUT_STAMP or len(data) < offset + STAMP.size:
         return None
