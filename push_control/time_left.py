@@ -4,8 +4,8 @@ import math
 
 from push_model.parameters import PushedObject
 
-# Part of the first error that must be gone before an estimate is made; chosen: less says little, as
-# the robot has to drive around the object first.
+# Part of the first error that must be gone before an estimate is made; chosen: less means little,
+# as the robot has to drive around the object first.
 LEAST_PROGRESS = 0.2
 
 
