@@ -48,7 +48,7 @@ class Receiver:
         """Give the node a message, as its subscription would."""
         self.world.receive(topic, message, Handlers(
             self.accepted.append, lambda error, _: self.refused.append(str(error)),
-            self.moved.append if lasting else None))
+            (lambda correction: self.moved.append(correction)) if lasting else None))
 
     def transform(self, parent, child, now, transform, is_static=False):
         """Publish a transform."""
