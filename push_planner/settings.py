@@ -28,8 +28,8 @@ class PlannerSettings:
     unsteered_speed: float = quantity('greatest speed of the robot in an unsteered push, between '
                                       'touch and end; at least the pushing speed counts', 'm/s',
                                       above=0.0, high=5.0, default=0.3)
-    deceleration: float = quantity('deceleration of the contact before the goal, of a steered push; '
-                                   '0: none', 'm/s^2', 0.0, 10.0, default=0.1)
+    deceleration: float = quantity('deceleration of the contact before the goal, of a steered '
+                                   'push; 0: none', 'm/s^2', 0.0, 10.0, default=0.1)
     end_speed: float = quantity('speed of the contact at the goal, and at the start of a soft '
                                 'start', 'm/s', above=0.0, high=5.0, default=0.03)
     acceleration: float = quantity('acceleration of the contact after the first touch; 0: touches '
