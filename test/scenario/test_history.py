@@ -32,5 +32,5 @@ def test_a_single_push_has_the_history_of_a_task_with_one_push(outcome, states):
     """It starts at time 0 and ends with the outcome, at its time and for its reason."""
     history = single_push_history(outcome, 'because', 5.0)
     assert [change.state for change in history] == states
-    assert history[0] == (0.0, TaskState.PUSH, '')
-    assert history[1:] in ((), ((5.0, states[-1], 'because'),))
+    assert history[0] == StateChange(0.0, TaskState.PUSH, '')
+    assert history[1:] in ((), (StateChange(5.0, states[-1], 'because'),))
