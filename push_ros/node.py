@@ -1,5 +1,6 @@
 """What the nodes share: parameters, topics by name, diagnostics, two groups of callbacks."""
 
+import time
 from typing import Any, Callable, Collection, NamedTuple, Sequence
 
 from builtin_interfaces.msg import Time
@@ -14,7 +15,10 @@ from rclpy.publisher import Publisher
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
-
+# Longest wait until somebody reads the log of a node that ends at once, and time for the log to
+# get there [s]; chosen: discovery takes some tenths of a second.
+ROSOUT_WAIT = 1.5
+ROSOUT_DELIVERY = 0.3
 # Without a callback for offers that do not fit: none fails to fit best effort, and an executor
 # takes twice as long for a topic that has one.
 NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
@@ -111,6 +115,11 @@ class PushNode(PolledNode):
         """
         self.get_logger().fatal(f'refused to start: {error} (give parameters with --params-file; '
                                 'config/push.yaml is an example)')
+        # The log is kept for those who come late, as long as this process lives.
+        end = time.monotonic() + ROSOUT_WAIT
+        while time.monotonic() < end and self.count_subscribers('/rosout') == 0:
+            time.sleep(0.05)
+        time.sleep(ROSOUT_DELIVERY)
 
     @property
     def default_callback_group(self) -> BackgroundGroup:
