@@ -13,7 +13,7 @@ ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif
 
-.PHONY: help demo test test-fast lint lock clean
+.PHONY: help demo test test-fast lint lint-style lint-types lock clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -30,8 +30,12 @@ test: .venv/installed ## all tests, on all cores; ARGS="-k contact" for some
 test-fast: .venv/installed ## the tests that are neither slow nor need DDS: under a minute
 	$(PYTEST) -m 'not slow and not dds' $(ARGS)
 
-lint: .venv/linters ## style, architecture and types
+lint: lint-style lint-types ## style, architecture and types; side by side with -j2
+
+lint-style: .venv/linters
 	$(BIN)/python -m pytest -q test/architecture/test_style.py test/architecture/test_architecture.py
+
+lint-types: .venv/linters
 	$(BIN)/basedpyright
 
 # Pins that are there stay, unless requirements.in forbids them; ARGS="--upgrade-package scipy"
