@@ -6,11 +6,13 @@ With ``wait_for_start:=true`` the robot moves only after a call of ``controller/
 that are left empty leave their parameters as ``params_file`` has them.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 import shutil
+from typing import Any
 
 from ament_index_python.packages import get_package_prefix, PackageNotFoundError
-from launch import LaunchDescription
+from launch import Action, LaunchContext, LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument, ExecuteProcess, LogInfo, OpaqueFunction, Shutdown,
 )
@@ -20,6 +22,8 @@ from launch_ros.substitutions import FindPackageShare
 from push_scenario.dds.launch_parameters import launch_parameters, switch, write_parameters
 
 CONFIG = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
+# Launch arguments, texts by name.
+Arguments = Mapping[str, str]
 # Arguments that name topics, and what these carry.
 TOPICS = {
     'odom': 'nav_msgs/Odometry of the robot',
@@ -61,7 +65,7 @@ RECORDED = ('push_request', 'push_plan', 'planned_path', 'contact_wrench', 'mark
 RESPAWN_DELAY = 2.0
 
 
-def generate_launch_description():
+def generate_launch_description() -> LaunchDescription:
     """Describe the launch arguments, and the nodes to start."""
     return LaunchDescription([
         *[DeclareLaunchArgument(name, default_value=default, choices=choices, description=text)
@@ -73,7 +77,7 @@ def generate_launch_description():
     ])
 
 
-def make_nodes(context):
+def make_nodes(context: LaunchContext) -> list[Action]:
     """
     Make the nodes for the arguments that were given.
 
@@ -97,7 +101,7 @@ def make_nodes(context):
     ]
 
 
-def common_options(given):
+def common_options(given: Arguments) -> dict[str, Any]:
     """
     Make what all nodes have in common.
 
@@ -114,12 +118,12 @@ def common_options(given):
             'use_sim_time': switch('use_sim_time', given['use_sim_time'])}
 
 
-def switches(given, *names):
+def switches(given: Arguments, *names: str) -> dict[str, bool | None]:
     """Read those of some arguments that were given."""
     return {name: switch(name, given[name]) for name in names if given[name]}
 
 
-def push_node(name, common, parameters):
+def push_node(name: str, common: dict[str, Any], parameters: dict[str, Any]) -> Node:
     """
     Make a node of this package.
 
@@ -138,7 +142,7 @@ def push_node(name, common, parameters):
                 parameters=parameters, ros_arguments=['--log-level', level], **options, **ending)
 
 
-def simulator(given, common):
+def simulator(given: Arguments, common: dict[str, Any]) -> list[Action]:
     """Make the simulator, which makes the time where the others take it from the clock."""
     if not switch('simulation', given['simulation']):
         return []
@@ -148,7 +152,7 @@ def simulator(given, common):
     return [push_node('sim', common, parameters)]
 
 
-def is_installed(package):
+def is_installed(package: str) -> bool:
     """Tell whether a ROS package is installed."""
     try:
         get_package_prefix(package)
@@ -157,7 +161,7 @@ def is_installed(package):
     return True
 
 
-def map_server(given):
+def map_server(given: Arguments) -> list[Action]:
     """Make the map server for a map file, and the node that activates it."""
     if not given['map']:
         return []
@@ -181,7 +185,7 @@ def map_server(given):
     ]
 
 
-def recording(given):
+def recording(given: Arguments) -> list[Action]:
     """Make the recorder of the topics."""
     if not given['record']:
         return []
@@ -197,7 +201,7 @@ def recording(given):
                                 '/diagnostics', '/rosout'], output='screen')]
 
 
-def rviz(given, common):
+def rviz(given: Arguments, common: dict[str, Any]) -> list[Action]:
     """Make RViz, or say that there is none."""
     if not switch('rviz', given['rviz']):
         return []

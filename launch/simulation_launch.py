@@ -23,7 +23,7 @@ DEFAULTS = {
 }
 
 
-def generate_launch_description():
+def generate_launch_description() -> LaunchDescription:
     """Describe the launch arguments, and what is included."""
     robot_launch = str(Path(__file__).with_name('robot_launch.py'))
     return LaunchDescription([

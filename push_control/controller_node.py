@@ -103,6 +103,7 @@ class ControllerNode(ManagedNode):
     _mode: Mode
     _goals: GoalEntry
     _commands: CommandPublisher
+    _scene: ScenePublisher
     _action: PushActionServer | None = None
 
     def __init__(self) -> None:
@@ -137,9 +138,9 @@ class ControllerNode(ManagedNode):
         kind = TaskMode if self._options.task else SinglePushMode
         frame = self._frames.world_frame
         parameters = self._present_parameters
-        scene = ScenePublisher(self, parameters.object, parameters.robot, self._frames,
-                               self._options)
-        self._mode = kind(self, parameters, frame, self._options, scene)
+        self._scene = ScenePublisher(self, parameters.object, parameters.robot, self._frames,
+                                     self._options)
+        self._mode = kind(self, parameters, frame, self._options, self._scene)
         self._goals = GoalEntry(self, self._mode, frame, is_lockstep=self._options.lockstep)
         self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
         self._action = self._make_action()
@@ -171,7 +172,8 @@ class ControllerNode(ManagedNode):
         """Forget what was learned of the object, but for what is in its file."""
         if self._action is not None:
             self._action.destroy()
-        del self._mode, self._goals, self._commands, self._action
+        self._scene.destroy()
+        del self._mode, self._goals, self._commands, self._action, self._scene
 
     def on_settings_changed(self) -> None:
         """Let movements use other settings from the next one on."""

@@ -50,9 +50,6 @@ POLL_PAUSE = 2e-5
 SIGNAL_PERIOD = 0.1
 # Exit status where a parameter is refused.
 BAD_PARAMETER = 2
-# Time that the reason for that has to reach those who listen to rosout [s]; chosen: discovery
-# takes some tenths of a second.
-ROSOUT_TIME = 1.0
 
 
 class BackgroundGroup(MutuallyExclusiveCallbackGroup):
@@ -153,7 +150,6 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
         node.start()
     except ValueError:
         # The node has logged why.
-        time.sleep(ROSOUT_TIME)
         return BAD_PARAMETER
     # Nothing of what exists now will be collected: a full collection takes 50 ms.
     gc.collect()

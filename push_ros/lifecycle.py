@@ -79,7 +79,7 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
             return
         configured = self.trigger_configure()
         if self._fault is not None:
-            self.refuse_to_start(self._fault)
+            self.refuse_to_start(str(self._fault))
             raise self._fault
         success = TransitionCallbackReturn.SUCCESS
         if configured is not success or self.trigger_activate() is not success:

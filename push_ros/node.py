@@ -16,8 +16,8 @@ from rclpy.service import Service
 from rclpy.subscription import Subscription
 
 # Longest wait until somebody reads the log of a node that ends at once, and time for the log to
-# get there [s]; chosen: discovery takes some tenths of a second.
-ROSOUT_WAIT = 1.5
+# get there [s]; chosen: discovery takes some tenths of a second, more on a busy machine.
+ROSOUT_WAIT = 3.0
 ROSOUT_DELIVERY = 0.3
 # Without a callback for offers that do not fit: none fails to fit best effort, and an executor
 # takes twice as long for a topic that has one.
@@ -86,7 +86,8 @@ class PushNode(PolledNode):
         try:
             self._parameter_set = ParameterSet(self, sections, dynamic, self.on_settings_changed)
         except ValueError as error:
-            self.refuse_to_start(error)
+            self.refuse_to_start(f'{error} (give parameters with --params-file; config/push.yaml '
+                                 'is an example)')
             raise
         self.reporter = Reporter(self, self.publisher('diagnostics'), self.now)
 
@@ -107,14 +108,13 @@ class PushNode(PolledNode):
     def on_settings_changed(self) -> None:
         """Use ``settings``, of which a dynamic one has another value."""
 
-    def refuse_to_start(self, error: ValueError) -> None:
+    def refuse_to_start(self, reason: str) -> None:
         """
-        Log why the node cannot start.
+        Log why the node cannot start, and wait a moment for those who listen to rosout.
 
-        :param error: naming the parameter.
+        :param reason: one sentence.
         """
-        self.get_logger().fatal(f'refused to start: {error} (give parameters with --params-file; '
-                                'config/push.yaml is an example)')
+        self.get_logger().fatal(f'refused to start: {reason}')
         # The log is kept for those who come late, as long as this process lives.
         end = time.monotonic() + ROSOUT_WAIT
         while time.monotonic() < end and self.count_subscribers('/rosout') == 0:

@@ -70,6 +70,7 @@ class ScenePublisher:
         :param frames: ``Frames``.
         :param options: ``ControllerOptions``.
         """
+        self._node = node
         self._object = obj
         self._robot = robot
         self._frames = frames
@@ -88,6 +89,11 @@ class ScenePublisher:
                                                      DYNAMIC_QOS)
             self._outputs.append(_Output(self._publish_transform, RateLimiter(TRANSFORM_RATE),
                                          self._transforms))
+
+    def destroy(self) -> None:
+        """Publish no more transforms; the other topics stay with the node."""
+        if self._transforms is not None:
+            self._node.destroy_publisher(self._transforms)
 
     def show_goal(self, goal: Pose | None, stamp: Time) -> None:
         """

@@ -2,12 +2,12 @@
 
 import math
 
-from push_control.task.behavior import Behavior, BehaviorContext
-from push_control.task.path_execution import PathExecution
+from push_control.task.behavior import BehaviorContext
+from push_control.task.path_execution import PathBehavior
 from push_control.task.perception import TaskPerception
 from push_model.contact import find_contact
 from push_model.geometry import Pose
-from push_model.signals import STOP, Twist
+from push_navigation.path import Path
 from push_navigation.path_planner import plan_path
 
 # Angle round the object to the next place [rad]; chosen: with the one before, three sides.
@@ -18,47 +18,22 @@ VIEW_GAP = 0.15
 STEPS = 12
 
 
-class Inspection(Behavior):
+class Inspection(PathBehavior):
     """Drives to a place from which the object is seen from another side."""
 
-    def __init__(self, context: BehaviorContext) -> None:
+    def plan(self, perception: TaskPerception) -> Path:
         """
-        Start.
+        Plan the path round the object.
 
-        :param context: the ``BehaviorContext``.
+        :param perception: ``TaskPerception`` of robot and object.
+        :return: ``Path``.
+        :raises ValueError: where there is none.
         """
-        super().__init__()
-        self._context = context
-        self._execution: PathExecution | None = None
-
-    def pause(self) -> None:
-        """Forget the path; the next step plans another one."""
-        self._execution = None
-
-    def step(self, perception: TaskPerception, dt: float) -> Twist:
-        """
-        Compute the command.
-
-        :param perception: ``TaskPerception`` of the robot, and of where the object was seen last.
-        :param dt: time since the last call [s].
-        :return: ``Twist``; STOP once there is a ``failure_reason``.
-        """
-        context, robot_pose = self._context, perception.robot_pose
-        if self._execution is None:
-            object_pose = perception.localization.object_pose
-            try:
-                path = plan_path(context.robot, context.obj, object_pose, robot_pose,
-                                 viewing_pose(context, robot_pose, object_pose), context.drive,
-                                 occupancy_map=context.occupancy_map)
-            except ValueError as error:
-                self.failure_reason = str(error)
-                return STOP
-            self._execution = PathExecution(context.robot, context.drive, path,
-                                            context.supervision.stall_timeout)
-        command = self._execution.step(robot_pose, dt)
-        self.finished = self._execution.finished
-        self.failure_reason = self._execution.failure_reason
-        return command
+        context, robot_pose = self.context, perception.robot_pose
+        object_pose = perception.localization.object_pose
+        return plan_path(context.robot, context.obj, object_pose, robot_pose,
+                         viewing_pose(context, robot_pose, object_pose), context.drive,
+                         occupancy_map=context.occupancy_map)
 
 
 def viewing_pose(context: BehaviorContext, robot_pose: Pose, object_pose: Pose) -> Pose:

@@ -1,5 +1,9 @@
-"""Following one path to its end, and noticing that the robot is stalled."""
+"""Following one path to its end, and noticing that the robot is stalled; behaviours that do so."""
 
+import abc
+
+from push_control.task.behavior import Behavior, BehaviorContext
+from push_control.task.perception import TaskPerception
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
@@ -85,4 +89,67 @@ class PathExecution:
             self.failure_reason = (f'the robot is stalled, {self._follower.remaining_distance:.2f}'
                                    ' m from the end of its path')
             return STOP
+        return command
+
+
+class PathBehavior(Behavior):
+    """
+    Drives along one path, planned at the first step and again after a pause.
+
+    Ends well at once where there is none to drive.
+
+    ``context``: the ``BehaviorContext``.
+    """
+
+    def __init__(self, context: BehaviorContext, end_speed: float = 0.0) -> None:
+        """
+        Start.
+
+        :param context: the ``BehaviorContext``.
+        :param end_speed: speed with which the robot passes the end, 0 where it stops there [m/s].
+        """
+        super().__init__()
+        self.context = context
+        self._end_speed = end_speed
+        self._execution: PathExecution | None = None
+
+    @abc.abstractmethod
+    def plan(self, perception: TaskPerception) -> Path | None:
+        """
+        Plan the path.
+
+        :param perception: ``TaskPerception`` of the robot, and of where the object was seen last.
+        :return: ``Path``, or None where there is nothing to drive.
+        :raises ValueError: with the reason, where there should be a path and is none.
+        """
+
+    def pause(self) -> None:
+        """Forget the path; the next step plans another one."""
+        self._execution = None
+
+    def step(self, perception: TaskPerception, dt: float) -> Twist:
+        """
+        Compute the command.
+
+        :param perception: ``TaskPerception`` of the robot, and of where the object was seen last.
+        :param dt: time since the last call [s].
+        :return: ``Twist``; STOP once there is a ``failure_reason``.
+        """
+        if self._execution is None:
+            try:
+                path = self.plan(perception)
+            except ValueError as error:
+                self.failure_reason = str(error)
+                return STOP
+            if path is None:
+                self.finished = True
+                return STOP
+            self._execution = PathExecution(
+                self.context.robot, self.context.drive, path,
+                self.context.supervision.stall_timeout, end_speed=self._end_speed)
+        execution = self._execution
+        command = execution.step(perception.robot_pose, dt)
+        # Beside the end of a path that is passed at speed is good enough, too.
+        self.finished = execution.finished or execution.has_missed_end
+        self.failure_reason = execution.failure_reason
         return command

@@ -2,12 +2,11 @@
 
 import math
 
-from push_control.task.behavior import Behavior, BehaviorContext
-from push_control.task.path_execution import PathExecution
+from push_control.task.behavior import BehaviorContext
+from push_control.task.path_execution import PathBehavior
 from push_control.task.perception import TaskPerception
 from push_model.contact import find_contact
 from push_model.geometry import Pose
-from push_model.signals import STOP, Twist
 from push_navigation.path import Path, sample_path
 
 # Spacing at which a path is checked against the map [m]; chosen: below the cells of a map.
@@ -20,7 +19,7 @@ MIN_GAP_RATIO = 0.5
 LEAST_GAP_RATIO = 0.17
 
 
-class Retreat(Behavior):
+class Retreat(PathBehavior):
     """Drives straight off the object, where drive and map allow it."""
 
     def __init__(self, context: BehaviorContext, distance: float, end_speed: float = 0.0) -> None:
@@ -31,38 +30,18 @@ class Retreat(Behavior):
         :param distance: how far to drive [m].
         :param end_speed: speed with which the robot passes the end, 0 where it stops there [m/s].
         """
-        super().__init__()
-        self._context = context
+        super().__init__(context, end_speed)
         self._distance = distance
-        self._end_speed = end_speed
-        self._execution: PathExecution | None = None
 
-    def pause(self) -> None:
-        """Forget the path; the next step plans another one."""
-        self._execution = None
-
-    def step(self, perception: TaskPerception, dt: float) -> Twist:
+    def plan(self, perception: TaskPerception) -> Path | None:
         """
-        Compute the command.
+        Find the straight path off the object.
 
-        :param perception: ``TaskPerception`` of the robot, and of where the object was seen last.
-        :param dt: time since the last call [s].
-        :return: ``Twist``; STOP once there is a ``failure_reason``.
+        :param perception: ``TaskPerception`` of robot and object.
+        :return: ``Path``, or None where drive or map allow none that leads away.
         """
-        if self._execution is None:
-            path = retreat_path(self._context, perception.robot_pose,
-                                perception.object_pose.pose, self._distance)
-            if path is None:
-                self.finished = True
-                return STOP
-            self._execution = PathExecution(self._context.robot, self._context.drive, path,
-                                            self._context.supervision.stall_timeout,
-                                            end_speed=self._end_speed)
-        command = self._execution.step(perception.robot_pose, dt)
-        # Off the object is good enough, even where the robot comes beside the end of its path.
-        self.finished = self._execution.finished or self._execution.has_missed_end
-        self.failure_reason = self._execution.failure_reason
-        return command
+        return retreat_path(self.context, perception.robot_pose, perception.object_pose.pose,
+                            self._distance)
 
 
 def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,

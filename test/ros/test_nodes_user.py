@@ -188,7 +188,7 @@ def test_lost_odometry_stops_the_robot(setup):
     assert speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS
 
 
-def test_settings_change_under_way(setup):
+def test_dynamic_parameters_may_be_set(setup):
     """Speeds, tolerances and gains may be set, whole numbers too; what a node is made with not."""
     assert setup.set_parameter(CONTROLLER, 'drive.speed', 0.2).successful
     assert setup.set_parameter(CONTROLLER, 'control.lateral_gain', 12).successful

@@ -37,7 +37,10 @@ class Client:
     def __init__(self, b):
         from push_control_msgs.action import PushObject
         from push_control_msgs.msg import PushStatus
-        self.b, self.action, self.now = b, PushObject, 0.0
+        self.b = b
+        self.action = PushObject
+        # Stamp of the last measurement [s].
+        self.now = 0.0
         self.statuses, self.feedback = [], []
         b.subscribe('push_request')
         b.node.create_subscription(PushStatus, 'push_status', self.statuses.append, LATCHED)

@@ -36,7 +36,11 @@ class View:
     def __init__(self, error, seed=0):
         self.ensemble = PushEnsemble(box(), ROBOT, BIASED, NO_NOISE)
         self.error, self.rng = error, np.random.default_rng(seed)
-        self.time, self.angle, self.believed = 0.0, 0.0, []
+        self.time = 0.0
+        # Round the object [rad].
+        self.angle = 0.0
+        # Whether each pose was believed.
+        self.believed = []
 
     def drive(self, rotation):
         """Drive on along the circle, or stand for a second, and see the object all the time."""

@@ -330,7 +330,7 @@ def test_a_task_that_is_cancelled_in_a_push_backs_off_first():
     assert bench.supervisor.status.is_requested
 
 
-def test_settings_may_change_under_way():
+def test_settings_may_change_during_a_task():
     """A tolerance that grows to the distance that is left makes the task done."""
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)

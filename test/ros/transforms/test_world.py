@@ -42,7 +42,10 @@ class Receiver:
             is_static: self.other.create_publisher(transform_message_type(), topic, quality)
             for is_static, topic, quality in ((False, DYNAMIC_TOPIC, DYNAMIC_QOS),
                                               (True, STATIC_TOPIC, STATIC_QOS))}
-        self.accepted, self.refused, self.moved = [], [], []
+        # Messages in the world frame, reasons of refusals, corrections of what lasts.
+        self.accepted = []
+        self.refused = []
+        self.moved = []
 
     def receive(self, message, topic='object_pose', lasting=False):
         """Give the node a message, as its subscription would."""
