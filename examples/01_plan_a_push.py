@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 
 from push_model import Pose
+from push_model.files.data import config_file
 from push_planner import plan_push, problem_from_placement, verify
 from push_scenario import read_object, read_robot
-from push_scenario.definition.data import config_file
 
 OUT = Path('out')
 

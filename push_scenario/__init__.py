@@ -15,14 +15,15 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from push_model.files.parameter_files import read_object, read_robot
+    from push_model.files.strict_yaml import ParameterFileError
     from push_scenario.batch.batch import BatchResult, run_batch, seeds
     from push_scenario.batch.varied_push import VariedPush
     from push_scenario.definition.loader import (
-        load_scenario, read_object, read_robot, scenario_from_text, scenario_names, scenario_text,
+        load_scenario, scenario_from_text, scenario_names, scenario_text,
     )
     from push_scenario.definition.placement import Placement
     from push_scenario.definition.scenario import Bounds, Scenario, Start
-    from push_scenario.definition.strict_yaml import ScenarioError
     from push_scenario.definition.task import LaterGoal, Task
     from push_scenario.evaluation.metrics import is_as_expected, measure, Metrics
     from push_scenario.evaluation.report import format_report
@@ -32,21 +33,22 @@ if TYPE_CHECKING:
     from push_scenario.simulation.result import Outcome, RunResult
 
 __all__ = [
-    'BatchResult', 'Bounds', 'draw_animation', 'draw_figure', 'format_report', 'is_as_expected',
-    'LaterGoal', 'load_scenario', 'measure', 'Metrics', 'Outcome', 'Placement', 'Progress',
-    'read_object', 'read_robot', 'run_batch', 'RunResult', 'Scenario', 'scenario_from_text',
-    'scenario_names', 'scenario_text', 'ScenarioError', 'seeds', 'simulate', 'Start', 'Task',
-    'VariedPush',
+    'BatchResult', 'Bounds', 'draw_animation', 'draw_figure', 'format_report',
+    'is_as_expected', 'LaterGoal', 'load_scenario', 'measure', 'Metrics', 'Outcome',
+    'ParameterFileError', 'Placement', 'Progress', 'read_object', 'read_robot', 'run_batch',
+    'RunResult', 'Scenario', 'scenario_from_text', 'scenario_names', 'scenario_text', 'seeds',
+    'simulate', 'Start', 'Task', 'VariedPush',
 ]
 
 _MODULES = {
+    'push_model.files.parameter_files': ('read_object', 'read_robot'),
+    'push_model.files.strict_yaml': ('ParameterFileError',),
     'push_scenario.batch.batch': ('BatchResult', 'run_batch', 'seeds'),
     'push_scenario.batch.varied_push': ('VariedPush',),
-    'push_scenario.definition.loader': ('load_scenario', 'read_object', 'read_robot',
-                                        'scenario_from_text', 'scenario_names', 'scenario_text'),
+    'push_scenario.definition.loader': ('load_scenario', 'scenario_from_text', 'scenario_names',
+                                        'scenario_text'),
     'push_scenario.definition.placement': ('Placement',),
     'push_scenario.definition.scenario': ('Bounds', 'Scenario', 'Start'),
-    'push_scenario.definition.strict_yaml': ('ScenarioError',),
     'push_scenario.definition.task': ('LaterGoal', 'Task'),
     'push_scenario.evaluation.metrics': ('is_as_expected', 'measure', 'Metrics'),
     'push_scenario.evaluation.report': ('format_report',),

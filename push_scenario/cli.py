@@ -10,9 +10,10 @@ import time
 from typing import TextIO
 
 from push_control.settings import LAWS
+from push_model.files.parameter_files import named_file
 from push_scenario.batch.interrupts import Interrupts
 from push_scenario.definition.loader import (
-    find_scenario, named_file, read_scenario, read_sensors, scenario_names, scenario_text,
+    find_scenario, read_scenario, read_sensors, scenario_names, scenario_text,
 )
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import is_as_expected

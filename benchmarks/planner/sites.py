@@ -13,12 +13,12 @@ from typing import Any
 from benchmarks.planner.measure import collect
 from benchmarks.planner.tables import table
 import numpy as np
+from push_model.files import data
+from push_model.files.parameter_files import read_object, read_robot
 from push_model.geometry import Pose
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.site_selection import choose_site
-from push_scenario.definition import data
-from push_scenario.definition.loader import read_object, read_robot
 
 BOX, ORIGIN = 'box_04', Pose(0.0, 0.0, 0.0)
 DESCRIPTION = 'CPU time of the choice of the contact site.'

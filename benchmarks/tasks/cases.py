@@ -16,11 +16,11 @@ from benchmarks.tasks.intervention import Intervention, INTERVENTIONS
 from benchmarks.tasks.maps import draw_floor, Floor, MAPS, places, reach
 import numpy as np
 from push_model.contact import find_contact
+from push_model.files import data
+from push_model.files.parameter_files import read_robot
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_planner.settings import PlannerSettings, TaskMethod
-from push_scenario.definition import data
-from push_scenario.definition.loader import read_robot
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
 from push_scenario.definition.task import Task

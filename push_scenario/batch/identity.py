@@ -11,7 +11,7 @@ import types
 from typing import Any
 from xml.etree import ElementTree
 
-from push_scenario.definition.data import share_directory
+from push_model.files.data import share_directory
 
 FORMAT = 'push_control batch 1'
 # What may compute a record: all packages but ``push_ros``; see ``_is_shell`` for what is left out.

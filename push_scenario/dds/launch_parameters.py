@@ -5,10 +5,11 @@ from pathlib import Path
 import tempfile
 from typing import Any
 
+from push_model.files.parameter_files import named_file, read_object, read_robot
 from push_model.parameters import PushedObject, RoundRobot
 from push_ros.parameters import from_parameter_values, to_parameter_values
 from push_ros.topics import CONTROLLER, SIM
-from push_scenario.definition.loader import named_file, read_object, read_robot, read_sensors
+from push_scenario.definition.loader import read_sensors
 import yaml
 
 ANY_NODE = '/**'

@@ -9,13 +9,10 @@ only what differs from them. A map may name a file of ``config/maps``.
 from pathlib import Path
 from typing import Any
 
-from push_model.parameters import PushedObject, RoundRobot
-from push_scenario.definition.data import share_directory
-from push_scenario.definition.mapping import (
-    expect_mapping, from_mapping, Location, merge, to_mapping,
-)
+from push_model.files.data import share_directory
+from push_model.files.mapping import expect_mapping, from_mapping, Location, merge, to_mapping
+from push_model.files.strict_yaml import load_yaml, ParameterFileError, parse_yaml
 from push_scenario.definition.scenario import Scenario
-from push_scenario.definition.strict_yaml import load_yaml, parse_yaml, ScenarioError
 from push_sim_node.sensors import SensorSettings
 import yaml
 
@@ -29,7 +26,7 @@ def load_scenario(name: str | Path) -> Scenario:
 
     :param name: name of a scenario of the package, such as ``straight_push``, or path of a file.
     :return: the ``Scenario``.
-    :raises ScenarioError: naming file and key, what came and what was expected.
+    :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     return read_scenario(find_scenario(name))
 
@@ -40,7 +37,7 @@ def read_scenario(path: str | Path) -> Scenario:
 
     :param path: the file.
     :return: the ``Scenario``; its name is that of the file.
-    :raises ScenarioError: naming file and key, what came and what was expected.
+    :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     path = Path(path)
     return _scenario(load_yaml(path), path.stem, Location(path), path.parent)
@@ -54,7 +51,7 @@ def scenario_from_text(text: str, name: str, source: str = 'scenario') -> Scenar
     :param name: of the scenario.
     :param source: name of the text in errors.
     :return: the ``Scenario``.
-    :raises ScenarioError: naming the key, what came and what was expected.
+    :raises ParameterFileError: naming the key, what came and what was expected.
     """
     return _scenario(parse_yaml(text, source), name, Location(source), None)
 
@@ -75,15 +72,15 @@ def find_scenario(name: str | Path) -> Path:
 
     :param name: path of a file, or name such as ``straight_push``.
     :return: its path.
-    :raises ScenarioError: where there is none, with the names there are.
+    :raises ParameterFileError: where there is none, with the names there are.
     """
     path = Path(name)
     if path.suffix in ('.yaml', '.yml') or path.is_file():
         return path
     path = scenario_directory() / f'{name}.yaml'
     if not path.is_file():
-        raise ScenarioError(f'{name}: got no such scenario, expected a path or one of '
-                            + ', '.join(scenario_names()))
+        raise ParameterFileError(f'{name}: got no such scenario, expected a path or one of '
+                                 + ', '.join(scenario_names()))
     return path
 
 
@@ -97,58 +94,15 @@ def scenario_directory() -> Path:
     return share_directory() / 'config' / 'scenarios'
 
 
-def read_object(path: str | Path) -> PushedObject:
-    """
-    Read an object file.
-
-    :param path: the file.
-    :return: the ``PushedObject``.
-    :raises ScenarioError: naming file and key, what came and what was expected.
-    """
-    return from_mapping(PushedObject, load_yaml(Path(path)), Location(path))
-
-
-def read_robot(path: str | Path) -> RoundRobot:
-    """
-    Read a robot file.
-
-    :param path: the file.
-    :return: the ``RoundRobot``.
-    :raises ScenarioError: naming file and key, what came and what was expected.
-    """
-    return from_mapping(RoundRobot, load_yaml(Path(path)), Location(path))
-
-
 def read_sensors(path: str | Path) -> SensorSettings:
     """
     Read a file of ``config/sensors``.
 
     :param path: the file.
     :return: the ``SensorSettings``.
-    :raises ScenarioError: naming file and key, what came and what was expected.
+    :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     return from_mapping(SensorSettings, load_yaml(Path(path)), Location(path))
-
-
-def named_file(folder: str, name: str | Path) -> Path:
-    """
-    Find a file of objects, robots or sensors by path, or by name among those of the package.
-
-    :param folder: below ``config``, as ``objects``.
-    :param name: path of a file, or name such as ``box_04``.
-    :return: its path.
-    :raises ScenarioError: where there is none, with the names there are.
-    """
-    path = Path(name)
-    if path.suffix in ('.yaml', '.yml') or path.is_file():
-        return path
-    directory = share_directory() / 'config' / folder
-    path = directory / f'{name}.yaml'
-    if not path.is_file():
-        known = sorted(path.stem for path in directory.glob('*.yaml'))
-        raise ScenarioError(f'{name}: got no such file, expected a path or one of {folder}: '
-                            + ', '.join(known))
-    return path
 
 
 def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | None) -> Scenario:

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from push_model.files import data
 from push_scenario.batch.identity import software_digest
-from push_scenario.definition import data
 from push_study.framework.parameters import Values
 from push_study.framework.study import Finding, Outcome, Study, Table
 

@@ -5,8 +5,8 @@ import math
 from pathlib import Path
 from typing import Any, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
-from push_scenario.definition import data
-from push_scenario.definition.strict_yaml import load_yaml, parse_yaml
+from push_model.files import data
+from push_model.files.strict_yaml import load_yaml, parse_yaml
 
 # Section of config/studies.yaml whose values hold for every figure that has none of its own.
 SHARED_SECTION = 'all'
@@ -88,7 +88,7 @@ def read_chosen_values(path: Path | None = None) -> ChosenValues:
 
     :param path: YAML file; None for the one that comes with the package.
     :return: section (figure number, or ``SHARED_SECTION``) -> parameter name -> value.
-    :raises ScenarioError: where the file is not such a table.
+    :raises ParameterFileError: where the file is not such a table.
     """
     path = path or data.config_file('studies.yaml')
     return {str(key): section for key, section in load_yaml(path).items()}

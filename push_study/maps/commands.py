@@ -5,9 +5,9 @@ import functools
 from pathlib import Path
 from typing import Any, Callable, NamedTuple
 
+from push_model.files.data import share_directory
+from push_model.files.parameter_files import read_object, read_robot
 from push_model.parameters import PushedObject, RoundRobot
-from push_scenario.definition.data import share_directory
-from push_scenario.definition.loader import read_object, read_robot
 from push_study.framework.parameters import (
     check_known, ChosenValues, Overrides, read_chosen_values, read_overrides,
 )

@@ -9,8 +9,8 @@ from typing import Any, Sequence
 from matplotlib.figure import Figure
 import numpy as np
 from push_model.analysis.rolling_limits import min_robot_radius
+from push_model.files.mapping import to_mapping
 from push_model.parameters import PushedObject, RoundRobot
-from push_scenario.definition.mapping import to_mapping
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study
 from push_study.maps import stable_regions, stable_regions_figure

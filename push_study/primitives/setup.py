@@ -4,13 +4,13 @@ from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 import numpy as np
+from push_model.files.data import config_file
+from push_model.files.parameter_files import read_object, read_robot
 from push_model.geometry import FloatArray, IntArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives.selection import interpolate_displacements
 from push_primitives.store import load_primitives, PushPrimitives
 from push_primitives.table import COMMON_DRAWS, PrimitiveTable
-from push_scenario.definition.data import config_file
-from push_scenario.definition.loader import read_object, read_robot
 from push_scenario.plots.drawing import outline
 from push_study.framework.parameters import Parameter
 

@@ -13,8 +13,8 @@ from catkin_pkg.changelog import get_changelog_from_path
 from catkin_pkg.package import parse_package
 from catkin_pkg.package_version import get_forthcoming_label
 from helpers.architecture import GENERATED, ROOT
+from push_model.files import data
 from push_scenario.dds.processes import private_domain
-from push_scenario.definition import data
 import pytest
 from rcl_interfaces.srv import ListParameters
 import rclpy
@@ -119,7 +119,7 @@ def test_ros2_run_finds_the_executable(workspace, name):
 
 def test_the_installed_copy_is_what_runs(workspace, start):
     """A sourced workspace imports its own modules and finds its own data."""
-    code = 'import push_model; from push_scenario.definition import data; ' \
+    code = 'import push_model; from push_model.files import data; ' \
            'print(push_model.__file__); print(data.share_directory())'
     process = start(sys.executable, '-c', code)
     module, share = process.communicate(timeout=PATIENCE)[0].split()
@@ -206,7 +206,7 @@ def test_pip_installs_code_and_data(tmp_path):
     run([sys.executable, '-m', 'pip', 'install', '-qq', '--no-deps', '--no-build-isolation',
          '--no-index', '--ignore-installed', '--prefix', prefix, sources], tmp_path)
     library = next(prefix.glob('lib/python*/site-packages'))
-    share = run([sys.executable, '-c', 'from push_scenario.definition import data; '
+    share = run([sys.executable, '-c', 'from push_model.files import data; '
                  'print(data.config_file("objects/box_04.yaml"))'], tmp_path,
                 env={**outside(tmp_path), 'PYTHONPATH': str(library)})
     assert Path(share.strip()) == prefix / 'share/push_control/config/objects/box_04.yaml'

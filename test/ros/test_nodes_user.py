@@ -12,6 +12,7 @@ from helpers.node_bench import bench
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from push_control.ros.commands import STOP_COMMANDS
+from push_model.files.data import config_file
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.primitives import seconds, to_pose_message, to_stamp
@@ -19,7 +20,6 @@ from push_ros.diagnostics import ERROR, OK, status_values
 from push_ros.parameters import DYNAMIC, READ_ONLY, to_parameter_values
 from push_ros.start import NODES
 from push_ros.topics import CONTROLLER, PLANNER
-from push_scenario.definition.data import config_file
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
 from rcl_interfaces.msg import Log, Parameter as ParameterMessage

@@ -5,6 +5,7 @@ import math
 
 from push_control import controller_node
 from push_control.settings import ControlSettings
+from push_model.files.data import config_file
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_planner import planner_node
 from push_planner.problem import PlannerSettings
@@ -14,7 +15,6 @@ from push_ros.parameters import (
 )
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
-from push_scenario.definition.data import config_file
 from push_scenario.definition.loader import load_scenario, scenario_names
 from push_scenario.simulation.start import place_robot
 from push_sim_node import sim_node

@@ -35,7 +35,7 @@ def test_an_unknown_name_is_refused():
 @pytest.mark.slow
 def test_nothing_heavy_is_imported_before_it_is_used():
     """Neither by the package nor by its files of scenarios."""
-    code = ('import sys, push_scenario, push_scenario.definition.data\n'
+    code = ('import sys, push_scenario, push_model.files.data\n'
             f'print([name for name in {LAZY} if name in sys.modules])')
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == '[]'

@@ -1,16 +1,15 @@
 """Parameters that launch files hand to the nodes: in any namespace, objects and robots by name."""
 
+from push_model.files.data import config_file
+from push_model.files.parameter_files import named_file, read_object, read_robot
+from push_model.files.strict_yaml import ParameterFileError
 from push_model.parameters import PushedObject, RoundRobot
 from push_ros.parameters import from_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.launch_parameters import (
     launch_parameters, SIM_SECTION, switch, write_parameters,
 )
-from push_scenario.definition.data import config_file
-from push_scenario.definition.loader import (
-    named_file, read_object, read_robot, read_sensors, scenario_from_text,
-)
-from push_scenario.definition.strict_yaml import ScenarioError
+from push_scenario.definition.loader import read_sensors, scenario_from_text
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
 import pytest
@@ -106,7 +105,7 @@ def test_what_is_no_parameter_file_is_refused(tmp_path, text, message):
 
 
 def test_unknown_names_are_refused_with_those_that_there_are():
-    with pytest.raises(ScenarioError, match='expected a path or one of objects: bin, box_04'):
+    with pytest.raises(ParameterFileError, match='expected a path or one of objects: bin, box_04'):
         launch_parameters(DEFAULT, 'box')
 
 

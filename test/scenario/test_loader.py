@@ -5,13 +5,14 @@ import math
 import re
 
 from push_model.contact import find_contact
+from push_model.files.parameter_files import read_object
+from push_model.files.strict_yaml import ParameterFileError
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_scenario.definition.loader import (
-    find_scenario, read_object, read_scenario, scenario_directory, scenario_from_text,
-    scenario_names, scenario_text,
+    find_scenario, read_scenario, scenario_directory, scenario_from_text, scenario_names,
+    scenario_text,
 )
-from push_scenario.definition.strict_yaml import ScenarioError
 import pytest
 
 MINIMAL = """
@@ -155,7 +156,7 @@ def test_the_robot_is_placed_at_the_contact(tmp_path, contact, normal, gap):
 def test_errors_name_file_key_and_expectation(tmp_path, change, words):
     assert change[0] in MINIMAL
     path = write(tmp_path, MINIMAL.replace(*change))
-    with pytest.raises(ScenarioError) as error:
+    with pytest.raises(ParameterFileError) as error:
         read_scenario(path)
     assert str(error.value).startswith(f'{path}:')
     for word in words:
@@ -164,12 +165,13 @@ def test_errors_name_file_key_and_expectation(tmp_path, change, words):
 
 def test_overlap_at_the_start_is_refused(tmp_path):
     text = MINIMAL.replace('contact: {kind: face, index: 3}', 'robot: {x: -0.3}')
-    with pytest.raises(ScenarioError, match=r'start: got a robot that overlaps .* by 0\.07 m'):
+    with pytest.raises(ParameterFileError,
+                       match=r'start: got a robot that overlaps .* by 0\.07 m'):
         read_scenario(write(tmp_path, text))
 
 
 def test_missing_files_and_unknown_names_are_errors(tmp_path):
-    with pytest.raises(ScenarioError, match=re.escape(f'{tmp_path}/no.yaml: ')):
+    with pytest.raises(ParameterFileError, match=re.escape(f'{tmp_path}/no.yaml: ')):
         read_scenario(find_scenario(tmp_path / 'no.yaml'))
-    with pytest.raises(ScenarioError, match='nowhere: got no such scenario.*straight_push'):
+    with pytest.raises(ParameterFileError, match='nowhere: got no such scenario.*straight_push'):
         find_scenario('nowhere')

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 from push_model.contact import contact_point, find_contact
+from push_model.files.data import share_directory
+from push_model.files.parameter_files import read_object
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import GRAVITY, RoundRobot
 from push_model.signals import Twist
-from push_scenario.definition.data import share_directory
-from push_scenario.definition.loader import read_object, scenario_from_text
+from push_scenario.definition.loader import scenario_from_text
 from push_sim_node.plant import Plant
 import pytest
 

@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
+from push_model.files.mapping import from_mapping, Location, to_mapping
+from push_model.files.strict_yaml import ParameterFileError
 from push_model.geometry import Pose
 from push_scenario.definition.floor_map import FloorMap
 from push_scenario.definition.loader import load_scenario
-from push_scenario.definition.mapping import from_mapping, Location, to_mapping
 from push_scenario.definition.placement import Placement
-from push_scenario.definition.strict_yaml import ScenarioError
 from push_scenario.definition.task import Task
 import pytest
 
@@ -36,5 +36,5 @@ def test_later_goals_must_be_later(times):
     """One after the other, each after the start."""
     case = to_mapping(load_scenario('task_new_goal').task)
     goals = [{'time': time, 'goal': {'x': 1.0}} for time in times]
-    with pytest.raises(ScenarioError, match='goals'):
+    with pytest.raises(ParameterFileError, match='goals'):
         from_mapping(Task, {**case, 'goals': goals}, Location('case'))

@@ -5,8 +5,8 @@ import math
 
 from helpers.study_outcomes import numbers
 import numpy as np
-from push_scenario.definition.data import config_file
-from push_scenario.definition.loader import read_object, read_robot
+from push_model.files.data import config_file
+from push_model.files.parameter_files import read_object, read_robot
 from push_study import cli
 from push_study.framework.parameters import read_chosen_values
 from push_study.framework.runner import run_in_memory

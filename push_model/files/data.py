@@ -48,7 +48,7 @@ def config_file(name: str) -> Path:
 
 
 def _candidates(module: Path, environment: Mapping[str, str]) -> Iterator[Path]:
-    # push_scenario/definition/data.py: two folders up is the source tree.
+    # push_model/files/data.py: two folders up is the source tree.
     yield module.parents[2]
     for prefix in module.parents:
         yield prefix / 'share' / PACKAGE

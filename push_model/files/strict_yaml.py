@@ -11,7 +11,7 @@ import yaml
 EXPONENT_NUMBER = re.compile(r'^[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)[eE][-+]?[0-9]+$')
 
 
-class ScenarioError(ValueError):
+class ParameterFileError(ValueError):
     """What is wrong with a file: names the file, the key, what came and what was expected."""
 
 
@@ -21,14 +21,14 @@ def load_yaml(path: Path) -> dict[str, Any]:
 
     :param path: the file.
     :return: the mapping, of plain Python values.
-    :raises ScenarioError: where the file is missing, is not YAML, or repeats a key.
+    :raises ParameterFileError: where the file is missing, is not YAML, or repeats a key.
     """
     try:
         text = path.read_text(encoding='utf-8')
     except OSError as error:
-        raise ScenarioError(f'{path}: {error.strerror}, expected a readable file') from error
+        raise ParameterFileError(f'{path}: {error.strerror}, expected a readable file') from error
     except UnicodeDecodeError as error:
-        raise ScenarioError(f'{path}: got bytes that are not UTF-8, expected text') from error
+        raise ParameterFileError(f'{path}: got bytes that are not UTF-8, expected text') from error
     return parse_yaml(text, path)
 
 
@@ -39,7 +39,7 @@ def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
     :param text: the YAML.
     :param source: name of the text in errors, such as its path.
     :return: the mapping, of plain Python values.
-    :raises ScenarioError: where it is not YAML, repeats a key, or is no mapping.
+    :raises ParameterFileError: where it is not YAML, repeats a key, or is no mapping.
     """
     try:
         data = yaml.load(text, Loader=_Loader)
@@ -47,10 +47,10 @@ def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
         mark = getattr(error, 'problem_mark', None)
         line = f':{mark.line + 1}' if mark else ''
         problem = getattr(error, 'problem', None) or str(error)
-        raise ScenarioError(f'{source}{line}: {problem}') from error
+        raise ParameterFileError(f'{source}{line}: {problem}') from error
     if not isinstance(data, dict):
         found = 'nothing' if data is None else f'{type(data).__name__} {data!r}'
-        raise ScenarioError(f'{source}: got {found}, expected a mapping of keys to values')
+        raise ParameterFileError(f'{source}: got {found}, expected a mapping of keys to values')
     return data
 
 

@@ -9,8 +9,8 @@ import types
 import typing
 from typing import Any, NamedTuple, TypeVar
 
+from push_model.files.strict_yaml import ParameterFileError
 from push_model.quantity import expectation, field_types
-from push_scenario.definition.strict_yaml import ScenarioError
 
 DEGREES_SUFFIX = '_deg'
 RADIANS = ('rad', 'rad/s')
@@ -44,13 +44,13 @@ class Location(NamedTuple):
         """
         return Location(self.source, f'{self.path}[{index}]')
 
-    def error(self, problem: str) -> ScenarioError:
+    def error(self, problem: str) -> ParameterFileError:
         """
         Make the error to raise.
 
         :param problem: what came and what was expected.
         """
-        return ScenarioError(': '.join(filter(None, (str(self.source), self.path, problem))))
+        return ParameterFileError(': '.join(filter(None, (str(self.source), self.path, problem))))
 
 
 def from_mapping(cls: type[Parameters], values: object, at: Location) -> Parameters:
@@ -62,7 +62,7 @@ def from_mapping(cls: type[Parameters], values: object, at: Location) -> Paramet
     :param cls: the dataclass.
     :param values: keys to values; anything else is refused.
     :param at: where they stand.
-    :raises ScenarioError: naming file and key, what came and what was expected.
+    :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     kinds = field_types(cls)
     fields = {field.name: field for field in _init_fields(cls)}
@@ -106,7 +106,8 @@ def merge(base: Any, changes: Any, at: Location) -> Any:
     :param base: what is changed; the value itself stays as it is.
     :param changes: new values of any part of ``base``.
     :param at: where the changes stand.
-    :raises ScenarioError: where a list of mappings has another length than the list it changes.
+    :raises ParameterFileError: where a list of mappings has another length than the one it
+        changes.
     """
     if isinstance(base, dict) and isinstance(changes, dict):
         merged: dict[str, Any] = dict(base)
@@ -129,7 +130,7 @@ def expect_mapping(value: object, at: Location) -> dict[str, Any]:
 
     :param value: what came.
     :param at: where it stands.
-    :raises ScenarioError: naming both.
+    :raises ParameterFileError: naming both.
     """
     if not isinstance(value, dict):
         raise at.error(f'got {value!r}, expected a mapping of keys to values')

@@ -1,0 +1,1 @@
+"""Files of parameters: where those of the package are, and how they are read."""

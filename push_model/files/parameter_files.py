@@ -1,0 +1,59 @@
+"""Objects and robots by name or path, as in ``config/objects`` and ``config/robots``."""
+
+from pathlib import Path
+
+from push_model.files.data import share_directory
+from push_model.files.mapping import from_mapping, Location
+from push_model.files.strict_yaml import load_yaml, ParameterFileError
+from push_model.parameters import PushedObject, RoundRobot
+
+
+def read_object(path: str | Path) -> PushedObject:
+    """
+    Read an object file.
+
+    :param path: the file.
+    :return: the ``PushedObject``.
+    :raises ParameterFileError: naming file and key, what came and what was expected.
+    """
+    return from_mapping(PushedObject, load_yaml(Path(path)), Location(path))
+
+
+def read_robot(path: str | Path) -> RoundRobot:
+    """
+    Read a robot file.
+
+    :param path: the file.
+    :return: the ``RoundRobot``.
+    :raises ParameterFileError: naming file and key, what came and what was expected.
+    """
+    return from_mapping(RoundRobot, load_yaml(Path(path)), Location(path))
+
+
+def named_file(folder: str, name: str | Path) -> Path:
+    """
+    Find a file of objects, robots or sensors by path, or by name among those of the package.
+
+    :param folder: below ``config``, as ``objects``.
+    :param name: path of a file, or name such as ``box_04``.
+    :return: its path.
+    :raises ParameterFileError: where there is none, with the names there are.
+    """
+    path = Path(name)
+    if path.suffix in ('.yaml', '.yml') or path.is_file():
+        return path
+    files = files_by_name(share_directory() / 'config' / folder)
+    if str(name) not in files:
+        raise ParameterFileError(f'{name}: got no such file, expected a path or one of {folder}: '
+                                 + ', '.join(files))
+    return files[str(name)]
+
+
+def files_by_name(folder: Path) -> dict[str, Path]:
+    """
+    List the parameter files of a folder, sorted.
+
+    :param folder: the folder.
+    :return: paths by name, which is that of the file without its suffix.
+    """
+    return {path.stem: path for path in sorted(folder.glob('*.yaml'))}
