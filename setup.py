@@ -32,6 +32,7 @@ setup(
     license=MANIFEST.findtext('license'),
     python_requires='>=3.10',
     packages=find_packages(include=['push_*'], exclude=['push_control_msgs*']),
+    package_data={'push_view': ['page/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (str(SHARE), ['package.xml']),
@@ -42,10 +43,12 @@ setup(
     install_requires=['setuptools', 'numpy', 'scipy', 'casadi>=3.7.0', 'numba', 'PyYAML'],
     extras_require={
         'cluster': ['distributed'],
+        'play': ['aiohttp'],
         'plot': ['matplotlib', 'pillow', 'tqdm'],
         'record': ['rosbags'],
         'validation': ['mujoco'],
-        'test': ['catkin-pkg', 'colcon-core', 'colcon-ros', 'mcap', 'pytest', 'pytest-xdist'],
+        'test': ['catkin-pkg', 'colcon-core', 'colcon-ros', 'mcap', 'pytest', 'pytest-xdist',
+                 'selenium'],
     },
     zip_safe=False,
     entry_points={

@@ -20,6 +20,8 @@ from push_scenario.evaluation.metrics import is_as_expected
 from push_scenario.evaluation.report import format_report
 from push_scenario.simulation.loop import Progress, simulate
 from push_scenario.simulation.result import RunResult
+from push_view.belief import BeliefRecorder
+from push_view.report import write_report
 
 DEMO = 'task_demo'
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
@@ -122,7 +124,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--list', action='store_true',
                         help='list the scenarios of the package and exit')
     parser.add_argument('--demo', action='store_true',
-                        help=f'replay {DEMO}; the plots are demo.png and demo.gif')
+                        help=f'replay {DEMO}; page and plot are demo.html and demo.png')
     parser.add_argument('--law', action='append', choices=LAWS,
                         help="control law, in place of the scenario's; repeat it to compare laws")
     parser.add_argument('--sensors', metavar='NAME',
@@ -135,7 +137,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--out', type=Path, default=Path('out'), metavar='DIR',
                         help='directory for tapes, plots and recordings (default: out)')
     parser.add_argument('--no-record', action='store_true', help='write no MCAP recording')
-    parser.add_argument('--no-pictures', action='store_true', help='draw no PNG and no GIF')
+    parser.add_argument('--no-pictures', action='store_true',
+                        help='write no page (HTML) and draw no PNG')
+    parser.add_argument('--gif', action='store_true', help='draw an animation (GIF) too')
     return parser
 
 
@@ -164,11 +168,13 @@ def _replay(options: argparse.Namespace) -> int:
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')
     results: list[RunResult] = []
+    beliefs: list[BeliefRecorder] = []
     try:
         with Interrupts() as interrupts:
             for law in laws:
-                results.append(_run(scenario, law, options, interrupts))
-            _finish(results, options)
+                beliefs.append(BeliefRecorder(scenario.object))
+                results.append(_run(scenario, law, options, interrupts, beliefs[-1]))
+            _finish(results, options, beliefs)
             interrupts.check()
     except KeyboardInterrupt:
         if results:
@@ -179,7 +185,7 @@ def _replay(options: argparse.Namespace) -> int:
 
 
 def _run(scenario: Scenario, law: str, options: argparse.Namespace,
-         interrupts: Interrupts) -> RunResult:
+         interrupts: Interrupts, belief: BeliefRecorder) -> RunResult:
     line = ProgressLine(sys.stderr, time.monotonic, f'{scenario.name}, {law}')
 
     def show(progress: Progress) -> None:
@@ -188,7 +194,7 @@ def _run(scenario: Scenario, law: str, options: argparse.Namespace,
 
     if options.in_process:
         # As over DDS in lockstep, time stands still while a task is planned.
-        result = simulate(scenario, law, progress=show, planning_time=0.0)
+        result = simulate(scenario, law, progress=show, intervene=belief, planning_time=0.0)
     else:
         result = _run_over_dds(scenario, law, options, show)
     line.end(result.outcome.value)
@@ -217,17 +223,21 @@ def _can_record() -> bool:
     return found
 
 
-def _finish(results: Sequence[RunResult], options: argparse.Namespace) -> None:
+def _finish(results: Sequence[RunResult], options: argparse.Namespace,
+            beliefs: Sequence[BeliefRecorder]) -> None:
     print(format_report(results), flush=True)
     written = [result.bag for result in results if result.bag is not None]
     if not options.no_pictures and all(result.tape is not None for result in results):
-        written += _draw(results, options)
+        page = options.out / f'{_picture_name(results, options)}.html'
+        # Nodes keep to themselves what they believe.
+        write_report(results, page, beliefs if options.in_process else ())
+        written += [page, *_draw(results, options)]
     if written:
         print('written: ' + ', '.join(map(str, written)))
 
 
 def _draw(results: Sequence[RunResult], options: argparse.Namespace) -> Iterator[Path]:
-    """Draw figure and animation; yield their paths."""
+    """Draw the figure, and the animation where it is asked for; yield their paths."""
     # Imported here: only the plots need matplotlib.
     try:
         from push_scenario.plots.animation import draw_animation
@@ -235,13 +245,19 @@ def _draw(results: Sequence[RunResult], options: argparse.Namespace) -> Iterator
     except ModuleNotFoundError as error:
         print(f'replay: no plots: module {error.name} is not installed', file=sys.stderr)
         return
-    name = 'demo' if options.demo else results[0].scenario.name
-    for draw, suffix in ((draw_figure, 'png'), (draw_animation, 'gif')):
-        path = options.out / f'{name}.{suffix}'
+    drawings = [(draw_figure, 'png')]
+    if options.gif:
+        drawings.append((draw_animation, 'gif'))
+    for draw, suffix in drawings:
+        path = options.out / f'{_picture_name(results, options)}.{suffix}'
         line = ProgressLine(sys.stderr, time.monotonic, str(path))
         draw(results, path)
         line.end('drawn')
         yield path
+
+
+def _picture_name(results: Sequence[RunResult], options: argparse.Namespace) -> str:
+    return 'demo' if options.demo else results[0].scenario.name
 
 
 if __name__ == '__main__':

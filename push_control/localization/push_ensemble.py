@@ -233,6 +233,13 @@ class PushEnsemble:
         return x, y
 
     @property
+    def friction_center_covariance(self) -> tuple[float, float, float]:
+        """Covariance of the centre of friction in the object frame (xx, xy, yy) [m^2]."""
+        centers = friction_centers(self.members.obj, self._friction.log_factors)
+        matrix = np.cov(centers.T)
+        return float(matrix[0, 0]), float(matrix[0, 1]), float(matrix[1, 1])
+
+    @property
     def _friction(self) -> FrictionMembers:
         parameters = self.members.parameters
         return FrictionMembers(parameters[:, ODOMETRY_ERRORS:-1], parameters[:, -1])

@@ -131,6 +131,16 @@ class Supervisor:
         return ObjectEstimate(self._perception.time, localization.object_pose,
                               localization.object_covariance, localization.friction_center)
 
+    @property
+    def identified_object(self) -> PushedObject:
+        """The ``PushedObject`` with friction as identified by now."""
+        return self._perception.localization.obj
+
+    @property
+    def friction_center_covariance(self) -> tuple[float, float, float]:
+        """Covariance of the centre of friction in the object frame (xx, xy, yy) [m^2]."""
+        return self._perception.localization.friction_center_covariance
+
     def set_goal(self, pose: Pose | None) -> None:
         """
         Start a task, whatever is under way; while paused it waits for ``resume``.

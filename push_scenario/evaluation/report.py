@@ -100,6 +100,18 @@ def format_report(results: Sequence[RunResult]) -> str:
     :param results: the ``RunResult`` of each run, one or more.
     :return: lines without a newline at the end.
     """
+    lines = report_table(results)
+    notes = [note for result in results for note in report_notes(result)]
+    return '\n'.join([results[0].scenario.name, *_aligned(lines), *notes])
+
+
+def report_table(results: Sequence[RunResult]) -> list[list[str]]:
+    """
+    List the cells of the table: title, unit, a cell per run, bound.
+
+    :param results: the ``RunResult`` of each run of one scenario, one or more.
+    :return: lines, the first one the head.
+    """
     scenario = results[0].scenario
     metrics = [measure(result) for result in results]
     lines = [['', ''] + [TITLES[result.control_law] for result in results] + ['bound']]
@@ -108,8 +120,7 @@ def format_report(results: Sequence[RunResult]) -> str:
     if any(timings):
         lines += _table_rows(TIMING_ROWS, scenario, timings)
     lines.append(['outcome', ''] + [result.outcome.value for result in results] + [''])
-    notes = [note for result in results for note in _notes(result)]
-    return '\n'.join([scenario.name, *_aligned(lines), *notes])
+    return lines
 
 
 def _table_rows(rows: Sequence[Row], scenario: Scenario,
@@ -120,8 +131,12 @@ def _table_rows(rows: Sequence[Row], scenario: Scenario,
             for row in rows if row.applies(scenario)]
 
 
-def _notes(result: RunResult) -> Iterator[str]:
-    """Yield changes of state for a reason, and why the run ended as it did."""
+def report_notes(result: RunResult) -> Iterator[str]:
+    """
+    Yield changes of state for a reason, and why the run ended as it did.
+
+    :param result: the ``RunResult``.
+    """
     title = TITLES[result.control_law]
     for change in result.history[1:]:
         if change.reason and change.reason != result.reason:

@@ -211,6 +211,7 @@ def test_pip_installs_code_and_data(tmp_path):
                 env={**outside(tmp_path), 'PYTHONPATH': str(library)})
     assert Path(share.strip()) == prefix / 'share/push_control/config/objects/box_04.yaml'
     assert (prefix / 'bin' / 'replay').is_file()
+    assert (library / 'push_view' / 'page' / 'index.html').is_file()
 
 
 def test_data_are_found_through_the_ament_index(tmp_path):

@@ -96,8 +96,9 @@ def test_a_task_is_reported_and_drawn(tmp_path, capsys):
     assert replay(tmp_path, 'task_tap') == 0
     printed = capsys.readouterr().out
     assert 'pushes' in printed and 'time of the best single push' in printed
-    for suffix in ('png', 'gif'):
+    for suffix in ('png', 'html'):
         assert (tmp_path / 'out' / f'task_tap.{suffix}').is_file()
+    assert not (tmp_path / 'out' / 'task_tap.gif').exists()
 
 
 @pytest.mark.slow
@@ -132,8 +133,8 @@ def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
 
 
 @pytest.mark.slow
-def test_demo_takes_several_pushes_and_leaves_picture_and_animation(tmp_path, capsys):
-    assert replay(tmp_path, '--demo') == 0
+def test_demo_takes_several_pushes_and_leaves_page_picture_and_animation(tmp_path, capsys):
+    assert replay(tmp_path, '--demo', '--gif') == 0
     table = capsys.readouterr().out
     assert int(re.search(r'^pushes +(\d+)', table, re.MULTILINE)[1]) >= 2
     with Image.open(tmp_path / 'out' / 'demo.png') as picture:
@@ -142,6 +143,7 @@ def test_demo_takes_several_pushes_and_leaves_picture_and_animation(tmp_path, ca
     with Image.open(tmp_path / 'out' / 'demo.gif') as animation:
         assert animation.format == 'GIF' and animation.n_frames > 30
     assert (tmp_path / 'out' / 'demo.gif').stat().st_size < 1.5e6
+    assert (tmp_path / 'out' / 'demo.html').stat().st_size < 0.5e6
 
 
 @pytest.mark.parametrize('words, message', [

@@ -1,0 +1,113 @@
+"""What the robot believes while it pushes, as further columns beside those of the tape."""
+
+import math
+
+import numpy as np
+from push_control.push.controller import Controller
+from push_control.task.supervisor import Supervisor
+from push_model.parameters import PushedObject
+from push_sim_node.simulation import Simulation
+
+# Columns behind those of the tape; one friction coefficient per support follows. The centre of
+# friction has standard deviations along the axes of its ellipse, and the angle of the first.
+BELIEF_COLUMNS = (
+    'believed_object_x', 'believed_object_y', 'believed_object_theta',
+    'believed_robot_x', 'believed_robot_y', 'believed_robot_theta',
+    'believed_center_x', 'believed_center_y', 'believed_center_deviation_major',
+    'believed_center_deviation_minor', 'believed_center_angle', 'believed_contact_friction')
+# Number of columns of poses, which change all the time.
+POSES = 6
+# Rows for which friction as identified is kept, as it costs more; chosen: ten times a second at
+# 50 Hz.
+FRICTION_STRIDE = 5
+
+
+def belief_columns(obj: PushedObject) -> tuple[str, ...]:
+    """
+    Name the columns of what is believed of an object.
+
+    :param obj: the ``PushedObject``.
+    """
+    return BELIEF_COLUMNS + tuple(f'believed_friction_{i}' for i in range(len(obj.supports)))
+
+
+def believed_poses(controller: Controller | Supervisor) -> tuple[float, ...]:
+    """
+    Look up where object and robot are believed to be.
+
+    :param controller: of a single push, or of a task.
+    :return: (x, y, theta) of the object, then of the robot [m, m, rad]; nan before the first
+        measurements.
+    """
+    unknown = (math.nan,) * 3
+    if isinstance(controller, Controller):
+        return (*controller.status.object_pose, *controller.status.robot_pose)
+    estimate, robot_pose = controller.object_estimate, controller.status.robot_pose
+    return (*(unknown if estimate is None else estimate.pose),
+            *(unknown if robot_pose is None else robot_pose))
+
+
+def believed_friction(controller: Controller | Supervisor, count: int) -> tuple[float, ...]:
+    """
+    Look up friction as identified.
+
+    :param controller: of a single push, or of a task.
+    :param count: number of supports.
+    :return: the columns behind the poses; nan where nothing is known.
+    """
+    if isinstance(controller, Controller):
+        return (*controller.status.friction_center, *(math.nan,) * (count + 4))
+    if controller.object_estimate is None:
+        return (math.nan,) * (count + 6)
+    xx, xy, yy = controller.friction_center_covariance
+    variances, axes = np.linalg.eigh(np.array([[xx, xy], [xy, yy]]))
+    minor, major = np.sqrt(np.maximum(variances, 0.0)).tolist()
+    angle = math.atan2(axes[1, 1], axes[0, 1])
+    obj = controller.identified_object
+    return (*controller.knowledge.friction_center, major, minor, angle,
+            obj.contact_friction_coefficient,
+            *(support.friction_coefficient for support in obj.supports))
+
+
+class BeliefRecorder:
+    """
+    Records what is believed at every row of the tape; an ``Intervention`` that disturbs nothing.
+
+    :param obj: the nominal ``PushedObject``.
+    """
+
+    def __init__(self, obj: PushedObject) -> None:
+        self.columns = belief_columns(obj)
+        self._count = len(obj.supports)
+        self._rows: dict[int, tuple[float, ...]] = {}
+        self._friction: tuple[float, ...] = ()
+        self._friction_row = -FRICTION_STRIDE
+
+    def __call__(self, simulation: Simulation, controller: Controller | Supervisor) -> None:
+        """
+        Take down what is believed after the last measurement.
+
+        :param simulation: the ``Simulation``.
+        :param controller: the ``Controller`` of a single push, or the ``Supervisor`` of a task.
+        """
+        row = len(simulation.rows) - 1
+        if row in self._rows:
+            return
+        if row >= self._friction_row + FRICTION_STRIDE or row < self._friction_row:
+            self._friction_row = row
+            self._friction = believed_friction(controller, self._count)
+        self._rows[row] = believed_poses(controller) + self._friction
+
+    def row(self, number: int) -> tuple[float, ...]:
+        """
+        Look up what was believed.
+
+        :param number: of the row of the tape.
+        :return: numbers in the order of ``columns``; nan where nothing was recorded.
+        """
+        return self._rows.get(number, (math.nan,) * len(self.columns))
+
+    def clear(self) -> None:
+        """Forget everything, as for another run."""
+        self._rows.clear()
+        self._friction_row = -FRICTION_STRIDE

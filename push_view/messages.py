@@ -1,0 +1,190 @@
+"""
+Messages of the page: what it is shown of a run, in the order in which that happened.
+
+A message is a mapping with the key ``type``, as JSON has them. A live page receives them one by
+one, a report holds those of whole runs; the page treats both alike. Rows have the columns of a
+``Tape``, and behind them those of ``BELIEF_COLUMNS`` where it is known what the robot believes.
+All quantities have SI units; poses are (x, y, theta) in the world, None stands for what is not
+known.
+"""
+
+from collections.abc import Iterable, Sequence
+import math
+from typing import Any
+
+import numpy as np
+from push_control.task.status import StateChange
+from push_model.friction import friction_center
+from push_model.geometry import Coordinates, FloatArray, Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import Path
+from push_planner.sequence.planner import TaskPlan
+from push_scenario.definition.floor_map import FREE, OCCUPIED
+from push_scenario.definition.scenario import Scenario
+
+Message = dict[str, Any]
+
+# Decimals of what is sent: 10 um, and as fine for angles and forces; chosen: below what a screen
+# shows at any zoom.
+DECIMALS = 5
+# Samples of a planned path; chosen: enough to look smooth.
+PLAN_SAMPLES = 40
+
+
+def scene_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Message:
+    """
+    Describe what there is; a scene starts a new run.
+
+    :param scenario: the ``Scenario``.
+    :param law: control law of the run.
+    :param columns: names of the columns of its rows.
+    """
+    return {
+        'type': 'scene', 'title': scenario.name.replace('_', ' '),
+        'description': ' '.join(scenario.description.split()), 'law': law,
+        'object': object_values(scenario.object), 'robot': robot_values(scenario.robot),
+        'position_bound': scenario.bounds.position_error,
+        'heading_bound': scenario.bounds.heading_error, 'columns': list(columns)}
+
+
+def object_values(obj: PushedObject) -> Message:
+    """
+    Describe an object by its nominal parameters.
+
+    :param obj: the ``PushedObject``.
+    """
+    return {'outline': [rounded(vertex) for vertex in obj.outline], 'radius': obj.radius,
+            'mass': obj.mass,
+            'supports': [rounded((support.x, support.y)) for support in obj.supports],
+            'friction': [support.friction_coefficient for support in obj.supports],
+            'contact_friction': obj.contact_friction_coefficient,
+            'friction_center': rounded(friction_center(obj))}
+
+
+def robot_values(robot: RoundRobot) -> Message:
+    """
+    Describe a robot.
+
+    :param robot: the ``RoundRobot``.
+    """
+    return {'radius': robot.radius, 'drive': robot.drive}
+
+
+def rows_message(rows: Iterable[Sequence[float]] | FloatArray) -> Message:
+    """
+    Send rows of the tape.
+
+    :param rows: one sequence of numbers each, in the order of the columns of the scene.
+    """
+    return {'type': 'rows', 'rows': [rounded(row) for row in rows]}
+
+
+def truth_message(time: float, obj: PushedObject) -> Message:
+    """
+    State the true friction from a time on.
+
+    :param time: [s].
+    :param obj: the true ``PushedObject``.
+    """
+    return {'type': 'truth', 'time': rounded((time,))[0],
+            'friction': [round(support.friction_coefficient, DECIMALS)
+                         for support in obj.supports],
+            'contact_friction': obj.contact_friction_coefficient,
+            'friction_center': rounded(friction_center(obj))}
+
+
+def goal_message(time: float, pose: Coordinates) -> Message:
+    """
+    State the goal from a time on.
+
+    :param time: [s].
+    :param pose: goal ``Pose`` of the object.
+    """
+    return {'type': 'goal', 'time': rounded((time,))[0], 'pose': rounded(pose)}
+
+
+def state_message(change: StateChange) -> Message:
+    """
+    Report a change of state.
+
+    :param change: the ``StateChange``.
+    """
+    return {'type': 'state', 'time': rounded((change.time,))[0], 'state': change.state.value,
+            'reason': change.reason, 'requested': change.is_requested}
+
+
+def map_message(time: float, occupancy_map: OccupancyMap | None) -> Message:
+    """
+    State which floor is occupied from a time on.
+
+    :param time: [s].
+    :param occupancy_map: the ``OccupancyMap``; None for open floor.
+    """
+    message: Message = {'type': 'map', 'time': rounded((time,))[0], 'rows': []}
+    if occupancy_map is not None:
+        message.update(
+            resolution=occupancy_map.resolution, origin=rounded(occupancy_map.origin),
+            rows=[''.join(OCCUPIED if cell else FREE for cell in row)
+                  for row in occupancy_map.occupied.tolist()])
+    return message
+
+
+def push_message(time: float, trajectory: PushTrajectory) -> Message:
+    """
+    Show the plan of a single push.
+
+    :param time: from which on it holds [s].
+    :param trajectory: the ``PushTrajectory``.
+    """
+    picked = np.unique(np.linspace(0, len(trajectory.times) - 1, PLAN_SAMPLES).astype(int))
+    return {'type': 'plan', 'time': rounded((time,))[0],
+            'object': [rounded(pose) for pose in trajectory.object_poses[picked]],
+            'robot': [rounded(pose) for pose in trajectory.robot_poses[picked]],
+            'contact': [rounded(pose) for pose in trajectory.contact_poses[picked]],
+            'approach': [], 'later': []}
+
+
+def plan_message(time: float, plan: TaskPlan) -> Message:
+    """
+    Show the plan of a task: its first push, the path to it, and about what follows.
+
+    :param time: from which on it holds [s].
+    :param plan: the ``TaskPlan``.
+    """
+    return {**push_message(time, plan.trajectory),
+            'approach': path_points(plan.approach_path),
+            'later': [rounded(push.end) for push in plan.pushes[1:]]}
+
+
+def path_points(path: Path) -> list[list[float | None]]:
+    """
+    Sample the path of a robot.
+
+    :param path: the ``Path``.
+    :return: (x, y, theta) of each sample.
+    """
+    fractions = np.linspace(0.0, 1.0, PLAN_SAMPLES // 4)
+    return [rounded(pose) for segment in path.segments for pose in segment.poses(fractions)]
+
+
+def displacement_message(time: float, before: Pose, after: Pose) -> Message:
+    """
+    Report that somebody has moved the object.
+
+    :param time: [s].
+    :param before: ``Pose`` of the object.
+    :param after: its ``Pose`` then.
+    """
+    return {'type': 'displacement', 'time': rounded((time,))[0], 'before': rounded(before),
+            'after': rounded(after)}
+
+
+def rounded(values: Iterable[float]) -> list[float | None]:
+    """
+    Round numbers to what is sent; those that are not finite become None.
+
+    :param values: the numbers.
+    """
+    return [round(float(value), DECIMALS) if math.isfinite(value) else None for value in values]

@@ -1,0 +1,193 @@
+'use strict';
+// Dragging on the floor, by pointer and by keys: goal, object, walls, and the view itself.
+
+const TOOLS = ['goal', 'object', 'wall', 'pan'];
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+// Steps of keys [m], [rad].
+const COARSE = 0.05, FINE = 0.01, TURN = Math.PI / 36;
+// How near to a handle a pointer must be [pixels].
+const NEAR = 22;
+
+function isInside(point, outline) {
+  return outline.every((vertex, i) => {
+    const next = outline[(i + 1) % outline.length];
+    return (next[0] - vertex[0]) * (point[1] - vertex[1]) - (next[1] - vertex[1]) * (point[0] - vertex[0]) >= 0;
+  });
+}
+
+class Editor {
+  constructor(canvas, app) {
+    this.canvas = canvas;
+    this.app = app;
+    this.edit = null;
+    this.pointers = new Map();
+    canvas.addEventListener('pointerdown', (event) => this.onDown(event));
+    canvas.addEventListener('pointermove', (event) => this.onMove(event));
+    for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, (event) => this.onUp(event));
+    canvas.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      app.camera.zoom(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY);
+      app.redraw();
+    }, { passive: false });
+    canvas.addEventListener('keydown', (event) => this.onKey(event));
+    for (const radio of document.getElementsByName('tool')) {
+      radio.addEventListener('change', () => this.setTool(radio.value));
+    }
+    byId('clear-walls').addEventListener('click', () => this.app.send({ type: 'clear_walls' }));
+    this.setTool('goal');
+  }
+
+  get canEdit() { return this.app.canEdit; }
+
+  setTool(tool) {
+    this.tool = tool;
+    this.edit = null;
+    document.querySelector(`input[name="tool"][value="${tool}"]`).checked = true;
+    this.app.floor.tool = tool;
+    this.app.redraw();
+  }
+
+  poseOf(body) {
+    const { recording, player } = this.app;
+    if (body === 'object') return poseOf(recording.at(player.time), 'object');
+    const goal = recording.latest('goal', Infinity);
+    return goal ? goal.pose.slice() : poseOf(recording.at(player.time), 'object');
+  }
+
+  // What a pointer takes hold of: {body, isRotation}, or null for the floor.
+  grip(x, y) {
+    const { floor, camera, recording } = this.app;
+    if (!this.canEdit || recording.isEmpty || !floor.outline) return null;
+    const point = camera.toFloor(x, y);
+    const bodies = this.tool === 'object' ? ['object', 'goal'] : ['goal', 'object'];
+    for (const body of bodies) {
+      const [u, v] = camera.toScreen(floor.handleOf(this.poseOf(body)));
+      if (body === this.tool && Math.hypot(u - x, v - y) < NEAR) return { body, isRotation: true };
+    }
+    for (const body of bodies) {
+      const pose = this.poseOf(body), [dx, dy] = [point[0] - pose[0], point[1] - pose[1]];
+      const c = Math.cos(pose[2]), s = Math.sin(pose[2]);
+      if (isInside([c * dx + s * dy, -s * dx + c * dy], floor.outline)) return { body, isRotation: false };
+    }
+    return null;
+  }
+
+  onDown(event) {
+    this.canvas.focus({ preventScroll: true });
+    this.canvas.setPointerCapture(event.pointerId);
+    this.pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    if (this.pointers.size > 1) {
+      this.edit = null;
+      return;
+    }
+    const point = this.app.camera.toFloor(event.offsetX, event.offsetY);
+    if (this.canEdit && this.tool === 'wall') {
+      this.edit = { body: 'wall', from: point, to: point };
+    } else if (this.tool !== 'pan') {
+      const grip = this.grip(event.offsetX, event.offsetY);
+      if (!grip) return;
+      if (grip.body !== this.tool) this.setTool(grip.body);
+      const pose = this.poseOf(grip.body);
+      this.edit = { ...grip, pose, offset: [point[0] - pose[0], point[1] - pose[1]] };
+    }
+    this.app.redraw();
+  }
+
+  onMove(event) {
+    if (!this.pointers.has(event.pointerId)) return;
+    const before = this.pointers.get(event.pointerId), now = [event.offsetX, event.offsetY];
+    if (this.pointers.size === 2) {
+      this.pinch(event.pointerId, before, now);
+    } else if (this.edit) {
+      this.drag(this.app.camera.toFloor(...now));
+    } else {
+      this.app.camera.pan(now[0] - before[0], now[1] - before[1]);
+    }
+    this.pointers.set(event.pointerId, now);
+    this.app.redraw();
+  }
+
+  drag(point) {
+    const edit = this.edit;
+    if (edit.body === 'wall') {
+      edit.to = point;
+    } else if (edit.isRotation) {
+      edit.pose[2] = Math.atan2(point[1] - edit.pose[1], point[0] - edit.pose[0]);
+    } else {
+      edit.pose[0] = point[0] - edit.offset[0];
+      edit.pose[1] = point[1] - edit.offset[1];
+    }
+  }
+
+  pinch(id, before, now) {
+    const other = [...this.pointers].find(([key]) => key !== id)[1];
+    const size = (point) => Math.max(1, Math.hypot(point[0] - other[0], point[1] - other[1]));
+    this.app.camera.zoom(size(now) / size(before), 0.5 * (now[0] + other[0]), 0.5 * (now[1] + other[1]));
+  }
+
+  onUp(event) {
+    this.pointers.delete(event.pointerId);
+    if (event.type === 'pointerup' && this.edit) this.confirm();
+    this.edit = null;
+    this.app.redraw();
+  }
+
+  confirm() {
+    const edit = this.edit;
+    this.edit = null;
+    if (edit.body === 'wall') {
+      if (edit.from) this.app.send({ type: 'wall', start: edit.from, end: edit.to });
+    } else {
+      this.app.send({ type: edit.body === 'goal' ? 'goal' : 'displace', pose: edit.pose });
+    }
+  }
+
+  onKey(event) {
+    if (!this.canEdit || event.ctrlKey || event.altKey || event.metaKey) return;
+    const step = event.shiftKey ? FINE : COARSE, arrow = ARROWS[event.key];
+    if (arrow && this.tool === 'pan') {
+      this.app.camera.pan(-40 * arrow[0], 40 * arrow[1]);
+    } else if (arrow) {
+      this.startEdit();
+      this.move(arrow[0] * step, arrow[1] * step);
+    } else if ((event.key === '[' || event.key === ']') && ['goal', 'object'].includes(this.tool)) {
+      this.startEdit();
+      this.edit.pose[2] += (event.key === '[' ? 1 : -1) * TURN;
+    } else if (event.key === 'Enter' && this.tool === 'wall') {
+      this.placeWallEnd();
+    } else if (event.key === 'Enter' && this.edit) {
+      this.confirm();
+    } else if (event.key === 'Escape') {
+      this.edit = null;
+    } else {
+      return;
+    }
+    event.preventDefault();
+    event.stopPropagation();
+    this.app.redraw();
+  }
+
+  startEdit() {
+    if (this.edit) return;
+    this.edit = this.tool === 'wall' ? { body: 'wall', from: null, to: this.app.camera.center.slice() }
+      : { body: this.tool, isRotation: false, pose: this.poseOf(this.tool) };
+  }
+
+  move(dx, dy) {
+    const point = this.edit.body === 'wall' ? this.edit.to : this.edit.pose;
+    point[0] += dx;
+    point[1] += dy;
+  }
+
+  placeWallEnd() {
+    this.startEdit();
+    if (!this.edit.from) {
+      this.edit.from = this.edit.to;
+      this.edit.to = this.edit.to.slice();
+      return;
+    }
+    const end = this.edit.to.slice();
+    this.confirm();
+    this.edit = { body: 'wall', from: null, to: end };
+  }
+}

@@ -1,0 +1,322 @@
+'use strict';
+// Draws the floor at one instant.
+
+const GRAVITY = 9.81;
+const PUSH_COLOR_COUNT = 6;
+
+class Floor {
+  constructor(canvas, camera) {
+    this.context = canvas.getContext('2d');
+    this.camera = camera;
+    this.setTheme();
+  }
+
+  setTheme() { this.colors = themeColors(); }
+
+  // edit: what is being dragged, or null.
+  draw(recording, time, edit) {
+    const c = this.context, camera = this.camera;
+    c.setTransform(camera.ratio, 0, 0, camera.ratio, 0, 0);
+    c.fillStyle = this.colors.paper;
+    c.fillRect(0, 0, camera.width, camera.height);
+    this.drawGrid();
+    const scene = recording.scene;
+    if (!scene) return;
+    this.outline = outlineOf(scene.object);
+    this.drawMap(recording.latest('map', time));
+    const goal = recording.latest('goal', time);
+    this.drawTrails(recording, time, goal);
+    this.drawPlan(recording, time, goal);
+    if (goal && !(edit && edit.body === 'goal')) this.drawGoal(goal.pose);
+    if (!recording.isEmpty) this.drawBodies(recording, time);
+    this.drawDisplacement(recording.latest('displacement', time), time);
+    if (edit) this.drawEdit(edit);
+  }
+
+  line(points, color, width, dash = []) {
+    if (points.length < 2) return;
+    const c = this.context;
+    c.beginPath();
+    points.forEach((point, i) => {
+      const [x, y] = this.camera.toScreen(point);
+      if (i) c.lineTo(x, y); else c.moveTo(x, y);
+    });
+    c.setLineDash(dash);
+    c.lineWidth = width;
+    c.strokeStyle = color;
+    c.stroke();
+    c.setLineDash([]);
+  }
+
+  shape(points, { fill, stroke, width = 1.5, dash = [], alpha = 1 }) {
+    const c = this.context;
+    c.beginPath();
+    points.forEach((point) => c.lineTo(...this.camera.toScreen(point)));
+    c.closePath();
+    if (fill) {
+      c.globalAlpha = alpha;
+      c.fillStyle = fill;
+      c.fill();
+      c.globalAlpha = 1;
+    }
+    c.setLineDash(dash);
+    c.lineWidth = width;
+    c.strokeStyle = stroke;
+    c.stroke();
+    c.setLineDash([]);
+  }
+
+  circle(point, radius, { fill, stroke, width = 1.5, dash = [], alpha = 1 }) {
+    const c = this.context;
+    c.beginPath();
+    c.arc(...this.camera.toScreen(point), radius, 0, 2 * Math.PI);
+    if (fill) {
+      c.globalAlpha = alpha;
+      c.fillStyle = fill;
+      c.fill();
+      c.globalAlpha = 1;
+    }
+    if (stroke) {
+      c.setLineDash(dash);
+      c.lineWidth = width;
+      c.strokeStyle = stroke;
+      c.stroke();
+      c.setLineDash([]);
+    }
+  }
+
+  // The object with a bar that marks its front.
+  drawObject(pose, style) {
+    this.shape(this.outline.map((vertex) => transform(pose, vertex)), style);
+    const front = Math.max(...this.outline.map((vertex) => vertex[0]));
+    this.line([transform(pose, [0.6 * front, 0]), transform(pose, [front, 0])], style.stroke,
+              style.width, style.dash);
+  }
+
+  drawRobot(pose, radius, style) {
+    this.circle(pose, radius * this.camera.scale, style);
+    this.line([pose, transform(pose, [radius, 0])], style.stroke, style.width, style.dash);
+  }
+
+  drawGrid() {
+    const c = this.context, camera = this.camera;
+    const step = [0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * camera.scale > 56) || 10;
+    const [left, top] = camera.toFloor(0, 0), [right, bottom] = camera.toFloor(camera.width, camera.height);
+    c.strokeStyle = this.colors.grid;
+    c.lineWidth = 1;
+    c.fillStyle = this.colors.faint;
+    c.font = '11px system-ui, sans-serif';
+    c.textAlign = 'left';
+    c.textBaseline = 'alphabetic';
+    const digits = step < 1 ? 1 : 0;
+    c.beginPath();
+    for (let i = Math.ceil(left / step); i * step <= right; i += 1) {
+      const x = camera.toScreen([i * step, 0])[0];
+      c.moveTo(x, 0);
+      c.lineTo(x, camera.height);
+      c.fillText((i * step).toFixed(digits), x + 3, camera.height - 4);
+    }
+    for (let i = Math.ceil(bottom / step); i * step <= top; i += 1) {
+      const y = camera.toScreen([0, i * step])[1];
+      c.moveTo(0, y);
+      c.lineTo(camera.width, y);
+      if (y < camera.height - 16) c.fillText((i * step).toFixed(digits) + (i ? '' : ' m'), 4, y - 3);
+    }
+    c.stroke();
+  }
+
+  drawMap(map) {
+    if (!map || !map.rows.length) return;
+    const c = this.context, side = map.resolution;
+    c.fillStyle = this.colors.wall;
+    map.rows.forEach((row, j) => {
+      // Neighbours in a row are one rectangle.
+      for (let i = row.indexOf('#'); i >= 0;) {
+        let end = i;
+        while (row[end] === '#') end += 1;
+        c.beginPath();
+        for (const [u, v] of [[i, j], [end, j], [end, j + 1], [i, j + 1]]) {
+          c.lineTo(...this.camera.toScreen(transform(map.origin, [u * side, v * side])));
+        }
+        c.closePath();
+        c.fill();
+        i = row.indexOf('#', end);
+      }
+    });
+  }
+
+  pushColor(number) { return this.colors['push-' + number % PUSH_COLOR_COUNT]; }
+
+  drawTrails(recording, time, goal) {
+    const since = recording.isLive && goal ? goal.time : -Infinity;
+    const between = (path, start, end) => path.filter((point) => point.t >= start && point.t <= end);
+    const points = (path) => path.map((point) => [point.x, point.y]);
+    this.line(points(between(recording.paths.robot, since, time)), this.colors.faint, 1.5, [1, 4]);
+    for (const push of recording.pushes()) {
+      if (push.start > time || push.end < since) continue;
+      const end = Math.min(push.end, time), color = this.pushColor(push.number);
+      const trail = points(between(recording.paths.object, push.start, end));
+      this.line(trail, color, 3.5);
+      const robot = recording.at(push.start);
+      this.label(String(push.number + 1), poseOf(robot, 'robot'), color);
+    }
+  }
+
+  label(text, point, color) {
+    const c = this.context, [x, y] = this.camera.toScreen(point);
+    this.circle(point, 9, { fill: this.colors.paper, stroke: color, width: 2 });
+    c.fillStyle = this.colors.ink;
+    c.font = 'bold 11px system-ui, sans-serif';
+    c.textAlign = 'center';
+    c.textBaseline = 'middle';
+    c.fillText(text, x, y + 0.5);
+  }
+
+  // The plan that is under way: until another state than approach, align and push.
+  drawPlan(recording, time, goal) {
+    const plan = recording.latest('plan', time), state = recording.latest('state', time);
+    if (!plan || goal && goal.time > plan.time) return;
+    if (state && !['approach', 'align', 'push'].includes(state.state)) return;
+    this.line(plan.approach, this.colors.plan, 1.2, [2, 4]);
+    this.line(plan.object, this.colors.plan, 2, [7, 4]);
+    const last = plan.object[plan.object.length - 1];
+    for (const pose of [last, ...plan.later]) {
+      this.drawObject(pose, { stroke: this.colors.plan, width: 1, dash: [3, 3] });
+    }
+    this.drawRobot(plan.robot[0], recording.scene.robot.radius,
+                   { stroke: this.colors.plan, width: 1, dash: [3, 3] });
+  }
+
+  drawGoal(pose, isEdited = false) {
+    const style = { stroke: this.colors.goal, width: isEdited ? 4 : 2.8, dash: [8, 4] };
+    this.drawObject(pose, style);
+    this.drawHandle(pose, this.colors.goal);
+  }
+
+  // A ring ahead of the front: what rotates it.
+  handleOf(pose) {
+    const front = Math.max(...this.outline.map((vertex) => vertex[0]));
+    return transform(pose, [front + 26 / this.camera.scale, 0]);
+  }
+
+  drawHandle(pose, color) {
+    if (!this.showsHandles) return;
+    const handle = this.handleOf(pose), front = Math.max(...this.outline.map((vertex) => vertex[0]));
+    this.line([transform(pose, [front, 0]), handle], color, 1.5);
+    this.circle(handle, 7, { fill: this.colors.paper, stroke: color, width: 2.5 });
+  }
+
+  drawBodies(recording, time) {
+    const values = recording.at(time), scene = recording.scene, colors = this.colors;
+    const truth = recording.latest('truth', time);
+    const object = poseOf(values, 'object'), robot = poseOf(values, 'robot');
+    this.drawObject(object, { fill: colors.object, stroke: colors.object, width: 2.5, alpha: 0.16 });
+    this.drawSupports(scene, truth, object);
+    if (this.showsHandles && this.tool === 'object') this.drawHandle(object, colors.object);
+    this.drawRobot(robot, scene.robot.radius,
+                   { fill: colors.robot, stroke: colors.ink, width: 2, alpha: 0.75 });
+    this.drawBelief(values, scene, object);
+    this.drawCenter(transform(object, (truth || scene.object).friction_center));
+    this.drawContact(values, truth || scene.object, scene.object.mass);
+  }
+
+  // Discs as large as the true friction, rings as large as the nominal one.
+  drawSupports(scene, truth, pose) {
+    const nominal = scene.object.friction, most = Math.max(...nominal, ...(truth ? truth.friction : []));
+    const size = (value) => 0.045 * this.camera.scale * Math.sqrt(value / most);
+    scene.object.supports.forEach((support, i) => {
+      const point = transform(pose, support);
+      if (truth) this.circle(point, size(truth.friction[i]), { fill: this.colors.object, alpha: 0.45 });
+      this.circle(point, size(nominal[i]), { stroke: this.colors.faint, width: 1.2, dash: [3, 2] });
+    });
+  }
+
+  drawBelief(values, scene, object) {
+    const colors = this.colors, style = { stroke: colors.believed, width: 1.6, dash: [9, 3, 2, 3] };
+    const believed = poseOf(values, 'believed_object'), robot = poseOf(values, 'believed_robot');
+    if (believed.every(Number.isFinite)) this.drawObject(believed, style);
+    if (robot.every(Number.isFinite)) this.drawRobot(robot, scene.robot.radius, style);
+    let center = [values('believed_center_x'), values('believed_center_y')];
+    if (!center.every(Number.isFinite)) center = scene.object.friction_center;
+    const point = transform(object, center), c = this.context;
+    const [x, y] = this.camera.toScreen(point);
+    // A plus, and the ellipse of two standard deviations.
+    c.beginPath();
+    c.moveTo(x - 8, y);
+    c.lineTo(x + 8, y);
+    c.moveTo(x, y - 8);
+    c.lineTo(x, y + 8);
+    c.lineWidth = 2.5;
+    c.strokeStyle = colors.believed;
+    c.stroke();
+    const [major, minor] = [values('believed_center_deviation_major'), values('believed_center_deviation_minor')];
+    if (!(major > 0)) return;
+    c.beginPath();
+    c.ellipse(x, y, 2 * major * this.camera.scale, 2 * minor * this.camera.scale,
+              -(object[2] + values('believed_center_angle')), 0, 2 * Math.PI);
+    c.lineWidth = 1.5;
+    c.stroke();
+  }
+
+  // The true friction centre: a cross.
+  drawCenter(point) {
+    const c = this.context, [x, y] = this.camera.toScreen(point);
+    c.beginPath();
+    c.moveTo(x - 6, y - 6);
+    c.lineTo(x + 6, y + 6);
+    c.moveTo(x - 6, y + 6);
+    c.lineTo(x + 6, y - 6);
+    c.lineWidth = 3;
+    c.strokeStyle = this.colors.object;
+    c.stroke();
+  }
+
+  drawContact(values, truth, mass) {
+    if (!(values('force_n') > 0)) return;
+    const contact = [values('contact_x'), values('contact_y'), values('normal')];
+    const half = Math.atan(truth.contact_friction), length = 0.28;
+    const edge = (angle) => transform(contact, [length * Math.cos(angle), length * Math.sin(angle)]);
+    this.shape([contact, edge(-half), edge(half)],
+               { fill: this.colors.cone, stroke: this.colors.cone, width: 1.2, dash: [6, 2, 1, 2], alpha: 0.12 });
+    // A metre of arrow is the weight of the object.
+    const scale = 1 / (mass * GRAVITY);
+    const tip = transform(contact, [scale * values('force_n'), scale * values('force_t')]);
+    this.arrow(contact, tip, this.colors.force);
+    this.circle(contact, 4, { fill: this.colors.force });
+  }
+
+  arrow(start, end, color) {
+    const [x0, y0] = this.camera.toScreen(start), [x1, y1] = this.camera.toScreen(end);
+    if (Math.hypot(x1 - x0, y1 - y0) < 2) return;
+    const angle = Math.atan2(y1 - y0, x1 - x0), c = this.context;
+    c.lineWidth = 3;
+    c.strokeStyle = color;
+    c.beginPath();
+    c.moveTo(x0, y0);
+    c.lineTo(x1, y1);
+    for (const side of [-0.5, 0.5]) {
+      c.moveTo(x1, y1);
+      c.lineTo(x1 - 11 * Math.cos(angle + side), y1 - 11 * Math.sin(angle + side));
+    }
+    c.stroke();
+  }
+
+  // For two seconds: from where to where somebody has moved the object.
+  drawDisplacement(message, time) {
+    if (!message || time > message.time + 2) return;
+    this.arrow(message.before, message.after, this.colors.force);
+  }
+
+  drawEdit(edit) {
+    if (edit.body === 'goal') this.drawGoal(edit.pose, true);
+    if (edit.body === 'object') {
+      this.drawObject(edit.pose, { stroke: this.colors.object, width: 3, dash: [4, 4] });
+      this.drawHandle(edit.pose, this.colors.object);
+    }
+    if (edit.body === 'wall') {
+      const width = Math.max(3, 0.1 * this.camera.scale);
+      if (edit.from) this.line([edit.from, edit.to], this.colors.wall, width);
+      this.circle(edit.to, 8, { stroke: this.colors.accent, width: 2 });
+    }
+  }
+}

@@ -1,0 +1,150 @@
+'use strict';
+// Puts the page together: a report that it holds, or the server it came from.
+
+class App {
+  constructor() {
+    this.recording = new Recording();
+    this.camera = new Camera(byId('floor'));
+    this.floor = new Floor(byId('floor'), this.camera);
+    this.player = new Player(this.recording);
+    this.panel = new Panel((time) => this.player.seek(time));
+    this.canEdit = false;
+    this.needsDrawing = true;
+    this.shown = { time: NaN, version: -1 };
+    this.frames = [];
+    this.editor = new Editor(byId('floor'), this);
+    this.connection = null;
+    this.listen();
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  redraw() { this.needsDrawing = true; }
+
+  send(message) { if (this.connection) this.connection.send(message); }
+
+  listen() {
+    new ResizeObserver(() => {
+      this.camera.resize();
+      if (!this.camera.isMoved) this.camera.fit(this.recording);
+      this.redraw();
+    }).observe(byId('floor'));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+      this.floor.setTheme();
+      this.recording.version += 1;
+      this.redraw();
+    });
+    const zoom = (factor) => { this.camera.zoom(factor); this.redraw(); };
+    const fit = () => { this.camera.fit(this.recording); this.redraw(); };
+    byId('zoom-in').addEventListener('click', () => zoom(1.3));
+    byId('zoom-out').addEventListener('click', () => zoom(1 / 1.3));
+    byId('fit').addEventListener('click', fit);
+    byId('restart').addEventListener('click', () => this.send({ type: 'restart' }));
+    const keys = {
+      ' ': () => this.player.toggle(), ',': () => this.player.step(-1), '.': () => this.player.step(1),
+      'f': fit, '+': () => zoom(1.3), '-': () => zoom(1 / 1.3) };
+    TOOLS.forEach((tool, i) => { keys[i + 1] = () => { if (this.canEdit) this.editor.setTool(tool); }; });
+    document.addEventListener('keydown', (event) => {
+      const isTyping = event.target.closest('input, select, textarea, summary');
+      const isButton = event.target.closest('button') && event.key === ' ';
+      if (isTyping || isButton || event.ctrlKey || event.altKey || event.metaKey || !keys[event.key]) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+  }
+
+  fitOnce() {
+    if (!this.camera.isFitted && this.camera.width) this.camera.fit(this.recording);
+  }
+
+  apply(message) {
+    if (this.recording.apply(message)) {
+      if (message.type === 'scene') this.onScene();
+      if (message.type === 'rows') this.fitOnce();
+    } else if (message.type === 'controls') {
+      this.onControls(message);
+    } else if (message.type === 'run') {
+      this.onRun(message);
+    } else if (message.type === 'refused') {
+      this.showMessage(message.text);
+    }
+  }
+
+  onScene() {
+    this.recording.isLive = this.player.isLive;
+    this.camera.isFitted = false;
+    this.player.time = 0;
+    this.panel.setScene(this.recording);
+    this.showMessage('');
+  }
+
+  onControls(message) {
+    this.canEdit = message.can_edit;
+    for (const element of document.querySelectorAll('.live')) element.hidden = !message.can_edit;
+    this.floor.showsHandles = message.can_edit;
+    this.panel.showControls(message, (answer) => this.send(answer));
+  }
+
+  onRun(message) {
+    this.player.isPlaying = !message.paused;
+    if (!message.paused) this.player.isFollowing = true;
+    this.player.speed = message.speed;
+    byId('speed').value = message.speed;
+  }
+
+  showMessage(text) {
+    byId('message').hidden = !text;
+    setText(byId('message'), text);
+  }
+
+  // A report: one of its runs at a time.
+  openDocument(report) {
+    const open = (run) => {
+      run.messages.forEach((message) => this.apply(message));
+      this.fitOnce();
+      this.player.isPlaying = !matchMedia('(prefers-reduced-motion: reduce)').matches;
+    };
+    this.player.showSpeeds(REPORT_SPEEDS);
+    report.runs.forEach((run, i) => byId('run').append(new Option(run.name, i)));
+    byId('run-choice').hidden = report.runs.length < 2;
+    byId('run').addEventListener('change', () => open(report.runs[byId('run').value]));
+    const endings = report.runs.flatMap((run) => run.messages.filter((message) => message.type === 'ending'));
+    this.panel.showResults(report.table, endings.flatMap((ending) => ending.notes));
+    open(report.runs[0]);
+  }
+
+  openConnection() {
+    this.connection = new Connection(
+      (messages) => messages.forEach((message) => this.apply(message)),
+      (isOpen) => {
+        this.showMessage(isOpen ? '' : 'no connection to the server; trying again');
+        byId('stage').dataset.connected = isOpen;
+      });
+    this.player.send = (message) => this.send(message);
+    this.player.isFollowing = true;
+    this.player.showSpeeds(LIVE_SPEEDS);
+  }
+
+  frame(now) {
+    const dt = this.before === undefined ? 0 : Math.min(0.25, (now - this.before) / 1000);
+    this.before = now;
+    const started = performance.now();
+    this.player.advance(dt);
+    const { recording, player } = this;
+    if (this.needsDrawing || player.time !== this.shown.time || recording.version !== this.shown.version) {
+      const isForced = this.needsDrawing;
+      this.shown = { time: player.time, version: recording.version };
+      this.needsDrawing = false;
+      this.floor.draw(recording, player.time, this.editor.edit);
+      this.panel.show(recording, player.time, now, isForced || !player.isPlaying);
+      player.show();
+      this.frames.push(performance.now() - started);
+      if (this.frames.length > 600) this.frames.splice(0, 300);
+    }
+    requestAnimationFrame((next) => this.frame(next));
+  }
+}
+
+const app = new App();
+embeddedDocument().then((report) => {
+  if (report) app.openDocument(report); else app.openConnection();
+});

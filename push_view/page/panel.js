@@ -1,0 +1,235 @@
+'use strict';
+// Values, tables, events and settings beside the floor.
+
+const STATES = {
+  idle: 'idle', plan: 'plans', approach: 'drives to the object', align: 'probes for contact', push: 'pushes',
+  retreat: 'backs off', done: 'done', failed: 'failed', paused: 'paused' };
+// The panel is renewed this often while time runs [ms].
+const PANEL_PERIOD = 100;
+
+const byId = (id) => document.getElementById(id);
+
+function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+function cell(row, text, tag = 'td') {
+  const element = document.createElement(tag);
+  element.textContent = text;
+  row.append(element);
+  return element;
+}
+
+const LEGEND = [
+  ['object', '<rect x="3" y="3" width="24" height="12" fill="var(--object)" fill-opacity=".2" stroke="var(--object)" stroke-width="2"/>'],
+  ['goal', '<rect x="3" y="3" width="24" height="12" fill="none" stroke="var(--goal)" stroke-width="2.5" stroke-dasharray="6 3"/>'],
+  ['robot', '<circle cx="15" cy="9" r="7" fill="var(--robot)" stroke="var(--ink)"/><path d="M15 9h7" stroke="var(--ink)" stroke-width="2"/>'],
+  ['believed pose', '<rect x="3" y="3" width="24" height="12" fill="none" stroke="var(--believed)" stroke-width="1.6" stroke-dasharray="7 2 2 2"/>'],
+  ['path of the object in push 1', '<path d="M2 13 22 6" stroke="var(--push-0)" stroke-width="3.5"/><circle cx="23" cy="6" r="5" fill="var(--paper)" stroke="var(--push-0)" stroke-width="2"/>'],
+  ['path of the robot', '<path d="M2 9h26" stroke="var(--faint)" stroke-width="2" stroke-dasharray="1 4"/>'],
+  ['plan', '<path d="M2 9h26" stroke="var(--plan)" stroke-width="2" stroke-dasharray="7 4"/>'],
+  ['contact force (1 m: the weight)', '<path d="M3 9h22m-6-5 6 5-6 5" fill="none" stroke="var(--force)" stroke-width="2.5"/>'],
+  ['friction cone', '<path d="M3 9 27 2v14z" fill="var(--cone)" fill-opacity=".15" stroke="var(--cone)" stroke-dasharray="5 2 1 2"/>'],
+  ['true friction centre', '<path d="m10 4 10 10m0-10L10 14" stroke="var(--object)" stroke-width="3"/>'],
+  ['believed friction centre, 2 σ', '<path d="M15 3v12M9 9h12" stroke="var(--believed)" stroke-width="2.5"/><ellipse cx="15" cy="9" rx="13" ry="8" fill="none" stroke="var(--believed)"/>'],
+  ['friction of a foot: true, nominal', '<circle cx="9" cy="9" r="5" fill="var(--object)" fill-opacity=".5"/><circle cx="22" cy="9" r="5" fill="none" stroke="var(--faint)" stroke-dasharray="3 2"/>'],
+];
+
+class Panel {
+  constructor(onTime) {
+    this.onTime = onTime;
+    this.charts = CHARTS.map((definition) => new Chart(definition, byId('charts'), onTime));
+    this.values = new Map();
+    this.renewedAt = -Infinity;
+    this.eventsVersion = '';
+    this.inputs = new Map();
+    byId('legend').innerHTML = LEGEND.map(
+      ([name, picture]) => `<li><svg viewBox="0 0 30 18" aria-hidden="true">${picture}</svg>${name}</li>`).join('');
+  }
+
+  // A new scene: tables have other rows.
+  setScene(recording) {
+    const scene = recording.scene;
+    setText(byId('title'), scene.title);
+    setText(byId('description'), scene.description);
+    const body = byId('friction').tBodies[0];
+    body.textContent = '';
+    this.friction = scene.object.supports.map((support, i) => this.frictionRow(
+      body, `foot ${i + 1} (${support[0].toFixed(2)}, ${support[1].toFixed(2)})`, `friction.${i}`));
+    this.friction.push(this.frictionRow(body, 'contact', 'contact_friction'));
+    this.eventsVersion = '';
+  }
+
+  frictionRow(body, name, setting) {
+    const row = body.insertRow();
+    cell(row, name, 'th').scope = 'row';
+    const cells = { setting, trueValue: cell(row, ''), nominal: cell(row, ''), believed: cell(row, '') };
+    return cells;
+  }
+
+  show(recording, time, now, isForced) {
+    if (!recording.scene) return;
+    this.charts.forEach((chart) => chart.show(recording, time, now));
+    if (!isForced && now - this.renewedAt < PANEL_PERIOD) return;
+    this.renewedAt = now;
+    const values = recording.at(time), state = recording.latest('state', time);
+    const ending = recording.latest('ending', time);
+    this.showState(state, ending);
+    this.showValues(recording, values, time);
+    this.showFriction(recording, values, time);
+    this.showEvents(recording, time);
+  }
+
+  showState(state, ending) {
+    const name = state ? state.state : 'idle';
+    byId('state').dataset.state = name;
+    setText(byId('state'), STATES[name] || name);
+    setText(byId('reason'), state && state.reason || ending && ending.reason || '');
+  }
+
+  setValue(name, text) {
+    if (!this.values.has(name)) {
+      const term = document.createElement('dt'), value = document.createElement('dd');
+      term.textContent = name;
+      byId('values').append(term, value);
+      this.values.set(name, value);
+    }
+    setText(this.values.get(name), text);
+  }
+
+  showValues(recording, values, time) {
+    const row = recording.isEmpty ? 0 : recording.rowAt(time);
+    const [distance, angle] = recording.isEmpty ? [NaN, NaN] : poseError(recording, row);
+    const number = (value, factor, digits, unit) =>
+      Number.isFinite(value) ? `${(factor * value).toFixed(digits)} ${unit}` : '–';
+    this.setValue('object to goal', `${number(distance, 1e3, 1, 'mm')}, ${number(angle, 1 / DEGREE, 1, '°')}`);
+    this.setValue('gap between robot and object', number(values('gap'), 1e3, 0, 'mm'));
+    this.setValue('contact force', number(Math.hypot(values('force_n'), values('force_t')), 1, 1, 'N'));
+    this.setValue('speed of the robot', number(Math.hypot(values('robot_v_x'), values('robot_v_y')), 1, 2, 'm/s'));
+    const pushes = recording.pushes().filter((push) => push.start <= time).length;
+    this.setValue('pushes so far', String(pushes));
+    if (recording.has('believed_object_x')) {
+      this.setValue('believed minus true object', number(
+        Math.hypot(values('believed_object_x') - values('object_x'), values('believed_object_y') - values('object_y')), 1e3, 1, 'mm'));
+    }
+    const truth = recording.latest('truth', time), center = recording.scene.object.friction_center;
+    if (truth) {
+      const x = values('believed_center_x'), y = values('believed_center_y');
+      const believed = Number.isFinite(x) ? [x, y] : center;
+      this.setValue('believed minus true friction centre', number(Math.hypot(
+        believed[0] - truth.friction_center[0], believed[1] - truth.friction_center[1]), 1e3, 0, 'mm'));
+    }
+  }
+
+  showFriction(recording, values, time) {
+    const truth = recording.latest('truth', time), nominal = recording.scene.object;
+    const text = (value) => Number.isFinite(value) ? value.toFixed(2) : '–';
+    this.friction.forEach((cells, i) => {
+      const isContact = i === this.friction.length - 1;
+      const known = truth ? (isContact ? truth.contact_friction : truth.friction[i]) : NaN;
+      if (!this.inputs.has(cells.setting)) setText(cells.trueValue, text(known));
+      setText(cells.nominal, text(isContact ? nominal.contact_friction : nominal.friction[i]));
+      setText(cells.believed, text(values(isContact ? 'believed_contact_friction' : `believed_friction_${i}`)));
+    });
+  }
+
+  showEvents(recording, time) {
+    const version = `${recording.states.length},${recording.goals.length},${recording.displacements.length},${recording.endings.length}`;
+    if (version !== this.eventsVersion) {
+      this.eventsVersion = version;
+      this.listEvents(recording);
+    }
+    const current = this.events.filter((event) => event.time <= time + 1e-9).pop();
+    for (const event of this.events) {
+      const isCurrent = event === current;
+      if (event.isCurrent === isCurrent) continue;
+      event.isCurrent = isCurrent;
+      event.button.setAttribute('aria-current', String(isCurrent));
+      if (isCurrent) byId('events').scrollTop = event.button.offsetTop - byId('events').offsetTop - 90;
+    }
+  }
+
+  listEvents(recording) {
+    let pushes = 0;
+    const texts = [
+      ...recording.states.map((message) => {
+        const name = message.state === 'push' ? `push ${pushes += 1}` : STATES[message.state] || message.state;
+        return [message.time, message.reason ? `${name}: ${message.reason}` : name];
+      }),
+      ...recording.goals.slice(1).map((message) => [message.time, 'new goal']),
+      ...recording.displacements.map((message) => [message.time, 'somebody moves the object']),
+      ...recording.endings.map((message) => [message.time, `run over: ${message.outcome}`]),
+    ].sort((one, other) => one[0] - other[0]);
+    byId('events').textContent = '';
+    this.events = texts.map(([time, text]) => {
+      const item = document.createElement('li'), button = document.createElement('button');
+      button.type = 'button';
+      for (const part of [`${time.toFixed(1)} s`, text]) {
+        button.append(Object.assign(document.createElement('span'), { textContent: part }));
+      }
+      button.addEventListener('click', () => this.onTime(time));
+      item.append(button);
+      byId('events').append(item);
+      return { time, button, isCurrent: false };
+    });
+  }
+
+  // The table of a report: a head, and lines of cells.
+  showResults(lines, notes) {
+    const table = byId('results').querySelector('table');
+    const head = table.tHead.insertRow();
+    lines[0].forEach((text) => { cell(head, text, 'th').scope = 'col'; });
+    for (const line of lines.slice(1)) {
+      const row = table.tBodies[0].insertRow();
+      line.forEach((text, i) => {
+        const element = cell(row, text, i ? 'td' : 'th');
+        if (!i) element.scope = 'row';
+      });
+    }
+    for (const note of notes) {
+      byId('notes').append(Object.assign(document.createElement('li'), { textContent: note }));
+    }
+    byId('results').hidden = false;
+  }
+
+  // Settings of a live page: choices, and numbers with a range; send takes a message.
+  showControls(message, send) {
+    byId('choices').textContent = '';
+    byId('sensors').textContent = '';
+    this.inputs.clear();
+    for (const choice of message.choices) this.addChoice(choice, send);
+    for (const setting of message.settings) {
+      const friction = this.friction.find((cells) => cells.setting === setting.name);
+      this.addSetting(setting, friction && friction.trueValue, send);
+    }
+  }
+
+  addChoice(choice, send) {
+    const label = document.createElement('label'), select = document.createElement('select');
+    for (const option of choice.options) select.append(new Option(option.replaceAll('_', ' '), option));
+    select.value = choice.value;
+    select.name = choice.name;
+    select.addEventListener('change', () => send({ type: 'choose', [choice.name]: select.value }));
+    label.append(choice.name, select);
+    byId('choices').append(label);
+  }
+
+  addSetting(setting, place, send) {
+    const label = document.createElement('label'), input = document.createElement('input');
+    const output = document.createElement('output');
+    const show = () => { output.textContent = ` ${Number(input.value).toFixed(setting.digits)} ${setting.unit}`; };
+    Object.assign(input, { type: 'range', min: setting.low, max: setting.high, step: setting.step, name: setting.name });
+    input.value = setting.value;
+    input.setAttribute('aria-label', setting.label);
+    show();
+    input.addEventListener('input', show);
+    input.addEventListener('change', () => send({ type: 'set', name: setting.name, value: Number(input.value) }));
+    this.inputs.set(setting.name, input);
+    if (place) {
+      place.replaceChildren(input, output);
+      return;
+    }
+    label.append(Object.assign(document.createElement('span'), { textContent: setting.label }), output, input);
+    byId('sensors').append(label);
+  }
+}

@@ -1,0 +1,141 @@
+'use strict';
+// A run as its messages describe it: columns of numbers over time, and what held from when on.
+
+const KINDS = ['state', 'goal', 'plan', 'map', 'truth', 'displacement', 'ending'];
+const ANGLES = /(_theta|_angle|^normal)$/;
+// Rows that a page keeps: an hour at 25 Hz; then the older half goes.
+const MOST_ROWS = 90000;
+// Points of a drawn path are this far apart [m].
+const PATH_STEP = 0.004;
+
+function wrapAngle(angle) {
+  return Math.atan2(Math.sin(angle), Math.cos(angle));
+}
+
+class Recording {
+  constructor() {
+    this.version = 0;
+    this.clear(null);
+  }
+
+  clear(scene) {
+    this.scene = scene;
+    this.names = scene ? scene.columns : [];
+    this.columns = Object.fromEntries(this.names.map((name) => [name, []]));
+    this.time = this.columns.time || [];
+    this.paths = { object: [], robot: [] };
+    for (const kind of KINDS) this[kind + 's'] = [];
+    this.version += 1;
+  }
+
+  apply(message) {
+    if (message.type === 'scene') {
+      this.clear(message);
+    } else if (message.type === 'rows') {
+      message.rows.forEach((row) => this.addRow(row));
+    } else if (KINDS.includes(message.type)) {
+      this[message.type + 's'].push(message);
+    } else {
+      return false;
+    }
+    this.version += 1;
+    return true;
+  }
+
+  addRow(row) {
+    if (this.time.length && row[0] <= this.time[this.time.length - 1]) return;
+    this.names.forEach((name, i) => this.columns[name].push(row[i] === null ? NaN : row[i]));
+    for (const body of ['object', 'robot']) this.extendPath(body);
+    if (this.time.length > MOST_ROWS) {
+      for (const name of this.names) this.columns[name].splice(0, MOST_ROWS / 2);
+    }
+  }
+
+  extendPath(body) {
+    const last = this.time.length - 1, path = this.paths[body];
+    const point = { t: this.time[last], x: this.columns[body + '_x'][last],
+                    y: this.columns[body + '_y'][last] };
+    const before = path[path.length - 1];
+    if (!before || Math.hypot(point.x - before.x, point.y - before.y) > PATH_STEP) {
+      path.push(point);
+      if (path.length > MOST_ROWS) path.splice(0, MOST_ROWS / 2);
+    }
+  }
+
+  get isEmpty() { return this.time.length === 0; }
+  get start() { return this.isEmpty ? 0 : this.time[0]; }
+  get end() { return this.isEmpty ? 0 : this.time[this.time.length - 1]; }
+  has(name) { return name in this.columns; }
+
+  // Number of the last row that is not later.
+  rowAt(time) {
+    let low = 0, high = this.time.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (this.time[middle] <= time) low = middle; else high = middle - 1;
+    }
+    return low;
+  }
+
+  // Values at a time: a function of the name of a column.
+  at(time) {
+    if (this.isEmpty) return () => NaN;
+    const row = this.rowAt(time), next = Math.min(row + 1, this.time.length - 1);
+    const span = this.time[next] - this.time[row];
+    const ratio = span > 0 ? Math.min(1, Math.max(0, (time - this.time[row]) / span)) : 0;
+    return (name) => {
+      const column = this.columns[name];
+      if (!column) return NaN;
+      const value = column[row], change = column[next] - value;
+      if (name === 'mode' || !(ratio > 0) || Number.isNaN(change)) return value;
+      return value + ratio * (ANGLES.test(name) ? wrapAngle(change) : change);
+    };
+  }
+
+  // The latest of a kind that is not later than a time; kinds come in order of time.
+  latest(kind, time) {
+    const list = this[kind + 's'];
+    let found = null;
+    for (const message of list) {
+      if (message.time > time + 1e-9) break;
+      found = message;
+    }
+    return found;
+  }
+
+  // Pushes as {number, start, end}.
+  pushes() {
+    const found = [];
+    this.states.forEach((message, i) => {
+      if (message.state !== 'push') return;
+      const next = this.states[i + 1];
+      found.push({ number: found.length, start: message.time, end: next ? next.time : Infinity });
+    });
+    return found;
+  }
+}
+
+// Vertices of the object in its own frame.
+function outlineOf(object) {
+  if (object.outline.length) return object.outline;
+  return Array.from({ length: 60 }, (_, i) => [
+    object.radius * Math.cos(Math.PI * i / 30), object.radius * Math.sin(Math.PI * i / 30)]);
+}
+
+function transform(pose, point) {
+  const c = Math.cos(pose[2]), s = Math.sin(pose[2]);
+  return [pose[0] + c * point[0] - s * point[1], pose[1] + s * point[0] + c * point[1]];
+}
+
+function poseOf(values, body) {
+  return [values(body + '_x'), values(body + '_y'), values(body + '_theta')];
+}
+
+// Unpack what the report holds: a document with runs and a table, or null on a live page.
+async function embeddedDocument() {
+  const text = document.getElementById('recording').textContent.trim();
+  if (!text) return null;
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return JSON.parse(await new Response(stream).text());
+}

@@ -1,0 +1,75 @@
+"""Recordings: a run that is over, as the messages that the page shows."""
+
+from collections.abc import Iterator
+import dataclasses
+
+from push_control.task.status import TaskState
+from push_model.geometry import Pose
+from push_scenario.evaluation.report import report_notes
+from push_scenario.simulation.result import RunResult
+from push_sim_node.disturbance import change_times, friction_factors
+from push_sim_node.tape import Tape
+from push_view.belief import BeliefRecorder
+from push_view.messages import (
+    displacement_message, goal_message, map_message, Message, plan_message, push_message,
+    rows_message, scene_message, state_message, truth_message,
+)
+
+
+def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[Message]:
+    """
+    Turn a run into messages.
+
+    :param result: the ``RunResult``.
+    :param beliefs: what the robot believed in it, where that was recorded.
+    :return: messages: the scene first, then the rest, each kind in order of time. One of a goal
+        that was refused has no rows.
+    """
+    scenario, tape = result.scenario, result.tape
+    columns = () if tape is None else tape.columns
+    messages = [scene_message(scenario, result.control_law, columns if beliefs is None
+                              else (*columns, *beliefs.columns))]
+    messages += _truths(result)
+    messages.append(goal_message(0.0, scenario.goal.pose))
+    if scenario.task is not None:
+        messages += [goal_message(later.time, later.goal.pose) for later in scenario.task.goals]
+        messages.append(map_message(0.0, scenario.task.occupancy_map))
+    messages += _plans(result)
+    messages += [state_message(change) for change in result.history]
+    if tape is not None:
+        messages += _displacements(result, tape)
+        messages.append(rows_message(tape.rows if beliefs is None else [
+            (*row, *beliefs.row(number)) for number, row in enumerate(tape.rows.tolist())]))
+    messages.append({'type': 'ending', 'time': result.duration, 'outcome': result.outcome.value,
+                     'reason': result.reason, 'notes': list(report_notes(result))})
+    return messages
+
+
+def _truths(result: RunResult) -> Iterator[Message]:
+    """Yield the true friction, at first and after each of its changes."""
+    true_object, changes = result.scenario.true_object, result.scenario.simulation.friction_changes
+    for time in sorted({0.0, *change_times(changes)}):
+        factors = friction_factors(changes, time, len(true_object.supports))
+        supports = tuple(
+            dataclasses.replace(support, friction_coefficient=(
+                factor * support.friction_coefficient))
+            for support, factor in zip(true_object.supports, factors))
+        yield truth_message(time, dataclasses.replace(true_object, supports=supports))
+
+
+def _plans(result: RunResult) -> Iterator[Message]:
+    """Yield each plan when it was there: then the approach begins."""
+    if result.plan is not None:
+        yield push_message(0.0, result.plan)
+    times = [change.time for change in result.history if change.state is TaskState.APPROACH]
+    for time, plan in zip(times, result.sequence_plans):
+        yield plan_message(time, plan)
+
+
+def _displacements(result: RunResult, tape: Tape) -> Iterator[Message]:
+    times, poses = tape['time'], tape.poses('object')
+    for displacement in result.scenario.simulation.object_displacements:
+        row = int(times.searchsorted(displacement.time))
+        if 0 < row < len(times):
+            yield displacement_message(displacement.time, Pose(*poses[row - 1]),
+                                       Pose(*poses[row]))

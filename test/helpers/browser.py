@@ -1,0 +1,100 @@
+"""The browser of the distribution, without a window, as a user's."""
+
+import base64
+from contextlib import contextmanager
+import io
+import shutil
+import sys
+
+from helpers.extras import import_extra
+import pytest
+
+BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
+DRIVERS = ('chromedriver', 'chromium.chromedriver')
+OPTIONS = ('--headless=new', '--no-sandbox', '--disable-dev-shm-usage', '--hide-scrollbars',
+           '--disable-background-networking', '--no-first-run')
+# Longest wait for what a page does [s]; on a busy machine it may take seconds.
+PATIENCE = 60.0
+
+
+def find(names):
+    """Return the first of some programs that is installed, or None."""
+    return next(filter(None, map(shutil.which, names)), None)
+
+
+class Browser:
+    """
+    A browser that shows one page.
+
+    :param driver: of selenium.
+    """
+
+    def __init__(self, driver):
+        self.driver = driver
+
+    def open(self, url, width=1280, height=900, **media):
+        """Open a page at a size in pixels, with media features like ``prefers_color_scheme``."""
+        self._command('Emulation.setDeviceMetricsOverride', width=width, height=height,
+                      deviceScaleFactor=1, mobile=width < 600)
+        features = [{'name': name.replace('_', '-'), 'value': value}
+                    for name, value in media.items()]
+        self._command('Emulation.setEmulatedMedia', features=features)
+        self.driver.get(url)
+
+    def run(self, script, *arguments):
+        """Run JavaScript in the page and return its result."""
+        return self.driver.execute_script(script, *arguments)
+
+    def wait(self, condition, message=''):
+        """Wait until a JavaScript expression is true, and return its value."""
+        from selenium.webdriver.support.ui import WebDriverWait
+        return WebDriverWait(self.driver, PATIENCE, 0.1).until(
+            lambda driver: driver.execute_script(f'return {condition}'), message or condition)
+
+    def drag(self, start, end):
+        """Drag on the floor from one place to another, both (x, y) in metres."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        canvas = self.driver.find_element('id', 'floor')
+        box = self.run('const r = arguments[0].getBoundingClientRect();'
+                       'return [r.width, r.height]', canvas)
+        moves = ActionChains(self.driver, duration=50)
+        for point in (start, (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])), end):
+            x, y = self.run('return app.camera.toScreen(arguments[0])', list(point))
+            moves.move_to_element_with_offset(canvas, x - box[0] / 2, y - box[1] / 2)
+            if point is start:
+                moves.click_and_hold()
+        moves.release().perform()
+
+    def picture(self):
+        """Return what is on the screen as a picture of pillow."""
+        from PIL import Image
+        data = self._command('Page.captureScreenshot', format='png')['data']
+        return Image.open(io.BytesIO(base64.b64decode(data))).convert('RGB')
+
+    def errors(self):
+        """List what the page has complained of since the last call."""
+        return [entry['message'] for entry in self.driver.get_log('browser')
+                if entry['level'] in ('SEVERE', 'WARNING')]
+
+    def _command(self, name, **arguments):
+        return self.driver.execute_cdp_cmd(name, arguments)
+
+
+@contextmanager
+def open_browser():
+    """Start a browser; skip the test where there is none."""
+    import_extra('selenium', 'test')
+    program, driver = find(BROWSERS), find(DRIVERS)
+    if program is None or driver is None or sys.platform != 'linux':
+        pytest.skip('no chromium with its chromedriver, which are packages of the distribution')
+    from selenium import webdriver
+    options = webdriver.ChromeOptions()
+    options.binary_location = program
+    for option in OPTIONS:
+        options.add_argument(option)
+    options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
+    chrome = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    try:
+        yield Browser(chrome)
+    finally:
+        chrome.quit()
