@@ -24,7 +24,7 @@ class SupervisionSettings:
         'heading error at which a task is done', 'rad', above=0.0, high=1.0, default=0.0175)
     confidence_sigmas: float = quantity(
         'standard errors of the averaged object pose by which it must be within the tolerances',
-        '', 0.0, 10.0, default=2.0)
+        '', 0.0, 10.0, default=3.0)
     min_averaging_time: float = quantity(
         'time over which poses of the object at rest are averaged', 's', above=0.0, high=10.0,
         default=0.35)
