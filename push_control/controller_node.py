@@ -1,22 +1,22 @@
 """ROS node of the controller."""
 
 import sys
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from builtin_interfaces.msg import Time
 from push_control.goal import GoalOutcome
 from push_control.ros.commands import CommandPublisher
 from push_control.ros.goal_entry import GoalEntry
-from push_control.ros.measurements import (
-    LatestMeasurements, OdometryState, OdometryWatchdog,
-)
+from push_control.ros.measurements import LatestMeasurements, OdometryState, OdometryWatchdog
 from push_control.ros.mode import ControllerParameters, Mode
-from push_control.ros.push_action import GoalReceiver, PushActionServer
+from push_control.ros.object_catalogue import ObjectCatalogue
+from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.single_push import SinglePushMode
 from push_control.ros.task import TaskMode
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
+from push_model.files.flat_values import parameter_specs
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
@@ -27,7 +27,7 @@ from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
 from push_ros.node import ServiceAnswer
 from push_ros.node_settings import ControllerOptions, Frames
-from push_ros.parameters import parameter_specs
+from push_ros.parameters import DYNAMIC, IDLE
 from push_ros.push_interfaces import ACTION, import_push_interfaces
 from push_ros.topics import CONTROLLER
 from push_ros.transforms.world import Handlers, WorldFrame
@@ -43,8 +43,12 @@ FILTER_PARAMETERS = {
     'supervision.odometry_scale', 'supervision.odometry_drift', 'supervision.odometry_walk',
     'supervision.odometry_heading_walk', 'supervision.center_walk',
     'supervision.contact_friction_walk'}
-DYNAMIC = {spec.name for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
-           for spec in parameter_specs(cls, prefix)} - FILTER_PARAMETERS
+OBJECT_PREFIX, OBJECT_NAME = 'object.', 'object_name'
+OBJECT_PARAMETERS = {OBJECT_NAME, *(spec.name for spec in parameter_specs(PushedObject,
+                                                                          OBJECT_PREFIX))}
+SETTABLE = {**{spec.name: DYNAMIC for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
+               for spec in parameter_specs(cls, prefix) if spec.name not in FILTER_PARAMETERS},
+            **dict.fromkeys(OBJECT_PARAMETERS, IDLE)}
 # Period at which missing odometry is looked for [s]; chosen: a fifth of the default time-out.
 WATCHDOG_PERIOD = 0.05
 # A measurement older than the newest one by more is of a time that went back [s]; chosen: longer
@@ -93,7 +97,8 @@ class ControllerNode(ManagedNode):
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``control.*``; ``drive.*`` and ``supervision.*`` of
         a task; ``world_frame``, ``object_frame``, ``base_frame``; and those of
-        ``ControllerOptions``. ``DYNAMIC`` ones may be set at any time.
+        ``ControllerOptions``. ``SETTABLE`` says which may be set, and when: those of the object
+        and its name while no goal is pursued.
 
     Frames
         Poses are brought to ``world_frame`` at their stamps, goals and maps again where their
@@ -107,8 +112,11 @@ class ControllerNode(ManagedNode):
     _action: PushActionServer | None = None
 
     def __init__(self) -> None:
-        super().__init__(CONTROLLER, SECTIONS, DYNAMIC)
+        super().__init__(CONTROLLER, SECTIONS, SETTABLE)
         *_, self._frames, self._options = self.settings
+        self._catalogue = ObjectCatalogue(self._options.object_folder)
+        self._catalogue.remember(*self._present_object)
+        self._object = self._present_object
         self._world = WorldFrame(self, self._frames.world_frame, self._options.transform_timeout)
         self._latest = LatestMeasurements()
         self._watchdog = OdometryWatchdog(self._options.watchdog_timeout)
@@ -133,8 +141,10 @@ class ControllerNode(ManagedNode):
         """
         Make the mode, which reads what was learned of the object.
 
-        :raises ValueError: where ``knowledge_file`` cannot be read.
+        :raises ValueError: where ``knowledge_file`` cannot be read, or there is no
+            ``object_folder``.
         """
+        self._catalogue.check_folder()
         kind = TaskMode if self._options.task else SinglePushMode
         frame = self._frames.world_frame
         parameters = self._present_parameters
@@ -175,10 +185,52 @@ class ControllerNode(ManagedNode):
         self._scene.destroy()
         del self._mode, self._goals, self._commands, self._action, self._scene
 
+    def further_parameters(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
+        """
+        Find the parameters of the object whose name is set.
+
+        :param values: parameters that are being set, by name.
+        :return: further ones by name.
+        """
+        if not _names_object_only(values):
+            return {}
+        try:
+            obj = self._catalogue.find(values[OBJECT_NAME])
+        except ValueError:
+            # ``parameter_refusal`` reports it.
+            return {}
+        return self.parameters.section_values(OBJECT_PREFIX, obj)
+
+    def parameter_refusal(self, values: Mapping[str, Any]) -> str:
+        """
+        Find out why the object cannot be changed.
+
+        :param values: parameters that are being set, by name.
+        :return: one sentence; empty where it can.
+        """
+        names = sorted(OBJECT_PARAMETERS.intersection(values))
+        if names and hasattr(self, '_goals') and not self._goals.is_idle:
+            return (f'{names[0]}: got another value while a goal is pursued, expected it before '
+                    'or after')
+        if _names_object_only(values):
+            try:
+                self._catalogue.find(values[OBJECT_NAME])
+            except ValueError as error:
+                return str(error)
+        return ''
+
     def on_settings_changed(self) -> None:
-        """Let movements use other settings from the next one on."""
-        if hasattr(self, '_mode'):
+        """Let movements use other settings from the next one on, or turn to another object."""
+        *_, self._options = self.settings
+        former, self._object = self._object, self._present_object
+        if self._object != former:
+            self._catalogue.remember(*self._object)
+        if not hasattr(self, '_mode'):
+            return
+        if self._object == former:
             self._mode.set_parameters(self._present_parameters)
+        else:
+            self._turn_to_object()
 
     def _make_action(self) -> PushActionServer | None:
         interfaces = import_push_interfaces()
@@ -186,15 +238,37 @@ class ControllerNode(ManagedNode):
             self.get_logger().info(f'push_control_msgs is not installed: no action {ACTION}; '
                                    'goals come on goal_pose')
             return None
-        obj, *_ = self.settings
-        return PushActionServer(self, self._goals, interfaces, self._receive_goal,
-                                is_active=lambda: self.is_active, obj=obj,
-                                object_name=self._options.object_name)
+        action = PushActionServer(self, self._goals, interfaces, self._receive_goal,
+                                  is_active=lambda: self.is_active,
+                                  objects=ObjectSelector(self._catalogue.find, self._use_object))
+        action.set_object(*self._present_object)
+        return action
 
     def _receive_goal(self, name: str, message: Any, receiver: GoalReceiver) -> None:
         """Hand on a goal pose in the world frame."""
         self._world.receive(name, message, Handlers(receiver.accept, receiver.refuse,
                                                     self._goals.move))
+
+    @property
+    def _present_object(self) -> tuple[str, PushedObject]:
+        obj, *_, options = self.settings
+        return options.object_name, obj
+
+    def _use_object(self, name: str, obj: PushedObject) -> None:
+        """Set the parameters of another object."""
+        self.parameters.assign({OBJECT_NAME: name,
+                                **self.parameters.section_values(OBJECT_PREFIX, obj)})
+
+    def _turn_to_object(self) -> None:
+        """Push another object from now on; its pose has not come yet."""
+        name, obj = self._object
+        self._mode.set_object(self._present_parameters)
+        self._scene.set_object(obj)
+        self._latest.object_pose = None
+        if self._action is not None:
+            self._action.set_object(name, obj)
+        self.reporter.report(OK, f'turns to the object {name!r}' if name
+                             else 'turns to the object of the parameters')
 
     @property
     def _present_parameters(self) -> ControllerParameters:
@@ -323,6 +397,11 @@ class ControllerNode(ManagedNode):
             if check.is_news:
                 level = ERROR if check.state is OdometryState.LOST else WARN
                 self.reporter.report(level, f'no odometry for {check.age:.2f} s; stopped')
+
+
+def _names_object_only(values: Mapping[str, Any]) -> bool:
+    """Tell whether an object is named, and none of its parameters given with it."""
+    return OBJECT_NAME in values and not any(name.startswith(OBJECT_PREFIX) for name in values)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

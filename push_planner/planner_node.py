@@ -4,6 +4,7 @@ import sys
 from typing import Any, Callable, Mapping, Sequence
 
 from builtin_interfaces.msg import Time
+from push_model.files.flat_values import parameter_specs
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
@@ -26,7 +27,7 @@ from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
 from push_ros.node import NewestMessage, ServiceAnswer
 from push_ros.node_settings import Frames, PlannerOptions
-from push_ros.parameters import parameter_specs
+from push_ros.parameters import DYNAMIC
 from push_ros.topics import PLANNER
 from push_ros.transforms.world import Handlers, WorldFrame
 from rclpy.clock import Clock
@@ -36,8 +37,8 @@ SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', Plan
             ('drive.', DriveSettings), ('task.', TaskSettings), ('', Frames),
             ('', PlannerOptions))
 DYNAMIC_GROUPS = ('planner.', 'drive.', 'task.')
-DYNAMIC = {spec.name for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
-           for spec in parameter_specs(cls, prefix)}
+SETTABLE = {spec.name: DYNAMIC for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
+            for spec in parameter_specs(cls, prefix)}
 # Period at which a request waits for measurements [s]; chosen: that of slow object poses.
 MEASUREMENT_WAIT = 0.05
 
@@ -45,6 +46,10 @@ MEASUREMENT_WAIT = 0.05
 class PlannerNode(ManagedNode):
     """
     Answers each request with a plan: of one push, or of the first of a sequence of pushes.
+
+    A request brings the object that is to be pushed. The object of the parameters is the one for
+    which the node prepares itself at its start; for another one that takes a while when its first
+    request comes, unless it was done in former runs.
 
     The plan of one push starts from the newest measurements, for which a request waits; while the
     robot pushes it starts from the present motion, at the site where it pushes. With
@@ -73,7 +78,7 @@ class PlannerNode(ManagedNode):
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``planner.*``; ``drive.*`` and ``task.*`` of
         sequences; ``world_frame``, ``object_frame``, ``base_frame``; and those of
-        ``PlannerOptions``. ``DYNAMIC`` ones may be set at any time.
+        ``PlannerOptions``. Those of ``DYNAMIC_GROUPS`` may be set at any time.
 
     Frames
         Object poses and maps are brought to ``world_frame``, maps again where their frame drifts;
@@ -85,7 +90,7 @@ class PlannerNode(ManagedNode):
     _object_pose: NewestMessage
 
     def __init__(self) -> None:
-        super().__init__(PLANNER, SECTIONS, DYNAMIC)
+        super().__init__(PLANNER, SECTIONS, SETTABLE)
         *_, frames, self._options = self.settings
         self._world_frame: str = frames.world_frame
         self._world = WorldFrame(self, frames.world_frame, self._options.transform_timeout)
@@ -147,8 +152,8 @@ class PlannerNode(ManagedNode):
 
     def _forget(self) -> None:
         # A request of one push that waits for measurements, and its stamp.
-        self._pending: tuple[Pose, Time] | None = None
-        self._last_goal: Pose | None = None
+        self._pending: tuple[PlanRequest, Time] | None = None
+        self._last_request: PlanRequest | None = None
         self._former_plan: Plan | None = None
 
     def _on_map(self, message: Any) -> None:
@@ -172,11 +177,11 @@ class PlannerNode(ManagedNode):
             self._report(ERROR, str(error), {FAILURE: PlanFailure.INVALID_REQUEST.name})
             return
         self.get_logger().debug(f'plans to the goal {request.goal}')
-        self._last_goal = request.goal
+        self._last_request = request
         if self._plans_sequences:
             self._answer(stamp, lambda: self._plan_sequence(request, stamp))
             return
-        self._pending = request.goal, stamp
+        self._pending = request, stamp
         self._plan_when_measured()
 
     def _plan_when_measured(self) -> None:
@@ -187,18 +192,18 @@ class PlannerNode(ManagedNode):
             self._report(WARN, f'has a goal and waits for {" and ".join(self._missing)}')
             self._timer.reset()
         else:
-            (goal, stamp), self._pending = self._pending, None
-            self._answer(stamp, lambda: self._plan_push(goal, stamp))
+            (request, stamp), self._pending = self._pending, None
+            self._answer(stamp, lambda: self._plan_push(request, stamp))
 
     def _replan(self) -> ServiceAnswer:
-        if self._last_goal is None:
+        if self._last_request is None:
             return ServiceAnswer(False, 'has received no request yet')
         if self._missing:
             return ServiceAnswer(False, f'has received no {" and no ".join(self._missing)} yet')
-        goal, self._pending = self._last_goal, None
+        request, self._pending = self._last_request, None
         stamps = [newest.message.header.stamp for newest in (self._odometry, self._object_pose)]
         stamp = max(stamps, key=nanoseconds)
-        return self._answer(stamp, lambda: self._plan_from_measurements(goal, stamp),
+        return self._answer(stamp, lambda: self._plan_from_measurements(request, stamp),
                             publishes_failure=False)
 
     def _answer(self, stamp: Time, plan: Callable[[], str], *,
@@ -214,23 +219,24 @@ class PlannerNode(ManagedNode):
             self._plans.publish(no_plan_message(code, stamp, self._world_frame))
         return ServiceAnswer(False, text)
 
-    def _plan_from_measurements(self, goal: Pose, stamp: Time) -> str:
+    def _plan_from_measurements(self, request: PlanRequest, stamp: Time) -> str:
         if not self._plans_sequences:
-            return self._plan_push(goal, stamp)
+            return self._plan_push(request, stamp)
         measured, odometry = self._measurements()
-        return self._plan_sequence(PlanRequest(measured.pose, odometry.pose, goal,
-                                               self._present_parameters.object), stamp)
+        return self._plan_sequence(PlanRequest(measured.pose, odometry.pose, request.goal,
+                                               request.obj), stamp)
 
     def _measurements(self) -> tuple[ObjectPose, Odometry]:
         odometry = from_odometry_message(self._odometry.message, self._world_frame)
         message = self._world.in_world('object_pose', self._object_pose.message)
         return from_object_pose_message(message, self._world_frame), odometry
 
-    def _plan_push(self, goal: Pose, stamp: Time) -> str:
+    def _plan_push(self, request: PlanRequest, stamp: Time) -> str:
         """Plan one push from the newest measurements, and publish it."""
         parameters, (measured, odometry) = self._present_parameters, self._measurements()
-        choice = plan_from_measurements(parameters.object, parameters.robot, measured, odometry,
-                                        goal, parameters.planner, previous=self._former_plan)
+        choice = plan_from_measurements(request.obj, parameters.robot, measured, odometry,
+                                        request.goal, parameters.planner,
+                                        previous=self._former_plan)
         self._former_plan = choice.plan
         return self._publish(choice, odometry.pose, stamp)
 

@@ -159,7 +159,7 @@ class PushCommander:
         Send a goal, in place of the present one, and wait until it is accepted.
 
         :param pose: goal pose of the object.
-        :param object_name: name of the object; empty for that of the parameters.
+        :param object_name: name of the object; empty for the present one.
         :param position_tolerance: [m]; 0 for that of the parameters.
         :param heading_tolerance: [rad]; 0 for that of the parameters.
         :param time_limit: [s]; 0 for none.

@@ -1,7 +1,7 @@
 """Managed nodes: configure, activate, deactivate and clean up, by the lifecycle of ROS 2."""
 
 import abc
-from collections.abc import Callable, Collection, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 import contextlib
 import traceback
 from typing import Any
@@ -26,16 +26,16 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
     """
 
     def __init__(self, name: str, sections: Sequence[Section],
-                 dynamic: Collection[str] = ()) -> None:
+                 settable: Mapping[str, str] | None = None) -> None:
         """
         Read the parameters.
 
         :param name: of the node.
         :param sections: (prefix with its dot, dataclass) sequence.
-        :param dynamic: names of the parameters that may be set at any time.
+        :param settable: when those may be set that may, by name, as of ``ParameterSet``.
         :raises ValueError: naming the parameter that is unknown, missing or wrong.
         """
-        PushNode.__init__(self, name, sections, dynamic)
+        PushNode.__init__(self, name, sections, settable)
         LifecycleNodeMixin.__init__(self)
         self.is_active = False
         self._fault: ValueError | None = None

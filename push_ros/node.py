@@ -1,13 +1,13 @@
 """What the nodes share: parameters, topics by name, diagnostics, two groups of callbacks."""
 
 import time
-from typing import Any, Callable, Collection, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from builtin_interfaces.msg import Time
 from push_ros import qos
 from push_ros.diagnostics import Reporter
 from push_ros.executor import BackgroundGroup, PolledNode, take_message
-from push_ros.parameters import ParameterSet, Section
+from push_ros.parameters import ParameterHooks, ParameterSet, Section
 from push_ros.topics import SERVICES, TOPICS
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -64,16 +64,18 @@ class PushNode(PolledNode):
     A node with parameters from dataclasses, whose topics and services are those of the list.
 
     Callbacks belong to the group ``background`` unless they are made with ``real_time=True``.
+
+    ``parameters``: the ``ParameterSet``.
     """
 
     def __init__(self, name: str, sections: Sequence[Section],
-                 dynamic: Collection[str] = ()) -> None:
+                 settable: Mapping[str, str] | None = None) -> None:
         """
         Read the parameters.
 
         :param name: of the node.
         :param sections: (prefix with its dot, dataclass) sequence.
-        :param dynamic: names of the parameters that may be set at any time.
+        :param settable: when those may be set that may, by name, as of ``ParameterSet``.
         :raises ValueError: naming the parameter that is unknown, missing or wrong; it is logged,
             too.
         """
@@ -84,7 +86,8 @@ class PushNode(PolledNode):
         self.real_time = MutuallyExclusiveCallbackGroup()
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
         try:
-            self._parameter_set = ParameterSet(self, sections, dynamic, self.on_settings_changed)
+            self.parameters = ParameterSet(self, sections, settable, ParameterHooks(
+                self.further_parameters, self.parameter_refusal, self.on_settings_changed))
         except ValueError as error:
             self.refuse_to_start(f'{error} (give parameters with --params-file; config/push.yaml '
                                  'is an example)')
@@ -94,7 +97,7 @@ class PushNode(PolledNode):
     @property
     def settings(self) -> list[Any]:
         """Instances of the dataclasses of the parameters, in the order of the sections."""
-        return self._parameter_set.settings
+        return self.parameters.settings
 
     @property
     def is_polled(self) -> bool:
@@ -105,8 +108,26 @@ class PushNode(PolledNode):
         """Return the present time of the node."""
         return self.get_clock().now().to_msg()
 
+    def further_parameters(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
+        """
+        Find the parameters that have to be set together with others.
+
+        :param values: those that are being set, by name.
+        :return: further values by name.
+        """
+        return {}
+
+    def parameter_refusal(self, values: Mapping[str, Any]) -> str:
+        """
+        Find out why parameters cannot be set at present.
+
+        :param values: those that are being set, by name.
+        :return: one sentence; empty where they can.
+        """
+        return ''
+
     def on_settings_changed(self) -> None:
-        """Use ``settings``, of which a dynamic one has another value."""
+        """Use ``settings``, of which some have other values."""
 
     def refuse_to_start(self, reason: str) -> None:
         """

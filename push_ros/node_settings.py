@@ -57,8 +57,11 @@ class ControllerOptions:
     lockstep: bool = quantity('for a simulator in lockstep: answer every measurement with one '
                               'command that has its stamp, in a task not before a pending plan is '
                               'there; a goal holds from the time of its stamp on', default=False)
-    object_name: str = quantity('name of the object, which goals of the action may state and the '
-                                'status has; empty for none', default='')
+    object_name: str = quantity('name of the object; setting it takes the object of that name in '
+                                'place of object.*, as a goal of the action that states it does; '
+                                'empty for none', default='')
+    object_folder: str = quantity('folder with object files like those in config/objects, over '
+                                  'which they take precedence; empty for none', default='')
     knowledge_file: str = quantity('in a task: YAML file in which what was learned of the object '
                                    'is kept from one run of the node to the next, empty for none',
                                    default='')

@@ -86,13 +86,12 @@ TOPICS = {
     'push_request': Topic(
         JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
         'request for a plan, one point whose joint names say what each number is: x, y '
-        'and heading of object, robot and goal (object.x to goal.heading), the identified '
-        'friction coefficient of each support (support_friction.0 and so on), the identified '
-        'contact friction (contact_friction), the fraction of the friction cone that the plan '
-        'should use (cone_fraction), the tolerances of the goal (position_tolerance, '
-        'heading_tolerance), and standard deviations of what is known: robot_deviation of the '
-        "robot's place, center_deviation of the centre of friction, and "
-        'contact_friction_deviation; latched'),
+        'and heading of object, robot and goal (object.x to goal.heading), the parameters of the '
+        'object as they are called in ROS, with friction as identified (object.mass, '
+        'object.outline.0 and so on), the fraction of the friction cone that the plan should use '
+        '(cone_fraction), the tolerances of the goal (position_tolerance, heading_tolerance), and '
+        "standard deviations of what is known: robot_deviation of the robot's place, "
+        'center_deviation of the centre of friction, and contact_friction_deviation; latched'),
     'push_plan': Topic(
         MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
         'plan: joints object, contact and robot over time; the second is called free_contact '

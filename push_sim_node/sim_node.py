@@ -17,6 +17,7 @@ from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
 from push_ros.node import PushNode, ServiceAnswer
 from push_ros.node_settings import Frames, SimOptions
+from push_ros.parameters import DYNAMIC
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import SimOutputs
@@ -28,8 +29,7 @@ from push_sim_node.simulation import Simulation
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
             ('simulation.', SimulationSettings), ('', Frames), ('', SimOptions))
-# Parameters that may be set at any time.
-DYNAMIC = ('time_scale',)
+SETTABLE = {'time_scale': DYNAMIC}
 # Period on the wall at which the state of the run is looked at where nothing is due before [s],
 # chosen: it finds in lockstep what is lost, and offers measurements while time is held.
 STATE_PERIOD = 0.05
@@ -67,7 +67,7 @@ class SimNode(PushNode):
     """
 
     def __init__(self) -> None:
-        super().__init__(SIM, SECTIONS, DYNAMIC)
+        super().__init__(SIM, SECTIONS, SETTABLE)
         obj, robot, sensors, settings, self._frames, self._options = self.settings
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
                                       Pose(*self._options.robot_start), settings, sensors,

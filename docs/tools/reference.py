@@ -13,8 +13,8 @@ import sys
 from typing import Any
 
 from push_control import controller_node
+from push_model.files.flat_values import parameter_specs, ParameterSpec
 from push_planner import planner_node
-from push_ros.parameters import parameter_specs, ParameterSpec
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS, TRACKER
 from push_sim_node import sim_node
 from push_tracker import tracker_node

@@ -265,6 +265,17 @@ class PushEnsemble:
         members.parameters[:, -1] = friction.contact_friction
         members.apply_parameters()
 
+    def take_over_robot(self, former: 'PushEnsemble') -> None:
+        """
+        Start with the robot as another ensemble has it, and with the same errors of odometry.
+
+        :param former: ``PushEnsemble`` of another object; nothing is taken before its first
+            odometry.
+        """
+        if former._odometry is not None:
+            self.predict(former._odometry)
+            self.restore_robot(former.remember_robot(), 0.0, 0.0)
+
     # Prediction.
 
     def predict(self, odometry: Odometry) -> None:

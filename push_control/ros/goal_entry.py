@@ -6,6 +6,7 @@ stamp of its message is no appointment: the clock of an operator's computer may 
 lockstep, where there is but one clock, a goal holds from the time of its stamp on.
 """
 
+import dataclasses
 import math
 from typing import Any, Callable, NamedTuple
 
@@ -21,6 +22,8 @@ from push_ros.node import PushNode
 # Difference between a goal's stamp and the clock of the node that is worth a line in the log [s];
 # chosen: longer than a message takes, shorter than what confuses an operator.
 NOTED_CLOCK_DIFFERENCE = 1.0
+# Why a goal ends that is replaced.
+REPLACED = 'another goal has come'
 
 
 class GoalFeedback(NamedTuple):
@@ -76,6 +79,13 @@ class GoalHandle:
             self._on_end(self)
 
 
+class _NextGoal(NamedTuple):
+    """A goal that waits until the robot stands, and what is to be done before it begins."""
+
+    handle: GoalHandle
+    prepare: Callable[[], None]
+
+
 class GoalEntry:
     """Takes goals, one at a time, and notes how each of them ends."""
 
@@ -94,6 +104,7 @@ class GoalEntry:
         self._is_lockstep = is_lockstep
         self._time = 0.0
         self._current: GoalHandle | None = None
+        self._next: _NextGoal | None = None
         # Goals that hold from a later time on, in lockstep.
         self._later: list[ObjectPose] = []
 
@@ -106,6 +117,11 @@ class GoalEntry:
     def current(self) -> GoalHandle | None:
         """The ``GoalHandle`` of the goal that is pursued, or None."""
         return self._current
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether there is no goal, and the robot stands."""
+        return self._current is None and self._next is None and not self._mode.is_commanding
 
     def on_message(self, message: Any) -> None:
         """
@@ -128,28 +144,43 @@ class GoalEntry:
         :param correction: ``Pose`` that takes the former goal to the new one,
             ``correction @ goal``.
         """
-        if self._current is not None:
+        if self._next is not None:
+            goal = self._next.handle.goal
+            self._next.handle.goal = dataclasses.replace(goal, pose=correction @ goal.pose)
+        elif self._current is not None:
             self._mode.move_goal(correction)
 
-    def start(self, goal: PushGoal,
-              on_end: Callable[[GoalHandle], None] | None = None) -> GoalHandle:
+    def start(self, goal: PushGoal, on_end: Callable[[GoalHandle], None] | None = None,
+              prepare: Callable[[], None] | None = None) -> GoalHandle:
         """
         Take a goal, in place of the present one.
 
         :param goal: the ``PushGoal``.
         :param on_end: called with the handle once the outcome is known.
+        :param prepare: what has to be done before, while the robot stands and has no goal: it
+            backs off from its object for that. None for a goal that is pursued at once.
         :return: ``GoalHandle``.
         """
-        self._end(GoalOutcome.REPLACED, 'another goal has come')
-        self._current = GoalHandle(goal, on_end)
-        self._node.reporter.log(OK, f'has a goal at {goal.pose.x:.3f} m, {goal.pose.y:.3f} m, '
-                                    f'{goal.pose.theta:.3f} rad')
-        self._mode.set_goal(goal)
-        return self._current
+        handle = GoalHandle(goal, on_end)
+        self._end_next(GoalOutcome.REPLACED, REPLACED)
+        if prepare is None:
+            self._end(GoalOutcome.REPLACED, REPLACED)
+            self._begin(handle)
+            return handle
+        self._next = _NextGoal(handle, prepare)
+        if self._current is None:
+            self._mode.cancel(REPLACED)
+        elif self._current.pending_outcome is None:
+            self._abandon(self._current, GoalOutcome.REPLACED)
+        self._begin_next()
+        return handle
 
     def cancel(self) -> None:
         """Abandon the goal: the robot backs off from the object and stands, then it has ended."""
-        if self._current is not None and self._current.pending_outcome is None:
+        if self._next is not None:
+            # The robot backs off for it already.
+            self._end_next(GoalOutcome.CANCELLED, '')
+        elif self._current is not None and self._current.pending_outcome is None:
             self._abandon(self._current, GoalOutcome.CANCELLED)
             self._end_abandoned(self._current)
 
@@ -160,6 +191,7 @@ class GoalEntry:
         :param outcome: the ``GoalOutcome``.
         :param reason: one sentence.
         """
+        self._end_next(outcome, reason)
         self._end(outcome, reason)
         self._later = []
         self._time = 0.0
@@ -173,9 +205,11 @@ class GoalEntry:
         self._time = time
         while self._later and self._later[0].time <= time:
             self.start(PushGoal(self._later.pop(0).pose))
-        current = self._current
-        if current is None:
-            return
+        if self._current is not None:
+            self._update_current(self._current, time)
+        self._begin_next()
+
+    def _update_current(self, current: GoalHandle, time: float) -> None:
         if current.start_time is None:
             current.start_time = time
         progress = self._mode.progress
@@ -201,6 +235,28 @@ class GoalEntry:
         current.last_feedback = GoalFeedback(progress, elapsed_time,
                                              current.goal.time_limit - elapsed_time)
         return current.last_feedback
+
+    def _begin(self, handle: GoalHandle) -> None:
+        goal = handle.goal
+        self._current = handle
+        self._node.reporter.log(OK, f'has a goal at {goal.pose.x:.3f} m, {goal.pose.y:.3f} m, '
+                                    f'{goal.pose.theta:.3f} rad')
+        self._mode.set_goal(goal)
+
+    def _begin_next(self) -> None:
+        """Begin with the goal that waits, where the robot stands."""
+        if self._next is None or self._mode.is_commanding:
+            return
+        if self._current is not None:
+            self._end(self._current.pending_outcome or GoalOutcome.REPLACED, REPLACED)
+        upcoming, self._next = self._next, None
+        upcoming.prepare()
+        self._begin(upcoming.handle)
+
+    def _end_next(self, outcome: GoalOutcome, reason: str) -> None:
+        upcoming, self._next = self._next, None
+        if upcoming is not None:
+            upcoming.handle.end(outcome, reason)
 
     def _abandon(self, handle: GoalHandle, outcome: GoalOutcome) -> None:
         self.feedback()

@@ -87,7 +87,7 @@ class KnowledgeFile:
 
 class KnowledgeMemory:
     """
-    What is known of one object, with the age that it has by now.
+    What is known of objects, one at a time, with the age that it has by now.
 
     Without a file it lasts as long as the process.
     """
@@ -103,18 +103,33 @@ class KnowledgeMemory:
         :param clock: returns the present time [s since 1970].
         :raises ValueError: where the file cannot be read.
         """
-        self._key = object_key(obj)
         self._settings = settings
         self._file = file
         self._clock = clock
-        self._known = None if file is None else file.read(self._key)
+        # When it was known so [s since 1970], and what; by keys of objects.
+        self._known: dict[str, tuple[float, ObjectKnowledge]] = {}
+        self.select(obj)
+
+    def select(self, obj: PushedObject) -> None:
+        """
+        Turn to another object; what was learned of the former one stays known.
+
+        :param obj: the nominal ``PushedObject``.
+        :raises ValueError: where the file cannot be read; then nothing is known of the object.
+        """
+        self._key = object_key(obj)
         self._has_pushed = False
+        if self._file is None or self._key in self._known:
+            return
+        found = self._file.read(self._key)
+        if found is not None:
+            self._known[self._key] = found
 
     def recall(self) -> ObjectKnowledge | None:
         """Return the ``ObjectKnowledge`` as it is by now; None where the object is not known."""
-        if self._known is None:
+        if self._key not in self._known:
             return None
-        time, knowledge = self._known
+        time, knowledge = self._known[self._key]
         # A clock that was set back makes nothing younger.
         dt = max(0.0, self._clock() - time)
         return knowledge.aged(dt, self._settings.center_walk,
@@ -138,11 +153,11 @@ class KnowledgeMemory:
             known here all the same.
         """
         self._has_pushed = False
-        self._known = self._clock(), knowledge
+        self._known[self._key] = self._clock(), knowledge
         if self._file is None:
             return ''
         try:
-            self._file.write(self._key, *self._known)
+            self._file.write(self._key, *self._known[self._key])
         except (OSError, ValueError) as error:
             return f'knowledge_file: {error}; kept in memory only'
         return ''

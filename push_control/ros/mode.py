@@ -79,6 +79,14 @@ class Mode(abc.ABC):
         """
 
     @abc.abstractmethod
+    def set_object(self, parameters: ControllerParameters) -> None:
+        """
+        Push another object from now on; the robot stands, and has no goal.
+
+        :param parameters: ``ControllerParameters``, with the robot of before.
+        """
+
+    @abc.abstractmethod
     def set_goal(self, goal: PushGoal) -> None:
         """
         Pursue a goal, in place of the present one; before the start, keep it until then.

@@ -6,6 +6,7 @@ accepts every goal while the node is active and aborts one that cannot be used, 
 another goal, also one from ``goal_pose``, takes the place of the present one.
 """
 
+import functools
 import math
 from typing import Any, Callable, NamedTuple
 
@@ -43,6 +44,18 @@ class GoalReceiver(NamedTuple):
     refuse: Callable[[MessageRefused, Any], None]
 
 
+class ObjectSelector(NamedTuple):
+    """
+    How a goal for another object is served.
+
+    :param find: takes a name, and returns the nominal ``PushedObject``; raises ValueError.
+    :param use: takes both, and makes this the object that is pushed; the robot stands.
+    """
+
+    find: Callable[[str], PushedObject]
+    use: Callable[[str, PushedObject], None]
+
+
 class _DeferringServer(ActionServer):
     """
     An action server whose goals are pursued by somebody else, with the measurements.
@@ -68,7 +81,7 @@ class PushActionServer:
 
     def __init__(self, node: PushNode, goals: GoalEntry, interfaces: PushInterfaces,
                  receive: Callable[[str, Any, GoalReceiver], None], *,
-                 is_active: Callable[[], bool], obj: PushedObject, object_name: str) -> None:
+                 is_active: Callable[[], bool], objects: ObjectSelector) -> None:
         """
         Wait for goals.
 
@@ -78,16 +91,15 @@ class PushActionServer:
         :param receive: brings a goal pose to the world frame; takes a name for errors, the message
             and the ``GoalReceiver``.
         :param is_active: whether goals are accepted.
-        :param obj: the nominal ``PushedObject``.
-        :param object_name: its name, or empty.
+        :param objects: ``ObjectSelector``.
         """
         self._node = node
         self._goals = goals
         self._interfaces = interfaces
         self._receive = receive
         self._is_active = is_active
-        self._object_name = object_name
-        self._time_left = TimeLeftEstimator(obj)
+        self._objects = objects
+        self._object_name = ''
         self._current: ServerGoalHandle | None = None
         self._last_state: tuple[PushState, str] | None = None
         self._rate = RateLimiter(FEEDBACK_RATE)
@@ -95,6 +107,18 @@ class PushActionServer:
         self._server = _DeferringServer(
             node, interfaces.action, ACTION, _no_result, goal_callback=self._answer_goal,
             handle_accepted_callback=self._on_goal, cancel_callback=self._on_cancel)
+
+    def set_object(self, name: str, obj: PushedObject) -> None:
+        """
+        Serve goals for an object from now on.
+
+        :param name: its name, or empty.
+        :param obj: the nominal ``PushedObject``.
+        """
+        self._object_name = name
+        self._time_left = TimeLeftEstimator(obj)
+        # The next status names it.
+        self._last_state = None
 
     def destroy(self) -> None:
         """Serve no more."""
@@ -141,10 +165,10 @@ class PushActionServer:
         def accept(message: Any) -> None:
             if handle.is_active:
                 self._pursue(handle, message, refuse)
-        if request.object_name not in ('', self._object_name):
-            expected = f'{self._object_name!r} or none' if self._object_name else 'none'
-            refuse('UNKNOWN_OBJECT', f'object_name: got {request.object_name!r}, expected '
-                                     f'{expected}, as in the parameters')
+        try:
+            self._preparation(request.object_name)
+        except ValueError as error:
+            refuse('UNKNOWN_OBJECT', str(error))
             return
         try:
             _check_pose(request.goal_pose)
@@ -162,12 +186,19 @@ class PushActionServer:
             goal = PushGoal(pose, request.position_tolerance or None,
                             request.heading_tolerance or None,
                             seconds(request.time_limit) or math.inf)
+            prepare = self._preparation(request.object_name)
         except ValueError as error:
             refuse('INVALID_GOAL', str(error))
             return
-        self._goals.start(goal, lambda ended: self._on_end(handle, ended))
+        self._goals.start(goal, lambda ended: self._on_end(handle, ended), prepare)
         self._time_left.reset()
         self._current = handle
+
+    def _preparation(self, name: str) -> Callable[[], None] | None:
+        """Make what turns to the object of a goal; None where it is the present one."""
+        if name in ('', self._object_name):
+            return None
+        return functools.partial(self._objects.use, name, self._objects.find(name))
 
     def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         """Accept, and begin to back off once the state of the goal is that."""

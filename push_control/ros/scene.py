@@ -95,6 +95,15 @@ class ScenePublisher:
         if self._transforms is not None:
             self._node.destroy_publisher(self._transforms)
 
+    def set_object(self, obj: PushedObject) -> None:
+        """
+        Show another object, with no goal yet.
+
+        :param obj: the nominal ``PushedObject``.
+        """
+        self._object = obj
+        self.show_goal(None, self._node.now())
+
     def show_goal(self, goal: Pose | None, stamp: Time) -> None:
         """
         Draw the goal, and erase the plan to a former one.

@@ -116,6 +116,16 @@ class SinglePushMode(Mode):
         """
         self._parameters = parameters
 
+    def set_object(self, parameters: ControllerParameters) -> None:
+        """
+        Push another object from now on.
+
+        :param parameters: ``ControllerParameters``, as of ``Mode``.
+        """
+        self._parameters = parameters
+        self._controller = Controller(parameters.object, parameters.robot, self._settings)
+        self.reset()
+
     def set_goal(self, goal: PushGoal) -> None:
         """
         Request a plan, as soon as there are measurements; until it comes the former one stays.

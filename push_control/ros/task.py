@@ -56,6 +56,7 @@ class TaskMode(Mode):
         """
         self._parameters = parameters
         self._frame = frame
+        self._logger = node.get_logger()
         self._is_started = not options.wait_for_start
         file = KnowledgeFile(Path(options.knowledge_file)) if options.knowledge_file else None
         self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
@@ -113,6 +114,21 @@ class TaskMode(Mode):
         """
         self._parameters = parameters
         self._apply_settings()
+
+    def set_object(self, parameters: ControllerParameters) -> None:
+        """
+        Push another object from now on, with what was learned of it; the robot is where it was.
+
+        :param parameters: ``ControllerParameters``, as of ``Mode``.
+        """
+        self._parameters = parameters
+        try:
+            self._memory.select(parameters.object)
+        except ValueError as error:
+            self._logger.warning(f'knowledge_file: {error}; nothing is known of this object')
+        former = self._supervisor
+        self.reset()
+        self._supervisor.take_over_robot(former)
 
     def set_goal(self, goal: PushGoal) -> None:
         """

@@ -141,6 +141,14 @@ class Supervisor:
         """Covariance of the centre of friction in the object frame (xx, xy, yy) [m^2]."""
         return self._perception.localization.friction_center_covariance
 
+    def take_over_robot(self, former: 'Supervisor') -> None:
+        """
+        Start with the robot where it was localized while it pushed another object.
+
+        :param former: the ``Supervisor`` of that object, with the same settings.
+        """
+        self._perception.localization.take_over_robot(former._perception.localization)
+
     def set_goal(self, pose: Pose | None) -> None:
         """
         Start a task, whatever is under way; while paused it waits for ``resume``.

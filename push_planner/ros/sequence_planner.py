@@ -24,7 +24,7 @@ class PlannerParameters(NamedTuple):
     """
     Parameters of the planner, by section.
 
-    :param object: the nominal ``PushedObject``.
+    :param object: the ``PushedObject`` to be prepared for.
     :param robot: the ``RoundRobot``.
     :param planner: ``PlannerSettings``.
     :param drive: ``DriveSettings``; for sequences.
@@ -102,7 +102,7 @@ class SequenceRequestHandler:
         :return: ``PlanRequest``.
         :raises MessageRefused: where it cannot be used.
         """
-        return from_request_message(message, self._frame, self._parameters.object)
+        return from_request_message(message, self._frame)
 
     def plan(self, request: PlanRequest) -> TaskPlan:
         """

@@ -2,15 +2,17 @@
 Plan requests to messages and back.
 
 A request is a ``trajectory_msgs/JointTrajectory`` of one point, whose joint names say what each
-of its positions is: poses of object, robot and goal in the world frame, the friction of each
-support and the contact friction as identified, the fraction of the friction cone that the plan
-should use, the tolerances, and standard deviations of what was identified.
+of its positions is: poses of object, robot and goal in the world frame, the parameters of the
+object with friction as identified, the fraction of the friction cone that the plan should use, the
+tolerances, and standard deviations of what was identified. The planner need not know the object.
 """
 
-import dataclasses
 import math
-from typing import Any
+from typing import Any, Sequence
 
+from push_model.files.flat_values import (
+    from_parameter_values, parameter_specs, to_parameter_values,
+)
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.plan_request import PlanRequest
@@ -18,24 +20,19 @@ from push_ros.conversions.primitives import check_frame, MessageRefused, to_quat
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 POSES = ('object', 'robot', 'goal')
-# Prefix of the names of the friction coefficients of the supports, before their numbers from 0.
-SUPPORT_FRICTION = 'support_friction.'
-CONTACT_FRICTION = 'contact_friction'
+# Prefix of the parameters of the object; numbers of a list follow, from 0 on: outline.0, ...
+PARAMETERS = 'object.'
 CONE_FRACTION = 'cone_fraction'
 # Numbers above 0, and of at least 0, that are fields of the request under the same name.
 TOLERANCES = ('position_tolerance', 'heading_tolerance')
 DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation')
-
-
-def request_fields(obj: PushedObject) -> tuple[str, ...]:
-    """
-    List the names of the numbers in a request.
-
-    :param obj: the ``PushedObject``, for the number of its supports.
-    """
-    return (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')),
-            *(f'{SUPPORT_FRICTION}{number}' for number in range(len(obj.supports))),
-            CONTACT_FRICTION, CONE_FRACTION, *TOLERANCES, *DEVIATIONS)
+# Parameters of any object that are one number, and those that are lists.
+NUMBERS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
+                if spec.kind is float)
+LISTS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
+              if spec.kind is not float)
+FIELDS = (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')),
+          CONE_FRACTION, *TOLERANCES, *DEVIATIONS, *NUMBERS)
 
 
 def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTrajectory:
@@ -47,34 +44,34 @@ def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTra
     :param frame: id of the world frame.
     :return: ``trajectory_msgs/JointTrajectory``; see the module on its fields.
     """
-    values = []
-    for pose in (request.object_pose, request.robot_pose, request.goal):
+    values: dict[str, float] = {}
+    for name, pose in zip(POSES, (request.object_pose, request.robot_pose, request.goal)):
         # The heading as a quaternion carries it, like that of every other pose on a topic.
-        values += [pose.x, pose.y, to_yaw(to_quaternion(pose.theta), 'push_request')]
-    obj = request.obj
-    values += [*(support.friction_coefficient for support in obj.supports),
-               obj.contact_friction_coefficient, request.cone_fraction,
-               *(getattr(request, name) for name in (*TOLERANCES, *DEVIATIONS))]
-    message = JointTrajectory(joint_names=list(request_fields(obj)))
+        heading = to_yaw(to_quaternion(pose.theta), 'push_request')
+        values.update({f'{name}.x': pose.x, f'{name}.y': pose.y, f'{name}.heading': heading})
+    values.update({name: getattr(request, name)
+                   for name in (CONE_FRACTION, *TOLERANCES, *DEVIATIONS)})
+    values.update(_object_values(request.obj))
+    message = JointTrajectory(joint_names=list(values))
     message.header.stamp, message.header.frame_id = stamp, frame
-    message.points = [JointTrajectoryPoint(positions=[float(value) for value in values])]
+    message.points = [JointTrajectoryPoint(
+        positions=[float(value) for value in values.values()])]
     return message
 
 
-def from_request_message(message: JointTrajectory, frame: str, obj: PushedObject,
+def from_request_message(message: JointTrajectory, frame: str,
                          topic: str = 'push_request') -> PlanRequest:
     """
     Read a plan request.
 
     :param message: ``trajectory_msgs/JointTrajectory``.
     :param frame: id of the world frame.
-    :param obj: the nominal ``PushedObject``.
     :param topic: what errors call the message.
-    :return: the ``PlanRequest``, of an object with the friction of the message.
+    :return: the ``PlanRequest``.
     :raises MessageRefused: naming the field, what came and what was expected.
     """
     check_frame(message.header.frame_id, frame, topic)
-    values = _values(message, request_fields(obj), topic)
+    values = _values(message, topic)
     for name, value in values.items():
         if not math.isfinite(value):
             raise MessageRefused(f'{topic}: {name}: got {value:g}, expected a finite number')
@@ -90,35 +87,60 @@ def from_request_message(message: JointTrajectory, frame: str, obj: PushedObject
     object_pose, robot_pose, goal = (
         Pose(values[f'{pose}.x'], values[f'{pose}.y'], values[f'{pose}.heading'])
         for pose in POSES)
-    return PlanRequest(object_pose, robot_pose, goal, _with_friction(obj, values, topic), fraction,
+    return PlanRequest(object_pose, robot_pose, goal, _object(values, topic), fraction,
                        *(values[name] for name in (*TOLERANCES, *DEVIATIONS)))
 
 
-def _with_friction(obj: PushedObject, values: dict[str, float], topic: str) -> PushedObject:
-    """Give an object the friction of a message."""
+def _object_values(obj: PushedObject) -> dict[str, float]:
+    """List the parameters of an object, each number of a list under its own name."""
+    values: dict[str, float] = {}
+    for name, value in to_parameter_values(obj, PARAMETERS).items():
+        if isinstance(value, list):
+            values.update({f'{name}.{index}': number for index, number in enumerate(value)})
+        else:
+            values[name] = value
+    return values
+
+
+def _object(values: dict[str, float], topic: str) -> PushedObject:
+    """Make the object of the parameters in a message."""
+    given = {**{name: values[name] for name in NUMBERS},
+             **{name: _list(name, values, topic) for name in LISTS}}
     try:
-        supports = tuple(
-            dataclasses.replace(support,
-                                friction_coefficient=values[f'{SUPPORT_FRICTION}{number}'])
-            for number, support in enumerate(obj.supports))
-        return dataclasses.replace(obj, supports=supports,
-                                   contact_friction_coefficient=values[CONTACT_FRICTION])
+        return from_parameter_values(PushedObject, given, PARAMETERS)
     except ValueError as error:
         raise MessageRefused(f'{topic}: {error}') from error
 
 
-def _values(message: JointTrajectory, fields: tuple[str, ...], topic: str) -> dict[str, float]:
-    """Read the numbers of a message by name, each of ``fields`` once and no other."""
-    names = list(message.joint_names)
-    unknown = sorted(set(names) - set(fields))
+def _list(name: str, values: dict[str, float], topic: str) -> list[float]:
+    """Read a list, whose numbers are there from 0 on without a gap."""
+    count = sum(_list_name(field) == name for field in values)
+    fields = [f'{name}.{index}' for index in range(count)]
+    missing = [field for field in fields if field not in values]
+    if missing:
+        raise MessageRefused(f'{topic}: {missing[0]}: got nothing, expected a number')
+    return [values[field] for field in fields]
+
+
+def _list_name(field: str) -> str:
+    """Return the name of the list that a field belongs to; empty where it belongs to none."""
+    name, _, index = field.rpartition('.')
+    return name if index.isdecimal() and name in LISTS else ''
+
+
+def _values(message: JointTrajectory, topic: str) -> dict[str, float]:
+    """Read the numbers of a message by name: each of ``FIELDS``, and of the lists, once."""
+    names: Sequence[str] = list(message.joint_names)
+    unknown = sorted(name for name in names if name not in FIELDS and not _list_name(name))
     if unknown:
-        raise MessageRefused(f'{topic}: got the unknown fields {", ".join(unknown)}, expected '
-                             + ', '.join(fields))
-    missing = [name for name in fields if name not in names]
+        raise MessageRefused(
+            f'{topic}: got the unknown fields {", ".join(unknown)}, expected '
+            + ', '.join((*FIELDS, *(f'{name}.0' for name in LISTS))))
+    missing = [name for name in FIELDS if name not in names]
     if missing:
         raise MessageRefused(f'{topic}: {", ".join(missing)}: got nothing, expected a number')
-    if len(names) != len(fields):
-        twice = sorted(name for name in fields if names.count(name) > 1)
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
         raise MessageRefused(f'{topic}: {", ".join(twice)}: got more than one, expected one')
     if len(message.points) != 1:
         raise MessageRefused(f'{topic}: got {len(message.points)} points, expected 1')

@@ -5,9 +5,9 @@ from pathlib import Path
 import tempfile
 from typing import Any
 
+from push_model.files.flat_values import from_parameter_values, to_parameter_values
 from push_model.files.parameter_files import named_file, read_object, read_robot
 from push_model.parameters import PushedObject, RoundRobot
-from push_ros.parameters import from_parameter_values, to_parameter_values
 from push_ros.topics import CONTROLLER, SIM
 from push_scenario.definition.loader import read_sensors
 import yaml

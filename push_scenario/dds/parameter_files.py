@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from push_control.settings import ControlSettings
+from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
-from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.loop import SETTLE_TIME

@@ -4,10 +4,10 @@ from docs.tools.reference import GROUPS
 import numpy as np
 from push_control.settings import ControlSettings
 from push_model.files.data import config_file
+from push_model.files.flat_values import from_parameter_values, parameter_specs
 from push_model.parameters import RoundRobot
 from push_navigation.settings import DriveSettings
 from push_planner.settings import PlannerSettings
-from push_ros.parameters import from_parameter_values, parameter_specs
 from push_ros.topics import CONTROLLER, PLANNER
 from push_scenario.dds.launch_parameters import launch_parameters
 import pytest

@@ -93,8 +93,13 @@ def test_what_is_remembered_grows_old(tmp_path, is_kept_in_file):
 
 def test_what_was_learned_of_one_object_is_not_of_another(tmp_path):
     file, clock = KnowledgeFile(tmp_path / 'known.yaml'), Time()
-    push(KnowledgeMemory(box(), SETTINGS, file, clock), KNOWN)
-    push(KnowledgeMemory(bin_(), SETTINGS, file, clock), OTHER)
+    memory = KnowledgeMemory(box(), SETTINGS, file, clock)
+    push(memory, KNOWN)
+    memory.select(bin_())
+    assert memory.recall() is None
+    push(memory, OTHER)
+    memory.select(box())
+    assert memory.recall() == KNOWN
     assert KnowledgeMemory(box(), SETTINGS, file, clock).recall() == KNOWN
     assert KnowledgeMemory(box(mass=9.0), SETTINGS, file, clock).recall() is None
     assert file.read(object_key(bin_())) == (clock.now, OTHER)

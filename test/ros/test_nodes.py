@@ -10,6 +10,7 @@ import sys
 from geometry_msgs.msg import PoseStamped, Twist as TwistMessage
 from helpers.node_bench import bench
 from push_model.files.data import config_file
+from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
@@ -22,7 +23,6 @@ from push_ros.conversions.plan import from_plan_message, plan_failure, to_plan_m
 from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import check_frame, nanoseconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR, status_values, WARN
-from push_ros.parameters import to_parameter_values
 from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
 from push_scenario.definition.loader import find_scenario, read_scenario

@@ -4,6 +4,7 @@ import math
 
 from helpers.node_bench import bench
 from push_control.estimation.contact_site import initial_contact_site
+from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import distance, Pose
 from push_model.signals import Twist
 from push_planner.problem import problem_from_placement
@@ -11,7 +12,6 @@ from push_planner.single_push.planner import plan_push
 from push_ros.conversions.plan import to_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.conversions.primitives import to_stamp
-from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
@@ -62,5 +62,5 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
         b.odometry(way / SPEED + PERIOD, place)
         b.spin(0.3)
     assert len(requests) == 1
-    request = from_request_message(requests[0], 'odom', SCENARIO.object)
+    request = from_request_message(requests[0], 'odom')
     assert distance(request.goal, GOAL) < 5e-3

@@ -5,11 +5,11 @@ import math
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
 from helpers.build_interfaces import available_tf2_msgs
 from helpers.node_bench import bench
+from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message
 from push_ros.diagnostics import WARN
-from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, SIM
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest

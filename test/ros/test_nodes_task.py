@@ -1,5 +1,6 @@
 """Tasks over Fast DDS: controller and planner alone, with time in the hands of the test."""
 
+import dataclasses
 import math
 import time
 
@@ -9,6 +10,8 @@ import numpy as np
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.ros.commands import STOP_COMMANDS
 from push_control.ros.knowledge import KnowledgeFile
+from push_model.contact import find_contact
+from push_model.files.flat_values import to_parameter_values
 from push_model.friction import friction_center
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanFailure, PlanRequest
@@ -24,7 +27,6 @@ from push_ros.conversions.plan import from_plan_message, no_plan_message, to_pla
 from push_ros.conversions.plan_request import from_request_message, to_request_message
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR
-from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
@@ -77,7 +79,7 @@ FREE = np.zeros((80, 80), dtype=bool)
 def planned():
     """Plan the first push from the start, as the planner would."""
     def plan(request):
-        wanted = from_request_message(request, 'odom', SCENARIO.object)
+        wanted = from_request_message(request, 'odom')
         return plan_for_request(wanted, SCENARIO.robot, SCENARIO.planner, DRIVE)
     return plan
 
@@ -168,7 +170,7 @@ def test_nothing_begins_without_goal_and_start(stand):
 def test_a_request_says_what_is_wanted(stand):
     """Object and robot as measured, the goal as given, the object as believed."""
     request = stand.wait_for_request(1)
-    wanted = from_request_message(request, 'odom', SCENARIO.object)
+    wanted = from_request_message(request, 'odom')
     assert distance(wanted.object_pose, OBJECT) < 1e-9 and wanted.cone_fraction == 1.0
     assert distance(wanted.robot_pose, ROBOT) < 1e-9
     assert wanted.goal == pytest.approx(GOAL)
@@ -236,7 +238,7 @@ def test_a_goal_holds_at_once_whatever_its_stamp(stand):
     for stamp in (stand.now + 20.0, 1.7e9, 0.0):
         count, other = len(stand.requests), Pose(-1.0, 0.1 * len(stand.requests), 0.0)
         stand.b.publish('goal_pose', goal(other, stamp))
-        request = from_request_message(stand.wait_for_request(count + 1), 'odom', SCENARIO.object)
+        request = from_request_message(stand.wait_for_request(count + 1), 'odom')
         assert request.goal == pytest.approx(other)
 
 
@@ -297,7 +299,7 @@ def test_what_was_learned_before_is_in_the_request(tmp_path):
                {**TASK, 'knowledge_file': str(path)}) as b:
         stand = Stand(b)
         b.publish('goal_pose', goal(GOAL))
-        obj = from_request_message(stand.wait_for_request(1), 'odom', SCENARIO.object).obj
+        obj = from_request_message(stand.wait_for_request(1), 'odom').obj
     assert friction_center(obj) == pytest.approx(known.friction_center, abs=1e-3)
     assert obj.contact_friction_coefficient == pytest.approx(0.25, abs=1e-3)
     assert KnowledgeFile(path).read(object_key(SCENARIO.object))[1] == known
@@ -343,7 +345,7 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     aside = OBJECT @ Pose(-1.0, 0.0, 1.0)
     message = request(1.5, aside)
     got = from_plan_message(answered(planner, message), 'odom')
-    chain = plan_for_request(from_request_message(message, 'odom', SCENARIO.object),
+    chain = plan_for_request(from_request_message(message, 'odom'),
                              SCENARIO.robot, SCENARIO.planner, DRIVE, SEQUENCES)
     assert len(chain.pushes) > 1
     assert np.abs(got.object_poses - chain.trajectory.object_poses).max() < 1e-6
@@ -354,6 +356,19 @@ def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
     assert max(distance(*pair) for pair in zip(poses, poses[1:])) < 0.1
     planner.wait_until(lambda: any(f'has planned {len(chain.pushes)} pushes' in text
                                    for text in texts(planner, PLANNER)))
+
+
+def test_another_object_is_pushed_where_the_request_brings_it(planner):
+    """Whatever the parameters of the planner: the robot touches the longer box further out."""
+    longer = dataclasses.replace(SCENARIO.object, outline=tuple(
+        (1.5 * x, y) for x, y in SCENARIO.object.outline))
+    starts = [Pose(*from_plan_message(answered(planner, to_request_message(
+        PlanRequest(Pose(0.0, 0.0, 0.0), Pose(-1.5, 0.0, 0.0), Pose(0.6, 0.0, 0.0), obj),
+        to_stamp(1.7 + number), 'odom')), 'odom').robot_poses[0].tolist())
+        for number, obj in enumerate((SCENARIO.object, longer))]
+    gaps = [find_contact(longer, Pose(0.0, 0.0, 0.0), start[:2], SCENARIO.robot.radius).gap
+            for start in starts]
+    assert gaps[0] < -0.02 and abs(gaps[1]) < 1e-3
 
 
 @pytest.mark.parametrize('spoil, text', [

@@ -13,11 +13,12 @@ from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from push_control.ros.commands import STOP_COMMANDS
 from push_model.files.data import config_file
+from push_model.files.flat_values import to_parameter_values
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.primitives import seconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR, OK, status_values
-from push_ros.parameters import DYNAMIC, READ_ONLY, to_parameter_values
+from push_ros.parameters import DYNAMIC, IDLE, READ_ONLY
 from push_ros.start import NODES
 from push_ros.topics import CONTROLLER, PLANNER
 from push_scenario.definition.loader import find_scenario, read_scenario
@@ -195,15 +196,17 @@ def test_dynamic_parameters_may_be_set(setup):
     assert setup.set_parameter(PLANNER, 'planner.pushing_speed', 0.1).successful
     for name, value, reason in (('drive.speed', -1.0, 'drive.speed'),
                                 ('control.control_law', 'magic', "got 'magic', expected one of"),
-                                ('object.mass', 4.0, 'read-only'),
+                                ('robot.radius', 0.2, 'read-only'),
                                 ('control.pose_noise', 0.01, 'read-only')):
         refused = setup.set_parameter(CONTROLLER, name, value)
         assert not refused.successful and reason in refused.reason
-    described = setup.call(DescribeParameters, f'{CONTROLLER}/describe_parameters',
-                           DescribeParameters.Request(names=['drive.speed', 'object.mass']))
-    speed, mass = described.descriptors
+    described = setup.call(
+        DescribeParameters, f'{CONTROLLER}/describe_parameters',
+        DescribeParameters.Request(names=['drive.speed', 'object.mass', 'robot.radius']))
+    speed, mass, radius = described.descriptors
     assert DYNAMIC in speed.additional_constraints and not speed.read_only
-    assert READ_ONLY in mass.additional_constraints and mass.read_only
+    assert IDLE in mass.additional_constraints and not mass.read_only
+    assert READ_ONLY in radius.additional_constraints and radius.read_only
     setup.forget()
     setup.publish_once(goal())
     setup.measure_until(lambda: setup.b.received['push_plan'])

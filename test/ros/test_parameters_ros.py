@@ -6,13 +6,14 @@ import math
 from push_control import controller_node
 from push_control.settings import ControlSettings
 from push_model.files.data import config_file
+from push_model.files.flat_values import (
+    from_parameter_values, parameter_specs, to_parameter_values,
+)
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_planner import planner_node
 from push_planner.problem import PlannerSettings
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
-from push_ros.parameters import (
-    from_parameter_values, parameter_specs, ParameterSet, to_parameter_values,
-)
+from push_ros.parameters import ParameterSet
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.definition.loader import load_scenario, scenario_names

@@ -8,18 +8,25 @@ from geometry_msgs.msg import PoseStamped
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
 from helpers.node_bench import bench
+from push_model.files.data import config_file
+from push_model.files.flat_values import to_parameter_values
+from push_model.files.parameter_files import read_object
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure
 from push_model.signals import ObjectPose, Odometry, STOP
+from push_primitives.store import reference_object
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.plan import no_plan_message
+from push_ros.conversions.plan_request import from_request_message
 from push_ros.conversions.primitives import seconds, to_pose_message
-from push_ros.parameters import to_parameter_values
 from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
+from rclpy.parameter import Parameter
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
@@ -28,6 +35,7 @@ OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO
 PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'), 'use_sim_time': True, 'task': True,
               'object_name': 'box_04'}
+BIN = read_object(config_file('objects/bin.yaml'))
 PERIOD = 0.05
 
 
@@ -72,6 +80,16 @@ class Client:
         handle = sent.result()
         assert handle.accepted
         return handle, handle.get_result_async()
+
+    def set_parameter(self, name, value):
+        """Set a parameter of the controller; return whether it was set, and why not."""
+        value = Parameter(name, value=value).get_parameter_value()
+        service = self.b.node.create_client(SetParameters, f'{CONTROLLER}/set_parameters')
+        self.b.wait_until(service.service_is_ready)
+        answer = service.call_async(SetParameters.Request(
+            parameters=[ParameterMessage(name=name, value=value)]))
+        self.b.wait_until(answer.done)
+        return answer.result().results[0]
 
     def result(self, pose, **fields):
         """Send a goal, and wait for its result."""
@@ -135,7 +153,8 @@ def test_feedback_comes_until_a_goal_is_cancelled(client):
     ({'position_tolerance': -0.1}, GOAL, 'INVALID_GOAL', 'position_tolerance: got -0.1'),
     ({'heading_tolerance': math.nan}, GOAL, 'INVALID_GOAL', 'heading_tolerance: got nan'),
     ({'time_limit': Duration(sec=-1)}, GOAL, 'INVALID_GOAL', 'time_limit: got -1'),
-    ({'object_name': 'moon'}, GOAL, 'UNKNOWN_OBJECT', "got 'moon', expected 'box_04'"),
+    ({'object_name': 'moon'}, GOAL, 'UNKNOWN_OBJECT',
+     "got 'moon', expected one of bin, box_04, carton, coffee_table"),
     ({}, stamped(GOAL, 'nowhere'), 'TF_ERROR', "frame 'nowhere'"),
 ], ids=['nan', 'tolerance', 'nan tolerance', 'time limit', 'object', 'frame'])
 def test_a_goal_that_cannot_be_used_is_aborted(client, fields, pose, code, text):
@@ -147,6 +166,42 @@ def test_a_goal_that_cannot_be_used_is_aborted(client, fields, pose, code, text)
     assert text in ended.result.error_msg
     client.measure()
     assert not former.done()
+
+
+def test_a_goal_may_name_another_object(client):
+    """The robot turns to it, and says so; the planner is told what it is, and so back again."""
+    requests = client.b.received['push_request']
+    _, first = client.send(GOAL)
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
+    refused = client.set_parameter('object_name', 'carton')
+    assert not refused.successful and 'while a goal is pursued' in refused.reason
+    for name, obj in (('bin', BIN), ('box_04', SCENARIO.object)):
+        requests.clear()
+        handle, result = client.send(GOAL, object_name=name)
+        client.measure_until(lambda: requests)
+        assert reference_object(from_request_message(requests[-1], 'odom').obj) \
+            == reference_object(obj)
+        assert client.statuses[-1].object_name == name
+        client.b.wait_until(handle.cancel_goal_async().done)
+        client.measure_until(result.done)
+    assert first.result().result.error_code == client.action.Result.PREEMPTED
+
+
+def test_the_object_may_be_set_as_a_parameter(client):
+    """By its name or its values, which then belong to that name; all or nothing."""
+    assert client.set_parameter('object_name', 'bin').successful
+    refused = client.set_parameter('object_name', 'moon')
+    assert not refused.successful and 'expected one of bin, box_04' in refused.reason
+    assert not client.set_parameter('object.radius', -1.0).successful
+    assert client.set_parameter('object.mass', 5.0).successful
+    requests = client.b.received['push_request']
+    for name, mass in (('', 5.0), ('box_04', 3.0), ('bin', 5.0), ('box_04', 3.0)):
+        requests.clear()
+        handle, result = client.send(GOAL, object_name=name)
+        client.measure_until(lambda: requests)
+        assert from_request_message(requests[-1], 'odom').obj.mass == mass
+        client.b.wait_until(handle.cancel_goal_async().done)
+        client.measure_until(result.done)
 
 
 def test_a_goal_pose_takes_the_place_of_a_goal_of_the_action(client):

@@ -1,10 +1,10 @@
 """Parameters that launch files hand to the nodes: in any namespace, objects and robots by name."""
 
 from push_model.files.data import config_file
+from push_model.files.flat_values import from_parameter_values
 from push_model.files.parameter_files import named_file, read_object, read_robot
 from push_model.files.strict_yaml import ParameterFileError
 from push_model.parameters import PushedObject, RoundRobot
-from push_ros.parameters import from_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.launch_parameters import (
     launch_parameters, SIM_SECTION, switch, write_parameters,

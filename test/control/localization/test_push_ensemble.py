@@ -287,3 +287,18 @@ def test_before_any_odometry_there_is_no_pose():
     assert not ensemble.is_initialized and not ensemble.has_object
     with pytest.raises(RuntimeError, match='got no odometry'):
         _ = ensemble.pose
+
+
+def test_a_robot_is_taken_over_with_what_is_known_of_it():
+    """Another object, the same robot: where it is, how sure that is, and its odometry."""
+    former, time = resting()
+    pose, time = drive_ahead(former, AWAY, time, 0.5)
+    former.update_pose((0.1, -0.05, 0.02), np.diag((1e-6, 1e-6, 1e-6)))
+    ensemble = PushEnsemble(box(side=0.6), ROBOT, CONTROL, NOISE, seed=3)
+    ensemble.take_over_robot(former)
+    assert ensemble.pose == pytest.approx(former.pose, abs=1e-9)
+    assert ensemble.standard_deviations == pytest.approx(former.standard_deviations, rel=1e-9)
+    assert not ensemble.has_object
+    for each in (former, ensemble):
+        drive_ahead(each, pose, time, 0.5)
+    assert ensemble.pose == pytest.approx(former.pose, abs=5e-3)

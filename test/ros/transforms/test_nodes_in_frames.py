@@ -6,6 +6,7 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from helpers.build_interfaces import available_tf2_msgs
 from helpers.node_bench import bench
 import numpy as np
+from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.rigid_transform import RigidTransform
@@ -18,7 +19,6 @@ from push_ros.conversions.measurements import (
 from push_ros.conversions.plan import from_plan_message, no_plan_message
 from push_ros.conversions.plan_request import from_request_message, to_request_message
 from push_ros.conversions.primitives import from_pose_message, to_pose_message, to_stamp
-from push_ros.parameters import to_parameter_values
 from push_ros.topics import CONTROLLER, PLANNER, TRACKER
 from push_ros.transforms.listener import (
     DYNAMIC_QOS, DYNAMIC_TOPIC, STATIC_QOS, STATIC_TOPIC, transform_message_type,
@@ -75,7 +75,7 @@ def posed(frame, time, pose):
 
 def requests(b):
     """Read the requests that have come."""
-    return [from_request_message(message, 'odom', SCENARIO.object)
+    return [from_request_message(message, 'odom')
             for message in b.received['push_request']]
 
 

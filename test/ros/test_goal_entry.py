@@ -1,0 +1,73 @@
+"""Goals that replace each other, with a mode that is played here; no topic is needed."""
+
+import logging
+from types import SimpleNamespace
+
+from push_control.goal import GoalOutcome, GoalProgress, PushGoal
+from push_control.ros.goal_entry import GoalEntry
+from push_model.geometry import Pose
+import pytest
+
+FIRST, SECOND = (PushGoal(Pose(x, 0.0, 0.0)) for x in (1.0, 2.0))
+
+
+class Robot:
+    """A mode whose robot backs off after a goal until it is let go."""
+
+    def __init__(self):
+        self.is_commanding = False
+        self.progress = GoalProgress()
+        self.goals = []
+
+    def set_goal(self, goal):
+        """Pursue a goal."""
+        self.goals.append(goal)
+        self.is_commanding = True
+
+    def cancel(self, reason):
+        """Back off."""
+
+
+@pytest.fixture
+def robot():
+    """Make the mode."""
+    return Robot()
+
+
+@pytest.fixture
+def goals(robot):
+    """Make the entry of goals."""
+    node = SimpleNamespace(reporter=SimpleNamespace(log=lambda *_: None),
+                           get_logger=lambda: logging.getLogger('goals'))
+    return GoalEntry(node, robot, 'odom', is_lockstep=False)
+
+
+def test_a_goal_for_another_object_waits_until_the_robot_stands(goals, robot):
+    """The robot backs off from the former one; then the object is changed, then it begins."""
+    done = []
+    first = goals.start(FIRST)
+    second = goals.start(SECOND, prepare=lambda: done.append(goals.is_idle))
+    goals.update(1.0)
+    assert robot.goals == [FIRST] and not done and first.outcome is None
+    robot.is_commanding = False
+    goals.update(2.0)
+    assert first.outcome is GoalOutcome.REPLACED and robot.goals == [FIRST, SECOND]
+    assert done == [True] and goals.current is second
+
+
+@pytest.mark.parametrize('end, outcome', [
+    (lambda goals: goals.cancel(), GoalOutcome.CANCELLED),
+    (lambda goals: goals.start(FIRST), GoalOutcome.REPLACED),
+    (lambda goals: goals.interrupt(GoalOutcome.INTERRUPTED, 'time went back'),
+     GoalOutcome.INTERRUPTED)], ids=['cancelled', 'replaced', 'interrupted'])
+def test_a_goal_that_waits_may_end(goals, robot, end, outcome):
+    """It never begins, and its client is told once."""
+    ended = []
+    goals.start(FIRST)
+    goals.start(SECOND, ended.append, prepare=lambda: pytest.fail('it begins'))
+    end(goals)
+    robot.is_commanding = False
+    goals.update(1.0)
+    goals.update(2.0)
+    assert [handle.outcome for handle in ended] == [outcome]
+    assert SECOND not in robot.goals
