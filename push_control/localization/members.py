@@ -129,6 +129,17 @@ class Members:
         self.states[:, OBJECT[:2]] += self._rotated_center(poses[:, 2])
         self._forget_poses()
 
+    def assign(self, other: 'Members') -> None:
+        """
+        Take over the states and parameters of others.
+
+        :param other: ``Members`` of the same object and number.
+        """
+        self.states[:] = other.states
+        self.parameters[:] = other.parameters
+        self.apply_parameters()
+        self._forget_poses()
+
     def apply_parameters(self) -> None:
         """Bring the parameters within their ranges, and into the numbers of the dynamics."""
         friction = self.parameters[:, -1]

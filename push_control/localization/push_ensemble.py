@@ -24,9 +24,13 @@ half of the standard deviation, so that no update makes the ensemble too sure.
 
 An object that nobody touches tells nothing of the robot: then only the object is updated. A pose
 that nothing explains is an outlier; several in a row are an object that somebody has moved.
+
+Whether the contact is about as rough as stated or slippery is decided between two ensembles
+(``slip_test``).
 """
 
 from collections import deque
+import copy
 import math
 from typing import NamedTuple, Sequence
 
@@ -40,6 +44,7 @@ from push_control.localization.members import (
     ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE,
 )
 from push_control.localization.pose_bias import PoseBias
+from push_control.localization.slip_test import slippery_friction, SlipTest, SlipVerdict
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
@@ -141,6 +146,9 @@ class PushEnsemble:
         self._last_contact = -math.inf
         self._pose_time: float | None = None
         self._outliers = 0
+        self._log_likelihood = 0.0
+        self._slip_test = SlipTest()
+        self._slippery: PushEnsemble | None = None
         self._draw_parameters()
         # Nothing moves; but it is compiled here, and not at the first odometry.
         self.members.move(np.zeros((self.members.count, POSE)), LONGEST_STEP)
@@ -284,6 +292,8 @@ class PushEnsemble:
 
         :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
         """
+        if self._slippery is not None:
+            self._slippery.predict(odometry)
         if self._odometry is None:
             deviations = (START_POSITION_STD, START_POSITION_STD, START_HEADING_STD)
             spread = self._normal((self.members.count, POSE)) * deviations
@@ -297,6 +307,10 @@ class PushEnsemble:
         self._history.append(_Snapshot(odometry.time, self.members.poses))
         while odometry.time - self._history[0].time > HISTORY_TIME:
             self._history.popleft()
+        if odometry.time == self._last_contact:
+            self._suppose_slippery()
+        elif odometry.time - self._last_contact > COUPLING_TIME:
+            self._follow_likelier()
 
     def _move(self, step: Pose, duration: float, time: float) -> None:
         members, noise = self.members, self._odometry_noise
@@ -333,6 +347,16 @@ class PushEnsemble:
         :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
         :return: whether it was believed.
         """
+        slippery = self._slippery
+        is_believed = self._update(measured)
+        if slippery is None:
+            return is_believed
+        is_explained = slippery._update(measured)
+        verdict = self._slip_test.judge(self._log_likelihood_ratio(slippery))
+        self._follow(slippery, verdict)
+        return is_explained if verdict is SlipVerdict.SLIPPERY else is_believed
+
+    def _update(self, measured: ObjectPose) -> bool:
         if self._pose_time is None:
             self._place_objects(measured)
             self._pose_time = measured.time
@@ -348,7 +372,10 @@ class PushEnsemble:
         spread = expected - mean
         noise = self._noise(measured)
         covariance = spread.T @ spread / (len(spread) - 1) + noise
-        if innovation @ np.linalg.solve(covariance, innovation) > OUTLIER_GATE:
+        distance = float(innovation @ np.linalg.solve(covariance, innovation))
+        self._log_likelihood -= 0.5 * (min(distance, OUTLIER_GATE)
+                                       + math.log(np.linalg.det(covariance)))
+        if distance > OUTLIER_GATE:
             self._outliers += 1
             is_displaced = self._outliers >= MAX_OUTLIERS
             if is_displaced:
@@ -385,6 +412,8 @@ class PushEnsemble:
         :param pose: ``Pose`` in the world.
         :param covariance: of that measurement (x, y, heading), shape (3, 3).
         """
+        if self._slippery is not None:
+            self._slippery.update_robot(pose, covariance)
         estimate = self.pose
         self.update_pose((pose.x - estimate.x, pose.y - estimate.y, pose.theta - estimate.theta),
                          covariance)
@@ -413,6 +442,7 @@ class PushEnsemble:
         :param deviation: standard deviation of that measurement [m].
         :param is_certain: as of ``update_pose``.
         """
+        self._slippery = None
         robots = self.members.robot_poses
         along = robots[:, 0] * math.cos(direction) + robots[:, 1] * math.sin(direction)
         self._correct_robot((along - along.mean())[:, None], np.array([error]),
@@ -425,6 +455,10 @@ class PushEnsemble:
         :param deviation: standard deviation of x and of y that is added [m].
         :param heading_deviation: standard deviation of the heading that is added [rad].
         """
+        self._slippery = None
+        self._spread_robots(deviation, heading_deviation)
+
+    def _spread_robots(self, deviation: float, heading_deviation: float) -> None:
         spread = self._normal((self.members.count, POSE))
         self._set_robots(
             self.members.robot_poses + spread * (deviation, deviation, heading_deviation))
@@ -437,6 +471,7 @@ class PushEnsemble:
         :param deviations: standard deviations of x, y [m] and heading [rad].
         """
         members = self.members
+        self._slippery = None
         self._set_robots(np.array(pose) + self._normal((members.count, POSE)) * deviations)
 
     def remember_robot(self) -> RobotMemory:
@@ -456,6 +491,7 @@ class PushEnsemble:
         """
         assert self._odometry is not None
         members = self.members
+        self._slippery = None
         step = memory.odometry_pose.inverse() @ self._odometry.pose
         c, s = np.cos(memory.robots[:, 2]), np.sin(memory.robots[:, 2])
         moved = np.stack((c * step.x - s * step.y, s * step.x + c * step.y,
@@ -533,6 +569,41 @@ class PushEnsemble:
         if missing.any() and self.contact_ratio == 0.0:
             members.set_object_poses(poses + missing * self._normal(poses.shape))
 
+    # Whether the contact is slippery.
+
+    def _suppose_slippery(self) -> None:
+        """At a touch, begin to follow what a slippery contact would do, where it may be one."""
+        members = self.members
+        nominal, friction = members.obj.contact_friction_coefficient, members.parameters[:, -1]
+        if (self._slippery is not None or not self.has_object
+                or not self._slip_test.is_needed(nominal, friction)):
+            return
+        slippery = copy.deepcopy(self)
+        slippery._slip_test = SlipTest(math.inf)
+        slippery.members.parameters[:, -1] = slippery_friction(nominal, friction)
+        slippery.members.apply_parameters()
+        self._slippery = slippery
+
+    def _log_likelihood_ratio(self, slippery: 'PushEnsemble') -> float:
+        """Logarithm of the likelihood of slippery over rough, since this contact began."""
+        return slippery._log_likelihood - self._log_likelihood
+
+    def _follow_likelier(self) -> None:
+        """After a contact, go on with one ensemble."""
+        slippery = self._slippery
+        if slippery is not None:
+            self._follow(slippery, self._slip_test.judge_after_contact(
+                self._log_likelihood_ratio(slippery)))
+
+    def _follow(self, slippery: 'PushEnsemble', verdict: SlipVerdict) -> None:
+        if verdict is SlipVerdict.BOTH:
+            return
+        self._slippery = None
+        if verdict is SlipVerdict.SLIPPERY:
+            self.members.assign(slippery.members)
+            self._history, self._bias = slippery._history, slippery._bias
+            self._outliers, self._last_contact = slippery._outliers, slippery._last_contact
+
     def _on_object_displaced(self, measured: ObjectPose, displacement: FloatArray) -> None:
         """Accept that the object is elsewhere: somebody has moved it, or the robot is lost."""
         was_pushed = self.contact_ratio > 0.0
@@ -541,7 +612,7 @@ class PushEnsemble:
             self._bias.forget()
         self._place_objects(measured)
         if was_pushed:
-            self.inflate_covariance(LOST_POSITION_STD, LOST_HEADING_STD)
+            self._spread_robots(LOST_POSITION_STD, LOST_HEADING_STD)
 
     def _place_objects(self, measured: ObjectPose) -> None:
         members = self.members
