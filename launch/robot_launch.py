@@ -16,9 +16,12 @@ from launch import Action, LaunchContext, LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument, ExecuteProcess, LogInfo, OpaqueFunction, Shutdown,
 )
+from launch.logging import launch_config
 from launch.substitutions import PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
+from push_ros.push_interfaces import STATUS
+from push_ros.topics import TOPICS as ALL_TOPICS
 from push_scenario.dds.launch_parameters import launch_parameters, switch, write_parameters
 
 CONFIG = PathJoinSubstitution([FindPackageShare('push_control'), 'config'])
@@ -49,6 +52,10 @@ ARGUMENTS = {
     'map_topic': ('map', None, 'nav_msgs/OccupancyGrid of the obstacles in a task'),
     'map_frame': ('map', None, 'frame in which that file has its origin'),
     'clock': ('/clock', None, 'topic of the clock, where use_sim_time is true'),
+    'tracker': ('', None, 'file of parameters for tf_tracker, which is then started: it makes '
+                'object_pose of transforms of tags, or of motion capture'),
+    'object_pose_with_covariance': ('', SWITCH, 'object_pose is PoseWithCovarianceStamped, else '
+                                    'PoseStamped; with tracker it is'),
     'simulation': ('false', ['true', 'false'],
                    'start the simulator in place of robot and tracker'),
     'sensors': ('', None, 'sensors of the simulator: name in config/sensors, or file'),
@@ -60,7 +67,6 @@ ARGUMENTS = {
     'record': ('', None, 'folder for a recording of all topics of the nodes; empty for none'),
     'respawn': ('false', ['true', 'false'], 'start a node again that has ended; else all end'),
 }
-RECORDED = ('push_request', 'push_plan', 'planned_path', 'contact_wrench', 'markers')
 # Time before a node is started again [s], chosen as that of Nav2.
 RESPAWN_DELAY = 2.0
 
@@ -88,16 +94,18 @@ def make_nodes(context: LaunchContext) -> list[Action]:
     given = context.launch_configurations
     sections = launch_parameters(given['params_file'], given['object'], given['robot'],
                                  given['sensors'])
-    common = common_options(given)
-    common['parameters'] = [write_parameters(sections)]
+    options = common_options(given)
+    common = {**options, 'parameters': [write_parameters(sections, launch_config.log_dir)]}
     task = switch('task', given['task'])
+    poses = object_poses(given)
     planner = {} if task is None else {'planner.site': 'sequence' if task else 'current'}
     planner.update(switches(given, 'autostart'))
     controller = switches(given, 'autostart', 'task', 'wait_for_start', 'enable_stamped_cmd_vel')
     return [
-        *simulator(given, common), push_node('planner', common, planner),
-        push_node('controller', common, controller), *map_server(given), *recording(given),
-        *rviz(given, common),
+        *simulator(given, common), *tracker(given, options, poses),
+        push_node('planner', common, {**planner, **poses}),
+        push_node('controller', common, {**controller, **poses}), *map_server(given),
+        *recording(given), *rviz(given, common),
     ]
 
 
@@ -123,22 +131,25 @@ def switches(given: Arguments, *names: str) -> dict[str, bool | None]:
     return {name: switch(name, given[name]) for name in names if given[name]}
 
 
-def push_node(name: str, common: dict[str, Any], parameters: dict[str, Any]) -> Node:
+def push_node(executable: str, common: dict[str, Any], parameters: dict[str, Any],
+              name: str = '') -> Node:
     """
     Make a node of this package.
 
-    :param name: of the executable.
+    :param executable: its name.
     :param common: of ``common_options``, with ``parameters``.
     :param parameters: dict of those that take precedence.
+    :param name: of the node; by default that of the executable behind ``push_``.
     """
     options = dict(common)
+    name = name or f'push_{executable}'
     # Of this node alone: that of the middleware drowns everything.
-    logger = '.'.join([*filter(None, options['namespace'].split('/')), f'push_{name}'])
+    logger = '.'.join([*filter(None, options['namespace'].split('/')), name])
     level = f'{logger}:={options.pop("log_level")}'
     own = {'use_sim_time': options.pop('use_sim_time'), **parameters}
     parameters = [*options.pop('parameters'), own]
-    ending = {} if options['respawn'] else {'on_exit': Shutdown(reason=f'{name} has ended')}
-    return Node(package='push_control', executable=name, name=f'push_{name}',
+    ending = {} if options['respawn'] else {'on_exit': Shutdown(reason=f'{executable} has ended')}
+    return Node(package='push_control', executable=executable, name=name,
                 parameters=parameters, ros_arguments=['--log-level', level], **options, **ending)
 
 
@@ -150,6 +161,32 @@ def simulator(given: Arguments, common: dict[str, Any]) -> list[Action]:
                   'publish_clock': switch('use_sim_time', given['use_sim_time']),
                   **switches(given, 'enable_stamped_cmd_vel')}
     return [push_node('sim', common, parameters)]
+
+
+def object_poses(given: Arguments) -> dict[str, bool | None]:
+    """
+    Tell what object poses are, where that was given; those of the tracker have a covariance.
+
+    :raises ValueError: where the simulator would publish others, or as well.
+    """
+    poses = switches(given, 'object_pose_with_covariance')
+    if given['tracker']:
+        poses = {'object_pose_with_covariance': True, **poses}
+    if switch('simulation', given['simulation']):
+        for name in ('tracker', 'object_pose_with_covariance'):
+            if given[name] not in ('', 'false'):
+                raise ValueError(f'{name}: got {given[name]!r} with the simulator, which publishes '
+                                 'object_pose itself, as PoseStamped; expected none')
+    return poses
+
+
+def tracker(given: Arguments, options: dict[str, Any], poses: dict[str, bool | None]
+            ) -> list[Action]:
+    """Make the tracker for a parameter file."""
+    if not given['tracker']:
+        return []
+    file = write_parameters(launch_parameters(given['tracker']), launch_config.log_dir)
+    return [push_node('tf_tracker', {**options, 'parameters': [file]}, poses, name='push_tracker')]
 
 
 def is_installed(package: str) -> bool:
@@ -194,11 +231,13 @@ def recording(given: Arguments) -> list[Action]:
         raise ValueError(f'record: got {given["record"]!r} without ros2bag; expected that it is '
                          'installed')
     namespace = '/' + given['namespace'].strip('/')
-    names = [*(given[name] for name in (*TOPICS, 'map_topic')), *RECORDED, 'tf', 'tf_static']
+    renamed = {**{name: given[name] for name in TOPICS}, 'map': given['map_topic'],
+               'clock': given['clock'], 'diagnostics': '/diagnostics'}
+    names = [*(renamed.get(name, name) for name in ALL_TOPICS), STATUS, 'tf', 'tf_static']
     topics = [name if name.startswith('/') else f'{namespace.rstrip("/")}/{name}'
               for name in names]
-    return [ExecuteProcess(cmd=[ros2, 'bag', 'record', '--output', given['record'], *topics,
-                                '/diagnostics', '/rosout'], output='screen')]
+    return [ExecuteProcess(cmd=[ros2, 'bag', 'record', '--output', given['record'], '--topics',
+                                *topics, '/rosout'], output='screen')]
 
 
 def rviz(given: Arguments, common: dict[str, Any]) -> list[Action]:

@@ -60,15 +60,16 @@ def launch_parameters(path: str | Path, object_name: str = '', robot_name: str =
     return sections
 
 
-def write_parameters(sections: dict[str, dict[str, Any]]) -> str:
+def write_parameters(sections: dict[str, dict[str, Any]], folder: str | Path) -> str:
     """
     Write a ROS parameter file that outlives this process, as the nodes read it later.
 
     :param sections: parameters by section.
+    :param folder: where, as that of the log, which then tells what the nodes were given.
     :return: its path.
     """
     with tempfile.NamedTemporaryFile('w', prefix='push_control_', suffix='.yaml', delete=False,
-                                     encoding='utf-8') as file:
+                                     encoding='utf-8', dir=folder) as file:
         yaml.safe_dump({name: {'ros__parameters': values} for name, values in sections.items()
                         if values}, file, sort_keys=False)
     return file.name

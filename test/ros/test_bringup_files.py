@@ -8,15 +8,17 @@ from push_model.files.flat_values import from_parameter_values, parameter_specs
 from push_model.parameters import RoundRobot
 from push_navigation.settings import DriveSettings
 from push_planner.settings import PlannerSettings
-from push_ros.topics import CONTROLLER, PLANNER
+from push_ros.node_settings import TrackerOptions
+from push_ros.topics import CONTROLLER, PLANNER, TRACKER
 from push_scenario.dds.launch_parameters import launch_parameters
+from push_tracker.settings import TrackerSettings
 import pytest
 import yaml
 
 FOLDER = config_file('bringup/create3.yaml').parent
-# Files for nodes of others.
-FOREIGN = {'create3_motion_control', 'nav2'}
-FILES = sorted({path.stem for path in FOLDER.glob('*.yaml')} - FOREIGN)
+# Files for nodes of others, and for the tracker alone.
+FOREIGN, TAGS = {'create3_motion_control', 'nav2'}, 'tags'
+FILES = sorted({path.stem for path in FOLDER.glob('*.yaml')} - FOREIGN - {TAGS})
 # What a reader is told to start with [m/s].
 FIRST_SPEED = 0.05
 
@@ -27,8 +29,8 @@ def given(name, node):
     return {**sections['/**'], **sections.get(f'/**/{node}', {})}
 
 
-@pytest.mark.parametrize('node', [PLANNER, CONTROLLER])
-@pytest.mark.parametrize('name', FILES)
+@pytest.mark.parametrize('name, node', [
+    *[(name, node) for name in FILES for node in (PLANNER, CONTROLLER)], (TAGS, TRACKER)])
 def test_files_have_only_parameters_that_their_nodes_have(name, node):
     """And values that pass every check."""
     values = given(name, node)
@@ -36,6 +38,16 @@ def test_files_have_only_parameters_that_their_nodes_have(name, node):
     assert set(values) <= known
     for prefix, cls in GROUPS[node]:
         from_parameter_values(cls, values, prefix)
+
+
+def test_the_tags_are_on_the_object_and_in_the_frame_of_the_robot():
+    """Upright ones look outwards, and the z axis of one on top points up."""
+    values = given(TAGS, TRACKER)
+    top, front = from_parameter_values(TrackerSettings, values, 'tracker.').tags
+    assert np.allclose(top.pose.rotate((0.0, 0.0, 1.0)), (0.0, 0.0, 1.0), atol=1e-4)
+    assert np.allclose(front.pose.rotate((0.0, 0.0, 1.0)), (1.0, 0.0, 0.0), atol=1e-4)
+    world = from_parameter_values(TrackerOptions, values, '').world_frame
+    assert {given(name, CONTROLLER)['world_frame'] for name in FILES} == {world}
 
 
 @pytest.mark.parametrize('name', FILES)

@@ -35,7 +35,8 @@ sys.exit(service.run())
 NODES = {'push_sim', 'push_planner', 'push_controller'}
 ARGUMENTS = {'namespace', 'params_file', 'use_sim_time', 'log_level', 'object', 'robot', 'task',
              'map', 'autostart', 'rviz', 'record', 'respawn', 'wait_for_start',
-             'enable_stamped_cmd_vel', 'odom', 'object_pose', 'goal_pose', 'cmd_vel'}
+             'enable_stamped_cmd_vel', 'odom', 'object_pose', 'goal_pose', 'cmd_vel', 'tracker',
+             'object_pose_with_covariance'}
 TIMEOUT = 300.0
 
 
@@ -142,7 +143,9 @@ def test_where_one_node_ends_all_end(launched):
 
 @pytest.mark.parametrize('arguments, text', [
     (['object:=sofa'], 'sofa: got no such file'), (['task:=maybe'], 'task'),
-    (['map:=/no/map.yaml'], 'map: got'), (['record:=bag', 'params_file:=/no.yaml'], '/no.yaml')])
+    (['map:=/no/map.yaml'], 'map: got'), (['record:=bag', 'params_file:=/no.yaml'], '/no.yaml'),
+    (['tracker:=/no/tags.yaml'], '/no/tags.yaml'),
+    (['tracker:=tags.yaml', 'simulation:=true'], 'tracker: got')])
 def test_a_wrong_argument_is_an_error_before_anything_is_started(launched, arguments, text):
     process, path = launched.start('robot', *arguments)
     assert process.wait(TIMEOUT) == 1

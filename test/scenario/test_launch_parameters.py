@@ -44,7 +44,7 @@ def test_sections_of_plain_nodes_hold_in_every_namespace(tmp_path, namespace):
     path = tmp_path / 'my.yaml'
     path.write_text('/**: {ros__parameters: {a: 1, b: {c: 1, d: 1}}}\n'
                     'push_sim: {ros__parameters: {a: 2, b: {c: 2}}}\n')
-    values = received(write_parameters(launch_parameters(path)), SIM, namespace)
+    values = received(write_parameters(launch_parameters(path), tmp_path), SIM, namespace)
     assert (values['a'], values['b.c'], values['b.d']) == (2, 2, 1)
 
 
