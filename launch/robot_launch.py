@@ -175,8 +175,8 @@ def object_poses(given: Arguments) -> dict[str, bool | None]:
     if switch('simulation', given['simulation']):
         for name in ('tracker', 'object_pose_with_covariance'):
             if given[name] not in ('', 'false'):
-                raise ValueError(f'{name}: got {given[name]!r} with the simulator, which publishes '
-                                 'object_pose itself, as PoseStamped; expected none')
+                raise ValueError(f'{name}: got {given[name]!r} with the simulator, which '
+                                 'publishes object_pose itself, as PoseStamped; expected none')
     return poses
 
 
