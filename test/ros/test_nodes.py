@@ -23,13 +23,11 @@ from push_ros.conversions.plan import from_plan_message, plan_failure, to_plan_m
 from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import check_frame, nanoseconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR, status_values, WARN
-from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
 from push_scenario.definition.loader import find_scenario, read_scenario
 from push_scenario.simulation.loop import make_simulation
 from push_sim_node.sensors import SensorSettings
 import pytest
-import yaml
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
@@ -394,17 +392,6 @@ def test_a_new_goal_in_the_middle_of_a_push_does_not_stop_the_robot(tmp_path):
         assert 0.2 < distance(start, OBJECT) < distance(plant.truth.object_pose, OBJECT)
         drive(b, plant, 60.0, lambda: 'is done' in last_text(b, CONTROLLER))
         assert distance(plant.truth.object_pose, wanted) < 0.02
-
-
-def test_rviz_gives_the_goal_and_shows_the_path():
-    """On the topics of the nodes; the latched path is asked for as such."""
-    manager = yaml.safe_load(config_file('push.rviz').read_text())['Visualization Manager']
-    tools = {tool['Class']: tool.get('Topic', {}).get('Value') for tool in manager['Tools']}
-    assert tools['rviz_default_plugins/SetGoal'] == 'goal_pose' in TOPICS
-    path = next(d for d in manager['Displays'] if d['Class'] == 'rviz_default_plugins/Path')
-    assert path['Enabled'] and path['Topic']['Value'] == 'planned_path' in TOPICS
-    assert path['Topic']['Durability Policy'] == 'Transient Local'
-    assert TOPICS['planned_path'].publish_qos is LATCHED
 
 
 def drive(b, plant, end, done=lambda: False, pause=0.0):
