@@ -119,7 +119,7 @@ TOPICS = {
                           'display that is started later draws them too'),
     'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
                        'outline of all that moves with the robot, in its frame: of the robot, and '
-                       'while it pushes of the object too, for costmaps and collision monitors'),
+                       'while it pushes of the object too, for collision monitors'),
     'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER), (), qos.EVENT,
                          qos.EVENT,
                          'what each node does, and why not; on /diagnostics in every namespace',

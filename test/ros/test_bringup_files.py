@@ -1,6 +1,7 @@
 """Parameter files of robots: they name only what the nodes have, and keep what they promise."""
 
 from docs.tools.reference import GROUPS
+from geometry_msgs.msg import PolygonStamped
 import numpy as np
 from push_control.settings import ControlSettings
 from push_model.files.data import config_file
@@ -8,8 +9,8 @@ from push_model.files.flat_values import from_parameter_values, parameter_specs
 from push_model.parameters import RoundRobot
 from push_navigation.settings import DriveSettings
 from push_planner.settings import PlannerSettings
-from push_ros.node_settings import TrackerOptions
-from push_ros.topics import CONTROLLER, PLANNER, TRACKER
+from push_ros.node_settings import Frames, TrackerOptions
+from push_ros.topics import CONTROLLER, PLANNER, TOPICS, TRACKER
 from push_scenario.dds.launch_parameters import launch_parameters
 from push_tracker.settings import TrackerSettings
 import pytest
@@ -79,12 +80,35 @@ def test_the_base_of_a_create3_ignores_touches_and_still_sees_cliffs():
     assert values['safety_override'] == 'backup_only'
 
 
+def nav2_nodes():
+    """Return the parameters of the nodes beside Nav2."""
+    return {name: section['ros__parameters'] for name, section in
+            yaml.safe_load((FOLDER / 'nav2.yaml').read_text()).items()}
+
+
+def test_the_collision_monitor_is_given_what_the_nodes_publish():
+    """Our footprint, in its frame; what it lets pass goes to the multiplexer."""
+    nodes = nav2_nodes()
+    monitor = nodes['collision_monitor_push']
+    topic = TOPICS[monitor['ahead']['footprint_topic']]
+    assert topic.publishers == (CONTROLLER,) and topic.type is PolygonStamped
+    frames = Frames()
+    assert monitor['base_frame_id'] == frames.base_frame
+    assert monitor['odom_frame_id'] == frames.world_frame
+    assert monitor['cmd_vel_out_topic'] == nodes['twist_mux']['topics']['push']['topic']
+    assert monitor['enable_stamped_cmd_vel'] == nodes['twist_mux']['use_stamped'] \
+        == nodes['velocity_smoother_push']['enable_stamped_cmd_vel']
+    for name in monitor['polygons']:
+        assert set(monitor[name]['sources_names']) <= set(monitor['observation_sources'])
+    # A source that nobody publishes would stop the robot.
+    assert monitor['ahead']['enabled'] is monitor['above']['enabled'] is False
+
+
 def test_what_stands_between_us_and_the_base_changes_no_plan():
     """The smoother limits nothing that the robot of the Create 3 can; pushes precede Nav2."""
-    nodes = {name: section['ros__parameters'] for name, section in
-             yaml.safe_load((FOLDER / 'nav2.yaml').read_text()).items()}
+    nodes = nav2_nodes()
     robot = from_parameter_values(RoundRobot, given('create3', CONTROLLER), 'robot.')
-    smoother = nodes['velocity_smoother']
+    smoother = nodes['velocity_smoother_push']
     assert np.all(np.abs([smoother['max_velocity'], smoother['min_velocity']])
                   >= [robot.max_speed, 0.0, robot.max_yaw_rate])
     assert np.all(np.abs([smoother['max_accel'], smoother['max_decel']])
