@@ -5,6 +5,7 @@ from typing import Any, Callable, Mapping, Sequence
 
 from builtin_interfaces.msg import Time
 from push_control.goal import GoalOutcome
+from push_control.ros.base_check import BaseCheck, BaseFault
 from push_control.ros.commands import CommandPublisher
 from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.measurements import LatestMeasurements, OdometryState, OdometryWatchdog
@@ -26,15 +27,15 @@ from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
 from push_ros.node import ServiceAnswer
-from push_ros.node_settings import ControllerOptions, Frames
+from push_ros.node_settings import BaseSettings, ControllerOptions, Frames
 from push_ros.parameters import DYNAMIC, IDLE
 from push_ros.push_interfaces import ACTION, import_push_interfaces
 from push_ros.topics import CONTROLLER
 from push_ros.transforms.world import Handlers, WorldFrame
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
-            ('drive.', DriveSettings), ('supervision.', SupervisionSettings), ('', Frames),
-            ('', ControllerOptions))
+            ('drive.', DriveSettings), ('supervision.', SupervisionSettings),
+            ('base.', BaseSettings), ('', Frames), ('', ControllerOptions))
 DYNAMIC_GROUPS = ('control.', 'drive.', 'supervision.')
 # What the filter of robot and object is made with, and what was learned is kept with.
 FILTER_PARAMETERS = {
@@ -96,8 +97,8 @@ class ControllerNode(ManagedNode):
 
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``control.*``; ``drive.*`` and ``supervision.*`` of
-        a task; ``world_frame``, ``object_frame``, ``base_frame``; and those of
-        ``ControllerOptions``. ``SETTABLE`` says which may be set, and when: those of the object
+        a task; ``base.*``, what the base's own node must be set to; ``world_frame``,
+        ``object_frame``, ``base_frame``; and those of ``ControllerOptions``. ``SETTABLE`` says which may be set, and when: those of the object
         and its name while no goal is pursued.
 
     Frames
@@ -109,11 +110,12 @@ class ControllerNode(ManagedNode):
     _goals: GoalEntry
     _commands: CommandPublisher
     _scene: ScenePublisher
+    _base: BaseCheck
     _action: PushActionServer | None = None
 
     def __init__(self) -> None:
         super().__init__(CONTROLLER, SECTIONS, SETTABLE)
-        *_, self._frames, self._options = self.settings
+        *_, self._base_settings, self._frames, self._options = self.settings
         self._catalogue = ObjectCatalogue(self._options.object_folder)
         self._catalogue.remember(*self._present_object)
         self._object = self._present_object
@@ -153,6 +155,7 @@ class ControllerNode(ManagedNode):
         self._mode = kind(self, parameters, frame, self._options, self._scene)
         self._goals = GoalEntry(self, self._mode, frame, is_lockstep=self._options.lockstep)
         self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
+        self._base = BaseCheck(self, self._base_settings)
         self._action = self._make_action()
 
     def activate(self) -> None:
@@ -163,17 +166,18 @@ class ControllerNode(ManagedNode):
             with_covariance=self._options.object_pose_with_covariance)
         self.subscribe('push_plan', self._on_plan)
         self.subscribe('goal_pose', self._world.receiver('goal_pose', Handlers(
-            lambda message: self._handle(self._goals.on_message, message), self._refuse,
-            self._goals.move)))
+            self._on_goal, self._refuse, self._goals.move)))
         self.subscribe('map', self._world.receiver('map', Handlers(
             lambda message: self._handle(self._mode.on_map, message), self._refuse,
             self._mode.move_map)))
         self._timer = self.create_timer(WATCHDOG_PERIOD, self._check_odometry)
         self.reporter.report(OK, 'waits for a goal')
+        self._base.run(self._report_base)
 
     def deactivate(self) -> None:
         """Stop the robot, and forget the goal."""
         self.destroy_timer(self._timer)
+        self._base.interrupt('the controller was deactivated')
         self._commands.flush()
         self._goals.interrupt(GoalOutcome.INTERRUPTED, 'the controller was deactivated')
         self._forget_measurements()
@@ -183,7 +187,8 @@ class ControllerNode(ManagedNode):
         if self._action is not None:
             self._action.destroy()
         self._scene.destroy()
-        del self._mode, self._goals, self._commands, self._action, self._scene
+        self._base.destroy()
+        del self._mode, self._goals, self._commands, self._action, self._scene, self._base
 
     def further_parameters(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
         """
@@ -239,10 +244,22 @@ class ControllerNode(ManagedNode):
                                    'goals come on goal_pose')
             return None
         action = PushActionServer(self, self._goals, interfaces, self._receive_goal,
-                                  is_active=lambda: self.is_active,
+                                  is_active=lambda: self.is_active, check_base=self._base.run,
                                   objects=ObjectSelector(self._catalogue.find, self._use_object))
         action.set_object(*self._present_object)
         return action
+
+    def _report_base(self, fault: BaseFault | None) -> None:
+        if fault is not None and not fault.is_interrupted:
+            self.reporter.report(ERROR, f'the base is not ready to push: {fault.reason}')
+
+    def _on_goal(self, message: Any) -> None:
+        """Begin with a goal from a topic, once the base is ready for it."""
+        def begin(fault: BaseFault | None) -> None:
+            self._report_base(fault)
+            if fault is None:
+                self._handle(self._goals.on_message, message)
+        self._base.run(begin)
 
     def _receive_goal(self, name: str, message: Any, receiver: GoalReceiver) -> None:
         """Hand on a goal pose in the world frame."""
@@ -272,7 +289,7 @@ class ControllerNode(ManagedNode):
 
     @property
     def _present_parameters(self) -> ControllerParameters:
-        *sections, _, _ = self.settings
+        *sections, _, _, _ = self.settings
         return ControllerParameters(*sections)
 
     def _on_odometry(self, message: Any) -> None:
@@ -360,6 +377,7 @@ class ControllerNode(ManagedNode):
         return ServiceAnswer(True, 'started')
 
     def _stop(self) -> ServiceAnswer:
+        self._base.interrupt('stopped')
         self._mode.stop()
         self._commands.stop()
         self._goals.interrupt(GoalOutcome.CANCELLED, 'stopped')

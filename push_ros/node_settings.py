@@ -81,6 +81,45 @@ class ControllerOptions:
         check(self)
 
 
+# Between the values that a parameter of the base may have.
+CHOICE_SEPARATOR = '|'
+
+
+@dataclasses.dataclass(frozen=True)
+class BaseParameter:
+    """A parameter of the base's own node, and the values with which the robot can push."""
+
+    name: str = quantity("name of the parameter, as the base's node has it")
+    expected: str = quantity('value that it must have, as in a parameter file; several are '
+                             f'separated by {CHOICE_SEPARATOR}')
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        for field in dataclasses.fields(self):
+            if not getattr(self, field.name):
+                raise ValueError(f'BaseParameter.{field.name}: got an empty text, expected a '
+                                 f'{field.name}')
+
+
+@dataclasses.dataclass(frozen=True)
+class BaseSettings:
+    """What is checked of the base before each goal; see docs/robots."""
+
+    node: str = quantity('node of the base whose parameters are checked, relative to the '
+                         'namespace of the controller; empty for no check', default='')
+    parameters: tuple[BaseParameter, ...] = quantity('the parameters that are checked', default=())
+    timeout: float = quantity('time that the base has for its answer', 's', above=0.0, high=60.0,
+                              default=3.0)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        if self.node and not self.parameters:
+            raise ValueError(f'BaseSettings.parameters: got none, expected those of {self.node} '
+                             'that are to be checked')
+
+
 @dataclasses.dataclass(frozen=True)
 class TrackerOptions:
     """How the tracker's node behaves."""

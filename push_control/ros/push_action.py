@@ -12,6 +12,7 @@ from typing import Any, Callable, NamedTuple
 
 from builtin_interfaces.msg import Duration
 from push_control.goal import GoalOutcome, PushGoal, PushState
+from push_control.ros.base_check import BaseFault
 from push_control.ros.goal_entry import GoalEntry, GoalFeedback, GoalHandle
 from push_control.time_left import TimeLeftEstimator
 from push_model.parameters import PushedObject
@@ -81,7 +82,8 @@ class PushActionServer:
 
     def __init__(self, node: PushNode, goals: GoalEntry, interfaces: PushInterfaces,
                  receive: Callable[[str, Any, GoalReceiver], None], *,
-                 is_active: Callable[[], bool], objects: ObjectSelector) -> None:
+                 is_active: Callable[[], bool], objects: ObjectSelector,
+                 check_base: Callable[[Callable[[BaseFault | None], None]], None]) -> None:
         """
         Wait for goals.
 
@@ -92,6 +94,7 @@ class PushActionServer:
             and the ``GoalReceiver``.
         :param is_active: whether goals are accepted.
         :param objects: ``ObjectSelector``.
+        :param check_base: as of ``BaseCheck.run``.
         """
         self._node = node
         self._goals = goals
@@ -99,6 +102,7 @@ class PushActionServer:
         self._receive = receive
         self._is_active = is_active
         self._objects = objects
+        self._check_base = check_base
         self._object_name = ''
         self._current: ServerGoalHandle | None = None
         self._last_state: tuple[PushState, str] | None = None
@@ -154,7 +158,7 @@ class PushActionServer:
         return GoalResponse.REJECT
 
     def _on_goal(self, handle: ServerGoalHandle) -> None:
-        """Begin with a goal, once its pose is in the world frame."""
+        """Begin with a goal, once its pose is in the world frame and the base is ready."""
         handle.execute()
         request = handle.request
 
@@ -163,8 +167,15 @@ class PushActionServer:
             self._finish(handle, code, reason, self._interfaces.action.Result())
 
         def accept(message: Any) -> None:
-            if handle.is_active:
+            self._check_base(lambda fault: begin(message, fault))
+
+        def begin(message: Any, fault: BaseFault | None) -> None:
+            if not handle.is_active:
+                return
+            if fault is None:
                 self._pursue(handle, message, refuse)
+            else:
+                refuse('INTERRUPTED' if fault.is_interrupted else 'ROBOT_NOT_READY', fault.reason)
         try:
             self._preparation(request.object_name)
         except ValueError as error:
@@ -212,7 +223,7 @@ class PushActionServer:
         if handle is self._current:
             self._goals.cancel()
         elif handle.is_active:
-            # Its pose has not come to the world frame yet.
+            # Its pose has not come to the world frame yet, or the base is being checked.
             self._finish(handle, 'NONE', 'cancelled', self._interfaces.action.Result())
 
     def _on_end(self, handle: ServerGoalHandle, ended: GoalHandle) -> None:

@@ -42,7 +42,7 @@ class Bench:
     def __init__(self, processes, node, executor, folder):
         self.processes = processes
         self.node = node
-        self._executor = executor
+        self.executor = executor
         self._folder = folder
         self.base = 0.0
         self.is_lockstep = True
@@ -54,6 +54,12 @@ class Bench:
         path = self._folder / f'{name}.yaml'
         path.write_text(yaml.safe_dump({name: {'ros__parameters': parameters}}))
         self.processes.start(name, module, path)
+
+    def node_beside(self, name):
+        """Make another node in this process; it lives as long as the bench."""
+        node = rclpy.create_node(name, context=self.node.context)
+        self.executor.add_node(node)
+        return node
 
     def subscribe(self, topic, kind=None):
         """Collect the messages of a topic in ``received``."""
@@ -77,7 +83,7 @@ class Bench:
             self.processes.check()
             assert time.monotonic() < end, 'timed out; ' + ''.join(
                 self.processes.log_tail(name) for name in self.processes.names)
-            self._executor.spin_once(timeout_sec=0.02)
+            self.executor.spin_once(timeout_sec=0.02)
         return True
 
     def call(self, service):
@@ -98,7 +104,7 @@ class Bench:
         """Spin for a while: only to see that something does not come."""
         end = time.monotonic() + wall_time
         while time.monotonic() < end:
-            self._executor.spin_once(timeout_sec=0.02)
+            self.executor.spin_once(timeout_sec=0.02)
 
     def repeat_until(self, action, condition):
         """Repeat an action until a condition holds: best effort may fail at first."""

@@ -19,6 +19,7 @@ from push_ros.conversions.measurements import to_object_pose_message, to_odometr
 from push_ros.conversions.plan import no_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.conversions.primitives import seconds, to_pose_message
+from push_ros.diagnostics import ERROR
 from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.loader import find_scenario, read_scenario
@@ -34,7 +35,9 @@ SCENARIO = read_scenario(find_scenario('task_approach'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
 PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'), 'use_sim_time': True, 'task': True,
-              'object_name': 'box_04'}
+              'object_name': 'box_04', 'base.node': 'base',
+              'base.parameters.name': ['reflex', 'safety_override'],
+              'base.parameters.expected': ['false', 'backup_only|full'], 'base.timeout': 2.0}
 BIN = read_object(config_file('objects/bin.yaml'))
 PERIOD = 0.05
 
@@ -51,9 +54,13 @@ class Client:
         self.now = 0.0
         self.statuses, self.feedback = [], []
         b.subscribe('push_request')
+        b.subscribe('diagnostics')
         b.node.create_subscription(PushStatus, 'push_status', self.statuses.append, LATCHED)
         self._client = ActionClient(b.node, PushObject, 'push_object')
         b.wait_until(self._client.server_is_ready)
+        self.base = b.node_beside('base')
+        self.base.declare_parameter('reflex', False)
+        self.base.declare_parameter('safety_override', 'full')
 
     def measure(self):
         """Let time pass by one measurement each of robot and object."""
@@ -80,6 +87,11 @@ class Client:
         handle = sent.result()
         assert handle.accepted
         return handle, handle.get_result_async()
+
+    def errors(self):
+        """List the errors that were reported."""
+        return [status.message for message in self.b.received['diagnostics']
+                for status in message.status if status.level == ERROR]
 
     def set_parameter(self, name, value):
         """Set a parameter of the controller; return whether it was set, and why not."""
@@ -168,6 +180,34 @@ def test_a_goal_that_cannot_be_used_is_aborted(client, fields, pose, code, text)
     assert not former.done()
 
 
+@pytest.mark.parametrize('name, value, text', [
+    ('reflex', True, 'base: reflex: got true, expected false'),
+    ('safety_override', 'none', 'safety_override: got none, expected backup_only or full')])
+def test_a_base_that_is_not_ready_gets_no_goal(client, name, value, text):
+    """Neither from the action nor from the topic; another look is taken for each."""
+    client.b.received['diagnostics'].clear()
+    assert client.result(OBJECT).status == GoalStatus.STATUS_SUCCEEDED
+    former = client.base.get_parameter(name)
+    client.base.set_parameters([Parameter(name, value=value)])
+    ended = client.result(GOAL)
+    assert ended.result.error_code == client.action.Result.ROBOT_NOT_READY
+    assert text in ended.result.error_msg
+    client.b.publish('goal_pose', stamped(GOAL))
+    client.measure_until(lambda: any(text in error for error in client.errors()))
+    assert client.statuses[-1].state == client.statuses[-1].REACHED
+    client.base.set_parameters([former])
+
+
+def test_a_base_that_cannot_be_reached_gets_no_goal(client):
+    """The controller waits for a while, and says how to do without; then it is there again."""
+    client.b.executor.remove_node(client.base)
+    ended = client.result(GOAL)
+    assert ended.result.error_code == client.action.Result.ROBOT_NOT_READY
+    assert 'base: got none of its parameters within 2 s' in ended.result.error_msg
+    client.b.executor.add_node(client.base)
+    assert client.result(OBJECT).status == GoalStatus.STATUS_SUCCEEDED
+
+
 def test_a_goal_may_name_another_object(client):
     """The robot turns to it, and says so; the planner is told what it is, and so back again."""
     requests = client.b.received['push_request']
@@ -226,7 +266,7 @@ def test_a_goal_ends_at_its_time_limit_and_by_the_service(client):
     assert ended.result.error_code == client.action.Result.TIMEOUT
     assert client.now - began > 1.0 and seconds(ended.result.duration) > 1.0
     _, result = client.send(GOAL)
-    client.measure()
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
     client.b.call('controller/stop')
     client.measure_until(result.done)
     assert result.result().status == GoalStatus.STATUS_ABORTED
