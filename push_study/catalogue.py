@@ -1,22 +1,24 @@
-"""All studies: those of the thesis in its order, then those of push primitives."""
+"""All studies: those of the thesis in its order, then those beyond it."""
 
 from typing import Iterable
 
-from push_study.chapter2 import stable_regions
+from push_study.chapter2 import stable_regions, text_tables
 from push_study.chapter2.corner_push import (
     motion, quasi_static_limit, steady_rates, support_patterns, transients,
 )
-from push_study.chapter2.rolling import flat_object, flat_pusher, rho_over_time, round_object
+from push_study.chapter2.rolling import (
+    flat_object, flat_pusher, rho_over_time, round_object, sliding_contact,
+)
 from push_study.chapter2.side_push import friction_center_distance
 from push_study.chapter2.sketches import (
-    case_studies, curved_pusher, load_balance, rest_positions, sliding_object, steady_state,
-    wheel_analogy,
+    case_studies, curved_pusher, load_balance, rest_positions, rolling_faces, sliding_object,
+    steady_state, wheel_analogy,
 )
 from push_study.chapter3 import (
     friction_cone, pose_to_pose, robot_radii, rolling_contact, segments, solver_effort,
     speed_mismatch, speeds, unlimited_angle,
 )
-from push_study.chapter3.errors import studies as goal_errors
+from push_study.chapter3.errors import studies as goal_errors, support_points
 from push_study.chapter4 import disturbances, goals, random_friction
 from push_study.framework.study import Study
 from push_study.primitives import (
@@ -26,18 +28,20 @@ from push_study.primitives import (
 MODULES = (
     # Chapter 2
     sliding_object, rest_positions, steady_state, wheel_analogy, curved_pusher, case_studies,
-    load_balance, flat_object, flat_pusher, round_object, rho_over_time,
+    load_balance, rolling_faces, text_tables, flat_object, flat_pusher, round_object,
+    sliding_contact, rho_over_time,
     quasi_static_limit, motion, steady_rates, transients, support_patterns,
     stable_regions, friction_center_distance,
     # Chapter 3
     pose_to_pose, segments, speeds, friction_cone, unlimited_angle, rolling_contact, robot_radii,
-    speed_mismatch, solver_effort, goal_errors,
+    speed_mismatch, solver_effort, support_points, goal_errors,
     # Chapter 4
     goals, random_friction, disturbances,
     # Single unsteered pushes
     place_and_tilt, reachable_poses, expected_time, selected_push, steered_push,
     contact_friction,
 )
+CHAPTERS = ('chapter2', 'chapter3', 'chapter4', 'appendix', 'beyond', 'primitives')
 
 
 def studies() -> tuple[Study, ...]:
@@ -53,8 +57,8 @@ def select(words: Iterable[str]) -> tuple[Study, ...]:
     """
     Find studies by number or chapter.
 
-    :param words: numbers such as ``2.11``, chapters such as ``chapter2``, ``primitives``, or
-        ``all``.
+    :param words: numbers such as ``2.11``, names such as ``four-goals``, chapters such as
+        ``chapter2``, ``primitives``, or ``all``.
     :return: the studies in the order of the thesis.
     :raises ValueError: for a word that matches no study.
     """
@@ -64,14 +68,14 @@ def select(words: Iterable[str]) -> tuple[Study, ...]:
         hits = {study.figure for study in everything
                 if word in (study.figure, study.chapter, 'all')}
         if not hits:
-            chapters = sorted({study.chapter for study in everything})
-            raise ValueError(f'study: got {word!r}, expected all, {", ".join(chapters)} or one of '
+            raise ValueError(f'study: got {word!r}, expected all, {", ".join(CHAPTERS)} or one of '
                              + ', '.join(study.figure for study in everything))
         selected |= hits
     return tuple(study for study in everything if study.figure in selected)
 
 
-def _order(study: Study) -> tuple[str, bool, int]:
-    number = study.figure.lstrip('T')
-    is_table = number != study.figure
-    return study.chapter, is_table, int(number.split('.')[1])
+def _order(study: Study) -> tuple[int, bool, int]:
+    """Order by chapter, the figures of each before its tables; names keep their order."""
+    number = study.figure.lstrip('T').partition('.')[2]
+    return (CHAPTERS.index(study.chapter), study.figure.startswith('T'),
+            int(number) if number else 0)

@@ -126,25 +126,5 @@ def pushing_location(obj: PushedObject, contact: Contact, robot_radius: float,
                            normal + pushing_angle)
 
 
-def force_alpha(location: PushingLocation, rotation: Any, contact_friction: float) -> Any:
-    """
-    Angle from the line C to F to what decides the sense of rotation, where the contact may slide.
-
-    The push and the edges of the friction cone vote, each by the side on which it passes F
-    (M. T. Mason, Mechanics and planning of manipulator pushing operations, 1986): the middle one
-    of the three decides. That is the push itself while it lies inside the cone, where it is at
-    angle alpha; else the nearer edge. With rho the pushing angle,
-
-        alpha - (rho - clip(rho, -atan(mu_c), atan(mu_c)))
-
-    :param location: ``PushingLocation``.
-    :param rotation: of the object from the reference [rad], number or array.
-    :param contact_friction: mu_c, 0 to infinite.
-    :return: angle [rad]; above 0 the object rotates clockwise, without regard to inertia.
-    """
-    rho, cone = location.rho(rotation), math.atan(contact_friction)
-    return location.alpha(rotation) - (rho - np.clip(rho, -cone, cone))
-
-
 def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
     return np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y

@@ -41,7 +41,7 @@ def center_panels(values: Values) -> list[Panel]:
 
 def compute_diameters(values: Values, run_jobs: RunJobs) -> Outcome:
     """Map the box for each diameter of the robot."""
-    tables, findings = stable_regions.compute(diameter_panels(values), values, run_jobs)
+    tables, findings, _ = stable_regions.compute(diameter_panels(values), values, run_jobs)
     steps = np.diff(tables['fractions']['stable_fraction'])
     findings['growth'] = Finding(float(steps.min(initial=1.0)), '',
                                  'least growth of the stable fraction from panel to panel')
@@ -51,7 +51,7 @@ def compute_diameters(values: Values, run_jobs: RunJobs) -> Outcome:
 def compute_centers(values: Values, run_jobs: RunJobs) -> Outcome:
     """Map the box for each centre of friction."""
     panels = center_panels(values)
-    tables, findings = stable_regions.compute(panels, values, run_jobs)
+    tables, findings, _ = stable_regions.compute(panels, values, run_jobs)
     table = tables['map']
     rear_rows = [panel.rows(table) & np.equal(table['face'], REAR_FACE) for panel in panels]
     lengths = [stable_length(table, rows) for rows in rear_rows]

@@ -111,7 +111,7 @@ def _draw_cone(axes: Axes, path: Table, time: float, cone: float) -> None:
 
 
 STUDIES = (
-    Study('3.6', 'Push and contact force in the friction cone', (*PARAMETERS, SPEED),
+    Study('3.7', 'Push and contact force in the friction cone', (*PARAMETERS, SPEED),
           compute, draw,
           'The push stays in the friction cone (sectors) and uses {push:.1f} of it, the contact '
           'force {force:.1f}; the impulses of {outside:.0f} of the {switches:.0f} switches lie '

@@ -1,4 +1,4 @@
-"""Sketches 3.1 and 3.2: an object moved from pose to pose by a few constant pushing angles."""
+"""Sketch 3.1 of an object moved from pose to pose by three constant pushing angles."""
 
 import math
 
@@ -81,16 +81,17 @@ def _draw_push(axes: Axes, switches: Table, number: int, rho: float, radius: flo
 
 
 STUDIES = (
-    Study('3.1', 'A box moved from pose to pose by three constant pushing angles', PARAMETERS,
-          compute, draw,
+    Study('3.1', 'Movement and pushing input from an initial to a final object position',
+          PARAMETERS, compute, draw,
           'Three pushes over equal distances, at {angle_1:.1f}, {angle_2:.1f} and {angle_3:.1f} '
           'rad to the normal of the face, move the box to its goal, rotated by {rotation:.2f} '
           'rad.',
           'A push to the right of the centre of friction rotates the box to the left; the angles '
           'and the distance, {distance:.2f} m, are chosen so that both position and orientation '
           'are right at the end, as early as possible.', (6.4, 3.8)),
-    Study('3.2', 'The same by a round robot that does not rotate', PARAMETERS, compute, draw,
-          'The pushing angles are now {angle_1:.1f}, {angle_2:.1f} and {angle_3:.1f} rad, and the '
+    Study('rolling-plan', 'From pose to pose by a round robot that does not rotate', PARAMETERS,
+          compute, draw,
+          'The pushing angles are {angle_1:.1f}, {angle_2:.1f} and {angle_3:.1f} rad, and the '
           'contact rolls {travel:.0f} mm to the left along the face.',
           'While the box rotates by {rotation:.2f} rad, the face rolls on the robot by its radius '
           'for each radian, and the plan takes into account where the contact moves.',

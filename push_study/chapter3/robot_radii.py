@@ -5,13 +5,17 @@ from matplotlib.figure import Figure
 import numpy as np
 from push_model.friction import friction_center
 from push_study.chapter3.rolling_contact import MILLIMETRES, plan_rolling
-from push_study.chapter3.setup import draw_inputs, SEGMENTS, SETUP, SPEED
-from push_study.framework import plot_style
+from push_study.chapter3.setup import (
+    contact_at, draw_center, draw_inputs, draw_outlines, poses_at, SEGMENTS, SETUP, SPEED,
+)
+from push_study.framework import plot_style, sketch
 from push_study.framework.box import box
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 
 PERCENT = 100.0
+# Chosen: poses at which the box is drawn.
+OUTLINES = 4
 COLUMNS = ('radius_m', 'duration_s', 'most_left_rad', 'most_right_rad', 'travel_m', 'first_rad')
 
 
@@ -48,29 +52,39 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 
 
 def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the paths of the middle and the rotations."""
-    panels = figure.subplots(2, 1, sharex=True)
-    for number, name in enumerate(_names(values)):
-        path = outcome.tables[f'path_{name}']
-        for axes, column in zip(panels, ('y_m', 'theta_rad')):
-            axes.plot(path['x_m'], path[column], label=f'{name} mm', **plot_style.series(number))
-    panels[0].set_ylabel('y of the middle [m], not to scale')
-    panels[1].set_ylabel('rotation $\\theta$ [rad]')
-    panels[1].set_xlabel('x of the middle [m]')
-    _legend(panels[0])
+    """Draw the box on its path, a panel for each robot, and its rotation below."""
+    for axes, name in zip(_panels(figure, values), _names(values)):
+        path, radius = outcome.tables[f'path_{name}'], name / MILLIMETRES
+        duration = path['time_s'][-1]
+        draw_outlines(axes, box(values), poses_at(path, np.linspace(0.0, duration, OUTLINES)))
+        draw_center(axes, path, **plot_style.series(0))
+        axes.plot(path['contact_x_m'], path['contact_y_m'], zorder=3.0, **plot_style.series(1))
+        x, y, normal = contact_at(path, 0.0)
+        sketch.robot(axes, sketch.polar(normal, -radius, (x, y)), radius)
+        rotations = np.degrees((path['theta_rad'].min(), path['theta_rad'].max()))
+        axes.annotate('$\\theta$ {:.1f} to {:.1f}°'.format(*rotations), (0.98, 0.04),
+                      xycoords='axes fraction', ha='right', fontsize=8.0)
+        axes.set_xlim(-1.1, 2.4)
+        axes.set_ylim(-0.6, 0.75)
+        axes.label_outer()
 
 
 def draw_angles(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the inputs, and where they move the contact."""
-    above, below = figure.subplots(2, 1, sharex=True)
-    for number, name in enumerate(_names(values)):
-        path, style = outcome.tables[f'path_{name}'], plot_style.series(number)
-        draw_inputs(above, outcome.tables[f'inputs_{name}'], label=f'{name} mm', **style)
-        below.plot(path['time_s'] * values.speed, MILLIMETRES * path['along_face_m'], **style)
-    above.set_xlabel('')
-    below.set_xlabel('distance travelled by the contact [m]')
-    below.set_ylabel('contact, to the left [mm]')
-    _legend(above)
+    """Draw the inputs, a panel for each robot."""
+    for axes, name in zip(_panels(figure, values), _names(values)):
+        axes.axhline(0.0, color=plot_style.GREY, linewidth=0.8)
+        draw_inputs(axes, outcome.tables[f'inputs_{name}'], **plot_style.series(0))
+        axes.set_xlabel('distance of the contact [m]')
+        axes.label_outer()
+
+
+def _panels(figure: Figure, values: Values) -> list[Axes]:
+    """Make a panel for each robot, lettered, with its radius as title."""
+    rows = (len(values.radii) + 1) // 2
+    panels = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False).ravel().tolist()
+    for letter, axes, name in zip('abcdefghij', panels, _names(values)):
+        axes.set_title(f'({letter}) $R_p$ = {name} mm', loc='left')
+    return panels
 
 
 def _names(values: Values) -> list[int]:
@@ -78,14 +92,10 @@ def _names(values: Values) -> list[int]:
     return [round(MILLIMETRES * radius) for radius in values.radii]
 
 
-def _legend(axes: Axes) -> None:
-    axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0), title='$R_p$', handlelength=3.2)
-
-
 PARAMETERS = (*SETUP, SPEED, SEGMENTS, Parameter('radii', 'm', 'radii of the robots, R_p',
                                                  [0.05, 0.1, 0.2, 0.3, 0.4, 0.5]))
 STUDIES = (
-    Study('3.9', 'Curved pusher: trajectories for several radii of the robot', PARAMETERS,
+    Study('3.10', 'Curved pusher: trajectories for several radii of the robot', PARAMETERS,
           compute, draw_paths,
           'To reach the same pose, to the left of the start, robots with a radius below '
           '{arm:.2f} m rotate the box to the left (the smallest by up to {small_left:.2f} rad), '
@@ -94,12 +104,12 @@ STUDIES = (
           'contact, but the contact rolls to the left too: beyond a radius of {arm:.2f} m, the '
           'distance of the centre of friction from the face, the contact moves further, a push '
           'through the centre of friction leads to the right, and the box must be rotated to the '
-          'right to move to the left.', (6.4, 5.0)),
-    Study('3.10', 'Curved pusher: inputs for several radii of the robot', PARAMETERS,
+          'right to move to the left.', (7.6, 6.6)),
+    Study('3.11', 'Curved pusher: inputs for several radii of the robot', PARAMETERS,
           compute, draw_angles,
           'Inputs of the two smallest robots and of the two largest begin with small angles of '
           'opposite signs; those in between need large ones, roll up to {travel:.2f} m from the '
           'middle of the face and take up to {slower:.1f}% longer.',
           'A robot whose radius is the distance of the centre of friction, {arm:.2f} m, sees it '
           'in the same direction from its contact however the box rotates: a lateral shift gained '
-          'by a rotation is lost again as the box rotates back.', (6.4, 5.0)))
+          'by a rotation is lost again as the box rotates back.', (7.2, 6.4)))

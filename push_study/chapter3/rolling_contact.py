@@ -1,5 +1,6 @@
 """Round robots that do not rotate: the contact rolls along the face while they push."""
 
+import functools
 from typing import NamedTuple
 
 from matplotlib.figure import Figure
@@ -19,6 +20,10 @@ from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 # Chosen: poses at which the box is drawn.
 OUTLINES = 7
 MILLIMETRES = 1e3
+
+
+# Figures of one set of robots share their plans. Chosen: more than the robots of a study.
+_plan = functools.lru_cache(maxsize=32)(plan_push)
 
 
 class RollingPush(NamedTuple):
@@ -43,7 +48,7 @@ def plan_rolling(values: Values, radius: float) -> RollingPush:
     :param radius: of the robot [m].
     :return: plan and tables.
     """
-    found = plan_push(push_problem(values, values.speed, values.segments, radius=radius))
+    found = _plan(push_problem(values, values.speed, values.segments, radius=radius))
     path = path_table(found.trajectory)
     path['along_face_m'] = contact_on_face(path)
     return RollingPush(found, path, input_table(found))
@@ -85,7 +90,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 STUDIES = (
-    Study('3.8', 'Curved pusher: a robot of 50 mm radius', (
+    Study('3.9', 'Curved pusher: a robot of 50 mm radius', (
         *SETUP, SPEED, SEGMENTS, Parameter('robot_radius', 'm', 'radius of the robot, R_p', 0.05)),
         compute, draw,
         'While the box rotates by {rotation:.2f} rad, the contact rolls {travel:.0f} mm to the '

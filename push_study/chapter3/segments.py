@@ -80,6 +80,37 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     below.set_xlim(0.0, duration)
 
 
+def compute_smooth(values: Values, _: RunJobs) -> Outcome:
+    """Plan the push once with a pushing angle that changes steadily, once with steps."""
+    smooth = plan_push(push_problem(values, values.speed, values.smooth_segments,
+                                    pushing_angles='linear'))
+    steps = plan_push(push_problem(values, values.speed, values.segments))
+    inputs = input_table(steps)
+    # Each segment of the smooth angle leads from one angle to another: both of its ends.
+    begins = np.concatenate([[0.0], smooth.segment_ends[:-1]])
+    course = {'distance_m': np.column_stack([begins, smooth.segment_ends]).ravel(),
+              'rho_rad': np.array(smooth.pushing_angles).ravel()}
+    middles = 0.5 * (inputs['begin_m'] + inputs['end_m'])
+    from_smooth = inputs['rho_rad'] - np.interp(middles, course['distance_m'], course['rho_rad'])
+    shorter = float(inputs['end_m'][-1] / course['distance_m'][-1] - 1.0)
+    return Outcome({'smooth': course, 'inputs': inputs}, {
+        'steps': Finding(len(inputs['rho_rad']), '', 'number of constant pushing angles'),
+        'lost': Finding(PERCENT * shorter, '%', 'distance travelled by the contact above that '
+                        'with the smooth angle'),
+        'from_smooth': Finding(float(np.abs(from_smooth).max()), 'rad', 'greatest distance of a '
+                               'step from the smooth angle in its middle'),
+        'span': Finding(float(np.ptp(course['rho_rad'])), 'rad', 'range of the smooth angle')})
+
+
+def draw_smooth(figure: Figure, outcome: Outcome, _: Values) -> None:
+    """Draw the smooth angle and its steps."""
+    axes, course = figure.subplots(), outcome.tables['smooth']
+    axes.plot(course['distance_m'], course['rho_rad'], label='smooth', **plot_style.series(1))
+    draw_inputs(axes, outcome.tables['inputs'], label='piecewise constant', color=COLOR)
+    axes.set_xlim(left=0.0)
+    axes.legend(loc='best')
+
+
 def draw_counts(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw paths, inputs and extra durations."""
     counts = values.segment_counts
@@ -104,6 +135,14 @@ def draw_counts(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 STUDIES = (
+    Study('3.2', 'Piecewise constant approximation of the pushing angle',
+          (*SETUP, SPEED, SEGMENTS, Parameter('smooth_segments', '', 'number of segments in which '
+                                              'the smooth angle changes linearly')),
+          compute_smooth, draw_smooth,
+          'The {steps:.0f} steps follow the smooth angle, in the middle of each within '
+          '{from_smooth:.2f} rad of a range of {span:.2f} rad.',
+          'What rotates the box is the angle averaged over the distance, so that steps move the '
+          'contact no more than {lost:.2f}% further.', (6.4, 3.4)),
     Study('3.3', 'Point robot: trajectory of the object and input', (*SETUP, SPEED, SEGMENTS),
           compute, draw,
           'The box reaches its goal after {duration:.2f} s: a push to the right of the normal, at '
@@ -112,6 +151,13 @@ STUDIES = (
           'What rotates the box to the left also moves its middle to the right at first, so that '
           'the contact travels {distance:.2f} m, {detour:.1f}% more than its straight '
           'displacement.', (6.4, 5.6)),
+    Study('3.5', 'Point robot, another goal: trajectory of the object and input',
+          (*SETUP, SPEED, SEGMENTS), compute, draw,
+          'To reach a goal aside without rotation takes {duration:.2f} s: the angle begins at '
+          '{first:.2f} rad, which rotates the box to the left, and ends at {last:.2f} rad, which '
+          'rotates it back.',
+          'A box that is pushed from behind moves aside only by rotating; the contact travels '
+          '{distance:.2f} m, {detour:.1f}% more than its straight displacement.', (6.4, 5.6)),
     Study('3.4', 'Point robot: trajectories and inputs for several numbers of segments',
           (*SETUP, SPEED, Parameter('segment_counts', '', 'numbers of constant pushing angles')),
           compute_counts, draw_counts,

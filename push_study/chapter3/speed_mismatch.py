@@ -85,7 +85,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 STUDIES = (Study(
-    '3.11', 'The same input at several speeds',
+    '3.12', 'The same input at several speeds',
     (*SETUP, SEGMENTS, Parameter('speeds', 'm/s', 'speeds at which it is executed',
                                  [0.1, 0.25, 0.5, 1.0]),
      Parameter('planned_speed', 'm/s', 'speed that the input was planned for'),

@@ -76,7 +76,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 STUDIES = (Study(
-    '3.5', 'Point robot: the same goal at several speeds',
+    '3.6', 'Point robot: the same goal at several speeds',
     (*SETUP, SEGMENTS, Parameter('speeds', 'm/s', 'speeds of the contact', [0.05, 0.25, 0.5])),
     compute, draw,
     'From the lowest to the highest speed the distance travelled by the contact grows by '

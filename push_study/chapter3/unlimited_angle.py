@@ -89,7 +89,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 STUDIES = (
-    Study('3.7', 'Raising the velocity where the pushing angle is not limited',
+    Study('3.8', 'Raising the velocity where the pushing angle is not limited',
           (*PARAMETERS, Parameter('speeds', 'm/s', 'speeds of the contact')),
           compute, draw,
           'The greatest pushing angle grows from {slowest:.2f} rad to {fastest:.2f} rad and '

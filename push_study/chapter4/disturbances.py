@@ -126,7 +126,7 @@ def _studies(first: int, kind: str, parameters: tuple[Parameter, ...], end_time:
     """Make the four figures of one disturbance."""
     figures = (('coefficients over time', draw_coefficients, (6.4, 4.2)),
                ('trajectory of the centre', functools.partial(draw_centers, end_time),
-                (6.4, 2.9)),
+                (6.4, 4.6)),
                ('object trajectory', draw_objects, (6.4, 4.6)),
                ('input', functools.partial(draw_inputs, end_time), (6.4, 3.8)))
     compute = functools.partial(_compute, end_time)

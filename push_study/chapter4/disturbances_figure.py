@@ -21,39 +21,34 @@ EndTime = Callable[[Values], float]
 
 
 def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:
-    """Draw the friction of the support points, and where the centre of friction is."""
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
-    table = outcome.tables['friction']
-    draw_friction(above, table)
-    below.step(table['time_s'], CENTIMETRES * table['center_y_m'], where='post',
-               color=plot_style.INK)
-    below.set_ylabel('centre of friction,\nto the left [cm]')
-    below.set_xlabel('time [s]')
+    """Draw the friction of the support points, one panel for each."""
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    draw_friction(panels.ravel().tolist(), outcome.tables['friction'])
 
 
 def draw_centers(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:
     """
-    Draw the paths of the middle.
+    Draw the paths of the middle, one panel for each law.
 
     :param end_time: when the disturbance ends.
     """
-    axes = figure.subplots()
-    draw_outlines(axes, box(values), [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
     end = end_time(values)
-    for law in (FEEDBACK, OPEN_LOOP):
+    for letter, axes, law in zip('ab', figure.subplots(2, 1, sharex=True, sharey=True), LAWS):
         path = outcome.tables[law]
+        draw_outlines(axes, box(values), [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
         rows = (path['time_s'] >= values.start_time) & (path['time_s'] <= end)
         axes.plot(path['x_m'][rows], path['y_m'][rows], color=plot_style.LIGHT, linewidth=6.0,
-                  solid_capstyle='butt', zorder=2.0,
-                  label='disturbed' if law == OPEN_LOOP else None)
-        draw_center(axes, path, label=LABELS[law], **STYLES[law])
-    axes.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), ncols=3)
+                  solid_capstyle='butt', zorder=2.0, label='disturbed')
+        draw_center(axes, path, **STYLES[law])
+        axes.set_title(f'({letter}) {LABELS[law]}', loc='left')
+        axes.label_outer()
+        axes.legend(loc='upper left')
 
 
 def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the box on its path, one panel for each law."""
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
-    for axes, law in zip(panels, LAWS):
+    for letter, axes, law in zip('ab', panels, LAWS):
         path, obj = outcome.tables[law], box(values)
         draw_outlines(axes, obj, [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
         poses = poses_at(path, np.linspace(0.0, path['time_s'][-1], OUTLINES))
@@ -61,7 +56,7 @@ def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
             axes.fill(*zip(*map(pose.transform, obj.outline)), facecolor='none', zorder=2.0,
                       edgecolor=STYLES[law]['color'], linewidth=1.6 if pose is poses[-1] else 0.7)
         draw_center(axes, path, **STYLES[law])
-        axes.set_title(LABELS[law], loc='left')
+        axes.set_title(f'({letter}) {LABELS[law]}', loc='left')
         axes.label_outer()
 
 

@@ -104,36 +104,36 @@ def _differences(path: Table, planned: Table) -> FloatArray:
 
 PARAMETERS = (*SETUP, GOAL)
 STUDIES = (
-    Study('4.1', 'Open loop and feedback: four goals',
+    Study('4.1', 'Control action by optimiser and by feedback law: a box that rotates', PARAMETERS,
+          compute, draw_input,
+          'The pushing angle of feedback stays within {difference:.2f} rad (root mean square) of '
+          'the planned one, which is {relative_difference:.0f}% of its range of {span:.1f} rad.',
+          'Feedback computes the angle from the curvature of the planned path and from friction '
+          'alone, and so reproduces the optimal input without optimization; both slow down '
+          'before the goal and arrive {delay:.0f}% later than planned.'),
+    Study('4.2', 'Control action by optimiser and by feedback law: a box that is moved aside',
+          PARAMETERS, compute, draw_input,
+          'The input spans {span:.1f} rad, and feedback stays within {difference:.2f} rad (root '
+          'mean square) of it, {relative_difference:.0f}%.',
+          'It does so without optimization, from the planned path and the friction alone; most of '
+          'the difference lies within the first quarter of the distance.'),
+    Study('4.3', 'Object trajectory by (a) optimiser and (b) feedback law: a box that rotates',
+          PARAMETERS, compute, draw_path,
+          'Arrows are pushes; feedback ends {feedback:.0f} mm from the goal, the optimal input in '
+          'open loop {open_loop:.0f} mm.',
+          'With a correct model there is almost nothing to correct along the {distance:.2f} m of '
+          'the contact, and the two paths coincide.', (6.4, 5.2)),
+    Study('4.4', 'Object trajectory by (a) optimiser and (b) feedback law: a box that is moved '
+          'aside', PARAMETERS, compute, draw_path,
+          'To move to the right and end rotated to the left, the box first turns right; feedback '
+          'ends {feedback:.0f} mm from the goal, the open loop {open_loop:.0f} mm.',
+          'A box that is pushed from behind steers like a car and takes two opposite bends, over '
+          'which the contact travels {distance:.1f} m.', (6.4, 4.6)),
+    Study('four-goals', 'Open loop and feedback: four goals',
           (*SETUP, Parameter('goals', 'm, m, rad', 'goal poses (x, y, theta)')),
           compute_goals, draw_goals,
           'With a correct model both move the box to each of the {goals:.0f} goals: the plan '
           'executed in open loop misses by up to {open_loop:.0f} mm, feedback by up to '
           '{feedback:.0f} mm.',
           'Both follow the same plan; they start and stop gently and take up to {delay:.0f}% '
-          'longer than planned.', (7.2, 5.0)),
-    Study('4.2', 'Open loop and feedback: trajectory of a box that rotates', PARAMETERS, compute,
-          draw_path,
-          'Arrows are pushes of feedback; it ends {feedback:.0f} mm from the goal, the open loop '
-          '{open_loop:.0f} mm.',
-          'With a correct model there is almost nothing to correct along the {distance:.2f} m of '
-          'the contact, and the two paths coincide.'),
-    Study('4.3', 'Open loop and feedback: input of the push of 4.2', PARAMETERS, compute,
-          draw_input,
-          'The pushing angle of feedback stays within {difference:.2f} rad (root mean square) of '
-          'the planned one, which is {relative_difference:.0f}% of its range of {span:.1f} rad.',
-          'Feedback computes the angle from the curvature of the planned path and from friction '
-          'alone, and so reproduces the optimal input without optimization; both slow down '
-          'before the goal and arrive {delay:.0f}% later than planned.'),
-    Study('4.4', 'Open loop and feedback: trajectory of a box that is moved aside', PARAMETERS,
-          compute, draw_path,
-          'To move to the right and end rotated to the left, the box first turns right; feedback '
-          'ends {feedback:.0f} mm from the goal, the open loop {open_loop:.0f} mm.',
-          'A box that is pushed from behind steers like a car and takes two opposite bends, over '
-          'which the contact travels {distance:.1f} m.', (6.4, 3.6)),
-    Study('4.5', 'Open loop and feedback: input of the push of 4.4', PARAMETERS, compute,
-          draw_input,
-          'The input spans {span:.1f} rad, and feedback stays within {difference:.2f} rad (root '
-          'mean square) of it, {relative_difference:.0f}%.',
-          'It does so without optimization, from the planned path and the friction alone; most of '
-          'the difference lies within the first quarter of the distance.'))
+          'longer than planned.', (7.2, 5.0)))

@@ -4,7 +4,7 @@ from matplotlib.figure import Figure
 import numpy as np
 from push_model.geometry import Pose
 from push_study.chapter3.setup import draw_center, draw_outlines, draw_push, poses_at
-from push_study.chapter4.setup import draw_angle, FEEDBACK, LABELS, OPEN_LOOP, STYLES
+from push_study.chapter4.setup import draw_angle, FEEDBACK, LABELS, Law, LAWS, OPEN_LOOP, STYLES
 from push_study.framework import plot_style
 from push_study.framework.box import box
 from push_study.framework.parameters import Values
@@ -13,6 +13,10 @@ from push_study.framework.study import Outcome
 # Chosen: poses at which the box is drawn, and pushes that are drawn as arrows.
 OUTLINES = 7
 PUSHES = 9
+# Chosen: panels stand side by side where the goal is further aside than this fraction of its
+# distance ahead.
+NARROW = 0.4
+TITLES: dict[Law, str] = {OPEN_LOOP: 'optimiser, in open loop', FEEDBACK: 'feedback law'}
 
 
 def draw_goals(figure: Figure, outcome: Outcome, values: Values) -> None:
@@ -29,18 +33,20 @@ def draw_goals(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 def draw_path(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the path of the box, with the pushes of feedback."""
-    axes = figure.subplots()
-    path = outcome.tables[FEEDBACK]
-    times = np.linspace(0.0, path['time_s'][-1], OUTLINES)
-    draw_outlines(axes, box(values), [*poses_at(path, times[:-1]), Pose(*values.goal)])
-    for law in (FEEDBACK, OPEN_LOOP):
-        draw_center(axes, outcome.tables[law], label=LABELS[law], **STYLES[law])
-    touching = np.isfinite(path['rho_rad'])
-    for time in np.linspace(1.0, 0.95 * times[-1], PUSHES):
-        angle = np.interp(time, path['time_s'][touching], path['rho_rad'][touching])
-        draw_push(axes, path, time, float(angle))
-    axes.legend(loc='best')
+    """Draw the path of the box with the pushes, one panel for each law."""
+    count = 2 if abs(values.goal[1]) > NARROW * values.goal[0] else 1
+    panels = figure.subplots(3 - count, count, sharex=True, sharey=True).ravel()
+    for letter, axes, law in zip('ab', panels, LAWS):
+        path = outcome.tables[law]
+        times = np.linspace(0.0, path['time_s'][-1], OUTLINES)
+        draw_outlines(axes, box(values), [*poses_at(path, times[:-1]), Pose(*values.goal)])
+        draw_center(axes, path, **STYLES[law])
+        touching = np.isfinite(path['rho_rad'])
+        for time in np.linspace(1.0, 0.95 * times[-1], PUSHES):
+            angle = np.interp(time, path['time_s'][touching], path['rho_rad'][touching])
+            draw_push(axes, path, time, float(angle))
+        axes.set_title(f'({letter}) {TITLES[law]}', loc='left')
+        axes.label_outer()
 
 
 def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 import numpy as np
 from push_model.geometry import FloatArray, Pose
-from push_study.chapter3.setup import draw_center, draw_outlines, GOAL
+from push_study.chapter3.setup import draw_center, draw_outlines, GOAL, POSE_COLUMNS
 from push_study.chapter4.setup import (
     draw_angle, ExecutedPush, FEEDBACK, LABELS, Law, LAWS, OPEN_LOOP, push, SETUP, STYLES,
 )
@@ -11,6 +11,7 @@ from push_study.chapter4.support_friction import draw_friction, friction_table, 
 from push_study.framework.box import box
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
+from scipy.stats import binom
 
 PARAMETERS = (*SETUP, GOAL,
               Parameter('deviation', '', 'standard deviation of the friction of each support '
@@ -49,6 +50,9 @@ def compute(values: Values, _: RunJobs) -> Outcome:
                              'median distance from the goal, open loop'),
         'feedback': Finding(CENTIMETRES * float(np.median(errors[FEEDBACK])), 'cm',
                             'median distance from the goal, feedback'),
+        **_median_interval(errors[FEEDBACK], 'feedback'),
+        **_median_interval(errors[OPEN_LOOP], 'open_loop'),
+        'deviation': Finding(values.deviation, '', 'standard deviation of the friction'),
         'worst': Finding(CENTIMETRES * float(errors[FEEDBACK].max()), 'cm',
                          'largest distance from the goal, feedback'),
         'worst_open_loop': Finding(CENTIMETRES * float(errors[OPEN_LOOP].max()), 'cm',
@@ -68,35 +72,52 @@ def compute(values: Values, _: RunJobs) -> Outcome:
                                        'the same, open loop')})
 
 
+def _median_interval(errors: FloatArray, name: str) -> dict[str, Finding]:
+    """Bound the median distance from the goal by order statistics, at 95 %."""
+    # Ranks between which a binomial variable with probability 1/2 lies.
+    low, high = binom.interval(0.95, len(errors), 0.5)
+    ranked = CENTIMETRES * np.sort(errors)
+    return {f'{name}_low': Finding(float(ranked[max(0, int(low) - 1)]), 'cm',
+                                   'lower end of its 95 % interval'),
+            f'{name}_high': Finding(float(ranked[min(len(errors) - 1, int(high))]), 'cm',
+                                    'upper end')}
+
+
 def _total_variation(angles: FloatArray) -> float:
     """Sum up all changes of an angle, without the samples that are nan [rad]."""
     return np.abs(np.diff(angles[np.isfinite(angles)])).sum()
 
 
+def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:
+    """Draw the friction of the support points in the first push."""
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    draw_friction(panels.ravel().tolist(), outcome.tables['friction_0'])
+
+
 def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:
-    """Draw the friction of the support points and the pushing angles of the first push."""
-    *side_panels, below = figure.subplots(3, 1, sharex=True, height_ratios=(1.0, 1.0, 1.6))
-    for axes, side in zip(side_panels, ('left', 'right')):
-        draw_friction(axes, outcome.tables['friction_0'], (f'front_{side}', f'rear_{side}'),
-                      (1.4, 1.4))
-        axes.set_ylabel('friction')
-    for law in (FEEDBACK, OPEN_LOOP):
-        draw_angle(below, outcome.tables[f'{law}_0'], 'time_s', law)
-    below.legend(loc='center left', bbox_to_anchor=(1.0, 0.5))
+    """Draw the pushing angle of feedback in the first push, and where the force should lead."""
+    axes = figure.subplots()
+    draw_angle(axes, outcome.tables[f'{FEEDBACK}_0'], 'time_s', FEEDBACK)
+    draw_angle(axes, outcome.tables[f'{OPEN_LOOP}_0'], 'time_s', OPEN_LOOP)
+    axes.legend(loc='best')
 
 
 def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the paths of the middle, and how far from the goal they end."""
-    above, below = figure.subplots(2, 1, height_ratios=(2.4, 1.0))
-    draw_outlines(above, box(values), [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
-    for law in (OPEN_LOOP, FEEDBACK):
+    """Draw the paths of the middle, one panel for each law, and how far off they end."""
+    panels = figure.subplot_mosaic('ab;cc', height_ratios=(1.6, 1.0))
+    for letter, law in zip('ab', LAWS):
+        axes = panels[letter]
+        draw_outlines(axes, box(values), [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
         for seed in range(int(values.seeds)):
-            is_first = seed == 0
-            draw_center(above, outcome.tables[f'{law}_{seed}'],
-                        label=LABELS[law] if is_first else None,
-                        **{**STYLES[law], 'linewidth': 1.8 if is_first else 0.8})
-    above.legend(loc='upper left')
-    table = outcome.tables['ends']
+            path = outcome.tables[f'{law}_{seed}']
+            draw_center(axes, path, **{**STYLES[law], 'linewidth': 0.5 if seed else 1.8})
+        end = Pose(*(outcome.tables[f'{law}_0'][name][-1] for name in POSE_COLUMNS))
+        axes.fill(*zip(*map(end.transform, box(values).outline)), facecolor='none', zorder=2.0,
+                  edgecolor=STYLES[law]['color'], linewidth=1.2)
+        axes.set_title(f'({letter}) {LABELS[law]}', loc='left')
+        axes.set_xlim(-0.3, values.goal[0] + 0.4)
+        axes.set_ylim(-0.6, values.goal[1] + 0.6)
+    below, table = panels['c'], outcome.tables['ends']
     for row, (law, marker) in enumerate(zip(LAWS, 'so')):
         errors = CENTIMETRES * table[f'{law}_position_error_m']
         median, color = np.median(errors), STYLES[law]['color']
@@ -104,23 +125,30 @@ def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
         below.plot([median, median], [row - 0.3, row + 0.3], color=color)
     below.set_yticks([0, 1], [LABELS[law] for law in LAWS])
     below.set_ylim(-0.6, 1.6)
-    below.set_xlim(left=0.0)
+    below.set_xscale('log')
     below.set_xlabel('distance from the goal [cm]; bars: median')
 
 
 STUDIES = (
+    Study('4.5', 'Gaussian friction at the four support points: coefficients over time',
+          PARAMETERS, compute, draw_coefficients,
+          'The friction of each support point is drawn again and again, with a standard deviation '
+          'of {deviation:.0%} of its nominal value.',
+          'Each draw moves the centre of friction to one side, by {shift:.1f} cm (standard '
+          'deviation); neither planner nor controller is informed.'),
     Study('4.6', 'Gaussian friction at the four support points: input', PARAMETERS, compute,
           draw_input,
-          'The friction of each support point is drawn again and again; feedback responds with '
-          'pushing angles whose total variation is {variation:.0f} rad, while that of the open '
-          'loop only drifts as the box rotates, by {variation_open_loop:.0f} rad.',
+          'Feedback responds to the draws with pushing angles whose total variation is '
+          '{variation:.0f} rad, while that of the open loop only drifts as the box rotates, by '
+          '{variation_open_loop:.0f} rad.',
           'Each draw moves the centre of friction to one side, by {shift:.1f} cm (standard '
           'deviation), and the box begins to rotate to that side; the open loop does not observe '
-          'it.', (6.4, 5.6)),
+          'it.', (6.4, 3.6)),
     Study('4.7', 'Gaussian friction at the four support points: trajectories', PARAMETERS,
           compute, draw_paths,
           'Of {pushes:.0f} pushes (the first is drawn bold), feedback ends nearer to the goal in '
-          '{wins:.0f}; the median distance is {feedback:.0f} cm with feedback and '
-          '{open_loop:.0f} cm in open loop.',
+          '{wins:.0f}; the median distance is {feedback:.1f} cm with feedback ({feedback_low:.1f} '
+          'to {feedback_high:.1f}, 95% interval) and {open_loop:.0f} cm in open loop '
+          '({open_loop_low:.0f} to {open_loop_high:.0f}).',
           'Rotations that begin by chance grow in open loop; feedback stops them, but cannot '
           'foresee the draws on the last part of the path before the goal.', (6.4, 5.0)))

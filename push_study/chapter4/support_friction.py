@@ -18,8 +18,9 @@ from push_study.framework.study import Table
 # In the order of the corners of the box, which is pushed towards the front.
 SUPPORTS = ('rear_right', 'front_right', 'front_left', 'rear_left')
 SIDES = {'right': (0, 1), 'left': (2, 3)}
-# Widths of curves [points], nested where the friction is equal.
-LINE_WIDTHS = (3.6, 2.8, 2.0, 1.2)
+# Top left, top right, bottom left, bottom right of the box as it lies in the figures, its front to
+# the right.
+PANELS = ('rear_left', 'front_left', 'rear_right', 'front_right')
 
 
 def friction_interval(side: str, factor: float, start: float,
@@ -109,20 +110,18 @@ def angle_to_friction_center(path: Table, friction: Table) -> FloatArray:
     return np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
 
 
-def draw_friction(axes: Axes, table: Table, names: Sequence[str] = SUPPORTS,
-                  widths: Sequence[float] = LINE_WIDTHS) -> None:
+def draw_friction(panels: Sequence[Axes], table: Table) -> None:
     """
-    Draw the friction of support points over time.
+    Draw the friction of each support point over time, in a panel of its own.
 
-    :param axes: to draw on.
+    :param panels: four, in the order of ``PANELS``.
     :param table: of ``friction_table``.
-    :param names: some of ``SUPPORTS``.
-    :param widths: of the lines [points].
     """
-    for number, (name, width) in enumerate(zip(names, widths)):
-        axes.step(table['time_s'], table[name], where='post', label=name.replace('_', ' '),
-                  **{**plot_style.series(number), 'linewidth': width})
-    axes.set_ylabel('friction of a support point')
-    axes.set_ylim(bottom=0.0)
-    axes.set_xlim(0.0, table['time_s'][-1])
-    axes.legend(loc='center left', bbox_to_anchor=(1.0, 0.5))
+    for letter, axes, name in zip('abcd', panels, PANELS):
+        axes.step(table['time_s'], table[name], where='post', **plot_style.series(0))
+        axes.set_title(f'({letter}) {name.replace("_", " ")}', loc='left')
+        axes.set_ylim(0.0, 1.15 * max(table[support].max() for support in SUPPORTS))
+        axes.set_xlim(0.0, table['time_s'][-1])
+        axes.set_ylabel('friction')
+        axes.set_xlabel('time [s]')
+        axes.label_outer()

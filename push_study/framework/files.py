@@ -68,12 +68,13 @@ class StudyFiles:
         """
         return self._folder / f'{self._figure}-{name}.csv'
 
-    def read_findings(self, stamp: Stamp) -> dict[str, Finding] | None:
+    def read(self, stamp: Stamp) -> Outcome | None:
         """
-        Read the findings of a finished study.
+        Read what a finished study found, without its tables.
 
         :param stamp: of ``stamp_of``, which the study must have been computed for.
-        :return: name -> ``Finding``; None where the study is not complete, or of another stamp.
+        :return: findings and page table; None where the study is not complete, or of another
+            stamp.
         """
         try:
             stored = json.loads(self._stamp.read_text(encoding='utf-8'))
@@ -85,7 +86,8 @@ class StudyFiles:
         is_same = {key: stored.get(key) for key in stamp} == json.loads(json.dumps(stamp))
         if not (is_complete and is_same):
             return None
-        return {name: Finding(*finding) for name, finding in stored['findings'].items()}
+        findings = {name: Finding(*finding) for name, finding in stored['findings'].items()}
+        return Outcome({}, findings, stored['page_table'])
 
     def write(self, stamp: Stamp, outcome: Outcome) -> None:
         """
@@ -99,7 +101,8 @@ class StudyFiles:
         for name, table in outcome.tables.items():
             _write_table(self.table(name), head, table)
         files = [path.name for path in (self.png, self.svg, *map(self.table, outcome.tables))]
-        content = {**stamp, 'findings': outcome.findings, 'files': files}
+        content = {**stamp, 'findings': outcome.findings, 'page_table': outcome.page_table,
+                   'files': files}
         _replace(self._stamp, json.dumps(content, indent=1) + '\n')
 
     def batch_path(self, stamp: Stamp, number: int) -> Path:

@@ -10,7 +10,7 @@ from push_scenario.batch.batch import run_batch
 from push_study.framework import plot_style
 from push_study.framework.files import stamp_of, StudyFiles
 from push_study.framework.parameters import ChosenValues, Overrides, Values
-from push_study.framework.study import Finding, Outcome, Record, Study
+from push_study.framework.study import Finding, Outcome, Record, Study, Table
 
 # Chosen: fewer jobs than this are done before other processes have started (about a second).
 MIN_JOBS_FOR_WORKERS = 200
@@ -24,12 +24,14 @@ class StudyResult(NamedTuple):
     :param findings: name -> ``Finding``.
     :param files: where its files are.
     :param is_cached: whether it had been computed before, with the same parameters and source.
+    :param page_table: of the ``Outcome``.
     """
 
     study: Study
     findings: dict[str, Finding]
     files: StudyFiles
     is_cached: bool
+    page_table: Table = {}
 
 
 class StudyRunner:
@@ -68,9 +70,9 @@ class StudyRunner:
         values = study.values(self._chosen, self._overrides)
         stamp = stamp_of(study, values)
         files = StudyFiles(study, self._folder)
-        findings = files.read_findings(stamp)
-        if findings is not None:
-            return StudyResult(study, findings, files, is_cached=True)
+        found = files.read(stamp)
+        if found is not None:
+            return StudyResult(study, found.findings, files, True, found.page_table)
         self._folder.mkdir(parents=True, exist_ok=True)
         batches: list[Path] = []
 
@@ -82,7 +84,7 @@ class StudyRunner:
         save_figure(study, outcome, values, files)
         files.write(stamp, outcome)
         _remove_batches(batches)
-        return StudyResult(study, outcome.findings, files, is_cached=False)
+        return StudyResult(study, outcome.findings, files, False, outcome.page_table)
 
     def _run_batch(self, function: Callable[[Any], Record], jobs: Sequence[Any],
                    path: Path) -> Sequence[Record]:

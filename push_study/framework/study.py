@@ -16,8 +16,10 @@ from push_study.framework.parameters import ChosenValues, Overrides, Parameter, 
 Table = dict[str, Any]
 # Column name -> number or text: what one job of a batch returns.
 Record = dict[str, Any]
-# What figures are numbered with that are not in the thesis -> name of their group.
-BEYOND_THESIS = {'P': 'primitives'}
+# What numbers begin with that are not those of a chapter -> name of their group: the appendix of
+# the thesis, and push primitives. Names without a number are beyond the thesis.
+GROUPS = {'C': 'appendix', 'P': 'primitives'}
+BEYOND_THESIS = 'beyond'
 
 
 class Finding(NamedTuple):
@@ -40,10 +42,13 @@ class Outcome(NamedTuple):
 
     :param tables: table name -> ``Table``.
     :param findings: name -> ``Finding``.
+    :param page_table: table that the gallery shows below the figure, its columns of texts or
+        numbers; empty where there is none.
     """
 
     tables: dict[str, Table]
     findings: dict[str, Finding]
+    page_table: Table = {}
 
 
 class RunJobs(Protocol):
@@ -96,7 +101,7 @@ class Study:
     One figure or table.
 
     :param figure: its number in the thesis, with ``T`` in front for a table; beyond the thesis
-        such as ``P.1``, or a name.
+        such as ``P.1``, or a name such as ``four-goals``.
     :param title: in a few words.
     :param parameters: what ``compute`` and ``draw`` find in their ``values``.
     :param compute: computes the outcome.
@@ -120,7 +125,7 @@ class Study:
     def chapter(self) -> str:
         """Chapter of the thesis, such as ``chapter2``; or the name of what is beyond it."""
         part = self.figure.lstrip('T').split('.')[0]
-        return BEYOND_THESIS.get(part, f'chapter{part}')
+        return f'chapter{part}' if part.isdigit() else GROUPS.get(part, BEYOND_THESIS)
 
     def values(self, chosen: ChosenValues, overrides: Overrides | None = None) -> Values:
         """

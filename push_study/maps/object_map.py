@@ -79,7 +79,7 @@ def _panels(obj: PushedObject, robot: RoundRobot, values: Values) -> list[Panel]
 def _compute(obj: PushedObject, robot: RoundRobot, values: Values, run_jobs: RunJobs) -> Outcome:
     """Map the object at each speed."""
     panels = _panels(obj, robot, values)
-    tables, findings = stable_regions.compute(panels, values, run_jobs)
+    tables, findings, _ = stable_regions.compute(panels, values, run_jobs)
     table = tables['map']
     # Tolerances by panel, side and location.
     tolerances = np.array([[table['clockwise_rad'][panel.rows(table)],

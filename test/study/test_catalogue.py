@@ -12,8 +12,11 @@ def test_studies_are_in_the_order_of_the_thesis_and_those_beyond_it_follow():
     beyond = [study.figure for study in catalogue.select(['primitives'])]
     assert beyond == [f'P.{number}' for number in range(1, len(beyond) + 1)]
     assert figures[-len(beyond):] == beyond
+    assert [study.figure for study in catalogue.select(['beyond'])] == [
+        'rolling-plan', 'four-goals']
     # The tables of a chapter come after its figures.
-    thesis = figures[:-len(beyond)]
+    thesis = [study.figure for study in catalogue.select(['chapter2', 'chapter3', 'chapter4'])]
+    assert figures[:len(thesis)] == thesis
     assert thesis == sorted(thesis, key=lambda text: (
         int(text.lstrip('T').split('.')[0]), text[0] == 'T', int(text.split('.')[1])))
 

@@ -14,8 +14,12 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / 'docs'
 # Page -> words of the command that makes its gallery.
-PAGES = {'studies.md': ['chapter2', 'chapter3', 'chapter4'], 'one_push.md': ['primitives']}
-CHAPTER_2 = [f'2.{number}' for number in range(1, 34)]
+PAGES = {'studies.md': ['chapter2', 'chapter3', 'chapter4', 'appendix', 'beyond'],
+         'one_push.md': ['primitives']}
+# Counted in the thesis' list of figures and tables: chapter -> its figures and tables.
+THESIS = {'chapter2': (32, ('T2.1', 'T2.2')),
+          'chapter3': (13, tuple(f'T3.{number}' for number in range(1, 8))),
+          'chapter4': (15, ())}
 
 
 @pytest.mark.slow
@@ -23,7 +27,8 @@ CHAPTER_2 = [f'2.{number}' for number in range(1, 34)]
 def test_page_is_what_the_studies_find(name, tmp_path):
     """The sentences quote findings, so every number of the page is computed here."""
     results = [StudyResult(study, outcome_of(study).findings,
-                           StudyFiles(study, tmp_path / 'studies'), is_cached=False)
+                           StudyFiles(study, tmp_path / 'studies'), False,
+                           outcome_of(study).page_table)
                for study in catalogue.select(PAGES[name])]
     shown = (DOCS / name).read_text(encoding='utf-8')
     assert gallery.insert(shown, gallery.page(results, tmp_path)) == shown
@@ -52,7 +57,8 @@ def test_the_command_writes_figures_and_page(tmp_path):
     assert cli.main(['run', *figures, '--out', str(tmp_path / 'studies'), '--page',
                      str(page)]) == 0
     results = [StudyResult(study, outcome_of(study).findings,
-                           StudyFiles(study, tmp_path / 'studies'), is_cached=False)
+                           StudyFiles(study, tmp_path / 'studies'), False,
+                           outcome_of(study).page_table)
                for study in catalogue.select(figures)]
     assert gallery.page(results, tmp_path) in page.read_text(encoding='utf-8')
     for study in figures:
@@ -61,8 +67,12 @@ def test_the_command_writes_figures_and_page(tmp_path):
             assert path.stat().st_size > 500, path.name
 
 
-def test_chapter_2_is_complete():
-    assert [study.figure for study in catalogue.select(['chapter2'])] == CHAPTER_2
+@pytest.mark.parametrize('chapter', THESIS)
+def test_chapters_are_complete(chapter):
+    count, tables = THESIS[chapter]
+    figures = [f'{chapter[-1]}.{number}' for number in range(1, count + 1)]
+    assert [study.figure for study in catalogue.select([chapter])] == [*figures, *tables]
+    assert [study.figure for study in catalogue.select(['appendix'])] == ['C.1']
 
 
 def test_every_study_is_shown_on_one_page():
@@ -76,14 +86,14 @@ def test_every_study_is_shown_on_one_page():
 
 
 def test_gallery_is_inserted_between_the_marks(tmp_path):
-    study = Study('9.1', 'Squares', (), lambda values, run_jobs: Outcome({}, {}),
+    study = Study('2.99', 'Squares', (), lambda values, run_jobs: Outcome({}, {}),
                   lambda figure, outcome, values: None, 'The sum is {sum:.1f}.', 'It adds up.')
     result = StudyResult(study, {'sum': Finding(5.0, '', 'sum of squares')},
                          StudyFiles(study, tmp_path / 'figures'), is_cached=False)
     page = gallery.page([result], tmp_path)
     text = gallery.insert('head\n<!-- gallery -->\nold\n<!-- end -->\ntail\n', page)
     assert 'old' not in text and text.startswith('head') and text.endswith('tail\n')
-    assert '![Squares](figures/9.1.png)' in text
+    assert '![Squares](figures/2.99.png)' in text
     assert 'The sum is 5.0. It adds up.' in text
     assert gallery.insert(text, page) == text
     with pytest.raises(ValueError, match='without the lines'):

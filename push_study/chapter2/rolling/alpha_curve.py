@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 import numpy as np
-from push_model.analysis.pushing_location import force_alpha, PushingLocation
+from push_model.analysis.pushing_location import PushingLocation
 from push_model.analysis.stability import equilibria, Equilibrium, tolerances
 from push_model.geometry import FloatArray
 from push_study.framework import plot_style
@@ -36,32 +36,27 @@ def middle_equilibrium(location: PushingLocation) -> Equilibrium:
 
 
 def compute_tables(location: PushingLocation, column: str, abscissa: FloatArray,
-                   rotations: FloatArray, abscissa_at: Callable[[Any], Any],
-                   contact_friction: float) -> dict[str, Table]:
+                   rotations: FloatArray, abscissa_at: Callable[[Any], Any]) -> dict[str, Table]:
     """
-    Compute alpha, the equilibria, and the basin of attraction of the middle one.
+    Compute alpha, the equilibria, and the basin of the middle one, for a contact that rolls.
 
     :param location: where the object is pushed.
     :param column: name of the abscissa, with its unit.
     :param abscissa: values over which alpha is drawn, ascending, shape (n,).
     :param rotations: of the object there, from the reference [rad], shape (n,).
     :param abscissa_at: maps a rotation to the abscissa.
-    :param contact_friction: mu_c; infinite for a contact that never slides.
     :return: tables ``alpha``, ``equilibria`` and ``basin``, as in ``Outcome``.
     """
-    cone = math.atan(contact_friction)
-    # Where the contact slides, the push is no longer imposed at C and alpha = 0 means nothing.
     shown = [equilibrium for equilibrium in equilibria(location)
-             if abscissa[0] <= abscissa_at(equilibrium.rotation) <= abscissa[-1]
-             and abs(equilibrium.rho) <= cone]
+             if abscissa[0] <= abscissa_at(equilibrium.rotation) <= abscissa[-1]]
     middle = middle_equilibrium(location)
     edges = sorted((float(abscissa_at(middle.rotation + tolerance.rotation)), tolerance.limit)
-                   for tolerance in tolerances(location, middle, contact_friction)
+                   for tolerance in tolerances(location, middle, math.inf)
                    if tolerance.rotation)
-    force = force_alpha(location, rotations, contact_friction)
     alpha = location.alpha(rotations)
-    return {'alpha': {column: abscissa, 'alpha_rad': alpha, 'force_alpha_rad': force,
-                      'rolls': (force == alpha).astype(int)},
+    return {'alpha': {column: abscissa, 'alpha_rad': alpha,
+                      'turn': np.where(np.abs(alpha) > NO_MARGIN, -np.sign(alpha), 0.0),
+                      'rolls': np.ones(len(alpha), int)},
             'equilibria': {column: [float(abscissa_at(equilibrium.rotation))
                                     for equilibrium in shown],
                            'margin_m': [equilibrium.margin for equilibrium in shown]},
@@ -102,6 +97,25 @@ def draw(axes: Axes, tables: dict[str, Table], column: str, label: str) -> None:
                 borderaxespad=0.2, columnspacing=1.4, handletextpad=0.6)
 
 
+def draw_rolling_range(axes: Axes, low: float, high: float, friction: float) -> None:
+    """
+    Mark where the contact force leaves the friction cone.
+
+    :param axes: with the pushing angle as abscissa.
+    :param low: least pushing angle of a contact that rolls [rad].
+    :param high: greatest one [rad].
+    :param friction: of the contact.
+    """
+    left, right = axes.get_xlim()
+    for edge, height, alignment in ((low, 0.03, 'bottom'), (high, 0.97, 'top')):
+        if left < edge < right:
+            axes.axvline(edge, color=plot_style.UNSTABLE, linewidth=1.0, linestyle=(0, (1, 2)))
+            axes.annotate(f'slides, $\\mu_c$ = {friction:g}', (edge, height), (4, 0),
+                          xycoords=axes.get_xaxis_transform(), textcoords='offset points',
+                          color=plot_style.UNSTABLE, fontsize=7.5, rotation=90.0,
+                          ha='left', va=alignment)
+
+
 def _draw_equilibria(axes: Axes, table: Table, column: str) -> list[Line2D]:
     """Mark the equilibria on the axis; return the legend entries."""
     handles: list[Line2D] = []
@@ -120,14 +134,14 @@ def _draw_equilibria(axes: Axes, table: Table, column: str) -> list[Line2D]:
 
 def _draw_arrows(axes: Axes, table: Table, column: str, marks: list[float]) -> None:
     """Draw the sense of rotation along the curve, except at rest and near the marks."""
-    abscissa, alpha, force = table[column], table['alpha_rad'], table['force_alpha_rad']
+    abscissa, alpha, turn = table[column], table['alpha_rad'], table['turn']
     height, width = np.ptp(alpha), abscissa[-1] - abscissa[0]
     axes.set_ylim(alpha.min() - 0.2 * height, alpha.max() + 0.2 * height)
     steepness = np.hypot(1.0, np.gradient(alpha, abscissa) * width / height)
     for index in np.linspace(0, len(abscissa) - 1, 2 * ARROWS + 1).astype(int)[1::2]:
         near = any(abs(abscissa[index] - mark) < 0.035 * width for mark in marks)
-        if not near and abs(force[index]) > NO_MARGIN:
+        if not near and turn[index]:
             # Beside the curve, away from the axis, so that they hide neither.
             beside = math.copysign(min(0.12, 0.065 * steepness[index]) * height, alpha[index])
             plot_style.rotation_arrow(axes, abscissa[index], alpha[index] + beside,
-                                      clockwise=bool(force[index] > 0.0), size=8.0)
+                                      clockwise=bool(turn[index] < 0.0), size=8.0)

@@ -6,6 +6,9 @@ from matplotlib.figure import Figure
 import numpy as np
 from push_model.analysis.pushing_location import PushingLocation
 from push_study.chapter2.rolling import alpha_curve
+from push_study.chapter2.rolling.sliding import (
+    CONTACT_FRICTION, rolling_range, SUPPORT_SPREAD,
+)
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study
 
@@ -18,18 +21,26 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     location = PushingLocation(values.robot_radius, math.inf, values.ahead, values.aside)
     rho = np.linspace(-values.max_rho, values.max_rho, SAMPLES)
     tables = alpha_curve.compute_tables(location, 'rho_rad', rho, location.rotation_at(rho),
-                                        location.rho, math.inf)
+                                        location.rho)
+    rolling = rolling_range(location, values.support_spread, values.contact_friction,
+                            values.max_rho)
     margin = alpha_curve.middle_equilibrium(location).margin
     basin = min(map(abs, tables['basin']['rho_rad']), default=0.0)
+    tables['rolling'] = {'low_rad': [rolling.low], 'high_rad': [rolling.high]}
     return Outcome(tables, {
+        'rolls': Finding(rolling.high, 'rad', 'greatest pushing angle of a contact that has '
+                         'rolled, where the force leaves the friction cone'),
         'margin': Finding(margin, 'm', 'stability margin R_e cos(rho) - h'),
         'beyond': Finding(max(0.0, -margin), 'm', 'centre of friction beyond the robot centre'),
         'basin': Finding(basin, 'rad', 'largest pushing angle from which the object returns')})
 
 
-def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
-    """Draw alpha over rho."""
-    alpha_curve.draw(figure.subplots(), outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
+def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
+    """Draw alpha over rho, and where the contact would slide."""
+    axes, rolling = figure.subplots(), outcome.tables['rolling']
+    alpha_curve.draw(axes, outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
+    alpha_curve.draw_rolling_range(axes, rolling['low_rad'][0], rolling['high_rad'][0],
+                                   values.contact_friction)
 
 
 def _study(figure: str, kind: str, ahead: float, observation: str, explanation: str) -> Study:
@@ -37,6 +48,7 @@ def _study(figure: str, kind: str, ahead: float, observation: str, explanation: 
         Parameter('robot_radius', 'm', 'radius of the pusher, r_pc', 0.5),
         Parameter('aside', 'm', 'centre of friction to the left of the contact, t_fc', 0.0),
         Parameter('ahead', 'm', 'centre of friction ahead of the contact, n_fc', ahead),
+        CONTACT_FRICTION, SUPPORT_SPREAD,
         Parameter('max_rho', 'rad', 'range of the pushing angle that is drawn')),
         compute, draw, observation, explanation)
 
@@ -45,7 +57,8 @@ STUDIES = (
     _study('2.11', 'stable', 0.3,
            'Left of the middle, alpha is above 0 and the object rotates clockwise, which '
            'increases rho; on the right it is the other way round: the object returns to rho = 0 '
-           'from up to {basin:.2f} rad.',
+           'from up to {basin:.2f} rad if the contact holds, from {rolls:.2f} rad with the '
+           'friction that is marked.',
            'The centre of friction is nearer to the contact than the centre of the robot, by '
            '{margin:.2f} m: as the face rolls, the contact overtakes it.'),
     _study('2.12', 'marginal', 0.5,

@@ -21,7 +21,7 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     effective_radius = location.rolling[1]
     travel = np.linspace(-values.max_travel, values.max_travel, SAMPLES)
     tables = alpha_curve.compute_tables(location, 'd_pc_m', travel, travel / effective_radius,
-                                        lambda rotation: effective_radius * rotation, math.inf)
+                                        lambda rotation: effective_radius * rotation)
     middle = alpha_curve.middle_equilibrium(location)
     return Outcome(tables, {
         'margin': Finding(middle.margin, 'm', 'stability margin R_s - h'),

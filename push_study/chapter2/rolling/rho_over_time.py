@@ -1,4 +1,4 @@
-"""The pushing angle over time after a disturbance, at three speeds, from the full dynamics."""
+"""The pushing angle over time after a disturbance, at three speeds: a round object."""
 
 import math
 from typing import NamedTuple
@@ -8,81 +8,88 @@ import numpy as np
 from push_model.analysis.pushing_location import pushing_location, PushingLocation
 from push_model.analysis.stability import free_response, linear_motion
 from push_model.analysis.time_integration import integrate, straight_push
-from push_model.contact import contact_point
 from push_model.dynamics import equation_of_motion, Input, State
 from push_model.geometry import FloatArray
 from push_model.parameters import Contact, PushedObject, Support
 from push_study.chapter2.rolling import alpha_curve
+from push_study.chapter2.rolling.round_object import DISTANCE_ORIGIN, friction_center_from_contact
+from push_study.chapter2.rolling.sliding import CONTACT_FRICTION, SUPPORT_SPREAD
+from push_study.chapter2.sketches.push_instant import instant_at_rotation
 from push_study.framework import plot_style
-from push_study.framework.box import BOX, box, REAR_FACE, rectangle
+from push_study.framework.box import FRICTION, MASS
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study
 
 # Chosen: smooth curves.
 SAMPLES = 601
-FACE = Contact('face', REAR_FACE)
-SWINGS = ('Rho overshoots 0 by {overshoot:.2f} of its initial value and dies out, as in the '
-          'linearized motion about the equilibrium (dashed).')
+# The contact at the reference, behind the middle of the object.
+BEHIND = Contact('round', 0, math.pi)
+SWINGS = ('Rho overshoots its equilibrium ({rest:.2f} rad) by {overshoot:.2f} of the initial '
+          'deviation and dies out, as in the linearized motion about it (dashed).')
 
 
 def compute(values: Values, _: RunJobs) -> Outcome:
     """
     Compute the pushing angle over time, by the full dynamics and linearized.
 
-    :raises ValueError: where the contact would be off the face, or would slide.
+    :raises ValueError: where the contact would slide.
     """
-    obj = pushed_box(values)
-    location = pushing_location(obj, FACE, values.robot_radius)
-    linear = linear_motion(obj, location, alpha_curve.middle_equilibrium(location), values.speed)
+    obj = pushed_object(values)
+    location = pushing_location(obj, BEHIND, values.robot_radius)
+    middle = alpha_curve.middle_equilibrium(location)
+    linear = linear_motion(obj, location, middle, values.speed)
     push = straight_push(values.speed, 0.0)
-    low, high = location.rotation_range
-    start = released_state(obj, location, values.initial_rho)
+    start = released_state(obj, location, middle.rho + values.initial_deviation, values.speed)
     times, states = integrate(obj, location.rolling, push, start,
-                              np.linspace(0.0, values.duration, SAMPLES),
-                              lambda state: min(state.theta - low, high - state.theta))
-    rho = location.rho(states[:, 2])
-    linear_rho = values.initial_rho * free_response(linear, times)
-    swing = _swing(times, rho, values.initial_rho)
+                              np.linspace(0.0, values.duration, SAMPLES))
+    rho = -states[:, STATE_GAMMA]
+    linear_rho = middle.rho + values.initial_deviation * free_response(linear, times)
+    swing = _swing(times, rho - middle.rho, values.initial_deviation)
     needed = _needed_friction(obj, location, states, push(0.0, start))
     return Outcome({'rho': {'time_s': times, 'rho_rad': rho, 'linear_rho_rad': linear_rho}}, {
-        'overshoot': Finding(swing.overshoot, '', 'overshoot as a fraction of the initial value'),
-        'frequency': Finding(swing.frequency, 'rad/s', 'frequency by the first two zeros, 0 where '
-                             'there are none'),
+        'rest': Finding(middle.rho, 'rad', 'pushing angle at the equilibrium'),
+        'overshoot': Finding(swing.overshoot, '', 'overshoot as a fraction of the initial '
+                             'deviation'),
+        'frequency': Finding(swing.frequency, 'rad/s', 'frequency by the first two passages '
+                             'through the equilibrium, 0 where there are none'),
         'ratio': Finding(linear.damping_ratio, '', 'damping ratio'),
         'linear_frequency': Finding(abs(linear.poles[0].imag), 'rad/s',
                                     'frequency of the linearized motion'),
         'needed_friction': Finding(needed, '', 'contact friction that rolling needs')})
 
 
-def pushed_box(values: Values) -> PushedObject:
+# Column of gamma in a state; the push is along world x, so that rho = -gamma.
+STATE_GAMMA = State._fields.index('gamma')
+
+
+def pushed_object(values: Values) -> PushedObject:
     """
-    Make the box, on support points nearer to its middle than its corners.
+    Make the round object of figure 2.14, its mass centre in the centre of friction.
 
-    :param values: with the parameters ``BOX`` and ``support_spread``.
-    :return: the box.
+    :param values: with the parameters of the study.
+    :return: the object, its middle at the origin.
     """
-    points = rectangle(values.support_spread * values.box_length,
-                       values.support_spread * values.box_width)
-    return box(values, supports=tuple(Support(x, y, values.friction_coefficient)
-                                      for x, y in points))
+    ahead, aside = friction_center_from_contact(values)
+    x, y, spread = ahead - values.object_radius, aside, values.support_spread
+    points = ((x + spread, y), (x, y + spread), (x - spread, y), (x, y - spread))
+    supports = tuple(Support(*point, values.friction_coefficient) for point in points)
+    return PushedObject(values.mass, 0.0, supports, radius=values.object_radius,
+                        center_of_mass=(x, y),
+                        contact_friction_coefficient=values.contact_friction)
 
 
-def released_state(obj: PushedObject, location: PushingLocation, initial_rho: float) -> State:
+def released_state(obj: PushedObject, location: PushingLocation, rho: float,
+                   speed: float) -> State:
     """
     Place the object in a push along world x, rotated with yaw rate 0, its contact rolled along.
 
     :param obj: the object.
-    :param location: at the middle of ``FACE``.
-    :param initial_rho: pushing angle [rad].
+    :param location: at ``BEHIND``.
+    :param rho: pushing angle [rad].
+    :param speed: of the push [m/s].
     :return: state.
-    :raises ValueError: where the contact would be off the face.
     """
-    rotation = float(location.rotation_at(initial_rho))
-    if not location.rotation_range[0] < rotation < location.rotation_range[1]:
-        raise ValueError(f'initial_rho: got {initial_rho:g}, where the contact is off the face, '
-                         f'expected less than {location.rotation_range[1]:.3g} [rad]')
-    x, y = contact_point(obj, FACE)
-    return State(0.0, 0.0, rotation, 0.0, rotation, x, y + location.rolling[1] * rotation)
+    return instant_at_rotation(obj, location, float(location.rotation_at(rho)), speed).state
 
 
 def _needed_friction(obj: PushedObject, location: PushingLocation, states: FloatArray,
@@ -99,15 +106,15 @@ def _needed_friction(obj: PushedObject, location: PushingLocation, states: Float
 
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the pushing angle over time."""
-    axes, table = figure.subplots(), outcome.tables['rho']
-    axes.axhline(0.0, color=plot_style.GREY, linewidth=0.8)
+    axes, table, rest = figure.subplots(), outcome.tables['rho'], outcome.findings['rest'].value
+    axes.axhline(rest, color=plot_style.GREY, linewidth=0.8)
     axes.plot(table['time_s'], table['rho_rad'], label='full dynamics', **plot_style.series(0))
     axes.plot(table['time_s'], table['linear_rho_rad'], label='linearized motion',
               **plot_style.series(1))
     axes.set_xlabel('time [s]')
     axes.set_ylabel('pushing angle $\\rho$ [rad]')
     axes.set_xlim(0.0, values.duration)
-    axes.set_ylim(-0.65 * values.initial_rho, 1.1 * values.initial_rho)
+    axes.set_ylim(rest - 0.85 * values.initial_deviation, rest + 1.1 * values.initial_deviation)
     axes.legend(loc='upper right')
 
 
@@ -115,7 +122,7 @@ class Swing(NamedTuple):
     """
     How a disturbance oscillates.
 
-    :param overshoot: fraction of the initial value, 0 where there is none.
+    :param overshoot: fraction of the initial deviation, 0 where there is none.
     :param frequency: from the time between the first two zeros; 0 where there are not two
         [rad/s].
     """
@@ -124,26 +131,31 @@ class Swing(NamedTuple):
     frequency: float
 
 
-def _swing(times: FloatArray, rho: FloatArray, initial_rho: float) -> Swing:
-    before = np.flatnonzero(rho[:-1] * rho[1:] < 0.0)[:2]
-    zeros = times[before] - rho[before] * np.diff(times)[before] / np.diff(rho)[before]
+def _swing(times: FloatArray, deviation: FloatArray, initial: float) -> Swing:
+    before = np.flatnonzero(deviation[:-1] * deviation[1:] < 0.0)[:2]
+    zeros = (times[before]
+             - deviation[before] * np.diff(times)[before] / np.diff(deviation)[before])
     frequency = math.pi / (zeros[1] - zeros[0]) if len(zeros) == 2 else 0.0
-    return Swing(max(0.0, float(np.max(-rho / initial_rho))), float(frequency))
+    return Swing(max(0.0, float(np.max(-deviation / initial))), float(frequency))
 
 
 def _study(figure: str, speed: float, observation: str, explanation: str) -> Study:
     return Study(figure, f'Pushing angle over time at {speed:g} m/s', (
-        Parameter('speed', 'm/s', 'speed of the push, v_c', speed), *BOX,
-        Parameter('support_spread', '', 'distance of the support points from the middle, over '
-                  'that of the corners'),
-        Parameter('robot_radius', 'm', 'radius of the robot'),
-        Parameter('initial_rho', 'rad', 'pushing angle at which the object is released'),
+        Parameter('speed', 'm/s', 'speed of the push, v_c', speed),
+        Parameter('robot_radius', 'm', 'radius of the robot, as in 2.14'),
+        Parameter('object_radius', 'm', 'radius of the object, as in 2.14'),
+        Parameter('center_distance', 'm', 'distance of the centre of friction, as in 2.14'),
+        Parameter('beta', 'rad', 'direction of the centre of friction, as in 2.14'),
+        DISTANCE_ORIGIN, SUPPORT_SPREAD, MASS, FRICTION, CONTACT_FRICTION,
+        Parameter('initial_deviation', 'rad', 'pushing angle at which the object is released, '
+                  'from its equilibrium'),
         Parameter('duration', 's', 'time that is drawn')),
         compute, draw, observation, explanation)
 
 
 STUDIES = (
-    _study('2.15', 0.5, 'Rho decays to 0 without overshoot ({overshoot:.2f}).',
+    _study('2.15', 0.5, 'Rho decays to its equilibrium, {rest:.2f} rad, without overshoot '
+           '({overshoot:.2f}).',
            'In a slow push the friction of the floor damps a rotation more than inertia can carry '
            'it on: damping ratio {ratio:.2f}.'),
     _study('2.16', 1.5, SWINGS, 'Three times as fast, friction opposes the same rotation with a '

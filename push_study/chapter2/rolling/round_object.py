@@ -7,8 +7,11 @@ from matplotlib.figure import Figure
 import numpy as np
 from push_model.analysis.pushing_location import PushingLocation
 from push_study.chapter2.rolling import alpha_curve
+from push_study.chapter2.rolling.sliding import (
+    CONTACT_FRICTION, rolling_range, SUPPORT_SPREAD,
+)
 from push_study.framework.parameters import Parameter, Values
-from push_study.framework.study import Compute, Finding, Outcome, RunJobs, Study
+from push_study.framework.study import Compute, Draw, Finding, Outcome, RunJobs, Study
 
 # Chosen: smooth curves; odd, so that rho = 0 is among the samples.
 SAMPLES = 601
@@ -56,14 +59,32 @@ def friction_center_from_contact(values: Values) -> FromContact:
     return FromContact(-along, aside)
 
 
+def pushing_location_of(values: Values) -> PushingLocation:
+    """
+    Find the pushing location of a figure.
+
+    :param values: with robot_radius and those of ``friction_center_from_contact``.
+    :return: the location.
+    """
+    return PushingLocation(values.robot_radius, values.object_radius,
+                           *friction_center_from_contact(values))
+
+
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Compute alpha over the pushing angle for a contact that never slides."""
-    return _compute(values, math.inf)
-
-
-def compute_with_sliding(values: Values, _: RunJobs) -> Outcome:
-    """Compute alpha over the pushing angle with the friction of the contact."""
-    return _compute(values, values.contact_friction)
+    location = pushing_location_of(values)
+    rho = np.linspace(-values.max_rho, values.max_rho, SAMPLES)
+    tables = alpha_curve.compute_tables(location, 'rho_rad', rho, location.rotation_at(rho),
+                                        location.rho)
+    middle = alpha_curve.middle_equilibrium(location)
+    low, high = tables['basin']['rho_rad'] or (middle.rho, middle.rho)
+    return Outcome(tables, {
+        'equilibrium': Finding(middle.rho, 'rad', 'pushing angle of the middle equilibrium'),
+        'margin': Finding(middle.margin, 'm', 'stability margin R_e cos(rho) - h'),
+        'low': Finding(low, 'rad', 'lower end of the basin'),
+        'edge': Finding(high, 'rad', 'upper end of the basin'),
+        'arm': Finding(middle.arm, 'm', 'distance from contact to centre of friction there'),
+        'effective': Finding(location.rolling[1], 'm', 'effective radius')})
 
 
 def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
@@ -71,25 +92,24 @@ def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
     alpha_curve.draw(figure.subplots(), outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
 
 
-def _compute(values: Values, contact_friction: float) -> Outcome:
-    location = PushingLocation(values.robot_radius, values.object_radius,
-                               *friction_center_from_contact(values))
-    rho = np.linspace(-values.max_rho, values.max_rho, SAMPLES)
-    tables = alpha_curve.compute_tables(location, 'rho_rad', rho, location.rotation_at(rho),
-                                        location.rho, contact_friction)
-    middle = alpha_curve.middle_equilibrium(location)
-    low, high = tables['basin']['rho_rad'] or (middle.rho, middle.rho)
-    force = tables['alpha']['force_alpha_rad']
-    turns_away = rho[(rho > high) & (force > 0.0)]
-    return Outcome(tables, {
-        'equilibrium': Finding(middle.rho, 'rad', 'pushing angle of the middle equilibrium'),
-        'margin': Finding(middle.margin, 'm', 'stability margin R_e cos(rho) - h'),
-        'low': Finding(low, 'rad', 'lower end of the basin'),
-        'edge': Finding(high, 'rad', 'upper end of the basin'),
-        'back': Finding(turns_away.min(initial=rho[-1]), 'rad', 'pushing angle from which the '
-                        'object rotates away'),
-        'arm': Finding(middle.arm, 'm', 'distance from contact to centre of friction there'),
-        'effective': Finding(location.rolling[1], 'm', 'effective radius')})
+def compute_off_axis(values: Values, run_jobs: RunJobs) -> Outcome:
+    """Compute alpha over the pushing angle, and where a contact with friction slides."""
+    outcome = compute(values, run_jobs)
+    rolling = rolling_range(pushing_location_of(values), values.support_spread,
+                            values.contact_friction, values.max_rho)
+    outcome.tables['rolling'] = {'low_rad': [rolling.low], 'high_rad': [rolling.high]}
+    outcome.findings.update(
+        rolls_low=Finding(rolling.low, 'rad', 'least pushing angle of a contact that rolls'),
+        rolls_high=Finding(rolling.high, 'rad', 'greatest one'))
+    return outcome
+
+
+def draw_off_axis(figure: Figure, outcome: Outcome, values: Values) -> None:
+    """Draw alpha over rho, and where the contact would slide."""
+    axes, rolling = figure.subplots(), outcome.tables['rolling']
+    alpha_curve.draw(axes, outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
+    alpha_curve.draw_rolling_range(axes, rolling['low_rad'][0], rolling['high_rad'][0],
+                                   values.contact_friction)
 
 
 class Geometry(NamedTuple):
@@ -107,7 +127,8 @@ class Geometry(NamedTuple):
 
 
 def _study(figure: str, title: str, geometry: Geometry, observation: str, explanation: str, *,
-           more_parameters: tuple[Parameter, ...] = (), function: Compute = compute) -> Study:
+           more_parameters: tuple[Parameter, ...] = (), function: Compute = compute,
+           drawing: Draw = draw) -> Study:
     return Study(figure, title, (
         Parameter('robot_radius', 'm', 'radius of the robot, r_pc', geometry.robot_radius),
         Parameter('object_radius', 'm', 'radius of the object at the contact, r_sc', 0.2),
@@ -117,7 +138,7 @@ def _study(figure: str, title: str, geometry: Geometry, observation: str, explan
                   geometry.beta),
         *more_parameters, DISTANCE_ORIGIN,
         Parameter('max_rho', 'rad', 'range of the pushing angle that is drawn')),
-        function, draw, observation, explanation)
+        function, drawing, observation, explanation)
 
 
 STUDIES = (
@@ -126,18 +147,12 @@ STUDIES = (
     _study('2.7', 'Round object on a large round robot', Geometry(2.0, 0.15, math.pi), RETURNS,
            ROLLS + '; rho changes little, as the normal of a large robot hardly rotates with '
            'the object.'),
-    _study('2.8', 'Round object on a round robot, with sliding', Geometry(0.5, 0.1, math.pi),
-           'The push leaves the friction cone at {edge:.3f} rad, where rolling ends and sliding '
-           'begins (dashed); the arrows still rotate the object back up to {back:.2f} rad, long '
-           'after alpha has changed its sign.',
-           'The force cannot leave the cone: it stays on the edge of the cone, and passes the '
-           'centre of friction on the side that rotates the object back.',
-           more_parameters=(Parameter('contact_friction', '',
-                                      'friction coefficient at the contact', 0.5),),
-           function=compute_with_sliding),
     _study('2.14', 'Centre of friction off the axis', Geometry(0.5, 0.085, 2.9),
            'The stable equilibrium has moved to rho = {equilibrium:.2f} rad, and its basin is '
            'asymmetric: from {low:.2f} to {edge:.2f} rad.',
            'The centre of friction lies to the left of the normal, so that a push along the '
            'normal rotates the object counter-clockwise until the push passes through the centre '
-           'of friction.'))
+           'of friction; with the contact friction chosen here the force stays in the cone at '
+           'least from {rolls_low:.2f} to {rolls_high:.2f} rad.',
+           more_parameters=(CONTACT_FRICTION, SUPPORT_SPREAD), function=compute_off_axis,
+           drawing=draw_off_axis))

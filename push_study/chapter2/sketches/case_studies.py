@@ -171,8 +171,8 @@ STUDIES = (
           'at {rho:.0f} degrees to the normal of the side.',
           'This is an equilibrium with a margin of {margin:.2f} m: R_p cos(rho) is greater than '
           'h, so a small rotation dies out.', (6.4, 4.2)),
-    Study('2.31', 'Case study 3: the load moves away from the robot', (DISTANCES, RADIUS, *BOX),
-          compute_load, draw_load,
+    Study('2.31', 'Case study 3: robot and box positioned to perform a push',
+          (DISTANCES, RADIUS, *BOX), compute_load, draw_load,
           'Four positions of the centre of friction F ahead of the contact C; {stable:.0f} of '
           'them (filled) lie within a distance R_p.',
           'A push on a flat side is stable as long as F is nearer to C than the centre of '

@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Rectangle
 import numpy as np
 from push_model.friction import friction_center
 from push_model.geometry import Pose
@@ -13,11 +14,12 @@ from push_study.framework.box import (
     BOX_LENGTH, BOX_WIDTH, FRICTION, MASS, rectangle, supports_of_two_frictions,
 )
 from push_study.framework.parameters import Parameter, Values
-from push_study.framework.study import Finding, Outcome, RunJobs, Study
+from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 from scipy.optimize import root
 
 # Chosen: radius of the disc of the largest load [m].
 LARGEST_DISC = 0.075
+ORIGIN = Pose(0.0, 0.0, 0.0)
 LOAD_FILL = '#C9D3E8'
 MILLIMETRES = 1e3
 
@@ -65,11 +67,40 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 
 
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the box from above, loads as discs and greatest friction as rings."""
-    axes = figure.subplots()
-    sketch.set_up(axes)
-    obj, table = balanced_box(values), outcome.tables['supports']
-    sketch.pushed_object(axes, obj, Pose(0.0, 0.0, 0.0))
+    """Draw the mass distribution on the left, loads and friction of the supports on the right."""
+    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.75))
+    obj = balanced_box(values)
+    for axes in (left, right):
+        sketch.set_up(axes)
+        sketch.pushed_object(axes, obj, ORIGIN)
+    _draw_mass(left, obj, values)
+    _draw_supports(right, obj, outcome.tables['supports'])
+    half_width = 0.75 * values.box_length + 0.17
+    right.set_xlim(-half_width, half_width)
+    left.set_title('(a) mass distribution', loc='left')
+    right.set_title('(b) support points', loc='left')
+
+
+def _draw_mass(axes: Axes, obj: PushedObject, values: Values) -> None:
+    """Draw the share of the mass on either side of the middle, with G and F."""
+    shift = obj.center_of_mass[1] / (0.5 * values.box_width)
+    # Two halves of the mass, each in the middle of its side: their ratio puts G where it is.
+    for side in (1.0, -1.0):
+        share = 0.5 * (1.0 + side * 2.0 * shift)
+        length, width = values.box_length, 0.5 * values.box_width
+        axes.add_patch(Rectangle((-0.5 * length, min(0.0, side * width)), length, width,
+                                 facecolor=sketch.FORCE, alpha=0.35 * share, zorder=1.5,
+                                 linewidth=0.0))
+        sketch.label(axes, (0.12 * length, 0.62 * side * width),
+                     f'{share * obj.mass:.2f} kg', 0.0, gap=18.0)
+    sketch.mass_center(axes, obj.center_of_mass, '$G$', 0.0, 12.0)
+    sketch.point(axes, friction_center(obj), '$F$', 300.0, 13.0, sketch.FLOOR)
+    sketch.dimension(axes, friction_center(obj), obj.center_of_mass,
+                     f'{MILLIMETRES * obj.center_of_mass[1]:.0f} mm', shift=0.09, gap=22.0)
+
+
+def _draw_supports(axes: Axes, obj: PushedObject, table: Table) -> None:
+    """Draw loads as discs and greatest friction as rings."""
     largest = max(table['load_N'])
     for number, (x, y, load, capacity) in enumerate(zip(*table.values()), 1):
         # Areas in proportion to the forces.
@@ -82,21 +113,15 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
         sketch.label(axes, (x + outward, y),
                      f'$N_{number}$ = {load:.1f} N\n$\\mu N_{number}$ = {capacity:.1f} N', side,
                      gap=58.0, size=8.0)
-    sketch.mass_center(axes, obj.center_of_mass, '$G$', 0.0, 12.0)
-    sketch.point(axes, friction_center(obj), '$F$', 0.0, 11.0, sketch.FLOOR)
-    sketch.dimension(axes, friction_center(obj), obj.center_of_mass,
-                     f'{MILLIMETRES * obj.center_of_mass[1]:.0f} mm', shift=0.06, gap=22.0)
     axes.plot([], [], 'o', color=sketch.FORCE, markerfacecolor=LOAD_FILL, markersize=9.0,
               label='load (area)')
     axes.plot([], [], 'o', color=sketch.FLOOR, markerfacecolor='none', markersize=9.0,
               label='greatest friction (area, same scale)')
     axes.legend(loc='lower center', bbox_to_anchor=(0.5, -0.14), ncols=2)
-    half_width = 0.75 * values.box_length + 0.17
-    axes.set_xlim(-half_width, half_width)
 
 
 STUDIES = (Study(
-    '2.30', 'Mass distribution for balanced support friction',
+    '2.30', '(a) Mass distribution for balanced support friction, (b) the support points',
     (BOX_LENGTH, BOX_WIDTH, MASS, FRICTION,
      Parameter('friction_right', '', 'friction of the support points on the right')),
     compute, draw,
@@ -104,4 +129,4 @@ STUDIES = (Study(
     'to the left of the middle, all four bear the same friction and the centre of friction F is '
     'in the middle.',
     'Loads balance about G, so that moving it unloads the rough support points; with G in the '
-    'middle, F would lie {unbalanced:.3f} m to the right.', (6.4, 4.6)),)
+    'middle, F would lie {unbalanced:.3f} m to the right.', (8.4, 4.4)),)

@@ -1,4 +1,4 @@
-"""Sketch 2.2 of a push over time: initial, intermediate and rest position on a round robot."""
+"""Sketches 2.2 and 2.3 of a push over time: initial state, then on to rest on a round robot."""
 
 import math
 from typing import NamedTuple
@@ -92,7 +92,34 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
         axes.plot((path['x_f_m'] - values.speed * path['time_s'])[so_far],
                   path['y_f_m'][so_far], color=sketch.FLOOR, linewidth=1.0,
                   linestyle=(0, (1, 1)))
-        axes.set_title(f'{name}, $t$ = {time:.1f} s', loc='left')
+        axes.set_title(f'({"abc"[index]}) {name}, $t$ = {time:.1f} s', loc='left')
+
+
+def compute_initial(values: Values, _: RunJobs) -> Outcome:
+    """Compute points and angles of the initial state."""
+    now = _start(values)
+    points = {'C': now.contact, 'F': now.friction_center, 'P': now.robot}
+    yaw_acceleration = now.forces.yaw_acceleration
+    table = {'point': list(points), 'x_m': [point[0] for point in points.values()],
+             'y_m': [point[1] for point in points.values()],
+             'alpha_rad': [now.alpha] * len(points), 'rho_rad': [now.rho] * len(points),
+             'yaw_acceleration_rad_s2': [yaw_acceleration] * len(points)}
+    return Outcome({'points': table}, {
+        'alpha': Finding(math.degrees(now.alpha), 'deg', 'alpha'),
+        'rho': Finding(math.degrees(now.rho), 'deg', 'pushing angle rho'),
+        'yaw_acceleration': Finding(yaw_acceleration, 'rad/s^2', 'yaw acceleration of the box')})
+
+
+def draw_initial(figure: Figure, _: Outcome, values: Values) -> None:
+    """Draw the initial state."""
+    axes, now = figure.subplots(), _start(values)
+    sketch.set_up(axes)
+    _draw_position(axes, now)
+    gamma = now.state.gamma
+    sketch.arrow(axes, now.contact, now.from_normal(0.0, 0.3), '$n$', at=0.95, side=270.0,
+                 gap=9.0)
+    sketch.angle(axes, now.contact, 0.19, (gamma, 0.0), '$\\rho$')
+    sketch.angle(axes, now.mass_center, 0.12, (0.6, -0.6), "$\\omega'$")
 
 
 def _start(values: Values) -> PushInstant:
@@ -115,10 +142,18 @@ def _draw_position(axes: Axes, now: PushInstant) -> None:
     sketch.point(axes, now.friction_center, '$F$', 270.0, 11.0, sketch.FLOOR)
 
 
-STUDIES = (Study(
-    '2.2', 'Initial, intermediate and rest position', PARAMETERS, compute, draw,
-    'Pushed by a round robot, the box rotates until alpha has decreased from '
-    '{alpha_initial:.0f} to {alpha_rest:.1f} degrees; it is half as large after '
-    '{distance:.2f} m.',
-    'As the box rotates, the contact C rolls along the face by R_e per radian, further than the '
-    'centre of friction F swings, until F lies on the line of the push.', (7.6, 3.4)),)
+STUDIES = (
+    Study('2.2', 'A sliding object in its initial state', PARAMETERS, compute_initial,
+          draw_initial,
+          'The robot moves straight on at v and meets the box rotated: rho is {rho:.0f} degrees, '
+          'alpha {alpha:.0f} degrees, and the box begins to rotate by {yaw_acceleration:.1f} '
+          'rad/s^2.',
+          'The push passes the centre of friction F on the side on which friction at F rotates '
+          'the box clockwise.', (6.4, 4.2)),
+    Study('2.3', 'A pushing system: (a) initial, (b) intermediate and (c) rest position',
+          PARAMETERS, compute, draw,
+          'Pushed by a round robot, the box rotates until alpha has decreased from '
+          '{alpha_initial:.0f} to {alpha_rest:.1f} degrees; it is half as large after '
+          '{distance:.2f} m.',
+          'As the box rotates, the contact C rolls along the face by R_e per radian, further than '
+          'the centre of friction F swings, until F lies on the line of the push.', (7.6, 3.4)))

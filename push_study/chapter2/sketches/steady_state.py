@@ -1,4 +1,4 @@
-"""Sketches 2.3 and 2.4 of the steady state of a push, and of a disturbed one."""
+"""Sketch 2.4 of the steady state of a push, and of a disturbed one."""
 
 import math
 
@@ -17,9 +17,8 @@ from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 PARAMETERS = (
     *UNEVEN_BOX,
     Parameter('robot_radius', 'm', 'radius of the robot'),
-    Parameter('speed', 'm/s', 'speed of the robot'))
-DISTURBED = (
-    *PARAMETERS, Parameter('disturbance', 'rad', 'rotation of the box from the steady state'))
+    Parameter('speed', 'm/s', 'speed of the robot'),
+    Parameter('disturbance', 'rad', 'rotation of the box from the steady state'))
 # Chosen: scale of the force arrows, for arrows about as long as half the box.
 METRES_PER_NEWTON = 0.016
 # Chosen: a smaller pushing angle is not drawn, as its arc would be hidden by its head.
@@ -45,17 +44,25 @@ def steady_instant(values: Values, disturbance: float = 0.0) -> PushInstant:
     return instant_at_rotation(obj, location, steady.rotation + disturbance, values.speed)
 
 
-def compute_steady(values: Values, _: RunJobs) -> Outcome:
-    """Compute the forces in the steady state."""
-    return _outcome(steady_instant(values))
+def compute(values: Values, _: RunJobs) -> Outcome:
+    """Compute the forces in the steady state, and on the box that is rotated from it."""
+    steady, now = steady_instant(values), steady_instant(values, values.disturbance)
+    forces = steady.forces
+    friction = [sum(force[axis] for force in forces.friction) for axis in (0, 1)]
+    return Outcome({'steady': _points(steady), 'disturbed': _points(now)}, {
+        'rho': Finding(math.degrees(steady.rho), 'deg', 'pushing angle rho, steady'),
+        'steady_alpha': Finding(math.degrees(steady.alpha), 'deg', 'alpha, steady'),
+        'friction': Finding(math.hypot(*friction), 'N', 'friction of all support points, steady'),
+        'contact_force': Finding(math.hypot(*forces.contact_force), 'N', 'force of the robot, '
+                                 'steady'),
+        'steady_acceleration': Finding(forces.yaw_acceleration, 'rad/s^2', 'yaw acceleration of '
+                                       'the box, steady'),
+        'alpha': Finding(math.degrees(now.alpha), 'deg', 'alpha, disturbed'),
+        'yaw_acceleration': Finding(now.forces.yaw_acceleration, 'rad/s^2',
+                                    'yaw acceleration of the box, disturbed')})
 
 
-def compute_disturbed(values: Values, _: RunJobs) -> Outcome:
-    """Compute the forces on the box that is rotated from its steady state."""
-    return _outcome(steady_instant(values, values.disturbance))
-
-
-def _outcome(now: PushInstant) -> Outcome:
+def _points(now: PushInstant) -> Table:
     forces = now.forces
     friction = [sum(force[axis] for force in forces.friction) for axis in (0, 1)]
     table: Table = {'point': ['C', 'F', 'G', 'P']}
@@ -63,18 +70,19 @@ def _outcome(now: PushInstant) -> Outcome:
     for axis, name in enumerate('xy'):
         table[f'{name}_m'] = [point[axis] for point in points]
         table[f'force_{name}_N'] = [forces.contact_force[axis], friction[axis], 0.0, 0.0]
-    return Outcome({'points': table}, {
-        'alpha': Finding(math.degrees(now.alpha), 'deg', 'alpha'),
-        'rho': Finding(math.degrees(now.rho), 'deg', 'pushing angle rho'),
-        'friction': Finding(math.hypot(*friction), 'N', 'friction of all support points'),
-        'contact_force': Finding(math.hypot(*forces.contact_force), 'N', 'force of the robot'),
-        'yaw_acceleration': Finding(forces.yaw_acceleration, 'rad/s^2',
-                                    'yaw acceleration of the box')})
+    return table
 
 
-def draw_steady(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the steady state."""
-    axes, now = figure.subplots(), steady_instant(values)
+def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
+    """Draw the steady state on the left, the disturbed one on the right."""
+    left, right = figure.subplots(1, 2)
+    _draw_steady(left, outcome, steady_instant(values))
+    _draw_disturbed(right, outcome, values)
+    left.set_title('(a) steady', loc='left')
+    right.set_title('(b) disturbed', loc='left')
+
+
+def _draw_steady(axes: Axes, outcome: Outcome, now: PushInstant) -> None:
     _draw_instant(axes, now)
     sketch.mass_center(axes, now.mass_center)
     x, y = now.contact
@@ -84,13 +92,11 @@ def draw_steady(figure: Figure, outcome: Outcome, values: Values) -> None:
     sketch.arrow(axes, (x - push_length, y), (push_length, 0.0), '$F_C$', sketch.FORCE, at=0.5)
     sketch.arrow(axes, now.friction_center, (-friction_length, 0.0), '$\\sum f_i$',
                  sketch.FLOOR, at=0.7, side=270.0, gap=11.0)
-    sketch.point(axes, now.friction_center, '$F$', 50.0, color=sketch.FLOOR)
+    sketch.point(axes, now.friction_center, '$F$', 290.0, 11.0, color=sketch.FLOOR)
     sketch.arrow(axes, (x + 0.62, y), (0.16, 0.0), '$v$', sketch.PUSH)
 
 
-def draw_disturbed(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the disturbed state, and the steady one dashed."""
-    axes = figure.subplots()
+def _draw_disturbed(axes: Axes, outcome: Outcome, values: Values) -> None:
     rest, now = steady_instant(values), steady_instant(values, values.disturbance)
     sketch.pushed_object(axes, rest.obj, rest.pose, ghost=True)
     _draw_instant(axes, now)
@@ -114,14 +120,12 @@ def _draw_instant(axes: Axes, now: PushInstant) -> None:
     sketch.point(axes, now.contact, '$C$', 130.0, 13.0, sketch.FORCE)
 
 
-STUDIES = (
-    Study('2.3', 'Steady state', PARAMETERS, compute_steady, draw_steady,
-          'The friction of all support points, {friction:.1f} N, acts at the centre of friction F '
-          'against the force of the robot, and both lie on the line of the push.',
-          'Where alpha is 0, neither rotates the box; as F lies beside the middle of the face, '
-          'the push makes {rho:.0f} degrees with the normal.'),
-    Study('2.4', 'Disturbed state', DISTURBED, compute_disturbed, draw_disturbed,
-          'Rotated from its steady state (dashed), the box is pushed {alpha:.0f} degrees off the '
-          'line from C to F and accelerates by {yaw_acceleration:.1f} rad/s^2, back towards it.',
-          'The contact has rolled further along the face than F has swung, so that friction '
-          'at F rotates the box back.'))
+STUDIES = (Study(
+    '2.4', 'A sliding object in (a) a steady and (b) a disturbed state', PARAMETERS, compute, draw,
+    'In the steady state the friction of all support points, {friction:.1f} N, acts at the centre '
+    'of friction F against the force of the robot, on the line of the push, {rho:.0f} degrees off '
+    'the normal; rotated from there (dashed: steady), the box is pushed {alpha:.0f} degrees off '
+    'the line from C to F and accelerates by {yaw_acceleration:.1f} rad/s^2, back towards it.',
+    'Where alpha is 0, neither force rotates the box; in the disturbed state the contact has '
+    'rolled further along the face than F has swung, so that friction at F rotates the box back.',
+    (8.4, 4.2)),)

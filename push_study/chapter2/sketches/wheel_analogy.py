@@ -101,36 +101,36 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 
 
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the object on the robot, and the height of its centre of friction."""
-    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
-    _draw_wheel(left, instant(values, 0.0), instant(values, values.initial_rotation))
-    height, push = outcome.tables['height'], outcome.tables['push']
-    right.plot(height['theta_rad'], height['height_m'], **plot_style.series(0))
-    for rotation, name, side, gap in ((push['theta_rad'][0], 'start', 0.0, 20.0),
-                                      (push['theta_rad'][-1], 'end', 270.0, 11.0)):
-        at = rotation, np.interp(rotation, height['theta_rad'], height['height_m'])
-        sketch.point(right, at, name, side, gap, sketch.FLOOR)
-    right.set_xlabel('rotation of the object $\\theta$ [rad]')
-    right.set_ylabel('$F$ ahead of the robot centre $P$ [m]')
-    right.margins(y=0.15)
+    """Draw the object on the robot, steady on the left and disturbed on the right."""
+    left, right = figure.subplots(1, 2, sharex=True, sharey=True)
+    rest, now = instant(values, 0.0), instant(values, values.initial_rotation)
+    for axes, drawn in ((left, rest), (right, now)):
+        sketch.set_up(axes)
+        sketch.pushed_object(axes, rest.obj, rest.pose, ghost=drawn is now)
+        _draw_wheel(axes, drawn)
+    _draw_rolled_arcs(right, rest, now)
+    left.set_title('(a) steady', loc='left')
+    right.set_title('(b) disturbed', loc='left')
 
 
-def _draw_wheel(axes: Axes, rest: PushInstant, now: PushInstant) -> None:
-    sketch.set_up(axes)
-    sketch.pushed_object(axes, rest.obj, rest.pose, ghost=True)
-    sketch.pushed_object(axes, now.obj, now.pose)
-    sketch.robot(axes, now.robot, now.robot_radius, (UP - 0.75, UP + 0.75))
+def _draw_rolled_arcs(axes: Axes, rest: PushInstant, now: PushInstant) -> None:
+    """Mark the arcs over which the contact has rolled, on the robot and on the object."""
     _draw_rolled_arc(axes, now.robot, now.robot_radius, rest.state.gamma, now.state.gamma)
     # Where the contact was on the object, before it has rolled away from there.
     old = Pose(0.0, 0.0, now.state.theta).rotate((rest.state.c_x, rest.state.c_y))
     _draw_rolled_arc(axes, now.pose[:2], now.object_radius, math.atan2(old[1], old[0]),
                      now.state.gamma + math.pi)
+    sketch.label(axes, rest.contact, '$R_e \\theta$', 270.0, gap=14.0, color=sketch.FORCE)
+
+
+def _draw_wheel(axes: Axes, now: PushInstant) -> None:
+    sketch.pushed_object(axes, now.obj, now.pose)
+    sketch.robot(axes, now.robot, now.robot_radius, (UP - 0.75, UP + 0.75))
     center = now.friction_center
     sketch.point(axes, now.contact, '$C$', 262.0, 12.0, sketch.FORCE)
-    sketch.label(axes, rest.contact, '$R_e \\theta$', 270.0, gap=14.0, color=sketch.FORCE)
     sketch.line(axes, now.pose[:2], center, color=plot_style.GREY, linewidth=0.8)
-    sketch.arrow(axes, center, (0.0, -0.13), '$\\sum f_i$', sketch.FLOOR, at=0.45, side=270.0,
-                 gap=14.0)
+    sketch.arrow(axes, center, (0.0, -0.085), '$\\sum f_i$', sketch.FLOOR, at=0.75, side=270.0,
+                 gap=17.0)
     sketch.point(axes, center, '$F$', 40.0, 10.0, sketch.FLOOR)
     top = now.pose.x, now.pose.y + now.object_radius
     sketch.arrow(axes, (top[0], top[1] + 0.02), (0.0, 0.13), '$v$', sketch.PUSH)
@@ -143,7 +143,8 @@ def _draw_rolled_arc(axes: Axes, center: Point, radius: float, start: float, end
 
 
 STUDIES = (Study(
-    '2.5', 'The rolling-wheel analogy', PARAMETERS, compute, draw,
+    '2.5', 'The rolling wheel in (a) a steady and (b) a disturbed state', PARAMETERS,
+    compute, draw,
     'The contact has rolled {travel:.2f} m along either edge (bold); pushed on, the object comes '
     'to rest at {final:.2f} rad, where its centre of friction F is lowest.',
     'Friction acts at F against the push, as weight acts on a wheel on a hill; beyond '

@@ -49,6 +49,33 @@ def draw(figure: Figure, table: Table, kind: str, label: str, values: Values) ->
     right.legend(loc='upper center', ncols=1, handlelength=2.8, columnspacing=1.0)
 
 
+def page_table(table: Table, values: Values) -> Table:
+    """
+    Write position and heading errors at the goal as a table for a page.
+
+    :param table: of ``mismatched_push.error_table``, of one kind of errors.
+    :param values: with the parameters ``mismatched_push.PARAMETERS``.
+    :return: columns of texts, a row for each error.
+    """
+    kind = table['kind'][0]
+    columns = [(SENSING_POINT, speed) for speed in values.speeds]
+    columns += [(robot, values.open_loop_speed) for robot in ROBOTS[1:]]
+    errors = sorted({0.0, *values.errors})
+    result: Table = {'error': [f'{error:+.0%}' if error else '0' for error in errors]}
+    for robot, speed in columns:
+        rows = _select(table, kind, robot, speed)
+        result[f'{robot}, {speed:g} m/s'] = [
+            _cell(*row) for row in zip(rows['position_error_m'], rows['heading_error_rad'],
+                                       rows['friction_usage'])]
+    return result
+
+
+def _cell(position_error: float, heading_error: float, friction_usage: float) -> str:
+    """Write both errors, and mark where the contact would slide."""
+    mark = '*' if friction_usage > 1.0 else ''
+    return f'{MILLIMETRES * position_error:.1f} mm, {math.degrees(heading_error):.2f}°{mark}'
+
+
 def _select(table: Table, kind: str, robot: str, speed: float) -> Table:
     rows = (table['kind'] == kind) & (table['robot'] == robot) & (table['speed_m_s'] == speed)
     return {name: column[rows] for name, column in table.items()}

@@ -127,7 +127,7 @@ class Mismatch:
             tables['others'] = error_table(values, run_jobs, self.other_kinds, [SENSING_POINT])
         found = findings(tables['errors'], self.kind, values)
         found.update(self.more_findings(tables['errors'], tables.get('others', {}), values))
-        return Outcome(tables, found)
+        return Outcome(tables, found, error_figure.page_table(tables['errors'], values))
 
     def draw(self, figure: Figure, outcome: Outcome, values: Values) -> None:
         """Draw the errors at the goal."""

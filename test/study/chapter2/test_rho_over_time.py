@@ -19,6 +19,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 STUDIES = by_figure(rho_over_time)
+SPEEDS = {'2.15': 0.5, '2.16': 1.5, '2.17': 2.5}
 
 
 def found(figure, **overrides):
@@ -29,31 +30,31 @@ def found(figure, **overrides):
 
 def test_overdamped_at_half_a_metre_per_second():
     table, findings = found('2.15')
-    assert findings['ratio'] == pytest.approx(1.12, abs=5e-3)
+    assert findings['ratio'] > 1.0
     assert findings['overshoot'] < 1e-6 and findings['frequency'] == 0.0
     assert (np.diff(table['rho_rad']) < 1e-9).all()
-    assert abs(table['rho_rad'][-1]) < 1e-3 * table['rho_rad'][0]
+    assert abs(table['rho_rad'][-1] - findings['rest']) < 0.05 * 0.1
 
 
-@pytest.mark.parametrize('figure, ratio', [('2.16', 0.37), ('2.17', 0.22)])
-def test_oscillating_when_fast(figure, ratio):
-    """Frequency within 1 % of the linear motion's, overshoot within 4 % of its."""
-    _, findings = found(figure)
-    assert findings['ratio'] == pytest.approx(ratio, abs=5e-3)
-    assert findings['frequency'] == pytest.approx(findings['linear_frequency'], rel=0.01)
+@pytest.mark.parametrize('figure', ['2.16', '2.17'])
+def test_oscillating_when_fast(figure):
+    """Nearer to the linear motion the smaller the deviation."""
+    _, findings = found(figure, initial_deviation=0.005)
     ratio = findings['ratio']
+    assert ratio == pytest.approx(found('2.15')[1]['ratio'] * 0.5 / SPEEDS[figure])
+    assert findings['frequency'] == pytest.approx(findings['linear_frequency'], rel=0.03)
     assert findings['overshoot'] == pytest.approx(
-        math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio ** 2)), rel=0.04)
+        math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio ** 2)), rel=0.1)
 
 
 def test_the_full_motion_tends_to_the_linear_one_for_small_disturbances():
     """What they differ by falls faster than the disturbance."""
     for figure in STUDIES:
         differ = []
-        for start in (0.2, 0.02):
-            table, _ = found(figure, initial_rho=start)
+        for start in (0.1, 0.01):
+            table, _ = found(figure, initial_deviation=start)
             differ.append(np.abs(table['rho_rad'] - table['linear_rho_rad']).max() / start)
-        assert differ[1] < 0.2 * differ[0] < 0.2 * 0.05
+        assert differ[1] < 0.2 * differ[0] < 0.2 * 0.3
 
 
 def test_the_speed_alone_makes_the_difference():
@@ -62,16 +63,17 @@ def test_the_speed_alone_makes_the_difference():
     assert findings['overshoot'] > 0.4
     heavy = found('2.17', mass=9.0)[0]['rho_rad']
     assert heavy == pytest.approx(found('2.17')[0]['rho_rad'], abs=1e-6)
-    assert found('2.16', friction_coefficient=0.8)[1]['overshoot'] < 0.15
+    assert found('2.16', friction_coefficient=0.8)[1]['overshoot'] < 0.1
 
 
 @pytest.mark.parametrize('figure', STUDIES)
 def test_the_plant_moves_alike_and_its_contact_holds(figure):
     """From its state just after it has come up to speed, with the friction of the study."""
     values = values_of(STUDIES[figure])
-    obj, radius = rho_over_time.pushed_box(values), values.robot_radius
-    location = pushing_location(obj, rho_over_time.FACE, radius)
-    start = rho_over_time.released_state(obj, location, values.initial_rho)
+    obj, radius = rho_over_time.pushed_object(values), values.robot_radius
+    location = pushing_location(obj, rho_over_time.BEHIND, radius)
+    rho = found(figure)[1]['rest'] + values.initial_deviation
+    start = rho_over_time.released_state(obj, location, rho, values.speed)
     x, y = Pose(*start[:3]).transform((start.c_x, start.c_y))
     robot = dataclasses.replace(ramp_robot(radius), max_acceleration=10.0)
     plant = Plant(obj, robot, Pose(*start[:3]),
@@ -87,21 +89,12 @@ def test_the_plant_moves_alike_and_its_contact_holds(figure):
     for state in states[1:]:
         plant.advance(0.1, Twist(values.speed, 0.0, 0.0))
         assert plant.mode is ContactMode.STICK
-        assert plant.object_pose.theta == pytest.approx(state[2], abs=2e-4)
-
-
-def test_an_unstable_location_rolls_off_the_face():
-    """A narrow robot: the run ends where the face does."""
-    table, _ = found('2.16', robot_radius=0.18, contact_friction=5.0)
-    assert table['time_s'][-1] < 8.0
-    assert abs(table['rho_rad'][-1]) * 0.18 == pytest.approx(0.2, rel=0.02)
+        assert plant.object_pose.theta == pytest.approx(state[2], abs=5e-4)
 
 
 def test_a_contact_that_would_slide_is_refused():
     with pytest.raises(ValueError, match='contact_friction: got 0.2, with which the contact sli'):
         found('2.15', contact_friction=0.2)
-    with pytest.raises(ValueError, match=r'initial_rho: got 0.7, .* expected less than 0.667'):
-        found('2.15', initial_rho=0.7)
 
 
 @pytest.mark.parametrize('inertia, damping, stiffness', [

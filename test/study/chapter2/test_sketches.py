@@ -7,18 +7,20 @@ from helpers.study_outcomes import by_figure, numbers, outcome_of, values_of
 import numpy as np
 from push_model.contact import find_contact
 from push_study.chapter2.sketches import (
-    case_studies, curved_pusher, load_balance, rest_positions, sliding_object, steady_state,
-    wheel_analogy,
+    case_studies, curved_pusher, load_balance, rest_positions, rolling_faces, sliding_object,
+    steady_state, wheel_analogy,
 )
 import pytest
 
-LABELS = {'2.1': '$f_4$ $F_C$ $G$ $F$ $C$ $P$ $n$ $t$ $R_p$', '2.2': '$C$ $F$ $v$',
-          '2.3': '$F_C$ $F$ $n$ $G$', '2.4': '$F$ $C$ $n$ $v$', '2.5': '$F$ $C$ $v$',
+LABELS = {'2.1': '$f_4$ $F_C$ $G$ $F$ $C$ $P$ $n$ $t$ $R_p$',
+          '2.2': '$C$ $F$ $v$ $n$ $\\rho$ $\\alpha$', '2.3': '$C$ $F$ $v$',
+          '2.4': '$F_C$ $F$ $C$ $n$ $v$ $G$ $\\alpha$', '2.5': '$F$ $C$ $v$',
           '2.10': '$R_p$ $P$ $n_f$ $t_f$ $n$ $t$ $C$ $F$',
           '2.18': '$C$ $z$ $L$ $v_C$ $\\alpha$', '2.27': '$C$ $F$ $P$ $h$ $n$ $v$ $\\rho$',
-          '2.30': '$G$ $F$', '2.31': '$C$ $P$ $R_p$ 50 100 150 200'}
+          'C.1': '$P$ $O$ $C$ $F$ $v_C$ $n$ $t$', '2.30': '$G$ $F$',
+          '2.31': '$C$ $P$ $R_p$ 50 100 150 200'}
 STUDIES = by_figure(sliding_object, rest_positions, steady_state, wheel_analogy, curved_pusher,
-                    case_studies, load_balance)
+                    case_studies, load_balance, rolling_faces)
 
 
 @pytest.mark.parametrize('figure', LABELS)

@@ -40,7 +40,7 @@ def findings(figure, **overrides):
 
 
 def test_both_laws_reach_every_goal_without_mismatch():
-    found, ends = findings('4.1'), outcome('4.1').tables['ends']
+    found, ends = findings('four-goals'), outcome('four-goals').tables['ends']
     assert found['open_loop'] < 10.0 and found['feedback'] < 5.0
     assert (ends['feedback_position_error_m'] < ends['open_loop_position_error_m']).all()
     for law in (OPEN_LOOP, FEEDBACK):
@@ -49,7 +49,7 @@ def test_both_laws_reach_every_goal_without_mismatch():
     assert 0.0 < found['delay'] < 8.0 and found['difference'] < 0.5
 
 
-@pytest.mark.parametrize('figure', ['4.3', '4.5'])
+@pytest.mark.parametrize('figure', ['4.1', '4.2'])
 def test_the_input_of_feedback_is_near_the_planned_one(figure):
     found = findings(figure)
     assert found['relative_difference'] < 4.0 and found['span'] > 0.5
@@ -120,9 +120,11 @@ def test_a_robot_wider_than_the_box_is_deep_is_stable_in_open_loop():
 
 def test_random_friction_costs_several_times_as_much_in_open_loop():
     found = findings('4.7')
-    assert found == findings('4.6')
-    assert found['open_loop'] > 5.0 * found['feedback'] and found['worst'] < 5.0
-    assert found['wins'] >= found['pushes'] - 1.0
+    assert found == findings('4.5') == findings('4.6')
+    assert found['open_loop'] > 5.0 * found['feedback'] and found['worst'] < 10.0
+    assert found['wins'] >= found['pushes'] - 2.0
+    assert found['feedback_low'] < found['feedback'] < found['feedback_high'] < (
+        found['open_loop_low']) < found['open_loop'] < found['open_loop_high']
     assert found['heading'] > 10.0 * found['heading_feedback']
     assert found['variation'] > 5.0 * found['variation_open_loop']
     # Each coefficient moves the centre by an eighth of the width, of its own relative size.

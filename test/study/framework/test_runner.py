@@ -51,7 +51,7 @@ def test_files_state_parameters_version_and_findings(tmp_path):
     assert any(line.startswith('# version: ') for line in head)
     assert any(line.startswith('# finding margin = 0.2') for line in head)
     rows = np.array(list(csv.reader(lines[len(head) + 1:])), dtype=float)
-    assert lines[len(head)] == 'rho_rad,alpha_rad,force_alpha_rad,rolls'
+    assert lines[len(head)] == 'rho_rad,alpha_rad,turn,rolls'
     assert rows.shape == (401, 4)
     assert result.files.png.read_bytes().startswith(b'\x89PNG')
     svg = result.files.svg.read_text()

@@ -1,0 +1,147 @@
+"""
+Slow pushes by a round robot, integrated for many objects, parameters or starts at a time.
+
+Without inertia (``sliding_contact``): the contact sticks or slides, is taken where robot and
+object are nearest at the start of a step, and a gap or an overlap that is left is made up for
+in the next one.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from push_model.analysis.sliding_contact import contact_motion, SupportArrays
+from push_model.geometry import FloatArray
+from push_model.parameters import PushedObject
+
+
+class Shape(NamedTuple):
+    """
+    Outline of an object.
+
+    :param outline: vertices, counter-clockwise, shape (e, 2) [m]; empty for a disc.
+    :param radius: of a disc about the frame's origin [m].
+    """
+
+    outline: FloatArray
+    radius: float
+
+    @classmethod
+    def of(cls, obj: PushedObject) -> 'Shape':
+        """
+        Take the outline of an object.
+
+        :param obj: the ``PushedObject``.
+        """
+        return cls(np.array(obj.outline, dtype=float).reshape(-1, 2), obj.radius)
+
+    def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """
+        Find what is nearest to points outside of the outline.
+
+        :param points: object frame, shape (n, 2) [m].
+        :return: nearest points of the outline, shape (n, 2) [m], and their distances, (n,) [m].
+        """
+        if not len(self.outline):
+            sizes = np.hypot(*points.T)
+            return points * (self.radius / sizes)[:, None], sizes - self.radius
+        edges = np.roll(self.outline, -1, axis=0) - self.outline
+        offsets = points[:, None, :] - self.outline
+        fractions = (offsets * edges).sum(axis=-1) / (edges ** 2).sum(axis=-1)
+        candidates = self.outline + np.clip(fractions, 0.0, 1.0)[..., None] * edges
+        distances = np.hypot(*np.moveaxis(points[:, None, :] - candidates, -1, 0))
+        rows, best = np.arange(len(points)), np.argmin(distances, axis=1)
+        return candidates[rows, best], distances[rows, best]
+
+
+class SlowPushes(NamedTuple):
+    """
+    Integrated pushes.
+
+    :param poses: of the object frame in the world, shape (n, m, 3) [m, rad].
+    :param forces: of the robot on the object in world axes in the step that leads there, 0 without
+        contact, shape (n, m, 2) [N].
+    :param slides: as of ``ContactMotion``, shape (n, m).
+    """
+
+    poses: FloatArray
+    forces: FloatArray
+    slides: NDArray[np.int_]
+
+
+def integrate_slow_pushes(shape: Shape, supports: SupportArrays, contact_friction: ArrayLike,
+                          robot_radius: float, starts: FloatArray,
+                          paths: FloatArray) -> SlowPushes:
+    """
+    Integrate pushes along paths of the robot.
+
+    :param shape: of the object.
+    :param supports: of the object, or of each push.
+    :param contact_friction: mu_c, one number or shape (n,).
+    :param robot_radius: R_p [m], above 0.
+    :param starts: poses of the object, shape (n, 3) [m, rad].
+    :param paths: poses of the robot, a step apart that is small against its radius and the object,
+        shape (n, m, 3) [m, rad].
+    :return: the pushes at the points of the paths.
+    """
+    friction = np.broadcast_to(np.asarray(contact_friction, dtype=float), len(starts))
+    poses = np.array(starts, dtype=float)
+    found = SlowPushes(np.empty_like(paths), np.zeros((*paths.shape[:2], 2)),
+                       np.zeros(paths.shape[:2], dtype=int))
+    found.poses[:, 0] = poses
+    for index in range(1, paths.shape[1]):
+        step = _Step.of(shape, robot_radius, poses, paths[:, index - 1], paths[:, index])
+        rows = np.flatnonzero(step.presses)
+        if len(rows):
+            motion = contact_motion(_rows(supports, rows), step.points[rows], step.normals[rows],
+                                    step.displacements[rows], friction[rows])
+            moved = _moved(poses[rows], step.points[rows], motion.velocities, motion.yaw_rates)
+            found.forces[rows, index] = _rotated(poses[rows, 2], motion.forces)
+            found.slides[rows, index] = motion.slides
+            poses[rows] = moved
+        found.poses[:, index] = poses
+    return found
+
+
+class _Step(NamedTuple):
+    """Nearest points (n, 2), normals (n,), displacements (n, 2): object frame; who presses."""
+
+    points: FloatArray
+    normals: FloatArray
+    displacements: FloatArray
+    presses: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, shape: Shape, robot_radius: float, poses: FloatArray, before: FloatArray,
+           after: FloatArray) -> '_Step':
+        centers = _rotated(-poses[:, 2], before[:, :2] - poses[:, :2])
+        points, distances = shape.nearest(centers)
+        inward = points - centers
+        normals = np.arctan2(inward[:, 1], inward[:, 0])
+        along = np.column_stack([np.cos(normals), np.sin(normals)])
+        aside = np.column_stack([-along[:, 1], along[:, 0]])
+        spin = robot_radius * (after[:, 2] - before[:, 2])
+        steps = _rotated(-poses[:, 2], after[:, :2] - before[:, :2]) + spin[:, None] * aside
+        # What is left of the gap is not pushed.
+        steps = steps - (distances - robot_radius)[:, None] * along
+        return cls(points, normals, steps, (steps * along).sum(axis=1) > 0.0)
+
+
+def _rows(supports: SupportArrays, rows: NDArray[np.int_]) -> SupportArrays:
+    positions, capacities = supports
+    return SupportArrays(positions if positions.ndim == 2 else positions[rows],
+                         capacities if capacities.ndim == 1 else capacities[rows])
+
+
+def _moved(poses: FloatArray, points: FloatArray, displacements: FloatArray,
+           turns: FloatArray) -> FloatArray:
+    """Move poses so that their material points are displaced, rotating at the middle heading."""
+    middle = poses[:, 2] + 0.5 * turns
+    origin = displacements + turns[:, None] * np.column_stack([points[:, 1], -points[:, 0]])
+    return np.column_stack([poses[:, :2] + _rotated(middle, origin), poses[:, 2] + turns])
+
+
+def _rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
+    cosine, sine = np.cos(angles), np.sin(angles)
+    x, y = vectors[:, 0], vectors[:, 1]
+    return np.column_stack([cosine * x - sine * y, sine * x + cosine * y])
