@@ -12,9 +12,8 @@ import math
 from typing import Any, get_args, Literal
 
 import numpy as np
-from push_model.geometry import Coordinates, FloatArray, Polygon
+from push_model.geometry import BoolArray, Coordinates, FloatArray, Polygon
 from push_model.quantity import check, quantity
-from scipy.optimize import nnls
 
 
 # Standard acceleration of free fall, to the digits that friction coefficients deserve [m/s^2].
@@ -231,14 +230,24 @@ def _spring_loads(points: FloatArray) -> FloatArray | None:
     """
     balance = np.vstack([np.ones(len(points)), points.T])
     totals = np.array([1.0, 0.0, 0.0])
-    rough, _ = nnls(np.vstack([BALANCE_STIFFNESS * balance, np.eye(len(points))]),
-                    np.concatenate([BALANCE_STIFFNESS * totals, np.zeros(len(points))]))
-    # A support without load is allowed: a mass centre on the edge of the hull is at the limit.
-    carrying = rough > 1e-9
-    loads = np.zeros(len(points))
-    loads[carrying] = np.linalg.lstsq(balance[:, carrying], totals, rcond=None)[0]
+    loads = np.linalg.lstsq(balance, totals, rcond=None)[0]
+    if loads.min() < 0.0:
+        # A support without load is allowed: a mass centre on the edge of the hull is at the limit.
+        carrying = _carrying_supports(balance, totals)
+        loads = np.zeros(len(points))
+        loads[carrying] = np.linalg.lstsq(balance[:, carrying], totals, rcond=None)[0]
     balances = np.abs(balance @ loads - totals).max() < 1e-6 and loads.min() > -1e-6
     return np.maximum(loads, 0.0) if balances else None
+
+
+def _carrying_supports(balance: FloatArray, totals: FloatArray) -> BoolArray:
+    # Imported here: most objects stand on all their supports, and most programs, such as a node
+    # that starts, need nothing else of scipy.
+    from scipy.optimize import nnls
+    count = balance.shape[1]
+    rough, _ = nnls(np.vstack([BALANCE_STIFFNESS * balance, np.eye(count)]),
+                    np.concatenate([BALANCE_STIFFNESS * totals, np.zeros(count)]))
+    return rough > 1e-9
 
 
 # Kept, as variations of an object mostly stand on the same supports; 256 such sets take few kB.

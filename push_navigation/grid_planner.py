@@ -14,8 +14,6 @@ from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Po
 from push_navigation.obstacle import InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Waypoint
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
 
 # Steps to the right and up to half of the neighbours of a grid point; the others link to it.
 NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
@@ -172,6 +170,9 @@ def _links(space: _FreeSpace, grid: GridGraph, number: int, place: FloatArray) -
 
 def _shortest_route(edges: IntArray, lengths: FloatArray, count: int) -> list[int]:
     """Numbers of the points from the last but one to the last; empty where none leads there."""
+    # Imported here: without a map nothing of scipy is needed.
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import dijkstra
     start, goal = count - 2, count - 1
     graph = csr_matrix((lengths, edges.T), shape=(count, count))
     away, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from push_model.geometry import BoolArray, Coordinates, FloatArray, Pose
 from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.obstacle import inflate
-from scipy.ndimage import distance_transform_edt, map_coordinates
 
 # Derived: between cell centres the distance to the nearest occupied centre is at most this much
 # shorter than interpolated [cells].
@@ -44,6 +43,7 @@ class OccupancyMap:
         self.occupied: BoolArray = cells
         self._place(Pose(*origin))
         # Distance of each cell from the nearest occupied one, in cells, with a border round them.
+        from scipy.ndimage import distance_transform_edt
         self._distances = distance_transform_edt(~np.pad(cells, 1, constant_values=True))
 
     def _place(self, origin: Pose) -> None:
@@ -98,6 +98,7 @@ class OccupancyMap:
         :param y: along rows, of the same shape [m].
         :return: distances [m], of the same shape.
         """
+        from scipy.ndimage import map_coordinates
         cells = np.stack((y, x)) / self.resolution + 0.5
         distances = map_coordinates(self._distances, cells, order=1, mode='nearest')
         return self.resolution * (distances - CONSERVATIVE_OFFSET)

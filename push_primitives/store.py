@@ -5,8 +5,10 @@ They lie in the user's cache, beside the machine code of the dynamics, in a file
 digest of everything that they depend on: shape, supports, robot, settings and the source text.
 """
 
+from collections.abc import Callable, Generator
 import contextlib
 import dataclasses
+import fcntl
 import functools
 import hashlib
 import os
@@ -117,24 +119,16 @@ def _load(obj: PushedObject, radius: float, settings: CostSettings) -> PushPrimi
 
 @functools.lru_cache(maxsize=8)
 def _table(obj: PushedObject, radius: float) -> PrimitiveTable:
-    path = _path('table', obj, radius)
-    arrays = _read(path)
-    if arrays is None:
-        table = build_table(obj, radius)
-        _write(path, _table_arrays(table))
-        return table
-    return _table_from(arrays)
+    return _table_from(_kept(_path('table', obj, radius),
+                             lambda: _table_arrays(build_table(obj, radius))))
 
 
 def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings) -> CostToGo:
-    path = _path('cost', obj, radius, settings)
-    arrays = _read(path)
-    if arrays is None:
+    def solve() -> dict[str, Any]:
         cost_to_go = solve_cost_to_go(_table(obj, radius), settings)
-        _write(path, {'values': cost_to_go.values, 'distances': cost_to_go.distances,
-                      'headings': cost_to_go.headings})
-        return cost_to_go
-    return CostToGo(**arrays)
+        return {'values': cost_to_go.values, 'distances': cost_to_go.distances,
+                'headings': cost_to_go.headings}
+    return CostToGo(**_kept(_path('cost', obj, radius, settings), solve))
 
 
 def _table_arrays(table: PrimitiveTable) -> dict[str, Any]:
@@ -162,6 +156,31 @@ def _path(kind: str, *key: object) -> pathlib.Path | None:
 @functools.lru_cache(maxsize=None)
 def _sources() -> bytes:
     return b''.join(pathlib.Path(str(module.__file__)).read_bytes() for module in SOURCES)
+
+
+def _kept(path: pathlib.Path | None, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Read arrays, or make and write them: nodes that start together make them once."""
+    arrays = _read(path)
+    if arrays is None:
+        with _reserved(path):
+            # Another process may have made them while this one waited.
+            arrays = _read(path)
+            if arrays is None:
+                arrays = make()
+                _write(path, arrays)
+    return arrays
+
+
+@contextlib.contextmanager
+def _reserved(path: pathlib.Path | None) -> Generator[None, None, None]:
+    """Let other processes wait that want to make a file too; where it can be written to."""
+    with contextlib.ExitStack() as stack:
+        if path is not None:
+            # On a disk without locks every process makes its own.
+            with contextlib.suppress(OSError):
+                lock = stack.enter_context(path.with_suffix('.lock').open('w'))
+                fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def _read(path: pathlib.Path | None) -> dict[str, Any] | None:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
 from push_control.events import EventReport, PushEvent
 from push_control.laws.closed_form import ClosedFormLaw
-from push_control.laws.mpc import PredictiveLaw
 from push_control.laws.steering_law import SteeringLaw
 from push_control.observation import Observation
 from push_control.push.closed_loop import ClosedLoopPush
@@ -166,6 +165,8 @@ def make_steering_law(robot: RoundRobot, settings: ControlSettings) -> SteeringL
     :return: ``SteeringLaw``; None for open loop.
     """
     if settings.control_law == 'mpc':
+        # Imported here: the other laws need neither casadi nor scipy.
+        from push_control.laws.mpc import PredictiveLaw
         return PredictiveLaw(robot, settings)
     if settings.control_law == 'feedback':
         return ClosedFormLaw(settings)

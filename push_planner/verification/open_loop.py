@@ -15,7 +15,6 @@ from push_model.geometry import FloatArray
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import yaw_rate
 from push_planner.problem import PushProblem
-from scipy.integrate import solve_ivp
 
 # Relative tolerance of the integration; the absolute one is a hundredth of it. Chosen: far below
 # the errors that plans may have, and above rounding.
@@ -81,6 +80,8 @@ def integrate(rate: Callable[[float, FloatArray], FloatArray],
     :param duration: of the segment [s].
     :param start: state at its begin.
     """
+    # Imported here: a planner that does not verify its plans needs nothing of scipy.
+    from scipy.integrate import solve_ivp
     answer = solve_ivp(rate, (0.0, duration), start, method='LSODA', rtol=TOLERANCE,
                        atol=1e-2 * TOLERANCE)
     if not answer.success:

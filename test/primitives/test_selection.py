@@ -1,6 +1,8 @@
 """Laws of the selection of a push, of the weights of guesses and of the store."""
 
+from concurrent import futures
 import math
+import threading
 
 from helpers.objects import bin_
 import numpy as np
@@ -160,6 +162,35 @@ def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
         np.testing.assert_array_equal(other.table.displacements, first.table.displacements)
         np.testing.assert_array_equal(other.cost_to_go.values, first.cost_to_go.values)
         assert other.table.places == first.table.places
+
+
+def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, primitives):
+    """Nodes that start together make the primitives once."""
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
+    monkeypatch.delenv('NUMBA_CACHE_DIR', raising=False)
+    is_begun, may_end, made = threading.Event(), threading.Event(), []
+
+    def build(*_):
+        made.append(None)
+        is_begun.set()
+        may_end.wait()
+        return primitives.table
+
+    monkeypatch.setattr(store, 'build_table', build)
+    monkeypatch.setattr(store, 'solve_cost_to_go', lambda *_: primitives.cost_to_go)
+    store.forget()
+    with futures.ThreadPoolExecutor(2) as pool:
+        # Locks of files are between descriptors, so that threads are as good as processes.
+        loaded = [pool.submit(store.load_primitives, BIN, ROBOT)]
+        is_begun.wait()
+        loaded.append(pool.submit(store.load_primitives, BIN, ROBOT))
+        # Without a lock the second one would make them as well, at once.
+        futures.wait(loaded[1:], timeout=0.2)
+        may_end.set()
+        first, second = (one.result() for one in loaded)
+    store.forget()
+    assert len(made) == 1
+    np.testing.assert_array_equal(first.table.displacements, second.table.displacements)
 
 
 def test_what_was_learned_of_friction_does_not_matter_to_the_store(primitives):
