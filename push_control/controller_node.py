@@ -6,9 +6,10 @@ from typing import Any, Callable, Mapping, Sequence
 from builtin_interfaces.msg import Time
 from push_control.goal import GoalOutcome
 from push_control.ros.base_check import BaseCheck, BaseFault
+from push_control.ros.command_gate import CommandGate
 from push_control.ros.commands import CommandPublisher
 from push_control.ros.goal_entry import GoalEntry
-from push_control.ros.measurements import LatestMeasurements, OdometryState, OdometryWatchdog
+from push_control.ros.measurements import LatestMeasurements, OdometryState
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.object_catalogue import ObjectCatalogue
 from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
@@ -22,7 +23,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
-from push_ros.conversions.primitives import MessageRefused, nanoseconds
+from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
@@ -32,6 +33,8 @@ from push_ros.parameters import DYNAMIC, IDLE
 from push_ros.push_interfaces import ACTION, import_push_interfaces
 from push_ros.topics import CONTROLLER
 from push_ros.transforms.world import Handlers, WorldFrame
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
             ('drive.', DriveSettings), ('supervision.', SupervisionSettings),
@@ -52,9 +55,6 @@ SETTABLE = {**{spec.name: DYNAMIC for prefix, cls in SECTIONS if prefix in DYNAM
             **dict.fromkeys(OBJECT_PARAMETERS, IDLE)}
 # Period at which missing odometry is looked for [s]; chosen: a fifth of the default time-out.
 WATCHDOG_PERIOD = 0.05
-# A measurement older than the newest one by more is of a time that went back [s]; chosen: longer
-# than any latency.
-BACKWARDS = 1.0
 
 
 class ControllerNode(ManagedNode):
@@ -109,6 +109,7 @@ class ControllerNode(ManagedNode):
     _mode: Mode
     _goals: GoalEntry
     _commands: CommandPublisher
+    _gate: CommandGate
     _scene: ScenePublisher
     _base: BaseCheck
     _action: PushActionServer | None = None
@@ -121,7 +122,6 @@ class ControllerNode(ManagedNode):
         self._object = self._present_object
         self._world = WorldFrame(self, self._frames.world_frame, self._options.transform_timeout)
         self._latest = LatestMeasurements()
-        self._watchdog = OdometryWatchdog(self._options.watchdog_timeout)
         # Stamps of measurements that wait for a plan.
         self._unanswered: list[Time] = []
         self.serve_active_trigger('controller/start', self._start)
@@ -156,6 +156,7 @@ class ControllerNode(ManagedNode):
         self._goals = GoalEntry(self, self._mode, frame, is_lockstep=self._options.lockstep)
         self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
         self._base = BaseCheck(self, self._base_settings)
+        self._gate = CommandGate(self, self._mode, parameters, self._options)
         self._action = self._make_action()
 
     def activate(self) -> None:
@@ -170,7 +171,9 @@ class ControllerNode(ManagedNode):
         self.subscribe('map', self._world.receiver('map', Handlers(
             lambda message: self._handle(self._mode.on_map, message), self._refuse,
             self._mode.move_map)))
-        self._timer = self.create_timer(WATCHDOG_PERIOD, self._check_odometry)
+        # Simulated time may stand still: whoever published it may have died.
+        self._timer = self.create_timer(WATCHDOG_PERIOD, self._check_odometry,
+                                        clock=Clock(clock_type=ClockType.STEADY_TIME))
         self.reporter.report(OK, 'waits for a goal')
         self._base.run(self._report_base)
 
@@ -180,6 +183,7 @@ class ControllerNode(ManagedNode):
         self._base.interrupt('the controller was deactivated')
         self._commands.flush()
         self._goals.interrupt(GoalOutcome.INTERRUPTED, 'the controller was deactivated')
+        self._mode.cancel('the controller was deactivated')
         self._forget_measurements()
 
     def clean_up(self) -> None:
@@ -188,7 +192,8 @@ class ControllerNode(ManagedNode):
             self._action.destroy()
         self._scene.destroy()
         self._base.destroy()
-        del self._mode, self._goals, self._commands, self._action, self._scene, self._base
+        del self._mode, self._goals, self._commands, self._gate
+        del self._action, self._scene, self._base
 
     def further_parameters(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
         """
@@ -293,7 +298,6 @@ class ControllerNode(ManagedNode):
         return ControllerParameters(*sections)
 
     def _on_odometry(self, message: Any) -> None:
-        self._watchdog.feed(self.get_clock().now().nanoseconds, nanoseconds(message.header.stamp))
         self._world.take()
         self._on_measurement(message, from_odometry_message)
 
@@ -306,15 +310,15 @@ class ControllerNode(ManagedNode):
         stamp = message.header.stamp
         try:
             measured = convert(message, self._frames.world_frame)
+            if self._gate.accept(measured, message):
+                self._start_over(WARN, 'time went back')
         except MessageRefused as error:
             self._refuse_measurement(error, message)
             return
-        if measured.time < self._latest.time - BACKWARDS:
-            self._reset()
         dt = self._latest.add(measured)
         self._goals.update(self._latest.time)
         observation = self._latest.observation
-        command = STOP if observation is None else self._mode.step(observation, dt)
+        command = STOP if observation is None else self._gate.step(observation, dt)
         if self._options.lockstep and self._mode.awaits_plan:
             self._unanswered.append(stamp)
         else:
@@ -389,24 +393,36 @@ class ControllerNode(ManagedNode):
         self._follow_up()
         return answer
 
-    def _reset(self) -> None:
-        """Start over where time went back, as for a simulator that was reset."""
-        self._goals.interrupt(GoalOutcome.INTERRUPTED, 'time went back')
+    def on_unexpected_error(self, error: Exception) -> None:
+        """
+        Stop the robot, and forget everything measured.
+
+        :param error: that a callback has raised.
+        """
+        super().on_unexpected_error(error)
+        if self.is_active:
+            self._commands.flush()
+            self._start_over(ERROR, f'internal error: {error!r:.200}')
+
+    def _start_over(self, level: bytes, reason: str) -> None:
+        """Forget everything measured, as for a simulator that was reset; keep the goal."""
+        self._goals.interrupt(GoalOutcome.INTERRUPTED, reason)
         self._forget_measurements()
-        self.reporter.report(WARN, 'waits for a goal: time went back')
+        self._mode.interrupt(reason)
+        self.reporter.report(level, f'stopped: {reason}; waits for a goal, or controller/start')
 
     def _forget_measurements(self) -> None:
         self._mode.reset()
         self._world.reset()
         self._latest = LatestMeasurements()
-        self._watchdog.reset()
+        self._gate.reset()
         self._unanswered = []
 
     def _check_odometry(self) -> None:
         """Stop the robot where odometry has stopped, and publish zeros that are left."""
         # What has come already is not missing, however late this node gets round to it.
         self.poll()
-        check = self._watchdog.check(self.get_clock().now().nanoseconds)
+        check = self._gate.check_odometry()
         is_missing = check.state is not OdometryState.PRESENT
         if not self._mode.is_commanding or is_missing:
             self._commands.stop()

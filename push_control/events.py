@@ -21,6 +21,9 @@ class PushEvent(enum.Enum):
     OBJECT_POSE_STALE = 'object pose is stale: {age:.2f} s old, at most {limit:g} s'
     ODOMETRY_STALE = 'odometry is stale: {age:.2f} s old, at most {limit:g} s'
 
+    # The safety layer has stopped the robot.
+    SAFETY_STOP = '{reason}'
+
     # The push cannot start.
     TARGET_REFUSED = '{error}'
     ROBOT_NOT_AT_START = (

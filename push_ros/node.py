@@ -1,6 +1,8 @@
 """What the nodes share: parameters, topics by name, diagnostics, two groups of callbacks."""
 
 import time
+import traceback
+from types import TracebackType
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from builtin_interfaces.msg import Time
@@ -19,6 +21,10 @@ from rclpy.subscription import Subscription
 # get there [s]; chosen: discovery takes some tenths of a second, more on a busy machine.
 ROSOUT_WAIT = 3.0
 ROSOUT_DELIVERY = 0.3
+# Characters of a traceback that are logged, and how often one is [s]; chosen: all of most, and few
+# enough for a fault that comes with every message.
+MAX_TRACEBACK = 4000
+TRACEBACK_PERIOD = 1.0
 # Without a callback for offers that do not fit: none fails to fit best effort, and an executor
 # takes twice as long for a topic that has one.
 NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
@@ -57,6 +63,23 @@ class NewestMessage:
         if message is not None:
             self._message = message
         return self._message
+
+
+class _ErrorGuard:
+    """Hands every error to a function, but not what ends a process."""
+
+    def __init__(self, on_error: Callable[[Exception], None]) -> None:
+        self._on_error = on_error
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 _: TracebackType | None) -> bool:
+        if not isinstance(error, Exception):
+            return False
+        self._on_error(error)
+        return True
 
 
 class PushNode(PolledNode):
@@ -174,6 +197,7 @@ class PushNode(PolledNode):
         :param stamped: whether commands have a stamp.
         :param with_covariance: whether poses have a covariance.
         """
+        callback = self._guarded(callback)
         entry = TOPICS[topic]
         group = self.real_time if real_time else self.background
         subscription = self.create_subscription(
@@ -217,6 +241,23 @@ class PushNode(PolledNode):
                 found = True
                 polled.callback(message)
         return found
+
+    def on_unexpected_error(self, error: Exception) -> None:
+        """
+        Log an error that a callback did not expect, and go on.
+
+        :param error: that it has raised.
+        """
+        text = ''.join(traceback.format_exception(error))
+        self.get_logger().error(f'internal error: {text[-MAX_TRACEBACK:]}',
+                                throttle_duration_sec=TRACEBACK_PERIOD)
+
+    def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        """Keep a node alive whatever a message does to its callback."""
+        def call(message: Any) -> None:
+            with _ErrorGuard(self.on_unexpected_error):
+                callback(message)
+        return call
 
     def serve_trigger(self, service: str, action: Callable[[], ServiceAnswer]) -> Service:
         """

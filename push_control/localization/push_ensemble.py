@@ -286,11 +286,13 @@ class PushEnsemble:
 
     # Prediction.
 
-    def predict(self, odometry: Odometry) -> None:
+    def predict(self, odometry: Odometry, step: Pose | None = None) -> None:
         """
         Move all members by odometry.
 
         :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
+        :param step: motion of the robot since the last one as ``Pose`` in its axes then, where the
+            pose of odometry has jumped; None for that of its pose.
         """
         if self._slippery is not None:
             self._slippery.predict(odometry)
@@ -299,7 +301,7 @@ class PushEnsemble:
             spread = self._normal((self.members.count, POSE)) * deviations
             self.members.set_robot_poses(np.array(odometry.pose) + spread)
         elif odometry.time > self._odometry.time:
-            self._move(self._odometry.pose.inverse() @ odometry.pose,
+            self._move(step or self._odometry.pose.inverse() @ odometry.pose,
                        odometry.time - self._odometry.time, odometry.time)
         else:
             return

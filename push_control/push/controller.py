@@ -13,6 +13,7 @@ from push_control.push.execution import plain_status, PushExecution
 from push_control.push.open_loop import OpenLoopPush
 from push_control.push.start import start_fault
 from push_control.push.status import ControllerStatus, Phase
+from push_control.safety.status import SafetyReport
 from push_control.settings import ControlSettings
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry, STOP, Twist
@@ -92,6 +93,16 @@ class Controller:
         if observation.stamps != self._answer.stamps:
             self._answer = _Answer(observation.stamps, self._command(target, observation, dt))
         return self._answer.command
+
+    def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
+        """
+        Take note of what the safety layer has found: a push that it stops has failed.
+
+        :param fault: not read: where the robot is stopped for it, that says so.
+        :param stop: why the robot is stopped, or None where it may move.
+        """
+        if stop is not None and self._target is not None and not self._state.phase.has_ended:
+            self._state = _State(Phase.FAILED, PushEvent.SAFETY_STOP.report(reason=stop))
 
     def _continues_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """Change over to a target that starts at the present push, if it does."""

@@ -13,6 +13,9 @@ LOST_RATIO = 4.0
 # Time with odometry after which another gap is reported again [s]; chosen: gaps under load follow
 # each other more closely.
 RECOVERY_TIME = 5.0
+# Time on a steady clock without odometry after which it is missing although simulated time stands
+# still [s]; chosen: longer than a step of a slow simulator.
+STANDSTILL_TIMEOUT = 1.0
 
 
 class LatestMeasurements:
@@ -87,6 +90,14 @@ class OdometryState(enum.IntEnum):
     LOST = 2
 
 
+class _Arrival(NamedTuple):
+    """When odometry came: its stamp and the clock of the node [ns], and a steady clock [s]."""
+
+    stamp: int
+    clock: int
+    now: float
+
+
 class OdometryCheck(NamedTuple):
     """
     Result of a look at the clock.
@@ -103,46 +114,56 @@ class OdometryCheck(NamedTuple):
 
 class OdometryWatchdog:
     """
-    Notices that odometry has stopped, by the clock of the node and the stamps of messages.
+    Notices that odometry has stopped, or repeats its stamp, by a steady clock.
+
+    Simulated time may be slower, or stand still: there the clock of the node counts, and the
+    steady one only after a while.
 
     A machine under load lets odometry come late now and then: the robot stops each time, but that
     is reported once, and not again until odometry has come for a while.
     """
 
-    def __init__(self, timeout: float) -> None:
+    def __init__(self, timeout: float, *, is_simulated: bool) -> None:
         """
         Start before the first odometry, which may take its time.
 
         :param timeout: age of the last odometry beyond which it is missing [s].
+        :param is_simulated: whether the clock of the node is simulated.
         """
         self._timeout = timeout
+        self._is_simulated = is_simulated
         self.reset()
 
     def reset(self) -> None:
         """Wait for the next odometry."""
-        self._received: int | None = None
+        self._received: _Arrival | None = None
         self._reported = OdometryState.PRESENT
-        self._missing_at = 0
+        self._missing_at = 0.0
 
-    def feed(self, now: int, stamp: int) -> None:
+    def feed(self, stamp: int, clock: int, now: float) -> None:
         """
-        Note that odometry has come.
+        Note that odometry has come; one that is not newer than the last tells nothing.
 
-        :param now: time on the clock of the node [ns].
         :param stamp: of the message [ns], which may be of another clock, or ahead of simulated
             time.
+        :param clock: time on the clock of the node [ns].
+        :param now: time on a steady clock [s].
         """
-        self._received = max(now, stamp)
+        if self._received is None or stamp > self._received.stamp:
+            self._received = _Arrival(stamp, max(clock, stamp), now)
 
-    def check(self, now: int) -> OdometryCheck:
+    def check(self, clock: int, now: float) -> OdometryCheck:
         """
         Find out how long odometry has been missing.
 
-        :param now: time on the clock of the node [ns].
+        :param clock: time on the clock of the node [ns].
+        :param now: time on a steady clock [s].
         """
         if self._received is None:
             return OdometryCheck(OdometryState.PRESENT, 0.0, False)
-        age = (now - self._received) * NANOSECOND
+        age = now - self._received.now
+        if self._is_simulated and age < STANDSTILL_TIMEOUT:
+            age = (clock - self._received.clock) * NANOSECOND
         state = OdometryState.PRESENT
         if age > self._timeout:
             self._missing_at = now
@@ -150,6 +171,6 @@ class OdometryWatchdog:
         if age > LOST_RATIO * self._timeout:
             state = OdometryState.LOST
         is_news = state > self._reported
-        if is_news or (now - self._missing_at) * NANOSECOND > RECOVERY_TIME:
+        if is_news or now - self._missing_at > RECOVERY_TIME:
             self._reported = state
         return OdometryCheck(state, age, is_news)

@@ -5,6 +5,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from push_control.goal import GoalProgress, PushGoal
 from push_control.observation import Observation
+from push_control.safety.status import SafetyReport
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
 from push_model.geometry import Pose
@@ -69,6 +70,23 @@ class Mode(abc.ABC):
     @abc.abstractmethod
     def reset(self) -> None:
         """Forget everything, as when time went back."""
+
+    @abc.abstractmethod
+    def interrupt(self, reason: str) -> None:
+        """
+        Say, after ``reset``, why the robot stands; a goal that is still known waits for ``start``.
+
+        :param reason: one sentence.
+        """
+
+    @abc.abstractmethod
+    def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
+        """
+        Take note of what the safety layer has found; called before the step with that odometry.
+
+        :param fault: what is wrong with the newest odometry, or None.
+        :param stop: why the robot is stopped, or None where it may move.
+        """
 
     @abc.abstractmethod
     def set_parameters(self, parameters: ControllerParameters) -> None:

@@ -10,6 +10,7 @@ from push_control.push.status import Phase
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.scene import Scene, ScenePublisher
+from push_control.safety.status import SafetyReport
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
@@ -104,9 +105,28 @@ class SinglePushMode(Mode):
         self._requester.reset()
         self._target: PushTrajectory | None = None
         self._observation: Observation | None = None
+        # Why the robot stands although nobody has stopped it.
+        self._interruption = ''
         self._restart_controller()
         self._reported: tuple[Phase, str] | None = None
         self._report_rate = RateLimiter(REPORT_RATE)
+
+    def interrupt(self, reason: str) -> None:
+        """
+        Say, after ``reset``, why the robot stands.
+
+        :param reason: one sentence, which stays until there is a goal or a plan.
+        """
+        self._interruption = reason
+
+    def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
+        """
+        Take note of what the safety layer has found.
+
+        :param fault: what is wrong with the newest odometry, or None.
+        :param stop: why the robot is stopped, or None where it may move.
+        """
+        self._controller.on_safety_report(fault, stop)
 
     def set_parameters(self, parameters: ControllerParameters) -> None:
         """
@@ -161,6 +181,7 @@ class SinglePushMode(Mode):
                 self._reporter.report(ERROR, f'no plan: {failure.value} (details in the '
                                              'diagnostics of the planner)')
             return
+        self._interruption = ''
         try:
             self._target = from_plan_message(message, self._frame)
         except MessageRefused:
@@ -249,8 +270,11 @@ class SinglePushMode(Mode):
         has_changed = (status.phase, status.reason) != self._reported
         if self._report_rate.due(time) or has_changed:
             self._reported = status.phase, status.reason
-            text = status.reason or f'is {status.phase.value}'
-            level = LEVELS.get(status.phase, OK if status.event is None else WARN)
+            interruption = self._interruption if status.phase is Phase.IDLE else ''
+            text = status.reason or f'is {status.phase.value}' + (
+                f', {interruption}' if interruption else '')
+            is_fault = status.event is not None or bool(interruption)
+            level = LEVELS.get(status.phase, WARN if is_fault else OK)
             self._reporter.report(level, text, {'time': time, **status.values()})
         self._scene.publish(time, self._make_scene)
 

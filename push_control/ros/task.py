@@ -13,6 +13,7 @@ from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.task_report import TaskReporter
+from push_control.safety.status import SafetyReport
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskFailure, TaskState
 from push_control.task.supervisor import Supervisor
@@ -62,6 +63,7 @@ class TaskMode(Mode):
         self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
         self._covariance_check = CovarianceCheck(parameters.supervision)
         self._occupancy_map: OccupancyMap | None = None
+        self._goal: PushGoal | None = None
         self._requester = PlanRequester(node, frame)
         self._reporter = TaskReporter(node, scene)
         self.reset()
@@ -98,13 +100,29 @@ class TaskMode(Mode):
             heading_error=wrap_angle(measured.pose.theta - goal.theta))
 
     def reset(self) -> None:
-        """Forget everything but the map and what was learned of the object."""
+        """Forget all but goal and map, which are kept for ``start``, and what was learned."""
         self._supervisor = Supervisor(*self._parameters, knowledge=self._memory.recall())
         self._supervisor.set_map(self._occupancy_map)
-        self._goal: PushGoal | None = None
         self._observation: Observation | None = None
         self._requester.reset()
         self.report_again()
+
+    def interrupt(self, reason: str) -> None:
+        """
+        Say, after ``reset``, why the robot stands.
+
+        :param reason: one sentence.
+        """
+        self._supervisor.interrupt(reason)
+
+    def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
+        """
+        Take note of what the safety layer has found.
+
+        :param fault: what is wrong with the newest odometry, or None.
+        :param stop: why the robot is stopped, or None where it may move.
+        """
+        self._supervisor.on_safety_report(fault, stop)
 
     def set_parameters(self, parameters: ControllerParameters) -> None:
         """
@@ -127,6 +145,7 @@ class TaskMode(Mode):
         except ValueError as error:
             self._logger.warning(f'knowledge_file: {error}; nothing is known of this object')
         former = self._supervisor
+        self._goal = None
         self.reset()
         self._supervisor.take_over_robot(former)
 

@@ -9,6 +9,7 @@ from push_control.estimation.monitors import is_finite_odometry, measurement_fau
 from push_control.events import sentence
 from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble
 from push_control.observation import Observation
+from push_control.safety.odometry_check import integrated_step
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
 from push_model.contact import find_contact, FoundContact
@@ -25,6 +26,10 @@ BEHIND_OBJECT_STD = (0.15, 0.15, 1.0)
 # Steps of the search for the contact behind an object; chosen: each one leaves less than half of
 # the distance, so that 12 leave below a millimetre.
 TRACE_STEPS = 12
+# Standard deviations that odometry which was wrong adds to the robot's position [m] and heading
+# [rad]; chosen: what the robot covers before that is noticed.
+DISTRUST_STD = 0.03
+DISTRUST_HEADING_STD = 0.03
 # Errors of the object at rest over the standard deviations of an ensemble that estimates a bias,
 # which is too sure; measured: 1.1 to 1.3 in the root mean square.
 DEVIATION_FACTOR = 1.3
@@ -147,6 +152,9 @@ class TaskPerception:
         self._believed: ObjectPose | None = None
         self._observation: Observation | None = None
         self._unexplained_moves = 0
+        # Odometry as it came last, and whether the pose of the next one has jumped.
+        self._odometry: Odometry | None = None
+        self._has_jumped = False
 
     def update(self, observation: Observation) -> None:
         """
@@ -156,7 +164,7 @@ class TaskPerception:
         """
         odometry, measured = observation.odometry, observation.object_pose
         if is_finite_odometry(odometry):
-            self.localization.predict(odometry)
+            self._predict(odometry)
             covariance = self._supervision.believed_covariance(odometry)
             if covariance is not None:
                 self.localization.update_robot(odometry.pose, covariance.matrix)
@@ -172,6 +180,27 @@ class TaskPerception:
             if measured.time >= self._rest_from:
                 self._window.add(measured)
         self._observation = observation._replace(odometry=odometry, object_pose=measured)
+
+    def distrust_odometry(self, has_jumped: bool) -> None:
+        """
+        Note that odometry is wrong, so that the robot may be elsewhere.
+
+        :param has_jumped: whether the pose of the next one has jumped, so that its step is not to
+            be added up.
+        """
+        self._has_jumped = has_jumped
+        if self.localization.is_initialized:
+            self.localization.inflate_covariance(DISTRUST_STD, DISTRUST_HEADING_STD)
+
+    def _predict(self, odometry: Odometry) -> None:
+        """Move the robot by odometry; by its twist alone where its pose has jumped."""
+        last, self._odometry = self._odometry, odometry
+        is_new = last is None or odometry.time > last.time
+        step = None
+        if self._has_jumped and last is not None and is_new:
+            self._has_jumped = False
+            step = integrated_step(last, odometry)
+        self.localization.predict(odometry, step)
 
     def _corrected(self, odometry: Odometry) -> Odometry:
         """Put the robot where it is localized."""

@@ -17,6 +17,8 @@ MIN_CONE_FRACTION = 0.4
 ATTEMPTS_PER_REDUCTION = 2
 # Looks from other sides at an object that may be at its goal; chosen: all round it.
 MAX_INSPECTIONS = 3
+# Stops by the safety layer in one task; chosen: one may be a person, and one the next time.
+MAX_SAFETY_STOPS = 3
 
 
 class GoalCheck(enum.Enum):
@@ -55,6 +57,7 @@ class ProgressMonitor:
         self.settings = settings
         self.aim = aim
         self._inspections = 0
+        self._safety_stops = 0
         self._least_error = math.inf
         self._attempts = 0
         self._last_failure = ''
@@ -71,6 +74,11 @@ class ProgressMonitor:
         self._attempts += 1
         self._inspections = 0
         self._last_failure = failure_reason or self._last_failure
+
+    def count_safety_stop(self) -> bool:
+        """Count a stop by the safety layer; return whether it is one too many."""
+        self._safety_stops += 1
+        return self._safety_stops >= MAX_SAFETY_STOPS
 
     def count_inspection(self, object_at_rest: ObjectAtRest) -> None:
         """

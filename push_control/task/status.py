@@ -38,6 +38,8 @@ class TaskFailure(enum.Enum):
     # Planning failed twice from the same place.
     NO_PLAN = 'no plan'
     NO_PROGRESS = 'no progress'
+    # The safety layer has stopped the robot too often.
+    ROBOT_STOPPED = 'robot stopped'
 
 
 class StateChange(NamedTuple):

@@ -16,13 +16,14 @@ from typing import NamedTuple
 from push_control.estimation.object_knowledge import ObjectKnowledge
 from push_control.observation import Observation
 from push_control.push.status import ControllerStatus
+from push_control.safety.status import SafetyReason, SafetyReport
 from push_control.settings import ControlSettings
 from push_control.task.behavior import Behavior
 from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.perception import ObjectAtRest, TaskPerception
 from push_control.task.progress import GoalCheck, ProgressMonitor
 from push_control.task.settings import aimed_tolerances, SupervisionSettings
-from push_control.task.status import StateChange, SupervisorStatus, TaskState
+from push_control.task.status import StateChange, SupervisorStatus, TaskFailure, TaskState
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
@@ -34,6 +35,11 @@ from push_navigation.settings import DriveSettings
 # Time after the end of a push from which on the object may be at rest [s]; chosen: longer than the
 # latency of its poses (0.08 s in the scenarios), and than it slides on.
 SETTLING_TIME = 0.3
+
+
+# Time for which the safety layer may hold the robot until the task is given up [s]; chosen: a base
+# that restarts is back by then.
+STOP_TIME_LIMIT = 10.0
 
 
 class Transitions(NamedTuple):
@@ -102,6 +108,9 @@ class Supervisor:
         self._behavior: Behavior | None = None
         self._pending: _PendingRequest | None = None
         self._paused_state = TaskState.IDLE
+        # Why the safety layer holds the robot, or None.
+        self._stop_report: SafetyReport | None = None
+        self._stopped_since = 0.0
         self._answer = _Answer()
         # As of the last change of state; ``status`` adds what is measured since.
         self._entered = SupervisorStatus()
@@ -239,6 +248,34 @@ class Supervisor:
         self._recover(f'no plan: {reason}')
         self._update_status()
 
+    def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
+        """
+        Take note of what the safety layer has found; called before the step with that odometry.
+
+        :param fault: what is wrong with the newest odometry, or None.
+        :param stop: why the robot is stopped, or None where it may move.
+        """
+        if fault is not None and fault.reason.is_of_odometry:
+            self._perception.distrust_odometry(fault.reason is SafetyReason.ODOMETRY_JUMPED)
+        is_new = stop is not None and self._stop_report is None
+        self._stop_report = stop
+        if is_new:
+            self._stopped_since = self._perception.time
+            if not self._entered.state.is_standing:
+                self._end_behavior(str(stop))
+                self._update_status()
+
+    def _end_behavior(self, reason: str) -> None:
+        """Give up what the robot does, or the task where that was too often."""
+        if self._progress.count_safety_stop():
+            self._fail_stopped(reason)
+        else:
+            self._recover(reason)
+
+    def _fail_stopped(self, reason: str) -> None:
+        self._enter(TaskState.FAILED, f'aborted: {reason}')
+        self._entered = dataclasses.replace(self._entered, failure=TaskFailure.ROBOT_STOPPED)
+
     def pause(self) -> None:
         """Stand until ``resume``."""
         if not self._entered.state.is_standing:
@@ -260,6 +297,16 @@ class Supervisor:
         """
         self._goal = None
         self._enter(TaskState.IDLE, reason, is_requested=True)
+        self._update_status()
+
+    def interrupt(self, reason: str) -> None:
+        """
+        Abandon the task for a fault, and stand.
+
+        :param reason: one sentence, which stays until there is a goal.
+        """
+        self._goal = None
+        self._enter(TaskState.IDLE, reason)
         self._update_status()
 
     def cancel(self, reason: str) -> None:
@@ -298,6 +345,8 @@ class Supervisor:
     def _waiting_reason(self) -> str:
         """Why the robot has to wait for better measurements; a steered push decides by itself."""
         state = self._entered.state
+        if self._stop_report is not None and not state.is_standing:
+            return str(self._stop_report)
         if state.is_standing or state is TaskState.PUSH and not self._is_unsteered:
             return ''
         return self._perception.measurement_fault(needs_object=state is not TaskState.RETREAT)
@@ -308,6 +357,9 @@ class Supervisor:
         if waiting_reason:
             if self._behavior is not None:
                 self._behavior.pause()
+            is_stopped = self._stop_report is not None
+            if is_stopped and self._perception.time - self._stopped_since > STOP_TIME_LIMIT:
+                self._fail_stopped(waiting_reason)
             return STOP
         if self._behavior is None:
             self._check_goal()

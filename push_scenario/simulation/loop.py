@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from push_control.observation import Observation
 from push_control.push.controller import Controller
+from push_control.safety.layer import SafetyLayer
 from push_control.settings import ControlSettings
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance
@@ -84,7 +85,7 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
                                    _planning_time(scenario, planning_time))
     except PlanningFailed as failure:
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason)
-    loop = _Loop(simulation, robot, observation, report)
+    loop = _Loop(simulation, robot, _make_safety_layer(scenario), observation, report)
     ending = loop.run(scenario.time_limit, intervene or _ignore)
     duration = simulation.time
     record = robot.record(ending, duration)
@@ -98,6 +99,12 @@ def _planning_time(scenario: Scenario, planning_time: float | None) -> float:
         return planning_time or 0.0
     is_mapped = scenario.task.occupancy_map is not None
     return PLANNING_TIMES['sequences' if is_mapped else scenario.task.planning.method]
+
+
+def _make_safety_layer(scenario: Scenario) -> SafetyLayer:
+    task = scenario.task
+    return SafetyLayer(scenario.robot, is_odometry_absolute=task is not None
+                       and task.supervision.odometry_reference == 'absolute')
 
 
 def control_settings(scenario: Scenario, control_law: str | None = None) -> ControlSettings:
@@ -149,13 +156,14 @@ def _first_observation(simulation: Simulation) -> Observation:
 class _Loop:
     """Plant and robot: one command for every measurement."""
 
-    def __init__(self, simulation: Simulation, robot: RobotControl, observation: Observation,
-                 report: ProgressCallback) -> None:
+    def __init__(self, simulation: Simulation, robot: RobotControl, safety: SafetyLayer,
+                 observation: Observation, report: ProgressCallback) -> None:
         self._simulation = simulation
         self._robot = robot
         self._observation = observation
         self._report = report
-        simulation.command(robot.step(observation, 0.0))
+        self._safety = safety
+        self._step(0.0)
 
     def run(self, time_limit: float, intervene: Intervention) -> Ending:
         """Go on until the robot ends the run, or time is up."""
@@ -184,10 +192,18 @@ class _Loop:
             self._observation = Observation(now, measurement, before.object_pose)
         else:
             self._observation = Observation(now, before.odometry, measurement)
-        self._simulation.command(self._robot.step(self._observation, now - before.time))
+        self._step(now - before.time)
         object_pose = self._simulation.plant.object_pose
         self._report(Progress(stage or self._robot.stage, now,
                               distance(object_pose, self._robot.goal)))
+
+    def _step(self, dt: float) -> None:
+        """Command the robot, through the safety layer."""
+        observation, safety = self._observation, self._safety
+        fault = safety.observe(observation.odometry)
+        self._robot.on_safety_report(fault, safety.report)
+        command = self._robot.step(observation, dt)
+        self._simulation.command(safety.filter(command, observation.time))
 
 
 def _ignore(*_: object) -> None:

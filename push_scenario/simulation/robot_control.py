@@ -13,6 +13,7 @@ from typing import NamedTuple
 from push_control.observation import Observation
 from push_control.push.controller import Controller
 from push_control.push.status import ControllerStatus, Phase
+from push_control.safety.status import SafetyReport
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
@@ -76,6 +77,15 @@ class RobotControl(abc.ABC):
     @abc.abstractmethod
     def stage(self) -> str:
         """What the robot is doing, one word."""
+
+    def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
+        """
+        Take note of what the safety layer has found.
+
+        :param fault: what is wrong with the newest odometry, or None.
+        :param stop: why the robot is stopped, or None where it may move.
+        """
+        self.controller.on_safety_report(fault, stop)
 
     @abc.abstractmethod
     def step(self, observation: Observation, dt: float) -> Twist:

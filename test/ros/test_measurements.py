@@ -24,11 +24,11 @@ def test_drifting_odometry_needs_no_covariance():
 
 def reports(arrivals, end):
     """Look at the clock 20 times a second while odometry comes at times; list what is news."""
-    watchdog, news = OdometryWatchdog(0.25), []
+    watchdog, news = OdometryWatchdog(0.25, is_simulated=False), []
     for now in (round(tick * 0.05, 2) for tick in range(round(end / 0.05))):
         if now in arrivals:
-            watchdog.feed(round(now * 1e9), round(now * 1e9))
-        check = watchdog.check(round(now * 1e9))
+            watchdog.feed(round(now * 1e9), 0, now)
+        check = watchdog.check(0, now)
         assert (check.state is OdometryState.PRESENT) == (check.age <= 0.25)
         if check.is_news:
             news.append((check.state, now))
@@ -52,3 +52,21 @@ def test_gaps_that_follow_each_other_are_reported_once():
     flickering = ticks(0.0, 1.0) | ticks(1.5, 2.0) | ticks(2.5, 3.0) | ticks(3.5, 10.0)
     assert reports(flickering | ticks(10.5, 11.0), 11.0) == [(OdometryState.MISSING, 1.25),
                                                              (OdometryState.MISSING, 10.25)]
+
+
+def test_odometry_that_repeats_its_stamp_is_missing():
+    """As from a driver that is stuck."""
+    watchdog = OdometryWatchdog(0.25, is_simulated=False)
+    for tick in range(10):
+        watchdog.feed(1, 0, 0.1 * tick)
+    assert watchdog.check(0, 0.2).state is OdometryState.PRESENT
+    assert watchdog.check(0, 0.3).state is OdometryState.MISSING
+
+
+def test_simulated_time_may_stand_still_for_a_moment_only():
+    """A simulator is slow, or it has died, and the clock with it."""
+    watchdog = OdometryWatchdog(0.25, is_simulated=True)
+    watchdog.feed(10, 10, 5.0)
+    assert watchdog.check(10, 5.9).state is OdometryState.PRESENT
+    assert watchdog.check(10 + round(0.3e9), 5.1).state is OdometryState.MISSING
+    assert watchdog.check(10, 6.1).state is OdometryState.LOST

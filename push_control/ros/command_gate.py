@@ -1,0 +1,89 @@
+"""Between a mode and ``cmd_vel``: the safety layer, and what is known of the time of messages."""
+
+import time
+from typing import Any
+
+from push_control.observation import Observation
+from push_control.ros.measurements import OdometryCheck, OdometryState, OdometryWatchdog
+from push_control.ros.mode import ControllerParameters, Mode
+from push_control.safety.layer import SafetyLayer
+from push_control.safety.stamp_check import StampCheck, StampVerdict
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_ros.conversions.primitives import MessageRefused, nanoseconds
+from push_ros.node import PushNode
+from push_ros.node_settings import ControllerOptions
+
+
+class CommandGate:
+    """Lets the commands of a mode pass, or stops the robot."""
+
+    def __init__(self, node: PushNode, mode: Mode, parameters: ControllerParameters,
+                 options: ControllerOptions) -> None:
+        """
+        Begin with a robot that nobody commands.
+
+        :param node: the ``PushNode``, for its clock.
+        :param mode: the ``Mode``.
+        :param parameters: ``ControllerParameters``.
+        :param options: ``ControllerOptions``.
+        """
+        self._node = node
+        self._mode = mode
+        is_absolute = parameters.supervision.odometry_reference == 'absolute'
+        self._layer = SafetyLayer(parameters.robot, is_odometry_absolute=is_absolute)
+        self._is_lockstep = options.lockstep
+        self._watchdog = OdometryWatchdog(
+            options.watchdog_timeout,
+            is_simulated=bool(node.get_parameter('use_sim_time').value))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything measured, as where time went back."""
+        self._layer.reset()
+        self._stamps = StampCheck()
+        self._watchdog.reset()
+
+    def accept(self, measured: Odometry | ObjectPose, message: Any) -> bool:
+        """
+        Check the stamp of a measurement.
+
+        :param measured: ``Odometry`` or ``ObjectPose``.
+        :param message: its message.
+        :return: whether everything before it is of another time, and is to be forgotten.
+        :raises MessageRefused: where the stamp is off.
+        """
+        now = time.monotonic()
+        is_odometry = isinstance(measured, Odometry)
+        difference = self._stamps.difference(measured.time)
+        check = self._stamps.check_odometry if is_odometry else self._stamps.check_pose
+        verdict = check(measured.time, now)
+        if verdict is StampVerdict.REFUSED:
+            raise MessageRefused(
+                f'{"odom" if is_odometry else "object_pose"}: got a stamp that is '
+                f'{abs(difference):.2f} s {"ahead of" if difference > 0.0 else "behind"} '
+                'the last odometry, expected one of the same clock')
+        if is_odometry:
+            clock = self._node.get_clock().now().nanoseconds
+            self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
+        return verdict is StampVerdict.TIME_WENT_BACK
+
+    def step(self, observation: Observation, dt: float) -> Twist:
+        """
+        Let the mode answer a measurement, and check the answer.
+
+        :param observation: ``Observation``.
+        :param dt: time since the last one [s].
+        :return: the ``Twist`` to send.
+        """
+        if not self._mode.is_commanding:
+            self._layer.release()
+        fault = self._layer.observe(observation.odometry)
+        self._mode.on_safety_report(fault, self._layer.report)
+        sent = self._layer.filter(self._mode.step(observation, dt), observation.time)
+        # In lockstep time stands still until there is an answer.
+        is_fresh = self._is_lockstep or self.check_odometry().state is OdometryState.PRESENT
+        return sent if is_fresh else STOP
+
+    def check_odometry(self) -> OdometryCheck:
+        """Find out how long odometry has been missing."""
+        return self._watchdog.check(self._node.get_clock().now().nanoseconds, time.monotonic())

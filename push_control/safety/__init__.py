@@ -1,0 +1,1 @@
+"""Safety: what stops the robot whatever else goes wrong."""

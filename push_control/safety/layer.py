@@ -1,0 +1,135 @@
+"""
+Safety layer: the last thing between a controller and the base.
+
+Whatever the controller does, a command that leaves this layer is finite and within the limits of
+the robot, and it is zero from the moment on at which the robot does not do what it is commanded to
+do, or odometry contradicts itself, until the robot has stood for a while.
+"""
+
+import math
+
+from push_control.safety.motion_monitor import MotionMonitor, RESPONSE_TIME
+from push_control.safety.odometry_check import OdometryCheck
+from push_control.safety.status import SafetyReason, SafetyReport, SafetyState
+from push_model.parameters import RoundRobot
+from push_model.signals import Odometry, STOP, Twist
+
+# Below this a robot counts as standing [m/s], [rad/s]; chosen: above the noise of odometry.
+STANDING_SPEED = 0.02
+STANDING_YAW_RATE = 0.1
+# Time for which it stands before it may go on [s]; chosen: longer than a drive takes to react.
+STANDING_TIME = 0.5
+# Ratio beyond a limit that is only rounding; chosen: far above that of double precision.
+ROUNDING = 1.0 + 1e-9
+
+
+class SafetyLayer:
+    """
+    Limits commands, and stops a robot that does not follow them.
+
+    ``report``: why the robot is stopped; stays until it has stood for a while, None while all is
+    well.
+    """
+
+    def __init__(self, robot: RoundRobot, *, is_odometry_absolute: bool = False) -> None:
+        """
+        Begin with a robot that nobody commands.
+
+        :param robot: the ``RoundRobot``, nominal.
+        :param is_odometry_absolute: whether the pose of odometry is measured in the world.
+        """
+        self._robot = robot
+        self._is_odometry_absolute = is_odometry_absolute
+        self._monitor = MotionMonitor(robot)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything measured, as where time went back."""
+        self._odometry: Odometry | None = None
+        self._odometry_check = OdometryCheck(self._robot,
+                                             is_absolute=self._is_odometry_absolute)
+        self._standing_since: float | None = None
+        self.release()
+
+    def release(self) -> None:
+        """Note that the robot is not commanded: others may drive it."""
+        self._monitor.reset()
+        self.report: SafetyReport | None = None
+
+    @property
+    def state(self) -> SafetyState:
+        """The ``SafetyState``."""
+        return SafetyState.CLEAR if self.report is None else SafetyState.STOPPED
+
+    def observe(self, odometry: Odometry) -> SafetyReport | None:
+        """
+        Compare odometry with what was commanded, and with itself.
+
+        :param odometry: ``Odometry``; one that is not finite, or not newer than the last, is
+            ignored.
+        :return: what is wrong with this one, or None.
+        """
+        is_finite = all(map(math.isfinite, (odometry.time, *odometry.pose, *odometry.twist)))
+        if not is_finite or self._odometry is not None and odometry.time <= self._odometry.time:
+            return None
+        self._odometry = odometry
+        fault = self._odometry_check.check(odometry) or self._monitor.check(odometry)
+        self._note_standing(odometry, fault is not None)
+        if fault is not None and self.report is None:
+            self.report = fault
+        return fault
+
+    def filter(self, command: Twist, time: float) -> Twist:
+        """
+        Let a command pass, within the limits of the robot, or stop it.
+
+        :param command: ``Twist`` in the robot's axes, whatever it is.
+        :param time: now, of the clock of odometry [s].
+        :return: the ``Twist`` to send.
+        """
+        if not all(map(math.isfinite, command)):
+            self.report = SafetyReason.COMMAND_NOT_FINITE.report(command=tuple(command))
+        sent = STOP if self.report is not None else self._limited(command)
+        self._monitor.add_command(sent, time)
+        return sent
+
+    def stop(self, report: SafetyReport) -> None:
+        """
+        Stop the robot for a reason that is not of this layer.
+
+        :param report: the ``SafetyReport``.
+        """
+        self.report = self.report or report
+        self._standing_since = None
+
+    def _note_standing(self, odometry: Odometry, is_faulty: bool) -> None:
+        """Clear the fault of a robot that has stood for a while."""
+        twist = odometry.twist
+        stands = (math.hypot(twist.v_x, twist.v_y) < STANDING_SPEED
+                  and abs(twist.omega) < STANDING_YAW_RATE)
+        if is_faulty or not stands:
+            self._standing_since = None
+        elif self._standing_since is None:
+            self._standing_since = odometry.time
+        elif self.report and odometry.time - self._standing_since > STANDING_TIME:
+            self.release()
+
+    def _limited(self, command: Twist) -> Twist:
+        """Shorten a command that is beyond the limits of speed and acceleration."""
+        robot = self._robot
+        measured = STOP if self._odometry is None else self._odometry.twist
+        # No more than the drive reaches while it responds, beyond its lag.
+        time = RESPONSE_TIME + robot.time_constant
+        speed = math.hypot(command.v_x, command.v_y)
+        limit = min(robot.max_speed, robot.max_acceleration * time
+                    + math.hypot(measured.v_x, measured.v_y))
+        yaw_limit = min(robot.max_yaw_rate,
+                        robot.max_yaw_acceleration * time + abs(measured.omega))
+        ratio = min(1.0, limit / speed) if speed > 0.0 else 1.0
+        sideways = 0.0 if robot.drive == 'differential' else command.v_y
+        is_within = (speed <= limit * ROUNDING and abs(command.omega) <= yaw_limit * ROUNDING
+                     and sideways == command.v_y)
+        if is_within:
+            return command
+        return Twist(ratio * command.v_x, ratio * sideways,
+                     min(yaw_limit, max(-yaw_limit, command.omega)))

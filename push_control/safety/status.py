@@ -1,0 +1,75 @@
+"""States and reasons of the safety layer: codes for the program, sentences for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+from typing import Any, Mapping
+
+
+class SafetyState(enum.Enum):
+    """Whether commands reach the robot; the values are those of diagnostics and files."""
+
+    CLEAR = 'clear'
+    # The robot gets zeros, until it stands and nothing is wrong any more.
+    STOPPED = 'stopped'
+
+
+class SafetyReason(enum.Enum):
+    """
+    Why the robot is stopped.
+
+    The value is the template of the sentence that names it; ``report`` fills in the numbers.
+    """
+
+    # The command cannot be sent.
+    COMMAND_NOT_FINITE = 'the command is not finite: {command}'
+    INTERNAL_ERROR = 'internal error: {error}'
+
+    # What commands rest on does not come.
+    ODOMETRY_MISSING = 'no odometry for {age:.2f} s'
+
+    # The robot does not do what it is commanded to do.
+    NOT_MOVING = 'the robot does not move as commanded: {commanded} commanded, {measured} measured'
+    MOVES_OTHERWISE = (
+        'the robot moves otherwise than commanded: {commanded} commanded, {measured} measured')
+    FOLLOWS_LATE = 'the robot follows its commands {delay:.1f} s late'
+
+    # Odometry contradicts itself.
+    ODOMETRY_JUMPED = 'odometry has jumped by {distance:.2f} m and {rotation:.0f} deg'
+    ODOMETRY_FROZEN = 'odometry repeats one pose for {duration:.2f} s, and that it moves'
+    ODOMETRY_CONTRADICTORY = (
+        'odometry contradicts itself: its pose has moved by {moved:.2f} m and {rotated:.0f} deg '
+        'in {duration:.1f} s, its twist means {expected:.2f} m and {rotation:.0f} deg')
+
+    @property
+    def is_of_odometry(self) -> bool:
+        """Whether the place of the robot is no longer certain."""
+        return self in (SafetyReason.ODOMETRY_JUMPED, SafetyReason.ODOMETRY_FROZEN,
+                        SafetyReason.ODOMETRY_CONTRADICTORY)
+
+    def report(self, **values: Any) -> SafetyReport:
+        """
+        Report that this is so.
+
+        :param values: the numbers that the sentence names, in its units.
+        :return: ``SafetyReport``.
+        """
+        return SafetyReport(self, values)
+
+
+@dataclasses.dataclass(frozen=True)
+class SafetyReport:
+    """
+    A reason, and the numbers that belong to it; ``str`` gives the sentence.
+
+    :param reason: the ``SafetyReason``.
+    :param values: the numbers that its sentence names.
+    """
+
+    reason: SafetyReason
+    values: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
+
+    def __str__(self) -> str:
+        """Return the sentence."""
+        return self.reason.value.format(**self.values)

@@ -1,0 +1,207 @@
+"""The safety layer: whatever the controller commands and the robot does, bounds hold."""
+
+import dataclasses
+import math
+
+import numpy as np
+from push_control.safety.layer import SafetyLayer, STANDING_TIME
+from push_control.safety.motion_monitor import RESPONSE_TIME
+from push_control.safety.status import SafetyReason, SafetyState
+from push_dynamics.actuation import track_command
+from push_dynamics.layout import MAX_ACCELERATION, MAX_YAW_ACCELERATION, TIME_CONSTANT
+from push_model.geometry import Pose, wrap_angle
+from push_model.parameters import RoundRobot
+from push_model.signals import Odometry, STOP, Twist
+import pytest
+
+ROBOTS = {drive: RoundRobot(radius=0.17, drive=drive, max_speed=0.4, max_yaw_rate=1.5,
+                            max_acceleration=0.8, time_constant=0.1)
+          for drive in ('differential', 'holonomic')}
+PERIOD = 0.02
+
+
+class Base:
+    """A base that follows its commands after a delay, and its odometry."""
+
+    def __init__(self, robot, delay=0.0):
+        self.robot = robot
+        self.delay = delay
+        self._drive = np.zeros(64)
+        self._drive[TIME_CONSTANT] = robot.time_constant
+        self._drive[MAX_ACCELERATION] = robot.max_acceleration
+        self._drive[MAX_YAW_ACCELERATION] = robot.max_yaw_acceleration
+        self.odometry = Odometry(0.0, Pose(1.0, -2.0, 0.5), STOP)
+        self.commands = []
+
+    def drive(self, command):
+        """Drive for a period; return the odometry after it."""
+        time, pose, twist, _ = self.odometry
+        self.commands.append((time, command))
+        late = [sent for at, sent in self.commands if at <= time - self.delay] or [STOP]
+        x, y, omega, *mean = track_command(*twist, tuple(late[-1]), self._drive, PERIOD)
+        middle = Pose(pose.x, pose.y, pose.theta + 0.5 * PERIOD * mean[2])
+        place = middle.transform((PERIOD * mean[0], PERIOD * mean[1]))
+        heading = wrap_angle(pose.theta + PERIOD * mean[2])
+        self.odometry = Odometry(time + PERIOD, Pose(*place, heading), Twist(x, y, omega))
+        return self.odometry
+
+
+def random_command(rng, robot):
+    """Draw a command; now and then one that is beyond all limits, or none at all."""
+    scale = rng.choice([0.1, 0.4, 3.0, math.inf, math.nan], p=[0.5, 0.4, 0.09, 0.005, 0.005])
+    v_x, v_y, omega = (scale * rng.uniform(-1.0, 1.0, 3)).tolist()
+    return Twist(v_x, v_y if robot.drive == 'holonomic' or scale > 1.0 else 0.0, omega)
+
+
+def faulty(rng, odometry):
+    """Spoil odometry in a random manner."""
+    kind = rng.integers(6)
+    if kind == 0:
+        return odometry._replace(pose=Pose(*rng.uniform(-1e6, 1e6, 3)))
+    if kind == 1:
+        return odometry._replace(twist=Twist(*rng.uniform(-10.0, 10.0, 3)))
+    if kind == 2:
+        return odometry._replace(time=odometry.time + rng.uniform(-2.0, 2.0))
+    if kind == 3:
+        return odometry._replace(twist=Twist(math.nan, 0.0, 0.0))
+    if kind == 4:
+        return odometry._replace(pose=Pose(math.inf, 0.0, 0.0))
+    return odometry._replace(twist=STOP)
+
+
+@pytest.mark.parametrize('drive', ROBOTS)
+@pytest.mark.parametrize('seed', range(20))
+def test_whatever_comes_what_is_sent_is_within_the_limits(drive, seed):
+    """And zero for as long as there is a reason to stop."""
+    rng, robot = np.random.default_rng(seed), ROBOTS[drive]
+    layer, base, command = SafetyLayer(robot), Base(robot), STOP
+    for _ in range(250):
+        if rng.random() < 0.1:
+            command = random_command(rng, robot)
+        odometry = base.odometry if rng.random() < 0.98 else faulty(rng, base.odometry)
+        layer.observe(odometry)
+        sent = layer.filter(command, base.odometry.time)
+        assert all(map(math.isfinite, sent))
+        assert math.hypot(sent.v_x, sent.v_y) <= robot.max_speed * (1.0 + 1e-6)
+        assert abs(sent.omega) <= robot.max_yaw_rate * (1.0 + 1e-6)
+        assert drive == 'holonomic' or sent.v_y == 0.0
+        assert (layer.state is SafetyState.STOPPED) == (layer.report is not None)
+        if layer.report is not None:
+            assert sent == STOP and str(layer.report)
+        base.drive(sent)
+
+
+@pytest.mark.parametrize('drive', ROBOTS)
+@pytest.mark.parametrize('seed', range(10))
+def test_a_robot_that_follows_is_never_stopped(drive, seed):
+    """Slower than stated, late within reason, with noise, and commands that jump at random."""
+    rng, nominal = np.random.default_rng(seed), ROBOTS[drive]
+    true = dataclasses.replace(nominal, time_constant=rng.uniform(0.02, 0.2),
+                               max_acceleration=rng.uniform(0.5, 1.5) * nominal.max_acceleration)
+    layer, base, command = SafetyLayer(nominal), Base(true, rng.uniform(0.0, 0.2)), STOP
+    for _ in range(500):
+        if rng.random() < 0.05:
+            v_x, v_y, omega = (rng.uniform(-1.0, 1.0, 3) * (0.3, 0.3, 1.5)).tolist()
+            command = Twist(v_x, v_y if drive == 'holonomic' else 0.0, omega)
+        noise = Twist(*(rng.standard_normal(3) * (0.005, 0.005, 0.01)).tolist())
+        twist = Twist(*(a + b for a, b in zip(base.odometry.twist, noise)))
+        assert layer.observe(base.odometry._replace(twist=twist)) is None
+        base.drive(layer.filter(command, base.odometry.time))
+
+
+def driven(layer, base, command, duration, spoil=lambda odometry: odometry, heed=True):
+    """Drive for a while; return when and why the robot was stopped, and how far it went then."""
+    start = base.odometry
+    while base.odometry.time < start.time + duration:
+        layer.observe(spoil(base.odometry))
+        sent = layer.filter(command, base.odometry.time)
+        if layer.report is not None:
+            return base.odometry.time - start.time, layer.report
+        base.drive(sent if heed is True else heed(sent))
+    return duration, None
+
+
+@pytest.mark.parametrize('heed, reason, limit', [
+    (lambda sent: STOP, SafetyReason.NOT_MOVING, 1.0),
+    (lambda sent: Twist(-sent.v_x, 0.0, sent.omega), SafetyReason.MOVES_OTHERWISE, 0.6),
+    (lambda sent: Twist(0.4, 0.0, 0.0), SafetyReason.MOVES_OTHERWISE, 1.0)],
+    ids=['ignores', 'reversed', 'somebody else'])
+def test_a_base_that_does_something_else_is_stopped(heed, reason, limit):
+    """Soon, and for its reason; standing for a while it may go on."""
+    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    time, report = driven(layer, base, Twist(0.2, 0.0, 0.0), 3.0, heed=heed)
+    assert time < limit and report.reason is reason
+    for _ in range(100):
+        layer.observe(base.odometry)
+        assert layer.report is None or layer.filter(Twist(0.2, 0.0, 0.0), 0.0) == STOP
+        base.drive(STOP)
+    assert layer.state is SafetyState.CLEAR
+
+
+def test_a_base_that_follows_late_is_named_as_such():
+    """With its delay."""
+    layer = SafetyLayer(ROBOTS['differential'])
+    base = Base(ROBOTS['differential'], delay=0.5)
+    for i in range(20):
+        command = Twist(0.2 if i % 2 else 0.0, 0.0, 0.0)
+        _, report = driven(layer, base, command, 0.6)
+        if report is not None:
+            break
+    assert report.reason is SafetyReason.FOLLOWS_LATE
+    assert report.values['delay'] == pytest.approx(0.5, abs=0.11)
+
+
+@pytest.mark.parametrize('spoil, reason', [
+    (lambda odometry: odometry._replace(pose=Pose(0.3, 0.0, 0.0) @ odometry.pose),
+     SafetyReason.ODOMETRY_JUMPED),
+    (lambda odometry: odometry._replace(pose=Pose(1.0, 2.0, 0.0)), SafetyReason.ODOMETRY_JUMPED),
+    (lambda odometry: odometry._replace(pose=Pose(*(1e-3 * x for x in odometry.pose))),
+     SafetyReason.ODOMETRY_JUMPED)],
+    ids=['jump', 'reset', 'unit'])
+def test_odometry_that_contradicts_itself_stops_the_robot(spoil, reason):
+    """Within a third of a second of a robot at speed."""
+    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    command = Twist(0.3, 0.0, 0.1)
+    assert driven(layer, base, command, 1.0) == (pytest.approx(1.0, abs=PERIOD), None)
+    time, report = driven(layer, base, command, 2.0, spoil)
+    assert time < RESPONSE_TIME and report.reason is reason
+
+
+def test_a_twist_that_is_never_filled_in_stops_the_robot():
+    """It is odometry that is wrong, and not the base."""
+    layer, base = SafetyLayer(ROBOTS['holonomic']), Base(ROBOTS['holonomic'])
+    time, report = driven(layer, base, Twist(0.0, 0.3, 0.0), 2.0,
+                          lambda odometry: odometry._replace(twist=STOP))
+    assert time < 0.5 and report.reason is SafetyReason.ODOMETRY_CONTRADICTORY
+
+
+def test_frozen_odometry_stops_the_robot():
+    """Fresh stamps alone are no news."""
+    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    driven(layer, base, Twist(0.3, 0.0, 0.0), 1.0)
+    frozen = base.odometry
+    time, report = driven(layer, base, Twist(0.3, 0.0, 0.0), 2.0,
+                          lambda odometry: frozen._replace(time=odometry.time))
+    assert time < RESPONSE_TIME and report.reason is SafetyReason.ODOMETRY_FROZEN
+
+
+def test_a_robot_that_nobody_commands_may_be_driven_by_others():
+    """As by teleoperation, and then be taken over at speed."""
+    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    for _ in range(100):
+        layer.release()
+        assert layer.observe(base.odometry) is None
+        base.drive(Twist(0.3, 0.0, 0.5))
+    assert driven(layer, base, STOP, 1.0) == (pytest.approx(1.0, abs=PERIOD), None)
+
+
+def test_a_command_that_is_not_finite_stops_the_robot():
+    """Until it has stood for a while."""
+    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    assert layer.filter(Twist(math.nan, 0.0, 0.0), 0.0) == STOP
+    assert layer.report.reason is SafetyReason.COMMAND_NOT_FINITE
+    time, _ = driven(layer, base, Twist(0.1, 0.0, 0.0), 1.0)
+    assert time == 0.0
+    for _ in range(round((STANDING_TIME + 0.1) / PERIOD)):
+        layer.observe(base.drive(STOP))
+    assert layer.filter(Twist(0.1, 0.0, 0.0), base.odometry.time) == Twist(0.1, 0.0, 0.0)

@@ -1,0 +1,58 @@
+"""Stamps that are off are refused, one by one; time that has changed is believed."""
+
+import numpy as np
+from push_control.safety.stamp_check import StampCheck, StampVerdict
+import pytest
+
+ACCEPTED, REFUSED, BACK = StampVerdict
+
+
+def running(check, start, count, now=0.0):
+    """Let odometry come at 50 Hz."""
+    return [check.check_odometry(start + 0.02 * i, now + 0.02 * i) for i in range(count)]
+
+
+@pytest.mark.parametrize('off', [-1e9, -5.0, -1.2, 1.5, 5.0, 1e9])
+def test_a_lone_stamp_that_is_off_changes_nothing(off):
+    """Neither of odometry nor of a pose; what comes after it is as before."""
+    check = StampCheck()
+    assert set(running(check, 100.0, 50)) == {ACCEPTED}
+    assert check.check_odometry(101.0 + off, 1.0) is REFUSED
+    assert check.check_pose(101.0 + off, 1.0) is REFUSED
+    assert set(running(check, 101.0, 50, 1.0)) == {ACCEPTED}
+    assert check.check_pose(101.9, 2.0) is ACCEPTED
+
+
+@pytest.mark.parametrize('start, verdict', [(0.0, BACK), (1000.0, ACCEPTED)])
+def test_time_has_changed_where_odometry_agrees_on_it(start, verdict):
+    """Back, as in a simulator, or ahead, as of a clock that was set."""
+    check = StampCheck()
+    running(check, 100.0, 50)
+    assert running(check, start, 5, 1.0) == [REFUSED, REFUSED, verdict, ACCEPTED, ACCEPTED]
+
+
+def test_poses_of_another_clock_never_change_the_time():
+    """However many agree."""
+    check = StampCheck()
+    running(check, 100.0, 50)
+    assert {check.check_pose(90.0 + 0.05 * i, 1.0 + 0.05 * i) for i in range(50)} == {REFUSED}
+    assert check.check_odometry(101.0, 3.5) is ACCEPTED
+
+
+def test_a_pause_of_all_messages_is_no_change_of_time():
+    """The steady clock has gone on as well."""
+    check = StampCheck()
+    running(check, 100.0, 50)
+    assert check.check_odometry(160.0, 60.0) is ACCEPTED
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_outliers_among_good_stamps_are_all_refused(seed):
+    """At random, but never three in a row that agree."""
+    rng, check = np.random.default_rng(seed), StampCheck()
+    for i in range(500):
+        time = 0.02 * i
+        assert check.check_odometry(50.0 + time, time) is ACCEPTED
+        for _ in range(rng.integers(3)):
+            off = rng.uniform(1.1, 100.0) * rng.choice([-1.0, 3.0])
+            assert check.check_odometry(50.0 + time + off, time) is REFUSED
