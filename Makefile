@@ -15,7 +15,7 @@ ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif
 
-.PHONY: help demo test test-fast lint lint-style lint-types lock clean
+.PHONY: help demo play test test-fast lint lint-style lint-types lock clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -23,6 +23,9 @@ help: ## list the targets
 
 demo: .venv/installed ## push a box to its goal over DDS; results in out/
 	$(BIN)/replay --demo --out out
+
+play: .venv/installed ## open a page on which you drag goal and box, draw walls, change friction
+	$(BIN)/play $(ARGS)
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile
 

@@ -55,6 +55,7 @@ setup(
         'console_scripts': [
             'controller = push_ros.start:controller',
             'planner = push_ros.start:planner',
+            'play = push_view.cli:main',
             'push-study = push_study.cli:main',
             'replay = push_scenario.cli:main',
             'sim = push_ros.start:sim',

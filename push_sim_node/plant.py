@@ -130,6 +130,15 @@ class Plant:
         self._arrays.supports = self._kernel.array(rows)
         self._forget_acceleration()
 
+    def set_contact_friction(self, coefficient: float) -> None:
+        """
+        Change the friction between robot and object.
+
+        :param coefficient: Coulomb coefficient, of at least 0.
+        """
+        self._arrays.body[layout.CONTACT_FRICTION] = coefficient
+        self._forget_acceleration()
+
     def set_object_pose(self, pose: Pose) -> None:
         """
         Put the object elsewhere, at rest, as a person would; the robot is not affected.

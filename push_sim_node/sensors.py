@@ -149,6 +149,14 @@ class PoseSensor:
         self._outliers = outliers
         self._bias = ViewBias(settings, outliers)
 
+    def set_settings(self, settings: SensorSettings) -> None:
+        """
+        Measure with other noise, losses and jumps from now on; the bias by view stays.
+
+        :param settings: ``SensorSettings``.
+        """
+        self._settings = settings
+
     def measure(self, time: float, pose: Pose, bearing: float = 0.0,
                 certain: bool = False) -> ObjectPose | None:
         """
@@ -201,14 +209,22 @@ class DriftCovariance:
     """
 
     def __init__(self, settings: SensorSettings) -> None:
+        self.set_settings(settings)
+        # Plain numbers, as this is computed for every measurement of every simulation.
+        self._errors = [[0.0, 0.0, 0.0] for _ in range(3)] + [[0.0, 0.0, 1.0]]
+
+    def set_settings(self, settings: SensorSettings) -> None:
+        """
+        Take errors to be others, those of the motion so far too.
+
+        :param settings: ``SensorSettings``.
+        """
         deviations = (math.hypot(settings.odometry_scale, settings.odometry_scale_noise),
                       settings.odometry_yaw_scale,
                       math.hypot(settings.odometry_heading_drift,
                                  settings.odometry_heading_drift_noise),
                       settings.odometry_heading_offset)
-        # Plain numbers, as this is computed for every measurement of every simulation.
         self._variances = [deviation ** 2 for deviation in deviations]
-        self._errors = [[0.0, 0.0, 0.0] for _ in range(3)] + [[0.0, 0.0, 1.0]]
 
     def move(self, d_x: float, d_y: float, rotation: float) -> None:
         """
@@ -257,17 +273,27 @@ class OdometrySensor:
 
     def __init__(self, settings: SensorSettings, pose: Pose, biases: np.random.Generator,
                  noise: np.random.Generator, pose_noise: np.random.Generator) -> None:
-        scale, drift = biases.standard_normal(2).tolist()
-        self._settings = settings
+        self._draws = biases.standard_normal(2).tolist()
         self._noise = noise
         self._pose_noise = pose_noise
         self._true_pose = pose
+        self._pose = Pose(pose.x, pose.y, pose.theta + settings.odometry_heading_offset)
+        self._covariance = DriftCovariance(settings)
+        self.set_settings(settings)
+
+    def set_settings(self, settings: SensorSettings) -> None:
+        """
+        Measure with other errors from now on; what has been summed up stays.
+
+        :param settings: ``SensorSettings``.
+        """
+        scale, drift = self._draws
+        self._settings = settings
         self._scale = 1.0 + settings.odometry_scale + settings.odometry_scale_noise * scale
         self._yaw_scale = 1.0 + settings.odometry_yaw_scale
         self._heading_drift = (settings.odometry_heading_drift
                                + settings.odometry_heading_drift_noise * drift)
-        self._pose = Pose(pose.x, pose.y, pose.theta + settings.odometry_heading_offset)
-        self._covariance = DriftCovariance(settings)
+        self._covariance.set_settings(settings)
 
     def measure(self, time: float, pose: Pose, twist: Twist) -> Odometry:
         """

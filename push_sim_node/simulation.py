@@ -189,6 +189,16 @@ class Simulation:
         """``Truth`` now."""
         return self.plant.truth(self.time)
 
+    def set_sensors(self, sensors: SensorSettings) -> None:
+        """
+        Measure with other errors, rates and latency from the next measurements on.
+
+        :param sensors: ``SensorSettings``.
+        """
+        self.sensors = sensors
+        self._pose_sensor.set_settings(sensors)
+        self._odometry_sensor.set_settings(sensors)
+
     def command(self, twist: Twist) -> None:
         """
         Command the robot, from now on.

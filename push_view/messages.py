@@ -165,7 +165,7 @@ def path_points(path: Path) -> list[list[float | None]]:
     :param path: the ``Path``.
     :return: (x, y, theta) of each sample.
     """
-    fractions = np.linspace(0.0, 1.0, PLAN_SAMPLES // 4)
+    fractions: FloatArray = np.linspace(0.0, 1.0, PLAN_SAMPLES // 4).astype(np.float64)
     return [rounded(pose) for segment in path.segments for pose in segment.poses(fractions)]
 
 

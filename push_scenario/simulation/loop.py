@@ -79,13 +79,13 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     report = progress or _ignore
     simulation = make_simulation(scenario)
     report(Progress('planning', 0.0, distance(scenario.start.object.pose, scenario.goal.pose)))
-    observation = _first_observation(simulation)
+    observation = first_observation(simulation)
     try:
         robot = make_robot_control(scenario, observation,
                                    _planning_time(scenario, planning_time))
     except PlanningFailed as failure:
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason)
-    loop = _Loop(simulation, robot, _make_safety_layer(scenario), observation, report)
+    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, report)
     ending = loop.run(scenario.time_limit, intervene or _ignore)
     duration = simulation.time
     record = robot.record(ending, duration)
@@ -101,7 +101,12 @@ def _planning_time(scenario: Scenario, planning_time: float | None) -> float:
     return PLANNING_TIMES['sequences' if is_mapped else scenario.task.planning.method]
 
 
-def _make_safety_layer(scenario: Scenario) -> SafetyLayer:
+def make_safety_layer(scenario: Scenario) -> SafetyLayer:
+    """
+    Make what checks commands and odometry of the robot.
+
+    :param scenario: the ``Scenario``.
+    """
     task = scenario.task
     return SafetyLayer(scenario.robot, is_odometry_absolute=task is not None
                        and task.supervision.odometry_reference == 'absolute')
@@ -141,8 +146,12 @@ def is_at_rest(truth: Truth) -> bool:
                for twist in (truth.object_twist, truth.robot_twist))
 
 
-def _first_observation(simulation: Simulation) -> Observation:
-    """Wait for an object pose and an odometry; both come at time 0."""
+def first_observation(simulation: Simulation) -> Observation:
+    """
+    Wait for an object pose and an odometry; both come at time 0.
+
+    :param simulation: the ``Simulation``, at its start.
+    """
     object_pose = odometry = None
     while object_pose is None or odometry is None:
         measurement = simulation.next_measurement()
@@ -153,11 +162,20 @@ def _first_observation(simulation: Simulation) -> Observation:
     return Observation(simulation.time, odometry, object_pose)
 
 
-class _Loop:
+class ClosedLoop:
     """Plant and robot: one command for every measurement."""
 
     def __init__(self, simulation: Simulation, robot: RobotControl, safety: SafetyLayer,
                  observation: Observation, report: ProgressCallback) -> None:
+        """
+        Answer the first measurements.
+
+        :param simulation: the ``Simulation``.
+        :param robot: what runs on the robot.
+        :param safety: ``SafetyLayer`` between the two.
+        :param observation: the first measurements.
+        :param report: called with a ``Progress`` at every measurement.
+        """
         self._simulation = simulation
         self._robot = robot
         self._observation = observation
@@ -165,14 +183,24 @@ class _Loop:
         self._safety = safety
         self._step(0.0)
 
+    @property
+    def observation(self) -> Observation:
+        """The newest ``Observation``."""
+        return self._observation
+
     def run(self, time_limit: float, intervene: Intervention) -> Ending:
-        """Go on until the robot ends the run, or time is up."""
+        """
+        Go on until the robot ends the run, or time is up.
+
+        :param time_limit: simulated time after which it is [s].
+        :param intervene: called before every measurement.
+        """
         while self._simulation.time < time_limit:
             ending = self._robot.update_plan(self._observation)
             if ending is not None:
                 return ending
             intervene(self._simulation, self._robot.controller)
-            self._advance()
+            self.advance()
         return Ending(Outcome.TIME_LIMIT, f'not done after {time_limit:g} s')
 
     def settle(self) -> None:
@@ -180,12 +208,17 @@ class _Loop:
         end = self._simulation.time + SETTLE_TIME
         rows = len(self._simulation.rows)
         while self._simulation.time < end:
-            self._advance('settling')
+            self.advance('settling')
             # The plant may stand still for an instant, so one row at rest is not enough.
             if is_at_rest(self._simulation.truth) and len(self._simulation.rows) > rows + 1:
                 break
 
-    def _advance(self, stage: str | None = None) -> None:
+    def advance(self, stage: str | None = None) -> None:
+        """
+        Go on to the next measurement, and answer it.
+
+        :param stage: what to report; None for what the robot does.
+        """
         measurement = self._simulation.next_measurement()
         now, before = self._simulation.time, self._observation
         if isinstance(measurement, Odometry):

@@ -20,6 +20,7 @@ from push_model.geometry import Pose
 from push_model.plan_request import PlanRequest
 from push_model.signals import ObjectPose, Twist
 from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
 from push_planner.problem import PlanningFailed
 from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.single_push.replanning import plan_from_measurements
@@ -197,6 +198,7 @@ class TaskControl(RobotControl):
         self._planning_time = planning_time
         self._supervisor = Supervisor(scenario.object, scenario.robot, scenario.control,
                                       task.drive, task.supervision)
+        self._occupancy_map = task.occupancy_map
         self._supervisor.set_map(task.occupancy_map)
         self._supervisor.set_goal(self.goal)
         self._later_goals = list(task.goals)
@@ -215,6 +217,35 @@ class TaskControl(RobotControl):
         """State of the supervisor."""
         return self._supervisor.status.state.value
 
+    @property
+    def history(self) -> tuple[StateChange, ...]:
+        """Every ``StateChange`` so far, over all goals."""
+        return self._history.changes
+
+    @property
+    def plans(self) -> tuple[TaskPlan, ...]:
+        """``TaskPlan`` of every push so far."""
+        return tuple(self._plans)
+
+    def set_goal(self, pose: Pose) -> None:
+        """
+        Replace the goal, and start over towards it.
+
+        :param pose: goal ``Pose`` of the object.
+        """
+        self.goal = pose
+        self._supervisor.set_goal(pose)
+        self._update_history()
+
+    def set_map(self, occupancy_map: OccupancyMap | None) -> None:
+        """
+        Replace the map, from the next plan on.
+
+        :param occupancy_map: the ``OccupancyMap``; None for open floor.
+        """
+        self._occupancy_map = occupancy_map
+        self._supervisor.set_map(occupancy_map)
+
     def step(self, observation: Observation, dt: float) -> Twist:
         """Answer a measurement; see ``RobotControl``."""
         return self._supervisor.step(observation, dt)
@@ -227,9 +258,7 @@ class TaskControl(RobotControl):
         if status.state in ENDINGS and not self._later_goals:
             return Ending(ENDINGS[status.state], status.reason)
         if self._later_goals and observation.time >= self._later_goals[0].time:
-            self.goal = self._later_goals.pop(0).goal.pose
-            self._supervisor.set_goal(self.goal)
-            self._update_history()
+            self.set_goal(self._later_goals.pop(0).goal.pose)
         return None
 
     def record(self, ending: Ending, time: float) -> RobotRecord:
@@ -255,7 +284,7 @@ class TaskControl(RobotControl):
         try:
             found = plan_for_request(
                 request, self._scenario.robot, self._scenario.planner, self._task.drive,
-                self._task.planning, self._task.occupancy_map)
+                self._task.planning, self._occupancy_map)
         except PlanningFailed as failure:
             self._supervisor.on_planning_failed(failure.code, failure.reason)
             return

@@ -4,6 +4,9 @@
 const COLORS = ['paper', 'ink', 'faint', 'grid', 'object', 'goal', 'robot', 'believed', 'force', 'cone',
                 'wall', 'plan', 'accent', 'push-0', 'push-1', 'push-2', 'push-3', 'push-4', 'push-5'];
 
+// What a live page shows round the first goal at least [m].
+const LIVE_EXTENT = 1.4;
+
 function themeColors() {
   const style = getComputedStyle(document.documentElement);
   return Object.fromEntries(COLORS.map((name) => [name, style.getPropertyValue('--' + name).trim()]));
@@ -69,6 +72,8 @@ class Camera {
       }
     }
     if (!xs.length) return;
+    // Room to drag things to.
+    if (recording.isLive && recording.goals.length) add(...recording.goals[0].pose.slice(0, 2), LIVE_EXTENT);
     const span = (list) => [Math.min(...list), Math.max(...list)];
     const [left, right] = span(xs), [low, high] = span(ys);
     this.center = [0.5 * (left + right), 0.5 * (low + high)];

@@ -128,7 +128,13 @@ class Floor {
   drawMap(map) {
     if (!map || !map.rows.length) return;
     const c = this.context, side = map.resolution;
+    // Outside the map nothing may move either.
+    const right = side * map.rows[0].length, top = side * map.rows.length;
+    this.shape([[0, 0], [right, 0], [right, top], [0, top]].map((corner) => transform(map.origin, corner)),
+               { stroke: this.colors.wall, width: 1.5, dash: [2, 6] });
     c.fillStyle = this.colors.wall;
+    c.strokeStyle = this.colors.wall;
+    c.lineWidth = 1;
     map.rows.forEach((row, j) => {
       // Neighbours in a row are one rectangle.
       for (let i = row.indexOf('#'); i >= 0;) {
@@ -140,6 +146,7 @@ class Floor {
         }
         c.closePath();
         c.fill();
+        c.stroke();
         i = row.indexOf('#', end);
       }
     });

@@ -1,6 +1,9 @@
 'use strict';
 // Puts the page together: a report that it holds, or the server it came from.
 
+// How long it is shown why something was refused [ms].
+const REFUSAL_TIME = 6000;
+
 class App {
   constructor() {
     this.recording = new Recording();
@@ -64,8 +67,10 @@ class App {
       this.onControls(message);
     } else if (message.type === 'run') {
       this.onRun(message);
-    } else if (message.type === 'refused') {
+    } else if (message.type === 'notice') {
       this.showMessage(message.text);
+    } else if (message.type === 'refused') {
+      this.showMessage(`refused: ${message.text}`, REFUSAL_TIME);
     }
   }
 
@@ -74,7 +79,6 @@ class App {
     this.camera.isFitted = false;
     this.player.time = 0;
     this.panel.setScene(this.recording);
-    this.showMessage('');
   }
 
   onControls(message) {
@@ -89,11 +93,15 @@ class App {
     if (!message.paused) this.player.isFollowing = true;
     this.player.speed = message.speed;
     byId('speed').value = message.speed;
+    const isSlow = message.achieved !== null && message.achieved < 0.8 * message.speed;
+    setText(byId('achieved'), isSlow ? `(${message.achieved} × here)` : '');
   }
 
-  showMessage(text) {
+  showMessage(text, duration = Infinity) {
+    clearTimeout(this.messageTimer);
     byId('message').hidden = !text;
     setText(byId('message'), text);
+    if (duration < Infinity) this.messageTimer = setTimeout(() => this.showMessage(''), duration);
   }
 
   // A report: one of its runs at a time.

@@ -7,6 +7,9 @@ const STATES = {
 // The panel is renewed this often while time runs [ms].
 const PANEL_PERIOD = 100;
 
+const HELP = 'The robot brings the object to the goal, by pushing it. Drag the goal or the object by its middle, rotate it by its '
+  + 'ring, draw walls, change what is there and how much friction there is: the robot does not know.';
+
 const byId = (id) => document.getElementById(id);
 
 function setText(element, text) {
@@ -51,13 +54,14 @@ class Panel {
   setScene(recording) {
     const scene = recording.scene;
     setText(byId('title'), scene.title);
-    setText(byId('description'), scene.description);
+    setText(byId('description'), recording.isLive ? HELP : scene.description);
     const body = byId('friction').tBodies[0];
     body.textContent = '';
     this.friction = scene.object.supports.map((support, i) => this.frictionRow(
       body, `foot ${i + 1} (${support[0].toFixed(2)}, ${support[1].toFixed(2)})`, `friction.${i}`));
     this.friction.push(this.frictionRow(body, 'contact', 'contact_friction'));
     this.eventsVersion = '';
+    this.inputs.clear();
   }
 
   frictionRow(body, name, setting) {
@@ -194,6 +198,12 @@ class Panel {
 
   // Settings of a live page: choices, and numbers with a range; send takes a message.
   showControls(message, send) {
+    const names = JSON.stringify([message.choices.map((choice) => choice.options), message.settings.map((setting) => setting.name)]);
+    if (names === this.controlNames && this.inputs.size) {
+      this.renewControls(message);
+      return;
+    }
+    this.controlNames = names;
     byId('choices').textContent = '';
     byId('sensors').textContent = '';
     this.inputs.clear();
@@ -201,6 +211,17 @@ class Panel {
     for (const setting of message.settings) {
       const friction = this.friction.find((cells) => cells.setting === setting.name);
       this.addSetting(setting, friction && friction.trueValue, send);
+    }
+  }
+
+  // The same inputs with other values; the one in use stays as it is, with its focus.
+  renewControls(message) {
+    for (const { name, value } of message.choices) byId('choices').querySelector(`[name="${name}"]`).value = value;
+    for (const setting of message.settings) {
+      const input = this.inputs.get(setting.name);
+      if (input === document.activeElement) continue;
+      input.value = setting.factor * setting.value;
+      input.dispatchEvent(new Event('input'));
     }
   }
 
@@ -217,13 +238,15 @@ class Panel {
   addSetting(setting, place, send) {
     const label = document.createElement('label'), input = document.createElement('input');
     const output = document.createElement('output');
-    const show = () => { output.textContent = ` ${Number(input.value).toFixed(setting.digits)} ${setting.unit}`; };
-    Object.assign(input, { type: 'range', min: setting.low, max: setting.high, step: setting.step, name: setting.name });
-    input.value = setting.value;
+    const low = setting.factor * setting.low, high = setting.factor * setting.high, step = (high - low) / 100;
+    const digits = high >= 50 ? 0 : high > 2 ? 1 : 2;
+    const show = () => { output.textContent = ` ${Number(input.value).toFixed(digits)} ${setting.unit}`; };
+    Object.assign(input, { type: 'range', min: low, max: high, step, name: setting.name });
+    input.value = setting.factor * setting.value;
     input.setAttribute('aria-label', setting.label);
     show();
     input.addEventListener('input', show);
-    input.addEventListener('change', () => send({ type: 'set', name: setting.name, value: Number(input.value) }));
+    input.addEventListener('change', () => send({ type: 'set', name: setting.name, value: Number(input.value) / setting.factor }));
     this.inputs.set(setting.name, input);
     if (place) {
       place.replaceChildren(input, output);

@@ -1,0 +1,76 @@
+"""Command line ``play``: a page on which one plays with the simulation of a task."""
+
+import argparse
+import asyncio
+from collections.abc import Sequence
+import contextlib
+import secrets
+import signal
+import sys
+import time
+import webbrowser
+
+from push_scenario.definition.loader import find_scenario, read_scenario
+from push_view.live import LiveSession
+
+DEMO = 'task_demo'
+PORT = 8642  # chosen: not registered for anything
+LOCAL = '127.0.0.1'
+DONE, MISUSE = 0, 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Run the command line.
+
+    :param arguments: words after the command's name; None for those of the process.
+    :return: exit status: 0 after Ctrl-C, 2 on an error.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        asyncio.run(_serve(options))
+    except (ValueError, OSError, RuntimeError) as error:
+        print(f'play: {error}', file=sys.stderr)
+        return MISUSE
+    return DONE
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='play', description='Open a page on which you play with the simulation of a task: '
+        'drag goal and object, draw walls, change friction and sensors.')
+    parser.add_argument('scenario', nargs='?', default=DEMO, metavar='SCENARIO',
+                        help='path of a scenario file, or name of a scenario of the package, with '
+                        f'a task (default: {DEMO})')
+    parser.add_argument('--port', type=int, default=PORT,
+                        help=f'port of the page, 0 for any that is free (default: {PORT})')
+    parser.add_argument('--host', default=None,
+                        help='serve other machines too, at this address of ours (0.0.0.0 for '
+                        'all); they need the token that is printed')
+    parser.add_argument('--no-browser', action='store_true', help='open no browser')
+    return parser
+
+
+async def _serve(options: argparse.Namespace) -> None:
+    # Imported here, as it comes with an extra.
+    try:
+        from push_view.serving import serve
+    except ModuleNotFoundError as error:
+        raise RuntimeError(f'no module {error.name}: install the extra play (aiohttp)') from error
+    session = LiveSession(read_scenario(find_scenario(options.scenario)), time.monotonic)
+    token = None if options.host is None else secrets.token_urlsafe()
+    title = options.scenario.replace('_', ' ')
+    async with serve(title, session.log, session.handle, host=options.host or LOCAL,
+                     port=options.port, token=token) as url:
+        print(f'play: {url} (end with Ctrl-C)', flush=True)
+        if not options.no_browser:
+            webbrowser.open(url)
+        running = asyncio.create_task(session.run())
+        for number in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(number, running.cancel)
+        with contextlib.suppress(asyncio.CancelledError):
+            await running
+
+
+if __name__ == '__main__':
+    sys.exit(main())

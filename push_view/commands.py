@@ -1,0 +1,198 @@
+"""
+Commands of the page: what its user asks for, checked before anything is done with it.
+
+A command is a JSON object with the key ``type``; poses are (x, y, theta) in the world [m, m, rad].
+"""
+
+from collections.abc import Callable, Mapping
+import json
+import math
+from typing import Any, NamedTuple
+
+from push_model.geometry import Pose
+
+# Range of positions [m], chosen: more than any task has.
+MAX_COORDINATE = 50.0
+# Range of speeds over real time.
+MIN_SPEED, MAX_SPEED = 0.1, 10.0
+# Longest text that is repeated to who sent it.
+QUOTED = 60
+
+
+class CommandRefused(ValueError):
+    """A command that is not understood, or cannot be carried out; the text says why."""
+
+
+class SetGoal(NamedTuple):
+    """
+    Bring the object there.
+
+    :param pose: goal ``Pose`` of the object.
+    """
+
+    pose: Pose
+
+
+class DisplaceObject(NamedTuple):
+    """
+    Move the object, as a person would.
+
+    :param pose: ``Pose`` of the object afterwards.
+    """
+
+    pose: Pose
+
+
+class AddWall(NamedTuple):
+    """
+    Draw a wall on the map.
+
+    :param start: one end (x, y) [m].
+    :param end: the other end.
+    """
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+
+class ClearWalls(NamedTuple):
+    """Remove all walls that were drawn."""
+
+
+class Choose(NamedTuple):
+    """
+    Start over with something else.
+
+    :param choices: names of what is chosen (``object``, ``robot``, ``law``, ``method``) to names.
+    """
+
+    choices: Mapping[str, str]
+
+
+class SetValue(NamedTuple):
+    """
+    Change a setting under way.
+
+    :param name: of the setting, as ``friction.0``.
+    :param value: SI units.
+    """
+
+    name: str
+    value: float
+
+
+class Run(NamedTuple):
+    """
+    Let time run or stand; None leaves it as it is.
+
+    :param paused: whether time stands.
+    :param speed: simulated over real time.
+    """
+
+    paused: bool | None = None
+    speed: float | None = None
+
+
+class Step(NamedTuple):
+    """Let a single row of time pass."""
+
+
+class Restart(NamedTuple):
+    """Start over with everything as it is set."""
+
+
+Command = (SetGoal | DisplaceObject | AddWall | ClearWalls | Choose | SetValue | Run | Step
+           | Restart)
+
+
+def parse_command(text: str) -> Command:
+    """
+    Read a command.
+
+    :param text: JSON.
+    :return: the ``Command``.
+    :raises CommandRefused: naming the field, what came and what was expected.
+    """
+    try:
+        values = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise CommandRefused(f'message: got {_quoted(text)}, expected JSON') from error
+    if not isinstance(values, dict):
+        raise CommandRefused(f'message: got {_quoted(text)}, expected an object')
+    kind = values.pop('type', None)
+    if not isinstance(kind, str) or kind not in _READERS:
+        raise CommandRefused(f'type: got {_quoted(kind)}, expected one of '
+                             + ', '.join(_READERS))
+    reader, fields = _READERS[kind]
+    unknown = sorted(set(values) - set(fields)) if fields is not None else []
+    if unknown:
+        raise CommandRefused(f'{kind}.{unknown[0][:QUOTED]}: got an unknown field, expected '
+                             + (' or '.join(fields or ()) or 'none'))
+    return reader(kind, values)
+
+
+def _quoted(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= QUOTED else text[:QUOTED] + '...'
+
+
+def _number(kind: str, name: str, value: object, low: float, high: float) -> float:
+    if (isinstance(value, bool) or not isinstance(value, (int, float))
+            or not low <= value <= high):
+        raise CommandRefused(f'{kind}.{name}: got {_quoted(value)}, expected a number from '
+                             f'{low:g} to {high:g}')
+    return float(value)
+
+
+def _numbers(kind: str, name: str, values: Mapping[str, Any], count: int) -> tuple[float, ...]:
+    value = values.get(name)
+    if not isinstance(value, list) or len(value) != count:
+        raise CommandRefused(f'{kind}.{name}: got {_quoted(value)}, expected {count} numbers')
+    return tuple(_number(kind, name, item, -MAX_COORDINATE, MAX_COORDINATE) for item in value)
+
+
+def _pose(kind: str, values: Mapping[str, Any]) -> Pose:
+    return Pose(*_numbers(kind, 'pose', values, 3))
+
+
+def _point(kind: str, name: str, values: Mapping[str, Any]) -> tuple[float, float]:
+    x, y = _numbers(kind, name, values, 2)
+    return x, y
+
+
+def _choose(kind: str, values: Mapping[str, Any]) -> Choose:
+    for name, value in values.items():
+        if not isinstance(value, str):
+            raise CommandRefused(f'{kind}.{name[:QUOTED]}: got {_quoted(value)}, expected a name')
+    return Choose(dict(values))
+
+
+def _set(kind: str, values: Mapping[str, Any]) -> SetValue:
+    name = values.get('name')
+    if not isinstance(name, str):
+        raise CommandRefused(f'{kind}.name: got {_quoted(name)}, expected the name of a setting')
+    return SetValue(name, _number(kind, 'value', values.get('value'), -math.inf, math.inf))
+
+
+def _run(kind: str, values: Mapping[str, Any]) -> Run:
+    paused, speed = values.get('paused'), values.get('speed')
+    if paused is not None and not isinstance(paused, bool):
+        raise CommandRefused(f'{kind}.paused: got {_quoted(paused)}, expected true or false')
+    if speed is not None:
+        speed = _number(kind, 'speed', speed, MIN_SPEED, MAX_SPEED)
+    return Run(paused, speed)
+
+
+# Reader of each command, and its fields; None where their names are checked later.
+_READERS: dict[str, tuple[Callable[[str, Mapping[str, Any]], Command], tuple[str, ...] | None]] = {
+    'goal': (lambda kind, values: SetGoal(_pose(kind, values)), ('pose',)),
+    'displace': (lambda kind, values: DisplaceObject(_pose(kind, values)), ('pose',)),
+    'wall': (lambda kind, values: AddWall(_point(kind, 'start', values),
+                                          _point(kind, 'end', values)), ('start', 'end')),
+    'clear_walls': (lambda kind, values: ClearWalls(), ()),
+    'choose': (_choose, None),
+    'set': (_set, ('name', 'value')),
+    'run': (_run, ('paused', 'speed')),
+    'step': (lambda kind, values: Step(), ()),
+    'restart': (lambda kind, values: Restart(), ()),
+}

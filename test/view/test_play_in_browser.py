@@ -1,0 +1,107 @@
+"""The command ``play`` as its user meets it: a server, a browser, a mouse and keys."""
+
+from contextlib import contextmanager
+import os
+from pathlib import Path
+import re
+import signal
+import subprocess
+import sys
+
+from helpers.browser import open_browser
+from helpers.extras import import_extra
+import pytest
+
+ROOT = Path(__file__).parents[2]
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+
+@contextmanager
+def playing(scenario):
+    """Run ``play``; yield the address that it prints, and end it by Ctrl-C."""
+    import_extra('aiohttp', 'play')
+    words = [sys.executable, '-m', 'push_view.cli', scenario, '--no-browser', '--port', '0']
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, cwd=ROOT,
+                          env={**os.environ, 'PYTHONPATH': str(ROOT)}) as process:
+        try:
+            yield re.search(r'http\S+', process.stdout.readline())[0]
+        finally:
+            process.send_signal(signal.SIGINT)
+            assert process.wait(60) == 0
+
+
+@pytest.fixture(scope='module')
+def browser():
+    """One session, which all tests of this file go on with, and one browser."""
+    with open_browser() as browser, playing('task_tap') as url:
+        browser.open(url)
+        browser.wait('app.canEdit && app.recording.end > 0.2')
+        yield browser
+
+
+def pose(browser, body):
+    """Return where the page draws a body now."""
+    return browser.run(f'return poseOf(app.recording.at(app.player.time), "{body}")')
+
+
+def test_the_goal_is_dragged_and_the_object_brought_there(browser):
+    """By its middle; the heading stays."""
+    browser.run('app.player.setSpeed(10)')
+    start = browser.run('return app.recording.latest("goal", Infinity).pose')
+    browser.drag(start[:2], (start[0] + 0.3, start[1] + 0.1))
+    goal = browser.wait('app.recording.goals.length > 1 && app.recording.goals[1].pose')
+    assert goal == pytest.approx([start[0] + 0.3, start[1] + 0.1, start[2]], abs=0.02)
+    browser.wait('app.recording.states.some(s => s.state === "push")')
+    browser.wait('document.getElementById("state").textContent === "done"')
+    x, y, _ = pose(browser, 'object')
+    assert (x, y) == pytest.approx(goal[:2], abs=0.02)
+
+
+def test_the_object_is_moved_and_a_wall_drawn(browser):
+    """By the mouse, each with its tool."""
+    x, y, _ = pose(browser, 'object')
+    browser.run('document.querySelector("input[value=object]").click()')
+    browser.drag((x, y), (x, y - 0.6))
+    moved = browser.wait('app.recording.displacements.length && app.recording.displacements[0]')
+    assert moved['after'][1] == pytest.approx(y - 0.6, abs=0.05)
+    # Planning round a wall takes its time, which is not what this is about.
+    browser.run('app.send({type: "run", paused: true})')
+    browser.wait('!app.player.isPlaying')
+    browser.run('document.querySelector("input[value=wall]").click()')
+    browser.drag((x - 0.4, y + 0.8), (x + 0.4, y + 0.8))
+    browser.wait('app.recording.maps.length === 2 && app.recording.maps[1].rows.length > 0')
+    browser.run('document.getElementById("clear-walls").click()')
+    browser.wait('app.recording.maps.length === 3')
+    browser.run('app.send({type: "run", paused: false})')
+
+
+def test_keys_do_what_the_mouse_does(browser):
+    """Pause, step, a goal 5 cm further that is rotated by 5 degrees, and play."""
+    from selenium.webdriver.common.keys import Keys
+    floor = browser.driver.find_element('id', 'floor')
+    before = browser.run('return app.recording.latest("goal", Infinity).pose')
+    count = browser.run('return app.recording.goals.length')
+    floor.send_keys('1', Keys.ARROW_RIGHT, '[', Keys.ENTER)
+    browser.wait(f'app.recording.goals.length === {count + 1}')
+    after = browser.run('return app.recording.latest("goal", Infinity).pose')
+    assert after == pytest.approx([before[0] + 0.05, before[1], before[2] + 0.0873], abs=1e-3)
+    floor.send_keys(' ')
+    browser.wait('!app.player.isPlaying')
+    end = browser.wait('app.recording.end')
+    floor.send_keys(',', ',')
+    assert browser.run('return app.player.time < app.recording.end')
+    floor.send_keys(' ')
+    browser.wait(f'app.recording.end > {end} + 0.2')
+
+
+def test_settings_reach_the_simulation(browser):
+    """A slider of friction and a choice; what is refused is shown."""
+    browser.run('const s = app.panel.inputs.get("friction.0"); s.value = 0.77;'
+                's.dispatchEvent(new Event("change"))')
+    browser.wait('Math.abs(app.recording.latest("truth", Infinity).friction[0] - 0.77) < 0.01')
+    browser.run('app.send({type: "goal", pose: [1, 2]})')
+    browser.wait('document.getElementById("message").textContent.includes("goal.pose")')
+    browser.run('const s = document.querySelector("select[name=object]"); s.value = "bin";'
+                's.dispatchEvent(new Event("change"))')
+    browser.wait('app.recording.scene.object.radius > 0 && app.recording.end > 0.1')
+    assert browser.errors() == []

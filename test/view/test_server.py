@@ -1,0 +1,158 @@
+"""The server of the page: whom it serves, whom it refuses, and what it survives."""
+
+import asyncio
+import json
+
+from helpers.extras import import_extra
+from push_view.commands import parse_command
+from push_view.message_log import MessageLog
+import pytest
+
+aiohttp = import_extra('aiohttp', 'play')
+TestClient = import_extra('aiohttp', 'play', 'aiohttp.test_utils').TestClient
+TestServer = import_extra('aiohttp', 'play', 'aiohttp.test_utils').TestServer
+server = import_extra('aiohttp', 'play', 'push_view.server')
+serving = import_extra('aiohttp', 'play', 'push_view.serving')
+
+
+class Page:
+    """
+    A client of a server that notes the commands it is sent.
+
+    :param client: of aiohttp.
+    """
+
+    def __init__(self, client, page_server, log, commands):
+        self.client = client
+        self.server = page_server
+        self.log = log
+        self.commands = commands
+
+    @property
+    def origin(self):
+        """Origin of the page itself."""
+        return f'http://{self.client.host}:{self.client.port}'
+
+    async def socket(self, path='/socket', **headers):
+        """Connect as the page does, unless other headers are named."""
+        return await self.client.ws_connect(path, headers={'Origin': self.origin, **headers})
+
+
+def with_page(play, token=None):
+    """Run a coroutine function on the ``Page`` of a new server."""
+    async def run():
+        log, commands = MessageLog(), []
+
+        async def handle(text):
+            commands.append(parse_command(text))
+
+        page_server = server.PageServer('a run', log, handle, server.Access(token))
+        async with TestClient(TestServer(page_server.application())) as client:
+            return await play(Page(client, page_server, log, commands))
+
+    return asyncio.run(run())
+
+
+def test_the_page_comes_whole_and_shows_what_is_logged():
+    """One file with its title; then what was logged before and after the connection."""
+    async def play(page):
+        answer = await page.client.get('/')
+        text = await answer.text()
+        assert answer.status == 200 and '<title>a run</title>' in text and 'src=' not in text
+        assert answer.headers['X-Frame-Options'] == 'DENY'
+        page.log.add({'type': 'scene'})
+        socket = await page.socket()
+        assert await socket.receive_json() == [{'type': 'scene'}]
+        page.log.add({'type': 'goal'})
+        assert await socket.receive_json() == [{'type': 'goal'}]
+
+    with_page(play)
+
+
+def test_a_bad_command_is_refused_and_counted_and_the_next_one_taken():
+    """Each with its reason; the connection stays."""
+    async def play(page):
+        socket = await page.socket()
+        for number, bad in enumerate(['{', '{"type": "jump"}', '{"type": "goal"}'], 1):
+            await socket.send_str(bad)
+            refusal, = await socket.receive_json()
+            assert (refusal['type'], refusal['count']) == ('refused', number)
+        await socket.send_bytes(b'goal')
+        assert 'expected text' in (await socket.receive_json())[0]['text']
+        await socket.send_str('{"type": "step"}')
+        await socket.send_str('{"type": "jump"}')
+        assert (await socket.receive_json())[0]['count'] == page.server.refused == 5
+        assert page.commands == [parse_command('{"type": "step"}')]
+
+    with_page(play)
+
+
+def test_who_sends_nothing_but_nonsense_is_disconnected():
+    """After a hundred commands, or one that is far too long; others are served."""
+    async def play(page):
+        nonsense, lengthy = await page.socket(), await page.socket()
+        for _ in range(server.MAX_REFUSALS):
+            await nonsense.send_str('?')
+        await lengthy.send_str(json.dumps({'type': 'x' * server.MAX_COMMAND}))
+        for socket in (nonsense, lengthy):
+            while not socket.closed:
+                await socket.receive(timeout=60.0)
+        assert not page.commands
+        other = await page.socket()
+        await other.send_str('{"type": "step"}')
+        await other.send_str('?')
+        await other.receive_json()
+        assert len(page.commands) == 1
+
+    with_page(play)
+
+
+@pytest.mark.parametrize('headers', [
+    {'Origin': 'http://elsewhere.example'}, {'Origin': 'null'}, {'Origin': ''},
+    {'Origin': 'http://elsewhere.example', 'Host': 'elsewhere.example'}])
+def test_a_page_elsewhere_cannot_command(headers):
+    """Nor one that has this machine under its own name."""
+    async def play(page):
+        with pytest.raises(aiohttp.WSServerHandshakeError) as refusal:
+            await page.socket(**headers)
+        assert refusal.value.status == 403
+        if 'Host' in headers:
+            assert (await page.client.get('/', headers=headers)).status == 403
+
+    with_page(play)
+
+
+def test_others_need_the_token():
+    """In the address, for page and commands."""
+    async def play(page):
+        for query in ('', '?token=', '?token=wrong', '?token=secre', '?token=%ff'):
+            assert (await page.client.get('/' + query)).status == 403
+            with pytest.raises(aiohttp.WSServerHandshakeError):
+                await page.socket('/socket' + query)
+        assert (await page.client.get('/?token=secret')).status == 200
+        assert not (await page.socket('/socket?token=secret')).closed
+        with pytest.raises(aiohttp.WSServerHandshakeError):
+            await page.socket('/socket?token=secret', Origin='http://elsewhere.example')
+
+    with_page(play, token='secret')
+
+
+def test_an_address_is_served_while_it_is_needed():
+    """Then the port is free again; one that is taken is an error."""
+    async def run():
+        async def handle(text):
+            pass
+
+        options = {'host': '127.0.0.1', 'token': None}
+        async with serving.serve('a run', MessageLog(), handle, port=0, **options) as url:
+            port = int(url.rstrip('/').rpartition(':')[2])
+            async with aiohttp.ClientSession() as session:
+                async with session.get(url) as answer:
+                    assert answer.status == 200
+            with pytest.raises(OSError):
+                async with serving.serve('two', MessageLog(), handle, port=port, **options):
+                    pass
+        async with serving.serve('a run', MessageLog(), handle, port=port, **options) as again:
+            assert again == url
+
+    asyncio.run(run())

@@ -1,0 +1,161 @@
+"""A live session, as its user drives it: real simulation, planner and controller."""
+
+import json
+import math
+
+import numpy as np
+from push_control.task.status import TaskState
+from push_scenario.definition.loader import load_scenario
+from push_view.commands import CommandRefused, parse_command
+from push_view.message_log import MessageLog
+from push_view.session import Session
+from push_view.walls import open_floor, with_wall
+import pytest
+
+
+def command(kind, **values):
+    """Make a command as the page sends it."""
+    return parse_command(json.dumps({'type': kind, **values}))
+
+
+def messages(session, kind):
+    """List the messages of a kind."""
+    texts, _ = session.log.since(0)
+    return [message for message in map(json.loads, texts) if message['type'] == kind]
+
+
+def column(session, name):
+    """Return a column of all rows."""
+    number = messages(session, 'scene')[-1]['columns'].index(name)
+    return np.array([row[number] for message in messages(session, 'rows')
+                     for row in message['rows']], dtype=float)
+
+
+@pytest.fixture
+def session():
+    """Start where the box is a centimetre from its goal."""
+    return Session(load_scenario('task_tap'), MessageLog())
+
+
+def advance_until_standing(session, time_limit=120.0):
+    """Let time pass until the robot waits for a goal."""
+    end = session.time + time_limit
+    session.advance(0.5)
+    while not session.is_standing and session.time < end:
+        session.advance(0.1)
+
+
+@pytest.mark.slow
+def test_a_task_is_done_and_the_next_goal_too(session):
+    """The page is shown all of it: rows without gaps, states, plans, what is believed."""
+    advance_until_standing(session)
+    session.handle(command('goal', pose=[0.4, 0.1, 0.2]))
+    advance_until_standing(session)
+    x, y, theta = session.object_pose
+    assert math.hypot(x - 0.4, y - 0.1) < 0.01 and abs(theta - 0.2) < math.radians(1.0)
+    assert [message['state'] for message in messages(session, 'state')].count('done') == 2
+    assert len(messages(session, 'plan')) >= 2
+    assert np.diff(column(session, 'time')) == pytest.approx(0.02, abs=1e-4)
+    believed = column(session, 'believed_object_x')
+    assert np.nanmax(np.abs(believed - column(session, 'object_x'))[50:]) < 0.02
+    # Nothing piles up in a session that lasts.
+    assert not session._simulation.rows
+
+
+def test_an_object_that_is_moved_is_where_it_was_put(session):
+    """Unless the robot stands there: then it is refused, and stays."""
+    session.handle(command('displace', pose=[0.3, -0.5, 1.0]))
+    assert tuple(session.object_pose) == pytest.approx((0.3, -0.5, 1.0))
+    moved, = messages(session, 'displacement')
+    assert moved['after'] == pytest.approx([0.3, -0.5, 1.0])
+    robot = [column(session, f'robot_{name}')[-1] for name in ('x', 'y')]
+    with pytest.raises(CommandRefused, match='the robot stands there'):
+        session.handle(command('displace', pose=[*robot, 0.0]))
+    assert tuple(session.object_pose) == pytest.approx((0.3, -0.5, 1.0))
+
+
+def test_a_wall_replaces_the_plan(session):
+    """It is on the map of the supervisor; one through the robot or the object is refused."""
+    session.handle(command('wall', start=[1.0, -1.0], end=[1.0, 1.0]))
+    shown = messages(session, 'map')[-1]
+    assert any('#' in row for row in shown['rows'])
+    for place in ([0.0, 0.0], [column(session, f'robot_{name}')[-1] for name in ('x', 'y')]):
+        with pytest.raises(CommandRefused, match='through robot or object'):
+            session.handle(command('wall', start=place, end=place))
+    assert messages(session, 'map')[-1] == shown
+    session.handle(command('clear_walls'))
+    assert messages(session, 'map')[-1]['rows'] == []
+
+
+def test_true_friction_changes_under_way(session):
+    """The plant has it at once, the robot has not been told."""
+    session.handle(command('set', name='friction.1', value=0.9))
+    session.handle(command('set', name='contact_friction', value=0.1))
+    truth = messages(session, 'truth')[-1]
+    assert truth['friction'][1] == 0.9 and truth['contact_friction'] == 0.1
+    assert messages(session, 'scene')[-1]['object']['friction'][1] != 0.9
+    shown = {setting['name']: setting['value']
+             for setting in messages(session, 'controls')[-1]['settings']}
+    assert shown['friction.1'] == 0.9 and shown['contact_friction'] == 0.1
+    session.advance(0.1)
+
+
+def test_sensors_change_under_way(session):
+    """Without noise and latency what is measured is the truth."""
+    for name in ('pose_noise', 'pose_heading_noise', 'pose_latency', 'pose_drop_probability'):
+        session.handle(command('set', name=name, value=0.0))
+    session.advance(0.5)
+    measured = session._loop.observation.object_pose
+    assert tuple(measured.pose) == pytest.approx(tuple(session.object_pose), abs=1e-9)
+
+
+@pytest.mark.parametrize('kind, values, words', [
+    ('set', {'name': 'gravity', 'value': 1}, 'set.name: got .gravity., expected one of friction'),
+    ('set', {'name': 'friction.0', 'value': 7}, 'set.value: got 7, expected 0.05 to 1'),
+    ('choose', {'object': '../secret'}, 'choose: got .*expected one of objects'),
+    ('choose', {'law': 'open_loop'}, 'choose.law: got .open_loop.'),
+    ('choose', {'colour': 'red'}, 'choose.colour: got .red.'),
+])
+def test_what_cannot_be_done_is_refused_and_nothing_changes(session, kind, values, words):
+    """With the reason."""
+    before = session.log.since(0)
+    with pytest.raises(CommandRefused, match=words):
+        session.handle(command(kind, **values))
+    assert session.log.since(0) == before
+
+
+def test_another_object_starts_another_run(session):
+    """With the walls that were drawn, at time 0; a step is one row."""
+    session.advance(0.2)
+    session.handle(command('choose', object='bin', robot='holonomic_017'))
+    scene, = messages(session, 'scene')
+    assert scene['object']['radius'] > 0.0 and scene['robot']['drive'] == 'holonomic'
+    assert session.time == 0.0
+    session.handle(command('step'))
+    assert session.paused and session.time == pytest.approx(0.02)
+    assert messages(session, 'run')[-1]['paused']
+
+
+def test_a_single_push_is_no_session():
+    """It has no supervisor that takes goals."""
+    with pytest.raises(ValueError, match='got a single push, expected a task'):
+        Session(load_scenario('straight_push'), MessageLog())
+
+
+def test_a_wall_is_where_it_was_drawn():
+    """Its cells are those near the line, on maps at any angle."""
+    floor = open_floor((0.5, 0.2))
+    assert not floor.occupied.any()
+    for occupancy_map in (floor, type(floor)(0.05, (-1.0, -2.0, 0.7), floor.occupied)):
+        drawn = with_wall(occupancy_map, (0.3, 0.1), (1.1, 0.9))
+        along = np.linspace((0.3, 0.1), (1.1, 0.9), 50)
+        assert (drawn.clearance(along) < 0.0).all()
+        beside = along + 0.3 * np.array([1.0, -1.0]) / math.sqrt(2.0)
+        assert (drawn.clearance(beside) > 0.1).all()
+
+
+def test_states_of_the_page_are_those_of_the_supervisor():
+    """Each has words on the page."""
+    from push_view.page_file import page_source
+    text = page_source('panel.js')
+    assert all(f'{state.value}: ' in text for state in TaskState)
