@@ -155,23 +155,28 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
     gc.collect()
     gc.freeze()
     stop.is_starting = False
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
     try:
-        spin(node, stop)
+        spin(node, executor, stop)
     finally:
         node.close()
+        _run_last_callbacks(node, executor)
+        executor.remove_node(node)
+        executor.shutdown()
         node.destroy_node()
     return 0
 
 
-def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
+def spin(node: PolledNode, executor: SingleThreadedExecutor,
+         is_stopped: Callable[[], bool]) -> None:
     """
     Run a node's callbacks: real-time ones at once, the others 20 times a second.
 
     :param node: the ``PushNode``.
+    :param executor: that the node was added to.
     :param is_stopped: takes nothing, tells whether to end.
     """
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
     background_due = 0.0
     busy_until = 0.0
     last_message = 0.0
@@ -193,8 +198,6 @@ def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
         else:
             until = min(background_due, node.wake_time)
             executor.spin_once(timeout_sec=max(0.0, until - now))
-    executor.remove_node(node)
-    executor.shutdown()
 
 
 def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
@@ -205,6 +208,13 @@ def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
         if node.background.executed == executed:
             break
     node.background.is_open = False
+
+
+def _run_last_callbacks(node: PolledNode, executor: SingleThreadedExecutor) -> None:
+    """Send what the end of a node has left to be sent, as results of goals."""
+    node.background.is_open = True
+    for _ in range(BACKGROUND_CALLBACKS):
+        executor.spin_once(timeout_sec=0.0)
 
 
 class _StopSignal:
