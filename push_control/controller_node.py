@@ -98,8 +98,8 @@ class ControllerNode(ManagedNode):
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``control.*``; ``drive.*`` and ``supervision.*`` of
         a task; ``base.*``, what the base's own node must be set to; ``world_frame``,
-        ``object_frame``, ``base_frame``; and those of ``ControllerOptions``. ``SETTABLE`` says
-        which may be set, and when: those of the object and its name while no goal is pursued.
+        ``object_frame``, ``base_frame``; and those of ``ControllerOptions``. ``SETTABLE`` says which may be set, and when: those of the object
+        and its name while no goal is pursued.
 
     Frames
         Poses are brought to ``world_frame`` at their stamps, goals and maps again where their
@@ -431,10 +431,6 @@ class ControllerNode(ManagedNode):
             if check.is_news:
                 level = ERROR if check.state is OdometryState.LOST else WARN
                 self.reporter.report(level, f'no odometry for {check.age:.2f} s; stopped')
-        # Before the first odometry, too; in lockstep time waits for it.
-        is_lost = check.state is OdometryState.LOST or self._latest.odometry is None
-        if is_lost and not self._options.lockstep:
-            self._goals.on_odometry_lost()
 
 
 def _names_object_only(values: Mapping[str, Any]) -> bool:

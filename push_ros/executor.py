@@ -48,6 +48,9 @@ FIRST_PAUSE = 1e-4
 POLL_PAUSE = 2e-5
 # Longest wait of a node without real-time topics [s]: signals do not end it; chosen.
 SIGNAL_PERIOD = 0.1
+# Time that a callback may still take after a signal before it is interrupted [s]; chosen: launch
+# sends the next signal after 5 s, and kills after 15 s.
+ENDING_TIME = 2.0
 # Exit status where a parameter is refused.
 BAD_PARAMETER = 2
 
@@ -140,6 +143,7 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
         return 0
     finally:
         stop.is_starting = False
+        stop.disarm()
         try_shutdown()
         stop.release()
 
@@ -155,28 +159,24 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
     gc.collect()
     gc.freeze()
     stop.is_starting = False
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
     try:
-        spin(node, executor, stop)
+        spin(node, stop)
     finally:
+        stop.disarm()
         node.close()
-        _run_last_callbacks(node, executor)
-        executor.remove_node(node)
-        executor.shutdown()
         node.destroy_node()
     return 0
 
 
-def spin(node: PolledNode, executor: SingleThreadedExecutor,
-         is_stopped: Callable[[], bool]) -> None:
+def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
     """
     Run a node's callbacks: real-time ones at once, the others 20 times a second.
 
     :param node: the ``PushNode``.
-    :param executor: that the node was added to.
     :param is_stopped: takes nothing, tells whether to end.
     """
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
     background_due = 0.0
     busy_until = 0.0
     last_message = 0.0
@@ -198,6 +198,8 @@ def spin(node: PolledNode, executor: SingleThreadedExecutor,
         else:
             until = min(background_due, node.wake_time)
             executor.spin_once(timeout_sec=max(0.0, until - now))
+    executor.remove_node(node)
+    executor.shutdown()
 
 
 def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
@@ -210,18 +212,12 @@ def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
     node.background.is_open = False
 
 
-def _run_last_callbacks(node: PolledNode, executor: SingleThreadedExecutor) -> None:
-    """Send what the end of a node has left to be sent, as results of goals."""
-    node.background.is_open = True
-    for _ in range(BACKGROUND_CALLBACKS):
-        executor.spin_once(timeout_sec=0.0)
-
-
 class _StopSignal:
     """
     Remembers that SIGINT or SIGTERM came.
 
-    While the node is made, which may take long, the signal interrupts that as well.
+    While the node is made, which may take long, the signal interrupts that as well; later it
+    interrupts a callback that takes long, as that of a planner does.
     """
 
     def __init__(self) -> None:
@@ -229,12 +225,22 @@ class _StopSignal:
         self._has_come = False
         self._former_handlers = {number: signal.signal(number, self._remember)
                                  for number in (signal.SIGINT, signal.SIGTERM)}
+        self._former_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
 
     def _remember(self, number: int, frame: FrameType | None) -> None:
+        if not self._has_come:
+            signal.setitimer(signal.ITIMER_REAL, ENDING_TIME)
         self._has_come = True
         if self.is_starting:
             self.is_starting = False
             raise KeyboardInterrupt
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    def disarm(self) -> None:
+        """Interrupt nothing any more: what is left to do is the end."""
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
     def __call__(self) -> bool:
         return self._has_come

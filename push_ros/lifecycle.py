@@ -98,6 +98,9 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
         :return: failure where a parameter does not allow it; the node stays unconfigured then.
         """
         self._fault = None
+        # Said before, as nothing is answered meanwhile.
+        self.reporter.report(OK, 'is being configured; the first time with an object this takes a '
+                             'minute or two')
         try:
             with self._logged_errors():
                 self.configure()

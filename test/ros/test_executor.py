@@ -1,0 +1,56 @@
+"""A node ends soon after a signal, in order, whatever it is about to do."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.dds
+
+# A node whose callback never returns, as that of a planner may seem to.
+SCRIPT = """
+import sys
+from push_ros.executor import BackgroundGroup, PolledNode, run
+
+
+class Busy(PolledNode):
+    is_polled = False
+
+    def __init__(self):
+        super().__init__('busy')
+        self.background = BackgroundGroup()
+
+    def start(self):
+        self.create_timer(0.01, self.work)
+
+    def work(self):
+        print('works', flush=True)
+        while True:
+            pass
+
+    def poll(self):
+        return False
+
+    def close(self):
+        print('closed', flush=True)
+
+
+sys.exit(run(Busy, []))
+"""
+
+
+@pytest.mark.parametrize('numbers', [[signal.SIGINT], [signal.SIGTERM],
+                                     [signal.SIGINT, signal.SIGINT, signal.SIGTERM]])
+def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
+    """With exit status 0 and without a traceback; launch and a terminal may both send one."""
+    process = subprocess.Popen([sys.executable, '-c', SCRIPT], stdin=subprocess.DEVNULL, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    try:
+        assert process.stdout.readline() == 'works\n'
+        for number in numbers:
+            process.send_signal(number)
+        printed, _ = process.communicate(timeout=120.0)
+        assert (process.returncode, printed) == (0, 'closed\n')
+    finally:
+        process.kill()
