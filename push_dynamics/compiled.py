@@ -2,9 +2,9 @@
 Scalar kernels: compiled by numba where it is installed, plain Python elsewhere.
 
 Machine code is kept on disk, in a directory named after the text of all modules that end up in
-it (this folder, and that of the function): numba itself notices changes only in the file of the
-outermost function. The directory is in the user's cache, so that a read-only installation works;
-where it cannot be written to either, every process compiles anew.
+it (this folder, that of the function, and those whose functions others call): numba itself notices
+changes only in the file of the outermost function. The directory is in the user's cache, so that a
+read-only installation works; where it cannot be written to either, every process compiles anew.
 
 Compiling takes 6 s of CPU time, and loading machine code from disk 0.5 s. Where little is to be
 computed, as in a simulator that keeps to the wall clock, ``interpreted`` runs the same text as
@@ -139,7 +139,10 @@ def _interpreted_names(module: str) -> dict[str, Any]:
 # One digest for each folder: some dozen functions ask for it.
 @functools.lru_cache(maxsize=None)
 def _source_digest(folder: pathlib.Path) -> str:
-    sources = [source for part in sorted({HERE, folder}) for source in sorted(part.glob('*.py'))]
+    folders = {HERE, folder}
+    if folder != HERE:
+        folders.add(HERE.parent / 'push_primitives')
+    sources = [source for part in sorted(folders) for source in sorted(part.glob('*.py'))]
     digest = hashlib.sha256()
     for source in [*sources, geometry.__file__, friction.__file__]:
         digest.update(pathlib.Path(source).read_bytes())

@@ -17,11 +17,19 @@ class PushStyle(enum.Enum):
 
     A steered push holds the contact where it is on the object: the robot corrects the pushing
     angle and stops where the contact is lost. In an unsteered push the robot keeps to a straight
-    line or one arc; the contact may roll and slide along the side, and neither is an error.
+    line or one arc; the contact may roll and slide along the side, and neither is an error. Such a
+    push aims at the goal of the task, with whatever pose of the object is best for that; one to a
+    waypoint aims at the end of its own trajectory, from where the next one goes on.
     """
 
     STEERED = 'steered'
     UNSTEERED = 'unsteered'
+    WAYPOINT = 'waypoint'
+
+    @property
+    def is_unsteered(self) -> bool:
+        """Whether the contact may roll and slide."""
+        return self is not PushStyle.STEERED
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

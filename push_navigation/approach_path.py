@@ -27,7 +27,7 @@ from push_navigation.path import (
 )
 from push_navigation.path_planner import (
     check_goal, check_robot, check_start, finite_pose, map_margin, MAX_ARC_ANGLE,
-    MAX_DEPARTURE_ANGLE, plan_path,
+    MAX_DEPARTURE_ANGLE, path_with_clearance, with_enough_room,
 )
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import LATERAL_FRACTION, travel_time
@@ -122,13 +122,18 @@ def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start
     """
     approach = Approach(robot, obj, *_finite(object_pose, start, contact_pose), settings,
                         final_straight, end_speed)
+    return with_enough_room(settings, occupancy_map, lambda drive: _plan(
+        approach._replace(settings=drive), occupancy_map))
+
+
+def _plan(approach: Approach, occupancy_map: OccupancyMap | None) -> Path:
     is_free = _free_of_obstacles(approach, occupancy_map)
-    for time, segments in _manoeuvres(approach):
+    for number, (time, segments) in enumerate(_manoeuvres(approach)):
         path = _to_path(approach, segments)
         if is_free(path):
-            if occupancy_map is None and not _may_be_slower(approach, time):
+            if number == 0 and not _may_be_slower(approach, time):
                 return path
-            # In a map the quickest manoeuvres may have been in the way.
+            # What meets obstacles may be replaced by something quicker than this.
             return min((path, *_stopping_paths(approach, occupancy_map)), key=approach.time)
     return _stopping_path(approach, occupancy_map)
 
@@ -312,8 +317,8 @@ def _stopping_path(approach: Approach, occupancy_map: OccupancyMap | None) -> Pa
     distance = approach.settings.standoff
     standoff = goal._replace(x=goal.x - distance * math.cos(direction),
                              y=goal.y - distance * math.sin(direction))
-    path = plan_path(approach.robot, approach.obj, approach.object_pose, approach.start, standoff,
-                     approach.settings, occupancy_map=occupancy_map)
+    path = path_with_clearance(approach.robot, approach.obj, approach.object_pose, approach.start,
+                               standoff, approach.settings, occupancy_map=occupancy_map)
     return Path((*path.poses, goal), (*path.arc_angles, 0.0))
 
 

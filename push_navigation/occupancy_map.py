@@ -3,18 +3,18 @@
 import copy
 import functools
 import math
+from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from push_model.geometry import BoolArray, Coordinates, FloatArray, Pose
 from push_model.parameters import Outline, PushedObject, RoundRobot
+from push_navigation.distance_field import distance_field, INTERPOLATION_ERROR
 from push_navigation.obstacle import inflate
 
-# Derived: between cell centres the distance to the nearest occupied centre is at most this much
-# shorter than interpolated [cells].
-INTERPOLATION_ERROR = (2.0 + math.sqrt(2.0)) / 4.0 - math.sqrt(0.5)
-# An obstacle may besides fill its cell to the corner, half a diagonal from the centre [cells].
-CONSERVATIVE_OFFSET = math.sqrt(0.5) + INTERPOLATION_ERROR
+# Points on the rim of an object, per cell; chosen: a corner of an obstacle that pokes between two
+# of them is an eighth of a cell nearer than it seems.
+RIM_POINTS_PER_CELL = 4
 
 
 class OccupancyMap:
@@ -42,9 +42,11 @@ class OccupancyMap:
         self.resolution = float(resolution)
         self.occupied: BoolArray = cells
         self._place(Pose(*origin))
-        # Distance of each cell from the nearest occupied one, in cells, with a border round them.
-        from scipy.ndimage import distance_transform_edt
-        self._distances = distance_transform_edt(~np.pad(cells, 1, constant_values=True))
+        # With a border of occupied cells round the map, and nowhere too long.
+        self._distances = distance_field(np.pad(cells, 1, constant_values=True))
+        self._distances -= INTERPOLATION_ERROR
+        self._distances *= self.resolution
+        self._distances.setflags(write=False)
 
     def _place(self, origin: Pose) -> None:
         self.origin = origin
@@ -90,6 +92,15 @@ class OccupancyMap:
         """
         return self.clearance_in_map_frame(*self.to_map(points).T)
 
+    @property
+    def distances(self) -> NDArray[np.float32]:
+        """
+        Clearances of the centres of all cells [m], with a border of one occupied cell round them.
+
+        Shape (rows + 2, columns + 2); between the centres they are interpolated linearly.
+        """
+        return self._distances
+
     def clearance_in_map_frame(self, x: ArrayLike, y: ArrayLike) -> FloatArray:
         """
         Find the same for points in the frame of the map.
@@ -100,8 +111,8 @@ class OccupancyMap:
         """
         from scipy.ndimage import map_coordinates
         cells = np.stack((y, x)) / self.resolution + 0.5
-        distances = map_coordinates(self._distances, cells, order=1, mode='nearest')
-        return self.resolution * (distances - CONSERVATIVE_OFFSET)
+        return cast(FloatArray, map_coordinates(self._distances, cells, output=float, order=1,
+                                                mode='nearest'))
 
     def first_robot_collision(self, robot: RoundRobot, poses: ArrayLike,
                               margin: float) -> int | None:
@@ -134,9 +145,25 @@ class OccupancyMap:
         collides = self.clearance(_placed(center[None, :], poses)) < radius + margin
         close = np.flatnonzero(collides)
         if close.size:
-            clearance = self.clearance(_placed(points, poses[close])).reshape(close.size, -1)
-            collides[close] = clearance.min(axis=1) < margin + 0.5 * self.resolution
+            collides[close] = self._outline_clearances(points, poses[close]) < margin
         return _first(collides)
+
+    def object_clearance(self, obj: PushedObject, poses: ArrayLike) -> float:
+        """
+        Find the least clearance of the object at some poses [m]; negative where it collides.
+
+        :param obj: the ``PushedObject``.
+        :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
+        """
+        poses = np.asarray(poses, dtype=float)
+        if not obj.outline:
+            return float(self.clearance(poses[:, :2]).min()) - obj.radius
+        points, _, _ = _covering_points(obj.outline, self.resolution)
+        return float(self._outline_clearances(points, poses).min())
+
+    def _outline_clearances(self, points: FloatArray, poses: FloatArray) -> FloatArray:
+        clearances = self.clearance(_placed(points, poses)).reshape(len(poses), -1).min(axis=1)
+        return clearances - 0.5 * self.resolution / RIM_POINTS_PER_CELL
 
     def robot_is_free(self, robot: RoundRobot, poses: ArrayLike, margin: float) -> bool:
         """
@@ -175,15 +202,15 @@ def _placed(points: FloatArray, poses: FloatArray) -> FloatArray:
 @functools.lru_cache(maxsize=16)
 def _covering_points(outline: Outline, spacing: float) -> tuple[FloatArray, float, FloatArray]:
     """
-    Cover an outline with points at most a spacing apart: on its rim, and on a grid inside.
+    Cover an outline with points: close together on its rim, and on a grid inside.
 
     :param outline: vertices, counter-clockwise [m].
-    :param spacing: of the points [m].
+    :param spacing: of the grid, the side of a cell [m].
     :return: (points, shape (k, 2); radius and centre, shape (2,), of a circle round the outline).
     """
     corners = np.array(outline)
     rim = [first + (last - first) * np.linspace(0.0, 1.0, 1 + math.ceil(
-        np.linalg.norm(last - first) / spacing))[:-1, None]
+        RIM_POINTS_PER_CELL * np.linalg.norm(last - first) / spacing))[:-1, None]
         for first, last in zip(corners, np.roll(corners, -1, axis=0))]
     low, high = corners.min(axis=0), corners.max(axis=0)
     grid = np.stack(np.meshgrid(*(np.arange(a, b, spacing) for a, b in zip(low, high))), axis=-1)

@@ -24,8 +24,9 @@ class DriveSettings:
                                        high=1000.0, default=5.0)
     clearance: float = quantity('distance that a robot whose pose is certain keeps from the '
                                 'object', 'm', above=0.0, high=1.0, default=0.03)
-    map_clearance: float = quantity('distance that robot and object keep from obstacles', 'm',
-                                    0.0, 1.0, default=0.05)
+    map_clearance: float = quantity('distance that the robot keeps from obstacles of a map, and '
+                                    'twice that of the object; 0.4 of it where there is no more '
+                                    'room', 'm', 0.0, 1.0, default=0.05)
     standoff: float = quantity('gap at which the straight final approach to the contact begins',
                                'm', 0.0, 1.0, default=0.06)
     retreat_distance: float = quantity('length of the straight path off the object after a push',
@@ -49,6 +50,16 @@ class DriveSettings:
         :return: ``DriveSettings``.
         """
         return _limited(self, robot)
+
+    def with_clearances(self, fraction: float) -> 'DriveSettings':
+        """
+        Reduce the clearances from object and obstacles.
+
+        :param fraction: what remains of them.
+        :return: ``DriveSettings``.
+        """
+        return dataclasses.replace(self, clearance=fraction * self.clearance,
+                                   map_clearance=fraction * self.map_clearance)
 
     def for_uncertain_robot(self, deviation: float) -> 'DriveSettings':
         """

@@ -83,8 +83,8 @@ class TaskSettings:
     """How the pushes of a task are planned."""
 
     method: TaskMethod = quantity(
-        'primitives: one unsteered push at a time, by a table of their effects, or sequences: of '
-        'steered pushes; in a map always sequences, which the other settings are for',
+        'primitives: unsteered pushes, by a table of their effects, or sequences: of steered '
+        'pushes, which the other settings are for',
         choices=get_args(TaskMethod), default='primitives')
     max_pushes: int = quantity('most pushes in a sequence', '', 1, 4, default=4)
     min_straight: float = quantity('least length of the straight end of every push', 'm',

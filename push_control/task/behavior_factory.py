@@ -93,13 +93,13 @@ class BehaviorFactory:
             perception.localization.obj, self._robot, self._control, self._drive,
             self._supervision, self.occupancy_map)
         if state is TaskState.RETREAT:
-            if target is not None and target.style is PushStyle.UNSTEERED:
+            if target is not None and target.style.is_unsteered:
                 return Retreat(context, min(self._drive.retreat_distance, SHORT_RETREAT),
                                self._drive.speed)
             return Retreat(context, self._drive.retreat_distance)
         if target is None:
             return None
-        is_unsteered = target.style is PushStyle.UNSTEERED
+        is_unsteered = target.style.is_unsteered
         if state is TaskState.APPROACH and is_unsteered:
             # Now, while the robot stands: the first time may take long.
             warm_up(self._primitives(), perception.localization)
@@ -109,6 +109,8 @@ class BehaviorFactory:
         if state is TaskState.ALIGN:
             return GuardedApproach(context, target, perception.object_at_rest)
         if state is TaskState.PUSH and is_unsteered and goal is not None:
+            if target.style is PushStyle.WAYPOINT:
+                goal = Pose(*target.object_poses[-1].tolist())
             return PrimitivePush(context, self._primitives(), perception.localization, target,
                                  goal)
         if state is TaskState.PUSH:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from push_control.laws.braking import braking_distance
 from push_control.localization.push_ensemble import PushEnsemble
+from push_control.push.obstacle_guard import ObstacleGuard
 from push_control.push.rollout_law import RolloutLaw
 from push_control.push.status import ControllerStatus, Phase
 from push_control.settings import ControlSettings
@@ -176,6 +177,8 @@ class PrimitivePush(Behavior):
             face_at(primitives.table, self._line.start), goal, max(self._speed, 0.05))
         self._progress = _Progress(self._line, context.control)
         self._memory = ensemble.remember_robot()
+        self._guard = None if context.occupancy_map is None else ObstacleGuard(
+            context.occupancy_map, context.obj, context.robot, target)
 
     @property
     def push_status(self) -> ControllerStatus:
@@ -215,6 +218,10 @@ class PrimitivePush(Behavior):
             return self._stop()
         if progress.stage is _Stage.RUN_IN:
             return self._run_in()
+        ensemble = self._ensemble
+        if self._guard is not None and self._guard.is_close(ensemble.object_pose, ensemble.pose,
+                                                            dt):
+            return self._stop()
         return self._push()
 
     def _run_in(self) -> Twist:

@@ -28,7 +28,7 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
-from push_model.trajectory import PushStyle, PushTrajectory
+from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 
@@ -423,7 +423,7 @@ class Supervisor:
 
     @property
     def _is_unsteered(self) -> bool:
-        return self._plan is not None and self._plan.style is PushStyle.UNSTEERED
+        return self._plan is not None and self._plan.style.is_unsteered
 
     def _recover(self, failure_reason: str) -> None:
         self._progress.count_attempt(failure_reason)

@@ -13,8 +13,9 @@ from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
-from push_model.trajectory import PushTrajectory
+from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.approach_path import plan_approach
+from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Path
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
@@ -55,7 +56,8 @@ class PrimitivePlan(NamedTuple):
 
 def plan_primitive_push(request: PlanRequest, robot: RoundRobot,
                         settings: PlannerSettings | None = None,
-                        drive: DriveSettings | None = None) -> PrimitivePlan:
+                        drive: DriveSettings | None = None, *,
+                        occupancy_map: OccupancyMap | None = None) -> PrimitivePlan:
     """
     Plan the next unsteered push on open floor.
 
@@ -63,30 +65,41 @@ def plan_primitive_push(request: PlanRequest, robot: RoundRobot,
     :param robot: the ``RoundRobot``.
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param drive: ``DriveSettings``, or None for the defaults.
+    :param occupancy_map: ``OccupancyMap`` that the robot's path keeps to; the push does not.
     :return: ``PrimitivePlan``.
     :raises PlanningFailed: with the reason.
     """
-    check_robot_is_round(robot)
     settings, drive = settings or PlannerSettings(), drive or DriveSettings()
+    request = checked_request(request, robot)
+    primitives = primitives_for(request, robot, drive)
+    paths = ApproachPaths(request, robot, settings, drive, occupancy_map)
+    to_object = request.object_pose.inverse()
+    selected = select_push(primitives, SelectionQuery(
+        to_object @ request.goal, to_object @ request.robot_pose, friction_belief(request),
+        request.robot_deviation, greatest_speed(robot, settings)), paths.travel_time)
+    if selected is None:
+        raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE,
+                             f'no contact place can be reached: {paths.reason}')
+    return lay_out(request, robot, settings, primitives, selected, path=paths.to(
+        Pose(*primitives.table.starts[selected.primitive].tolist())))
+
+
+def checked_request(request: PlanRequest, robot: RoundRobot) -> PlanRequest:
+    """
+    Check what a push is planned for; after failed attempts the robot's place is less certain.
+
+    :param request: ``PlanRequest``.
+    :param robot: the ``RoundRobot``.
+    :raises PlanningFailed: where the robot is not round, or a pose not finite.
+    """
+    check_robot_is_round(robot)
     for name in ('object_pose', 'robot_pose', 'goal'):
         if not Pose(*getattr(request, name)).is_finite():
             raise PlanningFailed(PlanFailure.INVALID_VALUE,
                                  f'the {name} is not finite: {tuple(getattr(request, name))}')
     if request.cone_fraction < 1.0:
-        request = request._replace(
-            robot_deviation=max(request.robot_deviation, FAILED_DEVIATION))
-    primitives = _primitives(request, robot, drive)
-    paths = _ApproachPaths(request, robot, settings,
-                           drive.for_uncertain_robot(request.robot_deviation))
-    to_object = request.object_pose.inverse()
-    selected = select_push(primitives, SelectionQuery(
-        to_object @ request.goal, to_object @ request.robot_pose, _belief(request),
-        request.robot_deviation, greatest_speed(robot, settings)), paths.travel_time)
-    if selected is None:
-        raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE,
-                             f'no contact place can be reached: {paths.reason}')
-    return _plan(request, robot, settings, primitives, selected, path=paths.to(
-        Pose(*primitives.table.starts[selected.primitive].tolist())))
+        return request._replace(robot_deviation=max(request.robot_deviation, FAILED_DEVIATION))
+    return request
 
 
 def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
@@ -103,12 +116,25 @@ def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
         plan_primitive_push(PlanRequest(Pose(0.0, 0.0, 0.0), away, goal, obj), robot, drive=drive)
 
 
-def _plan(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
-          primitives: PushPrimitives, selected: SelectedPush, *, path: Path) -> PrimitivePlan:
+def lay_out(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
+            primitives: PushPrimitives, selected: SelectedPush, *, path: Path,
+            style: PushStyle = PushStyle.UNSTEERED) -> PrimitivePlan:
+    """
+    Make the plan of a push that has been selected.
+
+    :param request: ``PlanRequest``.
+    :param robot: the ``RoundRobot``.
+    :param settings: ``PlannerSettings``.
+    :param primitives: the ``PushPrimitives``.
+    :param selected: the ``SelectedPush``.
+    :param path: ``Path`` of the robot to the first contact.
+    :param style: ``PushStyle`` of the push.
+    :return: ``PrimitivePlan``.
+    """
     table = primitives.table
     trajectory = push_trajectory(
         request.obj, robot, request.object_pose, request.robot_pose.theta, table, selected,
-        settings=settings)
+        settings=settings, style=style)
     start = Pose(*trajectory.robot_poses[0].tolist())
     contact = find_contact(request.obj, request.object_pose, start, robot.radius).contact
     report = {
@@ -120,8 +146,16 @@ def _plan(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
                          report)
 
 
-def _primitives(request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> PushPrimitives:
-    """Load what is known of the object's pushes; the controller loads the same."""
+def primitives_for(request: PlanRequest, robot: RoundRobot,
+                   drive: DriveSettings) -> PushPrimitives:
+    """
+    Load what is known of the object's pushes; the controller loads the same.
+
+    :param request: ``PlanRequest``.
+    :param robot: the ``RoundRobot``.
+    :param drive: ``DriveSettings``.
+    :raises PlanningFailed: where no face of the object is long enough.
+    """
     try:
         return load_primitives(request.obj, robot, CostSettings(
             position_tolerance=request.position_tolerance,
@@ -131,7 +165,13 @@ def _primitives(request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -
         raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE, str(error)) from error
 
 
-def _belief(request: PlanRequest) -> FrictionBelief:
+def friction_belief(request: PlanRequest) -> FrictionBelief:
+    """
+    Gather what is known of friction.
+
+    :param request: ``PlanRequest``.
+    :raises PlanningFailed: where the object slides without friction.
+    """
     try:
         center = friction_center(request.obj)
     except ValueError as error:
@@ -140,29 +180,48 @@ def _belief(request: PlanRequest) -> FrictionBelief:
                           request.center_deviation, request.contact_friction_deviation)
 
 
-class _ApproachPaths:
-    """Paths to the starts of primitives."""
+class ApproachPaths:
+    """
+    Paths to the starts of primitives.
+
+    ``reason``: why the last one that could not be planned has no path.
+
+    :param request: ``PlanRequest``.
+    :param robot: the ``RoundRobot``.
+    :param settings: ``PlannerSettings``.
+    :param drive: ``DriveSettings``.
+    :param occupancy_map: the ``OccupancyMap``, or None for open floor.
+    """
 
     def __init__(self, request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
-                 drive: DriveSettings) -> None:
+                 drive: DriveSettings, occupancy_map: OccupancyMap | None = None) -> None:
         self._request = request
         self._robot = robot
-        self._drive = drive
+        self._drive = drive.for_uncertain_robot(request.robot_deviation)
+        self._map = occupancy_map
         self._speed = touch_speed(1.0, settings)
         self._paths: dict[Pose, Path] = {}
         self.reason = ''
 
     def to(self, start: Pose) -> Path:
-        """Return the path to a start, in the object frame, that ``travel_time`` has planned."""
+        """
+        Return the path to a start that ``travel_time`` has planned.
+
+        :param start: robot centre at first contact and direction of motion, object frame.
+        """
         return self._paths[start]
 
     def travel_time(self, start: Pose) -> float:
-        """Plan a path and return its time [s], infinite where there is none."""
+        """
+        Plan a path and return its time [s], infinite where there is none.
+
+        :param start: robot centre at first contact and direction of motion, object frame.
+        """
         request = self._request
         try:
             path = plan_approach(self._robot, request.obj, request.object_pose,
                                  request.robot_pose, request.object_pose @ start, self._drive,
-                                 end_speed=self._speed)
+                                 occupancy_map=self._map, end_speed=self._speed)
         except NoPathFound as failure:
             self.reason = failure.reason
             return float('inf')

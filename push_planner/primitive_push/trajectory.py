@@ -49,8 +49,8 @@ def greatest_speed(robot: RoundRobot, settings: PlannerSettings) -> float:
 
 
 def push_trajectory(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_heading: float,
-                    table: PrimitiveTable, selected: SelectedPush, *,
-                    settings: PlannerSettings) -> PushTrajectory:
+                    table: PrimitiveTable, selected: SelectedPush, *, settings: PlannerSettings,
+                    style: PushStyle = PushStyle.UNSTEERED) -> PushTrajectory:
     """
     Lay out a push from the first contact to its end.
 
@@ -61,7 +61,8 @@ def push_trajectory(obj: PushedObject, robot: RoundRobot, object_pose: Pose, rob
     :param table: the ``PrimitiveTable``.
     :param selected: the ``SelectedPush``.
     :param settings: ``PlannerSettings``.
-    :return: ``PushTrajectory`` of style ``UNSTEERED``.
+    :param style: ``UNSTEERED`` or ``WAYPOINT``.
+    :return: ``PushTrajectory``.
     """
     number, length = selected.primitive, selected.length
     driven = _driven_lengths(length, settings.sample_spacing)
@@ -91,7 +92,7 @@ def push_trajectory(obj: PushedObject, robot: RoundRobot, object_pose: Pose, rob
     robot_twists = np.stack([speeds * np.cos(directions), speeds * np.sin(directions), yaw_rates],
                             axis=1)
     return PushTrajectory(times, object_poses, object_twists, contact_poses, contact_twists,
-                          robot_poses, robot_twists, PushStyle.UNSTEERED)
+                          robot_poses, robot_twists, style)
 
 
 def _driven_lengths(length: float, spacing: float) -> FloatArray:

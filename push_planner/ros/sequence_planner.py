@@ -5,7 +5,6 @@ from typing import Any, Mapping, NamedTuple
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanRequest
-from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 from push_planner.primitive_push.planner import warm_up
@@ -124,7 +123,8 @@ class SequenceRequestHandler:
         :param stamp: ``builtin_interfaces/Time`` of the request, or of the measurements.
         """
         trajectory = task_plan.trajectory
-        poses = sequence_poses(trajectory, task_plan.later_steps, PATH_SPACING)
+        poses = [*sequence_poses(trajectory, task_plan.later_steps, PATH_SPACING),
+                 *task_plan.later_poses]
         return SequencePlanMessages(to_plan_message(trajectory, stamp, self._frame),
                                     to_path_message(poses, stamp, self._frame))
 
@@ -144,7 +144,7 @@ def describe_task_plan(task_plan: TaskPlan) -> Description:
     """
     count, first = len(task_plan.pushes), task_plan.pushes[0]
     noun = 'push' if count == 1 else 'pushes'
-    expected = '' if task_plan.trajectory.style is PushStyle.STEERED else 'expected '
+    expected = 'expected ' if task_plan.trajectory.style.is_unsteered else ''
     text = (f'has planned {count} {noun} of {expected}{task_plan.duration:.1f} s in all, the '
             f'first of {first.path_length:.2f} m')
     return Description(text, {

@@ -19,6 +19,7 @@ from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
 from push_navigation.settings import DriveSettings
+from push_planner.map_search.planner import plan_push_in_map
 from push_planner.plan import Plan
 from push_planner.primitive_push.planner import plan_primitive_push, PrimitivePlan
 from push_planner.problem import check_robot_is_round, PlanningFailed
@@ -92,6 +93,8 @@ class TaskPlan(NamedTuple):
     :param push_report: further values of the first push by name.
     :param plan: the ``Plan`` of a steered push, else None.
     :param later_steps: ``SequenceStep`` of each push but the first.
+    :param later_poses: ``Pose`` of the object after each unsteered push but the first, as far as
+        these are planned.
     """
 
     pushes: tuple[PlannedPush, ...]
@@ -103,6 +106,7 @@ class TaskPlan(NamedTuple):
     push_report: Mapping[str, Any]
     plan: Plan | None = None
     later_steps: tuple[SequenceStep, ...] = ()
+    later_poses: tuple[Pose, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -370,9 +374,12 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     :return: ``TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
-    if occupancy_map is None and (task or TaskSettings()).method == 'primitives':
+    if (task or TaskSettings()).method == 'primitives':
         try:
-            return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
+            if occupancy_map is None:
+                return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
+            found = plan_push_in_map(request, robot, settings, drive, occupancy_map)
+            return _as_task_plan(found.first, found.later_poses, found.expansions)
         except PlanningFailed as failure:
             # An object whose faces are too short for unsteered pushes may have steered ones.
             if failure.code is not PlanFailure.NO_FEASIBLE_SITE:
@@ -393,7 +400,8 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     return plan(settings=settings)
 
 
-def _as_task_plan(found: PrimitivePlan) -> TaskPlan:
+def _as_task_plan(found: PrimitivePlan, later_poses: tuple[Pose, ...] = (),
+                  expansions: int = 0) -> TaskPlan:
     trajectory = found.trajectory
     ends = (Pose(*poses[end].tolist())
             for poses in (trajectory.object_poses, trajectory.robot_poses) for end in (0, -1))
@@ -401,4 +409,4 @@ def _as_task_plan(found: PrimitivePlan) -> TaskPlan:
     push = PlannedPush(found.contact, start, end, robot_start, robot_end, trajectory.duration,
                        found.length)
     return TaskPlan((push,), trajectory, found.approach_path, found.expected_time, math.nan,
-                    SearchReport(), found.report)
+                    SearchReport(expansions), found.report, later_poses=later_poses)

@@ -17,7 +17,8 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectory
 
 JOINTS = ('object', 'contact', 'robot')
 # Name of the second joint: a contact that is free may roll and slide along the object.
-CONTACT_JOINTS = {PushStyle.STEERED: 'contact', PushStyle.UNSTEERED: 'free_contact'}
+CONTACT_JOINTS = {PushStyle.STEERED: 'contact', PushStyle.UNSTEERED: 'free_contact',
+                  PushStyle.WAYPOINT: 'free_contact_to_waypoint'}
 
 
 def to_plan_message(trajectory: PushTrajectory, stamp: Time,
@@ -25,7 +26,8 @@ def to_plan_message(trajectory: PushTrajectory, stamp: Time,
     """
     Convert a trajectory to a message: joints ``object``, ``contact`` and ``robot``.
 
-    Where the push is unsteered the second joint is called ``free_contact``.
+    Where the push is unsteered the second joint is called ``free_contact``, or
+    ``free_contact_to_waypoint`` where it does not aim at the goal of the task.
 
     :param trajectory: ``PushTrajectory``.
     :param stamp: of the newest measurement that the plan starts from, or of its request.

@@ -21,9 +21,11 @@ def test_clearance_is_never_too_long_and_hardly_too_short():
         occupancy_map = scattered_cells(2, origin)
         local = rng.uniform(0.0, 1.0, (2000, 2)) * (3.0, 2.0)
         points = np.array([origin.transform(point) for point in local])
-        short = true_distances(occupancy_map, points) - occupancy_map.clearance(points)
-        assert short.min() >= -1e-12
-        assert short.max() < 1.6 * RESOLUTION
+        distances = true_distances(occupancy_map, points)
+        short = distances - occupancy_map.clearance(points)
+        # In single precision.
+        assert short.min() >= -1e-7
+        assert short[distances > RESOLUTION].max() < 0.7 * RESOLUTION
 
 
 def test_outside_the_map_is_an_obstacle():
@@ -49,7 +51,7 @@ def test_a_free_object_keeps_the_margin_and_a_clear_one_is_free(obj):
         seen.add(free)
         if free:
             assert min(away - 0.5 * RESOLUTION, border) >= margin - 1e-3
-        if min(away, border) > margin + 2.7 * RESOLUTION:
+        if min(away, border) > margin + 1.6 * RESOLUTION:
             assert free
     assert seen == {True, False}
 
@@ -71,7 +73,7 @@ def test_the_first_collision_is_found():
     for number, size in ((occupancy_map.first_robot_collision(ROBOT, poses, 0.05), 0.17),
                          (occupancy_map.first_object_collision(box(), poses, 0.05), 0.2),
                          (occupancy_map.first_object_collision(bin_(), poses, 0.05), 0.2)):
-        assert -0.05 - size - 0.05 - 2.0 * RESOLUTION < poses[number][0] < -0.08 - size
+        assert -0.05 - size - 0.05 - 0.7 * RESOLUTION < poses[number][0] < -0.08 - size
     assert occupancy_map.first_robot_collision(ROBOT, poses[:20], 0.05) is None
     assert occupancy_map.first_object_collision(box(), poses[:20], 0.05) is None
 

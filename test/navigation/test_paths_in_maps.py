@@ -108,7 +108,7 @@ def test_a_robot_close_to_a_wall_can_leave():
     """It keeps the clearance that it has; in the wall it stays, and is told where it is."""
     occupancy_map, obj, robot = room_with_door(0.8), box(), ROBOTS['differential']
     goal = Pose(-1.5, 0.0, 0.0)
-    near = Pose(-0.05 - 0.17 - 1.2 * RESOLUTION, -1.0, 0.0)
+    near = Pose(-0.05 - 0.17 - 0.8 * RESOLUTION, -1.0, 0.0)
     path = plan_path(robot, obj, ASIDE, near, goal, SETTINGS, occupancy_map=occupancy_map)
     clearance_there = occupancy_map.clearance([near[:2]])[0]
     assert clearance_there < robot.radius + SETTINGS.map_clearance

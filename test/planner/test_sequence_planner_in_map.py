@@ -72,7 +72,7 @@ def test_what_the_map_forbids_is_refused(robot, occupancy_map, goal, code, reaso
 
 def test_at_a_goal_near_the_wall_the_margin_is_smaller():
     """It is that of the goal where it is nearer to the wall than the settings ask for."""
-    occupancy_map, goal = walled_floor(6.0, 6.0), Pose(2.67, 0.0, 0.0)
+    occupancy_map, goal = walled_floor(6.0, 6.0), Pose(2.71, 0.0, 0.0)
     assert not occupancy_map.object_is_free(box(), [goal], MARGIN)
     found = plan_task(box(), HOLONOMIC, START, HERE, goal, occupancy_map=occupancy_map)
     assert occupancy_map.object_is_free(box(), found.plan.trajectory.object_poses, 0.0)

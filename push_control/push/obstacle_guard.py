@@ -1,0 +1,64 @@
+"""Guard of an unsteered push in a map: ends it before object or robot meet an obstacle."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+
+# Clearance that a push keeps, where its plan does [m]; chosen: the noise of poses and of maps.
+GUARDED_CLEARANCE = 0.01
+# Clearance that it may lose against its plan where that has less [m]; chosen.
+LOST_CLEARANCE = 0.005
+# Time that the robot takes to stop, with the age of what it sees [s]; chosen: poses are 0.1 s old,
+# a drive lags by as much, and it brakes from 0.3 m/s in a third of a second, half as far.
+REACTION_TIME = 0.35
+# Time over which motion is measured [s]; chosen: two periods of the object pose.
+MEASURED_TIME = 0.1
+
+
+class ObstacleGuard:
+    """
+    Predicts the clearances of object and robot by the rate at which they change.
+
+    :param occupancy_map: the ``OccupancyMap``.
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param target: ``PushTrajectory``.
+    """
+
+    def __init__(self, occupancy_map: OccupancyMap, obj: PushedObject, robot: RoundRobot,
+                 target: PushTrajectory) -> None:
+        self._map = occupancy_map
+        self._obj = obj
+        self._robot = robot
+        planned = self._clearances(target.object_poses, target.robot_poses)
+        self._limits = [min(GUARDED_CLEARANCE, clearance - LOST_CLEARANCE)
+                        for clearance in planned]
+        self._last: list[float] | None = None
+        self._rates = [0.0, 0.0]
+        self._elapsed = 0.0
+
+    def is_close(self, object_pose: Pose, robot_pose: Pose, dt: float) -> bool:
+        """
+        Tell whether the push has to end.
+
+        :param object_pose: ``Pose`` of the object.
+        :param robot_pose: ``Pose`` of the robot.
+        :param dt: time since the last call [s].
+        """
+        clearances = self._clearances([object_pose], [robot_pose])
+        self._elapsed += dt
+        if self._last is None:
+            self._last, self._elapsed = clearances, 0.0
+        elif self._elapsed >= MEASURED_TIME:
+            self._rates = [(now - before) / self._elapsed
+                           for now, before in zip(clearances, self._last)]
+            self._last, self._elapsed = clearances, 0.0
+        return any(rate < 0.0 and clearance + REACTION_TIME * rate < limit
+                   for clearance, rate, limit in zip(clearances, self._rates, self._limits))
+
+    def _clearances(self, object_poses: ArrayLike, robot_poses: ArrayLike) -> list[float]:
+        robot = float(self._map.clearance(np.asarray(robot_poses)[:, :2]).min())
+        return [self._map.object_clearance(self._obj, object_poses), robot - self._robot.radius]

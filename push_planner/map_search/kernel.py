@@ -1,0 +1,501 @@
+"""
+Best-first search over straight pushes: weighted A* in (x, y, theta, face), compiled.
+
+A node is a pose of the object, the face that was pushed last and the place of the robot after it.
+Its successors are the straight pushes whose first contact the robot reaches, as long as neither
+meets an obstacle; the estimate of what remains,
+
+    h = max( V, W (1 / v + c_r / 0.8 m) + |theta - theta_goal| (c_r / 0.6 rad + 0.5 s / rad) b(W) )
+
+is the cost-to-go V of open floor; or it charges a push at speed v along the path of length W on
+the ``DistanceGrid``, and contacts of c_r each for distance and rotation; b falls from 1 to 0.15
+within a metre and a half of the goal, as on a long path the object is turned in passing. Nodes
+come in the order of g + w h. The search ends at a node from which the floor is open up to the
+goal, or in a push that ends at the goal itself.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from push_dynamics.compiled import compiled
+from push_model.geometry import FloatArray, IntArray
+from push_planner.map_search.object_distance import length_at, UNREACHED
+from push_planner.map_search.priority_queue import push, remove_first
+from push_planner.map_search.robot_reach import fill_reach, HALF_WINDOW, path_length
+from push_planner.map_search.scene import clearance, object_clearance
+from push_primitives.cost_to_go import interpolate_cost
+
+# Numbers of a node: pose of the object, cost [s], place of the robot, length of the last push.
+X, Y, THETA, COST, ROBOT_X, ROBOT_Y, LENGTH = range(7)
+NODE_SIZE = 7
+# Links of a node: face that was pushed last, node before, push in between, and whether that ends
+# at the goal.
+FACE, PARENT, PUSH, FINAL = range(4)
+LINK_SIZE = 4
+# Counters of a search.
+NODES, QUEUED, EXPANDED, REACH_FILLED, NEAREST = range(5)
+COUNTER_SIZE = 5
+# Of a push that ends at the goal: its length [m], and its miss over the tolerances.
+LENGTH_TO_GOAL, MISS = range(2)
+FINAL_SIZE = 2
+# How a search ends, where it finds nothing: all nodes are expanded, or as many as allowed.
+EXHAUSTED, LIMIT = -1, -2
+# Cells of the lattice in which only the cheapest node is kept: side [m], headings of a turn; and
+# near the goal, where otherwise all corrections would fall into one cell. Chosen.
+CELL, HEADINGS = 0.06, 24
+FINE_FACTOR = 3
+FINE_DISTANCE, FINE_ANGLE = 0.25, 0.6
+# Distance and rotation after which the estimate charges another contact [m, rad]; fitted to
+# plans: without the charge ten times as many nodes are expanded.
+CONTACT_DISTANCE, CONTACT_ROTATION = 0.8, 0.6
+ROTATION_TIME = 0.5
+PASSING_DISTANCE, LEAST_PASSING = 1.5, 0.15
+# From this distance on pushes that end at the goal are sought [m]; chosen.
+FINAL_RANGE = 0.6
+# A push may end beside the goal by this multiple of the tolerances, if that is this much nearer
+# than the object is before it; chosen: the correction that it needs counts in its cost, as this
+# part of a contact for each tolerance.
+LARGEST_MISS, MISS_RATIO = 5.0, 0.33
+MISS_COST = 0.4
+# Time that the standard deviation of a last push costs [s/m], as what it misses has to be
+# corrected; chosen: 1 cm counts as a fifth of a contact.
+SPREAD_COST = 100.0
+# Time charged for a place where no two opposite faces can be reached, as it may be a dead end [s].
+DEAD_END_COST = 20.0
+# Steps between the floor is looked at on a line to the goal [m].
+OPEN_STEP = 0.1
+# Gap before the contact from which on the robot drives straight, and after a push [m].
+STANDOFF, RETREAT = 0.06, 0.06
+# What clearance the object gains per distance from a start or goal that has less, and the length
+# on which it may keep that of the start [m]; chosen: it can slide along a wall for so long.
+MARGIN_SLOPE = 0.3
+SLIDING_LENGTH = 0.3
+# Cosine between the normals of faces that are opposite.
+OPPOSITE = -0.9
+# First length of which the sweep is looked at: shorter ones move the object by less than a margin.
+FIRST_SWEEP = 0.04
+
+
+class Query(NamedTuple):
+    """
+    What is searched for, in the frame of the map.
+
+    :param start: pose (x, y, theta) of the object, shape (3,).
+    :param robot: place (x, y) of the robot, shape (2,).
+    :param goal: pose of the object, shape (3,).
+    :param position_tolerance: distance from the goal at which a push ends there [m].
+    :param heading_tolerance: likewise [rad].
+    :param open_radius: clearance from which on the floor counts as open [m].
+    :param object_margin: clearance of the object [m], but at start and goal.
+    :param spread_factor: standard deviations of a vertex that are added to it.
+    :param start_margin: clearance of the start, to which the first push may keep [m].
+    :param goal_margin: likewise of the goal [m].
+    :param blocked: whether a push may not come first, shape (n,).
+    :param contact_time: of a contact besides pushing and driving [s].
+    :param pushing_speed: [m/s].
+    :param robot_speed: [m/s].
+    :param weight: of the estimate, at least 1.
+    :param max_expansions: number of nodes that are expanded at most.
+    :param first_half: half the side of the window in which the robot comes to the first contact.
+    """
+
+    start: FloatArray
+    robot: FloatArray
+    goal: FloatArray
+    position_tolerance: float
+    heading_tolerance: float
+    open_radius: float
+    object_margin: float
+    spread_factor: float
+    start_margin: float
+    goal_margin: float
+    blocked: NDArray[np.bool_]
+    contact_time: float
+    pushing_speed: float
+    robot_speed: float
+    weight: float
+    max_expansions: int
+    first_half: int
+
+
+class OpenFloor(NamedTuple):
+    """Cost-to-go of open floor; fields as of ``CostToGo``."""
+
+    values: NDArray[np.float32]
+    distances: FloatArray
+    headings: FloatArray
+
+
+class Problem(NamedTuple):
+    """
+    All that a search reads.
+
+    :param scene: ``Scene``.
+    :param pushes: ``Pushes``.
+    :param grid: ``DistanceGrid`` to the goal.
+    :param open_floor: ``OpenFloor``.
+    :param margins: ``RobotMargins``.
+    :param query: ``Query``.
+    """
+
+    scene: Any
+    pushes: Any
+    grid: Any
+    open_floor: OpenFloor
+    margins: Any
+    query: Query
+
+
+class Memory(NamedTuple):
+    """
+    All that a search writes.
+
+    :param nodes: shape (n, ``NODE_SIZE``).
+    :param links: shape (n, ``LINK_SIZE``).
+    :param closed: whether a node is done with, shape (n,).
+    :param keys: of the queue, shape (2 n,).
+    :param items: of the queue, shape (2 n,).
+    :param cells: numbers of lattice cells, or -1, shape (k,), k a power of two.
+    :param cell_nodes: the node in each of them, shape (k,).
+    :param reach: ``Reach``.
+    :param pose: of the object that is being looked at, shape (3,).
+    :param final: of the push that is, shape (``FINAL_SIZE``,).
+    :param counters: shape (``COUNTER_SIZE``,).
+    """
+
+    nodes: FloatArray
+    links: IntArray
+    closed: NDArray[np.bool_]
+    keys: FloatArray
+    items: IntArray
+    cells: IntArray
+    cell_nodes: IntArray
+    reach: Any
+    pose: FloatArray
+    final: FloatArray
+    counters: IntArray
+
+
+@compiled
+def search(problem: Any, memory: Any) -> int:
+    """
+    Search.
+
+    :param problem: ``Problem``.
+    :param memory: ``Memory``, with all cells -1 and all counters 0.
+    :return: number of the node at which the search ends, ``EXHAUSTED`` or ``LIMIT``.
+    """
+    query, counters = problem.query, memory.counters
+    node, link = memory.nodes[0], memory.links[0]
+    node[X], node[Y], node[THETA] = query.start[0], query.start[1], query.start[2]
+    node[COST], node[LENGTH] = 0.0, 0.0
+    node[ROBOT_X], node[ROBOT_Y] = query.robot[0], query.robot[1]
+    link[FACE], link[PARENT], link[PUSH], link[FINAL] = -1, -1, -1, 0
+    memory.closed[0] = False
+    counters[NODES] = 1
+    nearest = estimate(problem, node[X], node[Y], node[THETA], 0)
+    if nearest >= UNREACHED:
+        return EXHAUSTED
+    counters[QUEUED] = push(memory.keys, memory.items, 0, query.weight * nearest, 0)
+    while counters[QUEUED] > 0:
+        number = memory.items[0]
+        counters[QUEUED] = remove_first(memory.keys, memory.items, counters[QUEUED])
+        if memory.closed[number]:
+            continue
+        memory.closed[number] = True
+        counters[EXPANDED] += 1
+        node = memory.nodes[number]
+        if number > 0 and (memory.links[number, FINAL] == 1
+                           or is_open(problem, node[X], node[Y])):
+            return number
+        remaining = estimate(problem, node[X], node[Y], node[THETA], 0)
+        if remaining < nearest:
+            nearest = remaining
+            counters[NEAREST] = number
+        room_left = memory.nodes.shape[0] - counters[NODES]
+        if (counters[EXPANDED] >= query.max_expansions
+                or room_left < 4 * problem.pushes.starts.shape[0]):
+            return LIMIT
+        _expand(problem, memory, number)
+    return EXHAUSTED
+
+
+@compiled
+def estimate(problem: Any, x: float, y: float, theta: float, face: int) -> float:
+    """
+    Estimate the time that remains.
+
+    :param problem: ``Problem``.
+    :param x: of the object in the frame of the map [m].
+    :param y: likewise [m].
+    :param theta: likewise [rad].
+    :param face: that was pushed last.
+    :return: time [s], ``UNREACHED`` where there is no path.
+    """
+    length = length_at(problem.grid, x, y)
+    if length >= UNREACHED:
+        return UNREACHED
+    query, open_floor = problem.query, problem.open_floor
+    rotation = wrapped(query.goal[2] - theta)
+    passing = min(1.0, max(LEAST_PASSING, PASSING_DISTANCE - length))
+    time = (length * (1.0 / query.pushing_speed + query.contact_time / CONTACT_DISTANCE)
+            + abs(rotation) * passing * (query.contact_time / CONTACT_ROTATION + ROTATION_TIME))
+    c, s = math.cos(theta), math.sin(theta)
+    d_x, d_y = query.goal[0] - x, query.goal[1] - y
+    return max(time, interpolate_cost(
+        open_floor.values, open_floor.distances, open_floor.headings, c * d_x + s * d_y,
+        c * d_y - s * d_x, rotation, face))
+
+
+@compiled
+def is_open(problem: Any, x: float, y: float) -> bool:
+    """
+    Tell whether the floor is open from a place of the object to the goal.
+
+    :param problem: ``Problem``.
+    :param x: of the object in the frame of the map [m].
+    :param y: likewise [m].
+    """
+    needed, goal = problem.query.open_radius, problem.query.goal
+    if clearance(problem.scene.floor, x, y) < needed:
+        return False
+    d_x, d_y = goal[0] - x, goal[1] - y
+    count = 1 + int(math.sqrt(d_x * d_x + d_y * d_y) / OPEN_STEP)
+    for k in range(count, 0, -1):
+        part = k / count
+        if clearance(problem.scene.floor, x + part * d_x, y + part * d_y) < needed:
+            return False
+    return True
+
+
+@compiled
+def wrapped(angle: float) -> float:
+    """Wrap an angle to [-pi, pi)."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@compiled
+def _expand(problem: Any, memory: Any, number: int) -> None:
+    """Add the successors of a node."""
+    node, query, pushes = memory.nodes[number], problem.query, problem.pushes
+    memory.counters[REACH_FILLED] = 0
+    d_x, d_y = query.goal[0] - node[X], query.goal[1] - node[Y]
+    is_near = d_x * d_x + d_y * d_y < FINAL_RANGE * FINAL_RANGE
+    memory.final[LENGTH_TO_GOAL] = 0.0
+    for begin in range(pushes.starts.shape[0]):
+        if is_near:
+            _find_final_length(problem, node, begin, memory.final)
+        if memory.final[LENGTH_TO_GOAL] == 0.0 and not pushes.coarse[begin]:
+            continue
+        if number == 0 and query.blocked[begin]:
+            continue
+        travel = _travel(problem, memory, number, begin)
+        if travel < UNREACHED:
+            _add_pushes(problem, memory, number, begin, travel)
+
+
+@compiled
+def _find_final_length(problem: Any, node: Any, begin: int, final: Any) -> None:
+    """Write after which length a push ends at the goal, 0 where it passes it by, and its miss."""
+    query, pushes = problem.query, problem.pushes
+    c, s = math.cos(node[THETA]), math.sin(node[THETA])
+    d_x, d_y = query.goal[0] - node[X], query.goal[1] - node[Y]
+    x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, wrapped(query.goal[2] - node[THETA])
+    before = ((x * x + y * y) / (query.position_tolerance * query.position_tolerance)
+              + theta * theta / (query.heading_tolerance * query.heading_tolerance))
+    least = min(LARGEST_MISS * LARGEST_MISS, max(1.0, MISS_RATIO * MISS_RATIO * before))
+    found = 0.0
+    for step in range(1, pushes.last[begin] + 1):
+        first, last = pushes.means[begin, step - 1], pushes.means[begin, step]
+        u, v = last[0] - first[0], last[1] - first[1]
+        square = u * u + v * v
+        if square <= 0.0:
+            continue
+        t = min(1.0, max(0.0, ((x - first[0]) * u + (y - first[1]) * v) / square))
+        e_x, e_y = x - first[0] - t * u, y - first[1] - t * v
+        e_theta = theta - first[2] - t * (last[2] - first[2])
+        error = ((e_x * e_x + e_y * e_y) / (query.position_tolerance * query.position_tolerance)
+                 + e_theta * e_theta / (query.heading_tolerance * query.heading_tolerance))
+        if error < least:
+            least = error
+            found = pushes.lengths[step - 1] + t * (pushes.lengths[step]
+                                                    - pushes.lengths[step - 1])
+    final[LENGTH_TO_GOAL], final[MISS] = found, math.sqrt(least)
+
+
+@compiled
+def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
+    """Find the length of the robot's path to a first contact [m], ``UNREACHED`` for none."""
+    node, start, query = memory.nodes[number], problem.pushes.starts[begin], problem.query
+    u = start[0] - STANDOFF * math.cos(start[2])
+    v = start[1] - STANDOFF * math.sin(start[2])
+    c, s = math.cos(node[THETA]), math.sin(node[THETA])
+    x, y = node[X] + c * u - s * v, node[Y] + s * u + c * v
+    scene, margins, counters = problem.scene, problem.margins, memory.counters
+    if clearance(scene.floor, x, y) < scene.robot_radius + margins.obstacles:
+        return UNREACHED
+    half = query.first_half if number == 0 else HALF_WINDOW
+    if counters[REACH_FILLED] == 0:
+        fill_reach(scene, margins, node, (node[ROBOT_X], node[ROBOT_Y]), half, memory.reach)
+        counters[REACH_FILLED] = 1
+    return path_length(memory.reach, node, half, x, y)
+
+
+@compiled
+def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: float) -> None:
+    """Add pushes that begin alike, and end after several lengths or at the goal."""
+    pushes, query, node = problem.pushes, problem.query, memory.nodes[number]
+    cost = node[COST] + query.contact_time + travel / query.robot_speed
+    final_length = memory.final[LENGTH_TO_GOAL]
+    for step in range(1, pushes.last[begin] + 1):
+        length = pushes.lengths[step]
+        if pushes.lengths[step - 1] < final_length <= length:
+            memory.pose[0], memory.pose[1] = query.goal[0], query.goal[1]
+            memory.pose[2] = query.goal[2]
+            correction = (SPREAD_COST * pushes.spreads[begin, step]
+                          + MISS_COST * query.contact_time * memory.final[MISS])
+            _append(problem, memory, number, begin, final_length,
+                    cost + final_length / query.pushing_speed + correction)
+        if length < FIRST_SWEEP:
+            continue
+        _place(problem, node, begin, step, memory.pose)
+        if not _is_free(problem, memory, number, begin, step):
+            return
+        if pushes.coarse[begin] and pushes.is_end[step]:
+            _add_node(problem, memory, number, begin, length,
+                      cost + length / query.pushing_speed)
+
+
+@compiled
+def _place(problem: Any, node: Any, begin: int, step: int, pose: Any) -> None:
+    """Write the pose of the object after a length of a push."""
+    mean = problem.pushes.means[begin, step]
+    c, s = math.cos(node[THETA]), math.sin(node[THETA])
+    pose[0] = node[X] + c * mean[0] - s * mean[1]
+    pose[1] = node[Y] + s * mean[0] + c * mean[1]
+    pose[2] = node[THETA] + mean[2]
+
+
+@compiled
+def _is_free(problem: Any, memory: Any, number: int, begin: int, step: int) -> bool:
+    """Tell whether object and robot are free after a length of a push, the object at a pose."""
+    scene, query, pushes, pose = problem.scene, problem.query, problem.pushes, memory.pose
+    length = pushes.lengths[step]
+    margin = query.object_margin + query.spread_factor * pushes.spreads[begin, step]
+    # What start and goal lack cannot be had near them.
+    if number == 0:
+        beyond = max(0.0, length - SLIDING_LENGTH)
+        margin = min(margin, query.start_margin + MARGIN_SLOPE * beyond)
+    d_x, d_y = query.goal[0] - pose[0], query.goal[1] - pose[1]
+    margin = min(margin, query.goal_margin + MARGIN_SLOPE * math.sqrt(d_x * d_x + d_y * d_y))
+    if object_clearance(scene, pose[0], pose[1], pose[2], margin) < margin:
+        return False
+    x, y = _robot_place(problem, memory.nodes[number], begin, length)
+    return clearance(scene.floor, x, y) >= scene.robot_radius + problem.margins.obstacles
+
+
+@compiled
+def _robot_place(problem: Any, node: Any, begin: int, length: float) -> tuple[float, float]:
+    """Find the place of the robot on the line of a push."""
+    start = problem.pushes.starts[begin]
+    u = start[0] + length * math.cos(start[2])
+    v = start[1] + length * math.sin(start[2])
+    c, s = math.cos(node[THETA]), math.sin(node[THETA])
+    return node[X] + c * u - s * v, node[Y] + s * u + c * v
+
+
+@compiled
+def _add_node(problem: Any, memory: Any, number: int, begin: int, length: float,
+              cost: float) -> None:
+    """Add the end of a push, unless one in the same cell of the lattice is as cheap."""
+    pose, query = memory.pose, problem.query
+    if _is_dead_end(problem, pose):
+        cost += DEAD_END_COST
+    cell = _cell_number(query.goal, pose, problem.pushes.faces[begin])
+    slot = _find_slot(memory.cells, cell)
+    if memory.cells[slot] == cell:
+        other = memory.cell_nodes[slot]
+        if memory.nodes[other, COST] <= cost + 1e-9:
+            return
+        memory.closed[other] = True
+    added = memory.counters[NODES]
+    if _append(problem, memory, number, begin, length, cost):
+        memory.links[added, FINAL] = 0
+        memory.cells[slot], memory.cell_nodes[slot] = cell, added
+
+
+@compiled
+def _append(problem: Any, memory: Any, number: int, begin: int, length: float,
+            cost: float) -> bool:
+    """Append the end of a push, taken to be at the goal; tell whether there is a path on."""
+    pose, query, counters = memory.pose, problem.query, memory.counters
+    remaining = estimate(problem, pose[0], pose[1], pose[2], problem.pushes.faces[begin])
+    if remaining >= UNREACHED:
+        return False
+    added = counters[NODES]
+    node, link = memory.nodes[added], memory.links[added]
+    node[X], node[Y], node[THETA], node[COST], node[LENGTH] = (
+        pose[0], pose[1], pose[2], cost, length)
+    node[ROBOT_X], node[ROBOT_Y] = _robot_place(problem, memory.nodes[number], begin,
+                                                length - RETREAT)
+    link[FACE], link[PARENT], link[PUSH], link[FINAL] = (
+        problem.pushes.faces[begin], number, begin, 1)
+    memory.closed[added] = False
+    counters[NODES] = added + 1
+    counters[QUEUED] = push(memory.keys, memory.items, counters[QUEUED],
+                            cost + query.weight * remaining, added)
+    return True
+
+
+@compiled
+def _is_dead_end(problem: Any, pose: Any) -> bool:
+    """Tell whether the robot has no room at any two opposite faces of the object."""
+    scene, pushes = problem.scene, problem.pushes
+    needed = scene.robot_radius + problem.margins.obstacles
+    if clearance(scene.floor, pose[0], pose[1]) >= scene.outer_radius + STANDOFF + 2.0 * needed:
+        return False
+    for first in range(pushes.middles.shape[0]):
+        if not _has_room(problem, pose, first, needed):
+            continue
+        for second in range(first):
+            cosine = (pushes.normals[first, 0] * pushes.normals[second, 0]
+                      + pushes.normals[first, 1] * pushes.normals[second, 1])
+            if cosine < OPPOSITE and _has_room(problem, pose, second, needed):
+                return False
+    return True
+
+
+@compiled
+def _has_room(problem: Any, pose: Any, face: int, needed: float) -> bool:
+    """Tell whether the robot has room before the middle of a face."""
+    middle, normal = problem.pushes.middles[face], problem.pushes.normals[face]
+    u, v = middle[0] - STANDOFF * normal[0], middle[1] - STANDOFF * normal[1]
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    x, y = pose[0] + c * u - s * v, pose[1] + s * u + c * v
+    return clearance(problem.scene.floor, x, y) >= needed
+
+
+@compiled
+def _cell_number(goal: Any, pose: Any, face: int) -> int:
+    """Return the number of the cell of the lattice in which a pose lies."""
+    cell, headings, kind = CELL, HEADINGS, 0
+    if (abs(goal[0] - pose[0]) < FINE_DISTANCE and abs(goal[1] - pose[1]) < FINE_DISTANCE
+            and abs(wrapped(goal[2] - pose[2])) < FINE_ANGLE):
+        cell, headings, kind = CELL / FINE_FACTOR, HEADINGS * FINE_FACTOR, 1
+    column, row = int(math.floor(pose[0] / cell)), int(math.floor(pose[1] / cell))
+    heading = int(math.floor(pose[2] * headings / (2.0 * math.pi) + 0.5)) % headings
+    number = (column * 1048576 + row) * 128 + heading
+    return (number * 64 + face) * 2 + kind
+
+
+@compiled
+def _find_slot(cells: Any, cell: int) -> int:
+    """Find the slot of a cell in the hash table, or the free one for it."""
+    mask = cells.shape[0] - 1
+    # Spreads the numbers of neighbouring cells; without overflow, compiled or not.
+    slot = ((cell ^ (cell >> 17) ^ (cell >> 31)) & 0xFFFFFFFF) * 40503 & mask
+    while cells[slot] not in (-1, cell):
+        slot = (slot + 1) & mask
+    return slot

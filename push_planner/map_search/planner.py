@@ -1,0 +1,233 @@
+"""
+Plan the next push of a task in a map.
+
+Where the floor is open from the object to its goal, the push is selected as on open floor. Else a
+search finds a sequence of straight pushes to the goal, or to where the floor is open up to it; its
+first push is planned exactly, the others when their turn comes.
+"""
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_model.geometry import distance, Pose
+from push_model.parameters import RoundRobot
+from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.trajectory import PushStyle
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import DriveSettings
+from push_planner.map_search.object_distance import (
+    distance_grid, DistanceGrid, length_at, narrowest_place, UNREACHED,
+)
+from push_planner.map_search.pushes import make_pushes
+from push_planner.map_search.scene import Floor, make_scene
+from push_planner.map_search.search import (
+    MapSearch, Margins, SearchEnd, SearchResult, SearchSettings,
+)
+from push_planner.primitive_push.planner import (
+    ApproachPaths, checked_request, friction_belief, lay_out, plan_primitive_push, PrimitivePlan,
+    primitives_for,
+)
+from push_planner.primitive_push.trajectory import greatest_speed
+from push_planner.problem import PlanningFailed
+from push_planner.settings import PlannerSettings
+from push_primitives.cost_to_go import CONTACT_PATHS
+from push_primitives.selection import SelectedPush, UNSURE_DEVIATION
+from push_primitives.store import PushPrimitives
+from push_primitives.weights import draw_weights
+
+# Part of the clearance of the settings that the object keeps, besides the uncertainty of a push;
+# chosen: half of 5 cm leaves doors of 1.25 times the width of the object.
+OBJECT_FRACTION = 0.5
+# Parts of all clearances with which a sequence is sought, and standard deviations of a push; the
+# later ones only where nothing is found before. Chosen: the robot never keeps less than 2 of its
+# usual 5 cm, which is twice the error of its place.
+FRACTIONS = (1.0, 0.6, 0.4)
+SPREAD_FACTORS = (1.0, 0.5, 0.0)
+# Part of the tolerances within which a last push ends, as planned.
+GOAL_FRACTION = 0.7
+# First pushes whose paths are planned, until one is found.
+MAX_FIRST_PUSHES = 12
+# Overlap of object and obstacles that is taken for an error of measurement [m]; chosen.
+LARGEST_OVERLAP = 0.02
+# Places on the line to the goal at which the floor is looked at.
+LINE_SAMPLES = 40
+# A search that has not left this distance has found the object shut in [m].
+SHUT_IN_DISTANCE = 1.0
+
+
+class MapPlan(NamedTuple):
+    """
+    Plan in a map.
+
+    :param first: ``PrimitivePlan`` of the first push.
+    :param later_poses: ``Pose`` of the object after each of the later pushes, in the world; none
+        where the floor is open up to the goal.
+    :param expansions: number of nodes that the search expanded, 0 where it was not needed.
+    """
+
+    first: PrimitivePlan
+    later_poses: tuple[Pose, ...] = ()
+    expansions: int = 0
+
+
+def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
+                     drive: DriveSettings, occupancy_map: OccupancyMap) -> MapPlan:
+    """
+    Plan the next push of a task in a map.
+
+    :param request: ``PlanRequest``, with what has been learned so far.
+    :param robot: the ``RoundRobot``.
+    :param settings: ``PlannerSettings``.
+    :param drive: ``DriveSettings``.
+    :param occupancy_map: the ``OccupancyMap``.
+    :return: ``MapPlan``.
+    :raises PlanningFailed: with the reason.
+    """
+    return _MapPlanner(checked_request(request, robot), robot, settings, drive,
+                       occupancy_map).plan()
+
+
+class _MapPlanner:
+    """Planner of one request."""
+
+    def __init__(self, request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
+                 drive: DriveSettings, occupancy_map: OccupancyMap) -> None:
+        self._request = request
+        self._robot = robot
+        self._settings = settings
+        self._drive = drive
+        self._map = occupancy_map
+        for name, pose in (('object stands', request.object_pose), ('goal is', request.goal)):
+            if occupancy_map.object_clearance(request.obj, [pose]) < -LARGEST_OVERLAP:
+                raise PlanningFailed(
+                    PlanFailure.NOT_FREE, f'the {name} at {pose.x:.2f} m, {pose.y:.2f} m, where '
+                    'the map has an obstacle or ends')
+        self._scene = make_scene(occupancy_map, request.obj, robot.radius)
+        self._open_radius = (self._scene.outer_radius + drive.standoff
+                             + 2.0 * (robot.radius + drive.clearance))
+
+    def plan(self) -> MapPlan:
+        """Plan as on open floor where that is free, else search."""
+        return self._plan_on_open_floor() or self._search()
+
+    def _plan_on_open_floor(self) -> MapPlan | None:
+        """Plan as without a map; None where the floor is not open, or the push not free."""
+        request, margin = self._request, OBJECT_FRACTION * self._drive.map_clearance
+        line = np.linspace(request.object_pose[:2], request.goal[:2], LINE_SAMPLES)
+        if self._map.clearance(line).min() < self._open_radius:
+            return None
+        try:
+            found = plan_primitive_push(request, self._robot, self._settings, self._drive,
+                                        occupancy_map=self._map)
+        except PlanningFailed:
+            return None
+        trajectory = found.trajectory
+        is_free = (self._map.object_is_free(request.obj, trajectory.object_poses, margin)
+                   and self._map.robot_is_free(self._robot, trajectory.robot_poses, margin))
+        return MapPlan(found) if is_free else None
+
+    def _search(self) -> MapPlan:
+        request, scene = self._request, self._scene
+        start, robot, goal = (self._map.origin.inverse() @ pose for pose in (
+            request.object_pose, request.robot_pose, request.goal))
+        needed = scene.inner_radius + FRACTIONS[-1] * OBJECT_FRACTION * self._drive.map_clearance
+        grid = _distance_grid(self._map, (goal.x, goal.y), needed)
+        if length_at(grid, start.x, start.y) >= UNREACHED:
+            raise self._too_narrow(start, goal, 2.0 * needed)
+        primitives = primitives_for(request, self._robot, self._drive)
+        weights = draw_weights(primitives.table.draws, friction_belief(request))
+        displacements = (primitives.unsure_displacements
+                         if request.robot_deviation > UNSURE_DEVIATION
+                         else primitives.localized_displacements)
+        pushes = make_pushes(primitives, request.obj, self._robot.radius, displacements, weights)
+        search = MapSearch(scene, pushes, grid, primitives.cost_to_go,
+                           self._search_settings(primitives))
+        paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
+        first_failure: SearchResult | None = None
+        expansions = 0
+        for fraction, spread_factor in zip(FRACTIONS, SPREAD_FACTORS):
+            blocked = np.zeros(len(pushes.numbers), dtype=np.bool_)
+            for _ in range(MAX_FIRST_PUSHES):
+                result = search.run(start, robot, goal, self._margins(fraction, spread_factor),
+                                    blocked)
+                expansions += result.expansions
+                if result.end is not SearchEnd.FOUND:
+                    first_failure = first_failure or result
+                    break
+                first = result.pushes[0]
+                time = paths.travel_time(Pose(*pushes.starts[first.begin].tolist()))
+                if math.isfinite(time):
+                    selected = SelectedPush(
+                        int(pushes.numbers[first.begin]), first.length, weights, time,
+                        result.cost - first.length / greatest_speed(self._robot, self._settings),
+                        result.cost)
+                    return self._lay_out(result, selected, primitives, paths, expansions)
+                # The search sees the robot's path on a grid only.
+                blocked[first.begin] = True
+        raise self._no_sequence(first_failure)
+
+    def _lay_out(self, result: SearchResult, selected: SelectedPush, primitives: PushPrimitives,
+                 paths: ApproachPaths, expansions: int) -> MapPlan:
+        """Plan the first push of a sequence exactly."""
+        goal = self._map.origin.inverse() @ self._request.goal
+        is_last = distance(result.pushes[0].end, goal) == 0.0
+        first = lay_out(
+            self._request, self._robot, self._settings, primitives, selected,
+            path=paths.to(Pose(*primitives.table.starts[selected.primitive].tolist())),
+            style=PushStyle.UNSTEERED if is_last else PushStyle.WAYPOINT)
+        first.report.update({'pushes_in_map': len(result.pushes), 'expansions': expansions})
+        later = tuple(self._map.origin @ push.end for push in result.pushes[1:])
+        return MapPlan(first, later, expansions)
+
+    def _margins(self, fraction: float, spread_factor: float) -> Margins:
+        drive = self._drive.with_clearances(fraction)
+        return Margins(OBJECT_FRACTION * drive.map_clearance, spread_factor, drive.map_clearance,
+                       drive.clearance)
+
+    def _search_settings(self, primitives: PushPrimitives) -> SearchSettings:
+        request, costs = self._request, primitives.settings
+        contact_time = (costs.contact_time + costs.push_time
+                        + CONTACT_PATHS[costs.drive] / costs.robot_speed)
+        return SearchSettings(
+            GOAL_FRACTION * request.position_tolerance, GOAL_FRACTION * request.heading_tolerance,
+            self._open_radius, contact_time, greatest_speed(self._robot, self._settings),
+            costs.robot_speed)
+
+    def _too_narrow(self, start: Pose, goal: Pose, needed: float) -> PlanningFailed:
+        """Name the narrowest place on the widest path."""
+        place = narrowest_place(self._scene.floor, (start.x, start.y), (goal.x, goal.y))
+        (x, y), = self._map.from_map([(place.x, place.y)]).tolist()
+        return PlanningFailed(
+            PlanFailure.BLOCKED, f'the floor is too narrow for the object at {x:.2f} m, {y:.2f} m:'
+            f' {place.width:.2f} m wide, at least {needed:.2f} m needed',
+            {'narrow_place': (x, y), 'width': place.width, 'needed_width': needed})
+
+    def _no_sequence(self, result: SearchResult | None) -> PlanningFailed:
+        """Say how far the search came."""
+        if result is None:
+            return PlanningFailed(PlanFailure.BLOCKED, 'the robot gets to no place from where it '
+                                  'could push the object on')
+        report = {'expansions': result.expansions}
+        here = self._request.object_pose
+        if result.end is SearchEnd.EXHAUSTED and result.farthest < SHUT_IN_DISTANCE:
+            return PlanningFailed(
+                PlanFailure.BLOCKED, f'the object at {here.x:.2f} m, {here.y:.2f} m cannot be '
+                f'pushed away: it moves by {result.farthest:.2f} m at most before the robot has '
+                'no room for another push', report)
+        nearest = result.pushes[-1].end if result.pushes else self._map.origin.inverse() @ here
+        x, y, _ = self._map.origin @ nearest
+        width = 2.0 * float(self._map.clearance([(x, y)])[0])
+        return PlanningFailed(
+            PlanFailure.BLOCKED, 'no sequence of pushes to the goal was found: the object gets as '
+            f'far as {x:.2f} m, {y:.2f} m, where the floor is {width:.2f} m wide ('
+            f'{result.end.value}, {result.expansions} expansions)', report)
+
+
+# A task asks for the same goal again and again; a grid of a flat takes a megabyte.
+@functools.lru_cache(maxsize=4)
+def _distance_grid(occupancy_map: OccupancyMap, goal: tuple[float, float],
+                   needed: float) -> DistanceGrid:
+    return distance_grid(Floor(occupancy_map.distances, 1.0 / occupancy_map.resolution), goal,
+                         needed)

@@ -1,0 +1,201 @@
+"""Straight pushes as the compiled search reads them: mean effects, and how sure these are."""
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from push_dynamics.compiled import compiled
+from push_model.geometry import BoolArray, FloatArray, IntArray
+from push_model.parameters import PushedObject
+from push_primitives.store import PushPrimitives
+from push_primitives.table import PrimitiveTable
+
+# Lengths at which pushes of the search may end, of those of the table [m]; chosen: in ratios of
+# about 1.6. Pushes on to the goal end anywhere.
+END_LENGTHS = (0.045, 0.09, 0.16, 0.28, 0.48, 0.62, 0.8)
+# Every this many-th place of a face, and tilts up to this, are used before the last push; chosen:
+# as many as the cost-to-go has, with those between.
+PLACE_STRIDE = 2
+LARGEST_TILT = 0.31
+# A contact counts as lost where it is nearer to a vertex than this, or the gap more than this [m].
+VERTEX_DISTANCE = 0.005
+LOST_GAP = 0.012
+# Weight of the guesses of friction with which the contact must hold.
+HOLDING_WEIGHT = 0.95
+
+
+class Pushes(NamedTuple):
+    """
+    Straight pushes; n of them begin differently, and may end at L lengths.
+
+    :param numbers: of the primitives in the table, shape (n,).
+    :param faces: at which they push, shape (n,).
+    :param starts: robot centre at first contact and direction of motion in the object frame, shape
+        (n, 3).
+    :param lengths: driven lengths, increasing from 0, shape (L,) [m].
+    :param means: mean displacements of the object, shape (n, L, 3).
+    :param spreads: standard deviation of the vertex that varies most, shape (n, L) [m].
+    :param last: number of the length up to which the contact holds, shape (n,).
+    :param coarse: whether pushes that are not the last one may begin so, shape (n,).
+    :param is_end: whether they may end at a length, shape (L,).
+    :param middles: robot centres at contact with the middles of the faces, shape (f, 2) [m].
+    :param normals: inward normals there, shape (f, 2).
+    """
+
+    numbers: IntArray
+    faces: IntArray
+    starts: FloatArray
+    lengths: FloatArray
+    means: FloatArray
+    spreads: FloatArray
+    last: IntArray
+    coarse: BoolArray
+    is_end: BoolArray
+    middles: FloatArray
+    normals: FloatArray
+
+
+class _Starts(NamedTuple):
+    """
+    What of the pushes does not depend on the weights; fields as of ``Pushes``.
+
+    :param sides: middle of the face (x, y), direction along it (x, y) and half its length, shape
+        (n, 5); on a disc the length is infinite.
+    """
+
+    numbers: IntArray
+    coarse: BoolArray
+    is_end: BoolArray
+    sides: FloatArray
+    vertices: FloatArray
+    middles: FloatArray
+    normals: FloatArray
+
+
+def make_pushes(primitives: PushPrimitives, obj: PushedObject, robot_radius: float,
+                displacements: FloatArray, weights: FloatArray) -> Pushes:
+    """
+    Prepare the straight pushes of a table.
+
+    :param primitives: the ``PushPrimitives``.
+    :param obj: the ``PushedObject``.
+    :param robot_radius: [m].
+    :param displacements: of the table, with errors of placement, shape (p, K, L, 3).
+    :param weights: of the guesses of friction, shape (K,).
+    """
+    table = primitives.table
+    begin = _starts(table, obj, robot_radius)
+    count, lengths = len(begin.numbers), len(table.lengths)
+    means, spreads = np.zeros((count, lengths, 3)), np.zeros((count, lengths))
+    last = np.zeros(count, dtype=np.int64)
+    starts = table.starts[begin.numbers]
+    _average(displacements, weights, begin.numbers, starts, begin.sides, begin.vertices,
+             robot_radius=robot_radius, lengths=table.lengths, means=means, spreads=spreads,
+             last=last, motions=np.empty((len(weights), 4)))
+    return Pushes(begin.numbers, table.faces[begin.numbers], starts, table.lengths, means,
+                  spreads, last, begin.coarse, begin.is_end, begin.middles, begin.normals)
+
+
+# As many tables as a process has objects.
+@functools.lru_cache(maxsize=8)
+def _starts(table: PrimitiveTable, obj: PushedObject, robot_radius: float) -> _Starts:
+    numbers = np.flatnonzero(table.curvatures == 0.0)
+    places = table.place_indices[numbers]
+    is_round = obj.radius > 0.0
+    coarse = ((np.abs(table.tilts[numbers]) <= LARGEST_TILT)
+              & (is_round | (places % PLACE_STRIDE == 0)))
+    is_end = np.asarray(np.isclose(table.lengths[:, None], END_LENGTHS).any(axis=1), dtype=bool)
+    sides, middles, normals = [], [], []
+    for face in range(table.face_count):
+        own = [place for place in table.places if place.face == face]
+        point = np.mean([place.point for place in own], axis=0)
+        angle = own[len(own) // 2].normal
+        normal = np.array([math.cos(angle), math.sin(angle)])
+        along = np.array([-normal[1], normal[0]])
+        half = math.inf if is_round else _half_length(obj, point, along)
+        if is_round:
+            point = -obj.radius * normal
+        sides.append((*point, *along, half))
+        middles.append(point - robot_radius * normal)
+        normals.append(normal)
+    faces = table.faces[numbers]
+    return _Starts(numbers, coarse, is_end, np.array(sides)[faces], _vertices(obj),
+                   np.array(middles), np.array(normals))
+
+
+def _half_length(obj: PushedObject, middle: FloatArray, along: FloatArray) -> float:
+    """Half the length of the face about a point [m]."""
+    corners = np.array(obj.outline) - middle
+    across = np.abs(corners[:, 0] * along[1] - corners[:, 1] * along[0])
+    return float(np.abs(corners[np.argsort(across)[:2]] @ along).mean())
+
+
+def _vertices(obj: PushedObject) -> FloatArray:
+    if obj.outline:
+        return np.array(obj.outline, dtype=float)
+    return obj.radius * np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
+
+
+@compiled
+def _average(displacements: Any, weights: Any, numbers: Any, starts: Any, sides: Any,
+             vertices: Any, *, robot_radius: float, lengths: Any, means: Any, spreads: Any,
+             last: Any, motions: Any) -> None:
+    """Write means and spreads of the displacements, and up to where the contacts hold."""
+    for i in range(numbers.shape[0]):
+        last[i] = lengths.shape[0] - 1
+        for step in range(lengths.shape[0]):
+            for k in range(weights.shape[0]):
+                x, y, theta = displacements[numbers[i], k, step]
+                motions[k, 0], motions[k, 1] = x, y
+                motions[k, 2], motions[k, 3] = math.cos(theta), math.sin(theta)
+                means[i, step, 0] += weights[k] * x
+                means[i, step, 1] += weights[k] * y
+                means[i, step, 2] += weights[k] * theta
+            spreads[i, step] = _spread(motions, weights, vertices)
+            if last[i] >= step and not _holds(motions, weights, starts[i], sides[i],
+                                              robot_radius, lengths[step]):
+                last[i] = step - 1
+
+
+@compiled
+def _spread(motions: Any, weights: Any, vertices: Any) -> float:
+    """Compute the standard deviation of the vertex that varies most [m]."""
+    worst = 0.0
+    for n in range(vertices.shape[0]):
+        x, y = vertices[n, 0], vertices[n, 1]
+        mean_x, mean_y, square = 0.0, 0.0, 0.0
+        for k in range(weights.shape[0]):
+            c, s = motions[k, 2], motions[k, 3]
+            d_x = motions[k, 0] + (c - 1.0) * x - s * y
+            d_y = motions[k, 1] + s * x + (c - 1.0) * y
+            mean_x += weights[k] * d_x
+            mean_y += weights[k] * d_y
+            square += weights[k] * (d_x * d_x + d_y * d_y)
+        worst = max(worst, square - mean_x * mean_x - mean_y * mean_y)
+    return math.sqrt(worst)
+
+
+@compiled
+def _holds(motions: Any, weights: Any, start: Any, side: Any, robot_radius: float,
+           length: float) -> bool:
+    """Tell whether the robot is still at the face after a length, most probably."""
+    x = start[0] + length * math.cos(start[2])
+    y = start[1] + length * math.sin(start[2])
+    holding = 0.0
+    for k in range(weights.shape[0]):
+        c, s = motions[k, 2], motions[k, 3]
+        d_x, d_y = x - motions[k, 0], y - motions[k, 1]
+        p_x, p_y = c * d_x + s * d_y, c * d_y - s * d_x
+        if side[4] > 1e6:
+            # A disc, of which the middle of a side is on the rim.
+            rim = math.sqrt(side[0] * side[0] + side[1] * side[1])
+            along, gap = 0.0, math.sqrt(p_x * p_x + p_y * p_y) - rim - robot_radius
+        else:
+            p_x, p_y = p_x - side[0], p_y - side[1]
+            along = abs(p_x * side[2] + p_y * side[3])
+            # The inward normal is a quarter turn right of the direction along the face.
+            gap = p_y * side[2] - p_x * side[3] - robot_radius
+        if along <= side[4] - VERTEX_DISTANCE and gap <= LOST_GAP:
+            holding += weights[k]
+    return holding >= HOLDING_WEIGHT

@@ -1,0 +1,141 @@
+"""
+Where the robot gets between two pushes, and how far that is: paths on a grid round the object.
+
+The grid lies about the object and is filled breadth first from the robot's place. A grid point is
+free where the robot keeps its margins from obstacles and object; a robot that has less at its
+place may go where it does not get less.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from push_dynamics.compiled import compiled
+from push_model.geometry import FloatArray, IntArray
+from push_planner.map_search.scene import clearance, distance_to_object
+
+# Spacing of the grid [m]; chosen: a third of the radius of a small robot.
+SPACING = 0.05
+# Half the side of the window between pushes, in spacings; chosen: 1.4 m, all round a table. What
+# leads farther away is not found.
+HALF_WINDOW = 28
+# Where the robot does not get [m]. Finite, see ``object_distance``.
+UNREACHED = 1e9
+DIAGONAL = math.sqrt(2.0)
+
+
+class Reach(NamedTuple):
+    """
+    Memory for the paths from one place of the robot.
+
+    :param lengths: of the paths to grid points, shape (n, n), n odd and at least as much as the
+        window needs [m]; the middle is at the object.
+    :param queue: of grid points, a ring.
+    """
+
+    lengths: FloatArray
+    queue: IntArray
+
+
+class RobotMargins(NamedTuple):
+    """
+    Margins of the robot.
+
+    :param obstacles: from obstacles of the map [m].
+    :param object: from the object [m].
+    """
+
+    obstacles: float
+    object: float  # noqa: A003
+
+
+@compiled
+def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
+               reach: Any) -> None:
+    """
+    Write the lengths of the robot's paths from a place.
+
+    :param scene: ``Scene``.
+    :param margins: ``RobotMargins``.
+    :param pose: (x, y, theta) of the object in the frame of the map.
+    :param place: (x, y) of the robot there.
+    :param half: half the side of the window [spacings].
+    :param reach: ``Reach``, is written.
+    """
+    side = 2 * half + 1
+    lengths, queue = reach.lengths, reach.queue
+    for i in range(side):
+        for j in range(side):
+            lengths[i, j] = UNREACHED
+    row = int(math.floor((place[1] - pose[1]) / SPACING + 0.5)) + half
+    column = int(math.floor((place[0] - pose[0]) / SPACING + 0.5)) + half
+    if row < 0 or column < 0 or row >= side or column >= side:
+        return
+    lengths[row, column] = 0.0
+    queue[0] = row * side + column
+    first, last = 0, 1
+    size = queue.shape[0]
+    while first < last:
+        number = queue[first % size]
+        first += 1
+        i, j = number // side, number % side
+        for a in range(max(0, i - 1), min(side, i + 2)):
+            for b in range(max(0, j - 1), min(side, j + 2)):
+                step = SPACING if a == i or b == j else DIAGONAL * SPACING
+                length = lengths[i, j] + step
+                if lengths[a, b] <= length + 1e-6 or last - first >= size:
+                    continue
+                if lengths[a, b] >= UNREACHED and not _may_enter(
+                        scene, margins, pose, (a - half, b - half), (i - half, j - half)):
+                    continue
+                lengths[a, b] = length
+                queue[last % size] = a * side + b
+                last += 1
+
+
+@compiled
+def path_length(reach: Any, pose: Any, half: int, x: float, y: float) -> float:
+    """
+    Find the length of the robot's path to a place: the least of the grid points about it.
+
+    :param reach: ``Reach``, filled.
+    :param pose: (x, y, theta) of the object in the frame of the map.
+    :param half: half the side of the window [spacings].
+    :param x: of the place [m].
+    :param y: of the place [m].
+    :return: length [m], ``UNREACHED`` where there is no path.
+    """
+    side = 2 * half + 1
+    i0 = int(math.floor((y - pose[1]) / SPACING)) + half
+    j0 = int(math.floor((x - pose[0]) / SPACING)) + half
+    least = UNREACHED
+    for i in range(max(0, i0), min(side, i0 + 2)):
+        for j in range(max(0, j0), min(side, j0 + 2)):
+            least = min(least, reach.lengths[i, j])
+    return least
+
+
+@compiled
+def _may_enter(scene: Any, margins: Any, pose: Any, point: tuple[int, int],
+               before: tuple[int, int]) -> bool:
+    """Tell whether the robot may come to a grid point (row, column) from the one before."""
+    gap, away = _distances(scene, pose, point[0], point[1])
+    if gap >= margins.obstacles and away >= margins.object:
+        return True
+    if gap < 0.0 or away < 0.0:
+        return False
+    gap_before, away_before = _distances(scene, pose, before[0], before[1])
+    return ((gap >= margins.obstacles or gap > gap_before)
+            and (away >= margins.object or away > away_before))
+
+
+@compiled
+def _distances(scene: Any, pose: Any, row: int, column: int) -> tuple[float, float]:
+    """Find the distances of a robot at a grid point from obstacles and object [m]."""
+    x, y = column * SPACING, row * SPACING
+    gap = clearance(scene.floor, pose[0] + x, pose[1] + y) - scene.robot_radius
+    # Beyond it the object is clear, wherever it points.
+    beyond = math.sqrt(x * x + y * y) - scene.outer_radius - scene.robot_radius
+    if beyond > 0.2:
+        return gap, beyond
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    return gap, distance_to_object(scene, c * x + s * y, c * y - s * x) - scene.robot_radius

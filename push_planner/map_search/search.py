@@ -1,0 +1,199 @@
+"""Search for the sequence of straight pushes that brings an object to its goal through a map."""
+
+import enum
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from push_model.geometry import Pose
+from push_planner.map_search import kernel
+from push_planner.map_search.kernel import Memory, OpenFloor, Problem, Query
+from push_planner.map_search.object_distance import DistanceGrid
+from push_planner.map_search.pushes import Pushes
+from push_planner.map_search.robot_reach import HALF_WINDOW, Reach, RobotMargins, SPACING
+from push_planner.map_search.scene import object_clearance, Scene
+from push_primitives.cost_to_go import CostToGo
+
+# Nodes of a search, chosen: some ten for each expanded node; and slots of its hash table, a power
+# of two that they fill to a quarter.
+MAX_NODES = 120000
+SLOTS = 1 << 19
+# Margin of the window round object and robot in which the robot comes to its first push [m], and
+# the largest half side of it [spacings]; chosen: a robot may be two rooms away.
+WINDOW_MARGIN = 2.0
+LARGEST_HALF = 1000
+# Places in the queue of grid points that wait; the rim of the area that is filled is shorter.
+QUEUE_SIZE = 1 << 16
+# Clearance that is no longer looked at [m], and the least that start and goal are taken to have.
+ENOUGH = 0.3
+LEAST_CLEARANCE = -0.02
+# What a push may lose of the clearance of a start or goal that has little [m]; chosen.
+LOST_CLEARANCE = 0.003
+
+
+class SearchEnd(enum.Enum):
+    """How a search ended."""
+
+    FOUND = 'found'
+    EXHAUSTED = 'all that can be reached was searched'
+    LIMIT = 'the limit of the search was reached'
+
+
+class Margins(NamedTuple):
+    """
+    Margins of a search.
+
+    :param object: clearance of the object from obstacles [m].
+    :param spread_factor: standard deviations of a vertex after a push that are added to it.
+    :param robot: clearance of the robot from obstacles [m].
+    :param robot_to_object: clearance of the robot from the object between pushes [m].
+    """
+
+    object: float  # noqa: A003
+    spread_factor: float
+    robot: float
+    robot_to_object: float
+
+
+class SearchSettings(NamedTuple):
+    """
+    What a search weighs and how far it goes; fields as of ``kernel.Query``.
+
+    :param max_expansions: chosen: most answers take fewer than 200, and 4000 half a second.
+    """
+
+    position_tolerance: float
+    heading_tolerance: float
+    open_radius: float
+    contact_time: float
+    pushing_speed: float
+    robot_speed: float
+    weight: float = 1.5
+    max_expansions: int = 4000
+
+
+class SearchPush(NamedTuple):
+    """
+    A push of a found sequence.
+
+    :param begin: number of the push among the ``Pushes``.
+    :param length: driven length [m].
+    :param start: ``Pose`` of the object before it, in the frame of the map.
+    :param end: ``Pose`` of the object after it, expected.
+    """
+
+    begin: int
+    length: float
+    start: Pose
+    end: Pose
+
+
+class SearchResult(NamedTuple):
+    """
+    What a search found.
+
+    :param end: ``SearchEnd``.
+    :param pushes: ``SearchPush`` to the goal, or to where the floor is open up to it; those to the
+        place from which least remained, where none was found.
+    :param cost: expected time of the pushes and of what remains after them [s].
+    :param expansions: number of nodes that were expanded.
+    :param farthest: largest distance of the object from its start among all nodes [m].
+    :param nodes: (x, y, theta) of all nodes and number of the node before each, or -1, shape
+        (n, 4).
+    """
+
+    end: SearchEnd
+    pushes: tuple[SearchPush, ...]
+    cost: float
+    expansions: int
+    farthest: float
+    nodes: NDArray[np.float64]
+
+
+class MapSearch:
+    """
+    Search from one pose of object and robot; all in the frame of the map.
+
+    :param scene: ``Scene``.
+    :param pushes: ``Pushes``.
+    :param grid: ``DistanceGrid`` to the goal.
+    :param cost_to_go: ``CostToGo`` of open floor.
+    :param settings: ``SearchSettings``.
+    """
+
+    def __init__(self, scene: Scene, pushes: Pushes, grid: DistanceGrid, cost_to_go: CostToGo,
+                 settings: SearchSettings) -> None:
+        self._scene = scene
+        self._pushes = pushes
+        self._grid = grid
+        self._open_floor = OpenFloor(cost_to_go.values, cost_to_go.distances, cost_to_go.headings)
+        self._settings = settings
+        self._memory = _memory()
+
+    def run(self, start: Pose, robot: Pose, goal: Pose, margins: Margins,
+            blocked: NDArray[np.bool_]) -> SearchResult:
+        """
+        Search.
+
+        :param start: ``Pose`` of the object.
+        :param robot: ``Pose`` of the robot.
+        :param goal: ``Pose`` of the object.
+        :param margins: ``Margins``.
+        :param blocked: whether a push may not come first, shape (n,).
+        :return: ``SearchResult``.
+        """
+        away = max(abs(robot.x - start.x), abs(robot.y - start.y))
+        half = min(LARGEST_HALF, max(HALF_WINDOW, math.ceil((away + WINDOW_MARGIN) / SPACING)))
+        memory = self._memory._replace(reach=Reach(
+            np.empty((2 * half + 1, 2 * half + 1)), np.empty(QUEUE_SIZE, dtype=np.int64)))
+        memory.cells.fill(-1)
+        memory.counters.fill(0)
+        problem = Problem(
+            self._scene, self._pushes, self._grid, self._open_floor,
+            RobotMargins(margins.robot, margins.robot_to_object),
+            Query(np.array(start), np.array(robot[:2]), np.array(goal),
+                  self._settings.position_tolerance, self._settings.heading_tolerance,
+                  self._settings.open_radius, margins.object, margins.spread_factor,
+                  self._clearance(start), self._clearance(goal), blocked,
+                  self._settings.contact_time, self._settings.pushing_speed,
+                  self._settings.robot_speed, self._settings.weight,
+                  self._settings.max_expansions, half))
+        found = int(kernel.search(problem, memory))
+        return self._result(problem, memory, found)
+
+    def _clearance(self, pose: Pose) -> float:
+        found = float(object_clearance(self._scene, *pose, ENOUGH))
+        return max(LEAST_CLEARANCE, found - LOST_CLEARANCE)
+
+    def _result(self, problem: Problem, memory: Memory, found: int) -> SearchResult:
+        ends = {kernel.EXHAUSTED: SearchEnd.EXHAUSTED, kernel.LIMIT: SearchEnd.LIMIT}
+        last = found if found >= 0 else int(memory.counters[kernel.NEAREST])
+        count = int(memory.counters[kernel.NODES])
+        nodes, links = memory.nodes[:count], memory.links[:count]
+        poses = [Pose(*nodes[last, :3].tolist())]
+        pushes: list[SearchPush] = []
+        number = last
+        while links[number, kernel.PARENT] >= 0:
+            length, begin = float(nodes[number, kernel.LENGTH]), int(links[number, kernel.PUSH])
+            number = int(links[number, kernel.PARENT])
+            poses.append(Pose(*nodes[number, :3].tolist()))
+            pushes.append(SearchPush(begin, length, poses[-1], poses[-2]))
+        remaining = float(kernel.estimate(problem, *poses[0], max(0, links[last, kernel.FACE])))
+        away = nodes[:, :2] - nodes[0, :2]
+        return SearchResult(
+            ends.get(found, SearchEnd.FOUND), tuple(pushes[::-1]),
+            float(nodes[last, kernel.COST]) + remaining, int(memory.counters[kernel.EXPANDED]),
+            float(np.hypot(*away.T).max()),
+            np.column_stack([nodes[:, :3], links[:, kernel.PARENT].astype(float)]))
+
+
+def _memory() -> Memory:
+    nothing = Reach(np.empty((1, 1)), np.empty(1, dtype=np.int64))
+    return Memory(
+        np.empty((MAX_NODES, kernel.NODE_SIZE)),
+        np.empty((MAX_NODES, kernel.LINK_SIZE), dtype=np.int64),
+        np.empty(MAX_NODES, dtype=np.bool_), np.empty(2 * MAX_NODES),
+        np.empty(2 * MAX_NODES, dtype=np.int64), np.empty(SLOTS, dtype=np.int64),
+        np.empty(SLOTS, dtype=np.int64), nothing, np.empty(3),
+        np.empty(kernel.FINAL_SIZE), np.zeros(kernel.COUNTER_SIZE, dtype=np.int64))
