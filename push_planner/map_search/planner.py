@@ -6,13 +6,14 @@ search finds a sequence of straight pushes to the goal, or to where the floor is
 first push is planned exactly, the others when their turn comes.
 """
 
+import contextlib
 import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import distance, Pose
-from push_model.parameters import RoundRobot
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
@@ -53,6 +54,8 @@ MAX_FIRST_PUSHES = 12
 LARGEST_OVERLAP = 0.02
 # Places on the line to the goal at which the floor is looked at.
 LINE_SAMPLES = 40
+# Cells of the map of a plan that only warms up [m].
+WARM_UP_RESOLUTION = 0.05
 # A search that has not left this distance has found the object shut in [m].
 SHUT_IN_DISTANCE = 1.0
 
@@ -87,6 +90,28 @@ def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     """
     return _MapPlanner(checked_request(request, robot), robot, settings, drive,
                        occupancy_map).plan()
+
+
+def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
+    """
+    Search once, so that the first request does not wait for the compiler.
+
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param drive: ``DriveSettings``.
+    """
+    reach = max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
+    # A room in which the floor is not open.
+    half = reach + 2.0 * robot.radius
+    if not math.isfinite(half):
+        return
+    count = math.ceil(2.0 * half / WARM_UP_RESOLUTION)
+    room = OccupancyMap(WARM_UP_RESOLUTION, Pose(-half, -half, 0.0),
+                        np.zeros((count, count), dtype=np.bool_))
+    beside = Pose(-reach - 0.9 * robot.radius, 0.0, 0.0)
+    with contextlib.suppress(PlanningFailed):
+        plan_push_in_map(PlanRequest(Pose(0.0, 0.0, 0.0), beside, Pose(0.05, 0.0, 0.0), obj),
+                         robot, PlannerSettings(), drive, room)
 
 
 class _MapPlanner:

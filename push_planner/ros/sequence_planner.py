@@ -7,6 +7,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanRequest
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
+from push_planner.map_search.planner import warm_up as warm_up_search
 from push_planner.primitive_push.planner import warm_up
 from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.sequence.steps import sequence_poses
@@ -62,9 +63,15 @@ class SequenceRequestHandler:
         self._frame = frame
         self._occupancy_map: OccupancyMap | None = None
         self.set_parameters(parameters)
-        if parameters.planner.site == 'sequence' and parameters.task.method == 'primitives':
+        if self._plans_unsteered_pushes:
             # Compiles the planner and makes the table of the object where there is none yet.
             warm_up(parameters.object, parameters.robot, parameters.drive)
+
+    @property
+    def _plans_unsteered_pushes(self) -> bool:
+        parameters = self._parameters
+        return (parameters.planner.site == 'sequence'
+                and parameters.task.method == 'primitives')
 
     def set_parameters(self, parameters: PlannerParameters) -> None:
         """
@@ -81,7 +88,11 @@ class SequenceRequestHandler:
         :param message: ``nav_msgs/OccupancyGrid``.
         :raises MessageRefused: where it cannot be used; the former one stays.
         """
-        self._occupancy_map = from_map_message(message, self._frame)
+        occupancy_map = from_map_message(message, self._frame)
+        if self._occupancy_map is None and self._plans_unsteered_pushes:
+            parameters = self._parameters
+            warm_up_search(parameters.object, parameters.robot, parameters.drive)
+        self._occupancy_map = occupancy_map
 
     def move_map(self, correction: Pose) -> None:
         """

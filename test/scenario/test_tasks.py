@@ -137,7 +137,7 @@ def test_through_the_door_no_wall_is_touched():
     line = np.linspace((start.x, -1.0, 0.0), (goal.x, -1.0, 0.0), 200)
     assert not occupancy_map.object_is_free(case.object, line, 0.0)
     assert start.x < 0.0 < case.robot_start.x and goal.x > 0.0
-    assert measure(result).within_map and math.isinf(result.single_push_time)
+    assert measure(result).within_map and result.pushes > 1
     beside = dataclasses.replace(case.task.map, origin=dataclasses.replace(
         case.task.map.origin, y=case.task.map.origin.y + 1.0))
     moved = dataclasses.replace(result, scenario=dataclasses.replace(
@@ -193,7 +193,7 @@ def test_what_cannot_be_reached_is_not_done():
     once = dataclasses.replace(case.task.supervision, max_attempts=1)
     result = simulate(dataclasses.replace(
         case, task=dataclasses.replace(case.task, map=shut, supervision=once)))
-    assert result.outcome is Outcome.FAILED and 'map' in result.reason
+    assert result.outcome is Outcome.FAILED and 'too narrow' in result.reason
     assert result.pushes == 0 and math.isnan(result.single_push_time)
     assert not is_as_expected(result)
     assert is_as_expected(dataclasses.replace(result, scenario=dataclasses.replace(
