@@ -1,6 +1,7 @@
 """Rules on who may import what, read off the syntax trees; each returns what it found wrong."""
 
 import ast
+import functools
 import graphlib
 from pathlib import Path
 import re
@@ -110,6 +111,7 @@ def room(module):
     return module.as_posix() if on_top else module.parent.as_posix()
 
 
+@functools.lru_cache(maxsize=1024)
 def imports(tree):
     """List all imports below a syntax tree, in functions too."""
     deferred = {id(node) for function in ast.walk(tree)
@@ -129,7 +131,14 @@ def imports(tree):
 
 def parse(root, module):
     """Parse one module of a source tree."""
-    return ast.parse((root / module).read_text(encoding='utf-8'), str(module))
+    return parse_text((root / module).read_text(encoding='utf-8'), str(module))
+
+
+# Every rule reads the whole source tree, whose modules are some hundred.
+@functools.lru_cache(maxsize=1024)
+def parse_text(text, name):
+    """Parse the text of a module, once."""
+    return ast.parse(text, name)
 
 
 def ros_in_pure_modules(root):
@@ -204,11 +213,20 @@ def clocks_and_dice(root):
         wrong += [f'{module}:{found.line} imports {found.name}' for found in imports(tree)
                   if found.name.split('.')[0] in ('time', 'random')]
         for node in ast.walk(tree):
-            text = ast.unparse(node) if isinstance(node, (ast.Attribute, ast.Call)) else ''
+            text = dotted_name(node)
             drawn = re.match(r'(np|numpy)\.random\.(\w+)$', text)
             if NOW.match(text) or drawn and drawn[2] not in SEEDED or text.endswith('_rng()'):
                 wrong.append(f'{module}:{node.lineno} uses {text}')
     return wrong
+
+
+def dotted_name(node):
+    """Write an attribute, as ``a.b.c``, or a call without arguments; empty for anything else."""
+    if isinstance(node, ast.Call) and not node.args and not node.keywords:
+        return f'{dotted_name(node.func)}()'
+    if isinstance(node, ast.Attribute):
+        return f'{dotted_name(node.value)}.{node.attr}'
+    return node.id if isinstance(node, ast.Name) else ''
 
 
 def crowded_folders(root):

@@ -2,7 +2,8 @@
 Messages, services and actions, built from their definitions where no ROS installation has them.
 
 The wheels bring rosidl's generators; cmake and g++ come from the distribution. A build takes 10 to
-20 s and is kept in ``build/interfaces`` until sources or generators change. In a test:
+20 s and is kept in ``build/interfaces`` until sources or generators change; its libraries of C++
+are empty. In a test:
 
     @pytest.fixture(scope='module')
     def interfaces():

@@ -16,3 +16,18 @@ function(remove_missing_include_folders)
   endforeach()
 endfunction()
 cmake_language(DEFER CALL remove_missing_include_folders)
+
+# Python loads the libraries of C alone, and those of C++ take most of a build: they are left empty.
+function(empty_libraries_of_cpp)
+  get_property(targets DIRECTORY PROPERTY BUILDSYSTEM_TARGETS)
+  file(WRITE "${PROJECT_BINARY_DIR}/empty.cpp" "")
+  foreach(target IN LISTS targets)
+    if(target MATCHES "__rosidl_typesupport_([a-z]+_)?cpp$")
+      set_target_properties(${target} PROPERTIES SOURCES "${PROJECT_BINARY_DIR}/empty.cpp")
+      # The headers in this folder, which are not generated then either, are to be installed.
+      string(REPLACE "${PROJECT_NAME}__" "" generator "${target}")
+      file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/${generator}/${PROJECT_NAME}")
+    endif()
+  endforeach()
+endfunction()
+cmake_language(DEFER CALL empty_libraries_of_cpp)

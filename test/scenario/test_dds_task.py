@@ -36,9 +36,10 @@ def redirected():
 
 @pytest.fixture(scope='module')
 def twice(tmp_path_factory):
-    """Replay it twice."""
+    """Replay it twice, the second time with commands without a stamp."""
     folder = tmp_path_factory.mktemp('twice')
-    return [run_over_dds(redirected(), None, folder / name) for name in ('first', 'second')]
+    return [run_over_dds(redirected(), None, folder / str(stamped), stamped=stamped,
+                         record=stamped) for stamped in (True, False)]
 
 
 def test_the_object_arrives_although_the_robot_stands_on_the_wrong_side(twice):
@@ -58,7 +59,7 @@ def test_a_goal_that_changes_in_between_is_reached(twice):
 
 
 def test_lockstep_twice_gives_the_same_tape(twice):
-    """However long the planner thinks: time waits for it."""
+    """However long the planner thinks, with stamped commands or not: time waits for it."""
     assert twice[0].tape.to_bytes() == twice[1].tape.to_bytes()
     assert twice[0].history == twice[1].history
 
