@@ -61,6 +61,7 @@ setup(
             'sim = push_ros.start:sim',
             'study = push_study.cli:main',
             'tf_tracker = push_ros.start:tf_tracker',
+            'view = push_ros.start:view',
         ],
     },
 )

@@ -11,7 +11,8 @@ import sys
 from types import FrameType
 
 NODES = {'controller': 'push_control.controller_node', 'planner': 'push_planner.planner_node',
-         'sim': 'push_sim_node.sim_node', 'tf_tracker': 'push_tracker.tracker_node'}
+         'sim': 'push_sim_node.sim_node', 'tf_tracker': 'push_tracker.tracker_node',
+         'view': 'push_view.view_node'}
 
 
 def controller() -> int:
@@ -32,6 +33,11 @@ def sim() -> int:
 def tf_tracker() -> int:
     """Run the tracker; return its exit status."""
     return start('tf_tracker')
+
+
+def view() -> int:
+    """Run the page; return its exit status."""
+    return start('view')
 
 
 def start(name: str, arguments: list[str] | None = None) -> int:

@@ -15,6 +15,8 @@ from push_model.geometry import Pose
 MAX_COORDINATE = 50.0
 # Range of speeds over real time.
 MIN_SPEED, MAX_SPEED = 0.1, 10.0
+# What a robot can be told to do.
+CALLS = ('start', 'stop', 'pause', 'resume')
 # Longest text that is repeated to who sent it.
 QUOTED = 60
 
@@ -101,8 +103,18 @@ class Restart(NamedTuple):
     """Start over with everything as it is set."""
 
 
+class Call(NamedTuple):
+    """
+    Let a robot start, stop, pause or go on.
+
+    :param name: one of ``CALLS``.
+    """
+
+    name: str
+
+
 Command = (SetGoal | DisplaceObject | AddWall | ClearWalls | Choose | SetValue | Run | Step
-           | Restart)
+           | Restart | Call)
 
 
 def parse_command(text: str) -> Command:
@@ -174,6 +186,14 @@ def _set(kind: str, values: Mapping[str, Any]) -> SetValue:
     return SetValue(name, _number(kind, 'value', values.get('value'), -math.inf, math.inf))
 
 
+def _call(kind: str, values: Mapping[str, Any]) -> Call:
+    name = values.get('name')
+    if name not in CALLS:
+        raise CommandRefused(f'{kind}.name: got {_quoted(name)}, expected one of '
+                             + ', '.join(CALLS))
+    return Call(str(name))
+
+
 def _run(kind: str, values: Mapping[str, Any]) -> Run:
     paused, speed = values.get('paused'), values.get('speed')
     if paused is not None and not isinstance(paused, bool):
@@ -195,4 +215,5 @@ _READERS: dict[str, tuple[Callable[[str, Mapping[str, Any]], Command], tuple[str
     'run': (_run, ('paused', 'speed')),
     'step': (lambda kind, values: Step(), ()),
     'restart': (lambda kind, values: Restart(), ()),
+    'call': (_call, ('name',)),
 }

@@ -22,7 +22,7 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
 from push_planner.sequence.planner import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
-from push_scenario.definition.scenario import Scenario
+from push_scenario.definition.scenario import Bounds, Scenario
 
 Message = dict[str, Any]
 
@@ -33,20 +33,38 @@ DECIMALS = 5
 PLAN_SAMPLES = 40
 
 
-def scene_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Message:
+def scene_message(title: str, obj: PushedObject, robot: RoundRobot, columns: Sequence[str], *,
+                  description: str = '', law: str = '', bounds: Bounds | None = None) -> Message:
     """
     Describe what there is; a scene starts a new run.
+
+    :param title: of the run.
+    :param obj: the nominal ``PushedObject``.
+    :param robot: the nominal ``RoundRobot``.
+    :param columns: names of the columns of its rows.
+    :param description: what the run shows, a sentence or more.
+    :param law: control law of the run.
+    :param bounds: ``Bounds`` of the errors at the end; None where they are not known.
+    """
+    return {
+        'type': 'scene', 'title': title, 'description': ' '.join(description.split()), 'law': law,
+        'object': object_values(obj), 'robot': robot_values(robot),
+        'position_bound': None if bounds is None else bounds.position_error,
+        'heading_bound': None if bounds is None else bounds.heading_error,
+        'columns': list(columns)}
+
+
+def scenario_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Message:
+    """
+    Describe what there is in a scenario.
 
     :param scenario: the ``Scenario``.
     :param law: control law of the run.
     :param columns: names of the columns of its rows.
     """
-    return {
-        'type': 'scene', 'title': scenario.name.replace('_', ' '),
-        'description': ' '.join(scenario.description.split()), 'law': law,
-        'object': object_values(scenario.object), 'robot': robot_values(scenario.robot),
-        'position_bound': scenario.bounds.position_error,
-        'heading_bound': scenario.bounds.heading_error, 'columns': list(columns)}
+    return scene_message(scenario.name.replace('_', ' '), scenario.object, scenario.robot,
+                         columns, description=scenario.description, law=law,
+                         bounds=scenario.bounds)
 
 
 def object_values(obj: PushedObject) -> Message:
@@ -188,3 +206,19 @@ def rounded(values: Iterable[float]) -> list[float | None]:
     :param values: the numbers.
     """
     return [round(float(value), DECIMALS) if math.isfinite(value) else None for value in values]
+
+
+def controls_message(tools: Sequence[str], *, choices: Sequence[Message] = (),
+                     settings: Sequence[Message] = (), calls: Sequence[str] = (),
+                     owns_time: bool = False) -> Message:
+    """
+    Tell a live page what its user can do.
+
+    :param tools: what can be dragged, of ``goal``, ``object`` and ``wall``.
+    :param choices: each with ``name``, ``value`` and ``options``.
+    :param settings: as of ``Setting.to_message``.
+    :param calls: names of what can be called, as ``stop``.
+    :param owns_time: whether time can be stopped and made faster.
+    """
+    return {'type': 'controls', 'tools': list(tools), 'choices': list(choices),
+            'settings': list(settings), 'calls': list(calls), 'owns_time': owns_time}

@@ -12,7 +12,7 @@ from push_sim_node.tape import Tape
 from push_view.belief import BeliefRecorder
 from push_view.messages import (
     displacement_message, goal_message, map_message, Message, plan_message, push_message,
-    rows_message, scene_message, state_message, truth_message,
+    rows_message, scenario_message, state_message, truth_message,
 )
 
 
@@ -27,8 +27,9 @@ def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[
     """
     scenario, tape = result.scenario, result.tape
     columns = () if tape is None else tape.columns
-    messages = [scene_message(scenario, result.control_law, columns if beliefs is None
-                              else (*columns, *beliefs.columns))]
+    if beliefs is not None:
+        columns = (*columns, *beliefs.columns)
+    messages = [scenario_message(scenario, result.control_law, columns)]
     messages += _truths(result)
     messages.append(goal_message(0.0, scenario.goal.pose))
     if scenario.task is not None:

@@ -29,8 +29,8 @@ from push_view.commands import (
 )
 from push_view.message_log import MessageLog
 from push_view.messages import (
-    displacement_message, goal_message, map_message, plan_message, rows_message, scene_message,
-    state_message, truth_message,
+    controls_message, displacement_message, goal_message, map_message, plan_message, rows_message,
+    scenario_message, state_message, truth_message,
 )
 from push_view.settings import (
     CONTACT_FRICTION, find_setting, FRICTION, setting_messages, with_friction,
@@ -40,6 +40,10 @@ from push_view.walls import open_floor, with_wall
 METHODS: tuple[TaskMethod, ...] = ('primitives', 'sequences')
 # A task has no open loop.
 TASK_LAWS = tuple(law for law in LAWS if law != 'open_loop')
+
+HELP = ('The robot brings the object to the goal by pushing it. Drag the goal or the object by '
+        'its middle, rotate it by its ring, draw walls, change what is there and how much '
+        'friction there is: the robot is not told.')
 
 
 class Session:
@@ -111,6 +115,8 @@ class Session:
             SetGoal: self._set_goal, DisplaceObject: self._displace_object,
             AddWall: self._add_wall, ClearWalls: self._clear_walls, Choose: self._choose,
             SetValue: self._set_value, Run: self._run, Step: self._step, Restart: self._restart}
+        if type(command) not in handlers:
+            raise CommandRefused('call: got one to a simulation, expected one to a robot')
         try:
             handlers[type(command)](command)
         except CommandRefused:
@@ -135,13 +141,14 @@ class Session:
         method = 'sequences' if self._map is not None else self._task.planning.method
         self._robot = TaskControl(scenario, self._task, PLANNING_TIMES[method])
         self._robot.set_map(self._map)
-        self._loop = ClosedLoop(self._simulation, self._robot, make_safety_layer(scenario), observation,
-                                lambda _: None)
+        self._loop = ClosedLoop(self._simulation, self._robot, make_safety_layer(scenario),
+                                observation, lambda _: None)
         self._shown_states = self._shown_plans = self._row_count = 0
         self._friction: tuple[float, ...] = ()
         self.log.clear()
         columns = (*self._simulation.columns, *belief_columns(scenario.object))
-        self.log.add(scene_message(scenario, self._choices['law'], columns))
+        self.log.add({**scenario_message(scenario, self._choices['law'], columns),
+                      'description': HELP})
         self.log.add(truth_message(0.0, scenario.true_object))
         self.log.add(goal_message(0.0, self._robot.goal))
         self.log.add(map_message(0.0, self._map))
@@ -177,12 +184,12 @@ class Session:
     def _show_controls(self) -> None:
         options = {'object': _names('objects'), 'robot': _names('robots'), 'law': TASK_LAWS,
                    'method': METHODS}
-        self.log.replace({
-            'type': 'controls', 'can_edit': True,
-            'choices': [{'name': name, 'value': value,
-                         'options': list(dict.fromkeys((value, *options[name])))}
-                        for name, value in self._choices.items()],
-            'settings': setting_messages(self._scenario.true_object, self._scenario.sensors)})
+        choices = [{'name': name, 'value': value,
+                    'options': list(dict.fromkeys((value, *options[name])))}
+                   for name, value in self._choices.items()]
+        self.log.replace(controls_message(
+            ('goal', 'object', 'wall'), choices=choices, owns_time=True,
+            settings=setting_messages(self._scenario.true_object, self._scenario.sensors)))
 
     def _set_goal(self, command: SetGoal) -> None:
         # By the short side round from where the object is.

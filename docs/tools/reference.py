@@ -18,6 +18,7 @@ from push_planner import planner_node
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS, TRACKER
 from push_sim_node import sim_node
 from push_tracker import tracker_node
+from push_view import view_node
 
 REFERENCE = Path(__file__).resolve().parents[1] / 'reference'
 SECTION = re.compile(r'(<!-- (?P<name>[\w. ]+) -->\n)(?P<body>.*?)(<!-- end -->)', re.DOTALL)
@@ -27,6 +28,7 @@ GROUPS: dict[str, Sequence[tuple[str, type]]] = {
     CONTROLLER: controller_node.SECTIONS,
     SIM: sim_node.SECTIONS,
     TRACKER: tracker_node.SECTIONS,
+    view_node.NAME: view_node.SECTIONS,
 }
 
 

@@ -73,7 +73,9 @@ class Camera {
     }
     if (!xs.length) return;
     // Room to drag things to.
-    if (recording.isLive && recording.goals.length) add(...recording.goals[0].pose.slice(0, 2), LIVE_EXTENT);
+    const [goal] = recording.goals, [object] = recording.paths.object, [robot] = recording.paths.robot;
+    const middle = goal ? goal.pose : object ? [object.x, object.y] : robot && [robot.x, robot.y];
+    if (recording.isLive && middle) add(middle[0], middle[1], LIVE_EXTENT);
     const span = (list) => [Math.min(...list), Math.max(...list)];
     const [left, right] = span(xs), [low, high] = span(ys);
     this.center = [0.5 * (left + right), 0.5 * (low + high)];

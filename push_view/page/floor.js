@@ -223,7 +223,7 @@ class Floor {
     this.drawRobot(robot, scene.robot.radius,
                    { fill: colors.robot, stroke: colors.ink, width: 2, alpha: 0.75 });
     this.drawBelief(values, scene, object);
-    this.drawCenter(transform(object, (truth || scene.object).friction_center));
+    if (truth) this.drawCenter(transform(object, truth.friction_center));
     this.drawContact(values, truth || scene.object, scene.object.mass);
   }
 

@@ -45,7 +45,7 @@ class App {
     const keys = {
       ' ': () => this.player.toggle(), ',': () => this.player.step(-1), '.': () => this.player.step(1),
       'f': fit, '+': () => zoom(1.3), '-': () => zoom(1 / 1.3) };
-    TOOLS.forEach((tool, i) => { keys[i + 1] = () => { if (this.canEdit) this.editor.setTool(tool); }; });
+    TOOLS.forEach((tool, i) => { keys[i + 1] = () => { if (tool === 'pan' || (this.tools || []).includes(tool)) this.editor.setTool(tool); }; });
     document.addEventListener('keydown', (event) => {
       const isTyping = event.target.closest('input, select, textarea, summary');
       const isButton = event.target.closest('button') && event.key === ' ';
@@ -68,7 +68,7 @@ class App {
     } else if (message.type === 'run') {
       this.onRun(message);
     } else if (message.type === 'notice') {
-      this.showMessage(message.text);
+      this.showMessage(message.text, this.player.ownsTime ? Infinity : REFUSAL_TIME);
     } else if (message.type === 'refused') {
       this.showMessage(`refused: ${message.text}`, REFUSAL_TIME);
     }
@@ -81,11 +81,24 @@ class App {
     this.panel.setScene(this.recording);
   }
 
+  // What the user of a live page can do: of a simulation everything, of a robot some things or none.
   onControls(message) {
-    this.canEdit = message.can_edit;
-    for (const element of document.querySelectorAll('.live')) element.hidden = !message.can_edit;
-    this.floor.showsHandles = message.can_edit;
+    this.tools = message.tools;
+    this.canEdit = message.tools.length > 0;
+    this.player.ownsTime = message.owns_time;
+    const shown = {
+      tools: this.canEdit, restart: message.owns_time, 'clear-walls': message.tools.includes('wall'),
+      'choice-section': message.choices.length > 0, 'sensor-section': message.settings.length > 0,
+      calls: message.calls.length > 0, 'speed-choice': message.owns_time };
+    for (const [id, isShown] of Object.entries(shown)) byId(id).hidden = !isShown;
+    for (const radio of document.getElementsByName('tool')) {
+      radio.parentElement.hidden = radio.value !== 'pan' && !message.tools.includes(radio.value);
+    }
+    for (const element of document.querySelectorAll('.live')) element.hidden = !this.canEdit;
+    this.floor.showsHandles = this.canEdit;
+    if (!this.canEdit) this.editor.setTool('pan');
     this.panel.showControls(message, (answer) => this.send(answer));
+    this.redraw();
   }
 
   onRun(message) {

@@ -7,9 +7,6 @@ const STATES = {
 // The panel is renewed this often while time runs [ms].
 const PANEL_PERIOD = 100;
 
-const HELP = 'The robot brings the object to the goal, by pushing it. Drag the goal or the object by its middle, rotate it by its '
-  + 'ring, draw walls, change what is there and how much friction there is: the robot does not know.';
-
 const byId = (id) => document.getElementById(id);
 
 function setText(element, text) {
@@ -54,7 +51,7 @@ class Panel {
   setScene(recording) {
     const scene = recording.scene;
     setText(byId('title'), scene.title);
-    setText(byId('description'), recording.isLive ? HELP : scene.description);
+    setText(byId('description'), scene.description);
     const body = byId('friction').tBodies[0];
     body.textContent = '';
     this.friction = scene.object.supports.map((support, i) => this.frictionRow(
@@ -156,8 +153,9 @@ class Panel {
   listEvents(recording) {
     let pushes = 0;
     const texts = [
-      ...recording.states.map((message) => {
-        const name = message.state === 'push' ? `push ${pushes += 1}` : STATES[message.state] || message.state;
+      ...recording.states.map((message, i) => {
+        if (recording.isPushStart(i)) pushes += 1;
+        const name = message.state === 'push' ? `push ${pushes}` : STATES[message.state] || message.state;
         return [message.time, message.reason ? `${name}: ${message.reason}` : name];
       }),
       ...recording.goals.slice(1).map((message) => [message.time, 'new goal']),
@@ -198,6 +196,11 @@ class Panel {
 
   // Settings of a live page: choices, and numbers with a range; send takes a message.
   showControls(message, send) {
+    byId('calls').replaceChildren(...message.calls.map((name) => {
+      const button = Object.assign(document.createElement('button'), { type: 'button', name, textContent: name });
+      button.addEventListener('click', () => send({ type: 'call', name }));
+      return button;
+    }));
     const names = JSON.stringify([message.choices.map((choice) => choice.options), message.settings.map((setting) => setting.name)]);
     if (names === this.controlNames && this.inputs.size) {
       this.renewControls(message);

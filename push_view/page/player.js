@@ -14,6 +14,7 @@ class Player {
     this.isPlaying = false;
     this.isFollowing = false;  // live, at the newest rows
     this.send = null;
+    this.ownsTime = true;  // live: whether time can be stopped
     byId('play').addEventListener('click', () => this.toggle());
     byId('back').addEventListener('click', () => this.step(-1));
     byId('forward').addEventListener('click', () => this.step(1));
@@ -30,7 +31,7 @@ class Player {
 
   setSpeed(speed) {
     this.speed = speed;
-    if (this.isLive) this.send({ type: 'run', speed });
+    if (this.isLive && this.ownsTime) this.send({ type: 'run', speed });
   }
 
   toggle() {
@@ -38,7 +39,7 @@ class Player {
       const isPaused = this.isPlaying && this.isFollowing;
       this.isFollowing = true;
       this.isPlaying = !isPaused;
-      this.send({ type: 'run', paused: isPaused });
+      if (this.ownsTime) this.send({ type: 'run', paused: isPaused });
       return;
     }
     if (!this.isPlaying && this.time >= this.recording.end) this.time = this.recording.start;
@@ -46,7 +47,7 @@ class Player {
   }
 
   pause() {
-    if (this.isLive && this.isPlaying) this.send({ type: 'run', paused: true });
+    if (this.isLive && this.ownsTime && this.isPlaying) this.send({ type: 'run', paused: true });
     this.isPlaying = false;
   }
 
@@ -60,7 +61,7 @@ class Player {
     const recording = this.recording;
     if (recording.isEmpty) return;
     const row = recording.rowAt(this.time + 1e-9) + rows, last = recording.time.length - 1;
-    if (this.isLive && row > last) {
+    if (this.isLive && this.ownsTime && row > last) {
       this.isFollowing = true;
       this.send({ type: 'step' });
       return;

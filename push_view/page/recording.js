@@ -55,6 +55,7 @@ class Recording {
     const last = this.time.length - 1, path = this.paths[body];
     const point = { t: this.time[last], x: this.columns[body + '_x'][last],
                     y: this.columns[body + '_y'][last] };
+    if (!Number.isFinite(point.x)) return;
     const before = path[path.length - 1];
     if (!before || Math.hypot(point.x - before.x, point.y - before.y) > PATH_STEP) {
       path.push(point);
@@ -103,13 +104,20 @@ class Recording {
     return found;
   }
 
+  // Whether a push begins with a state: reasons may change under way.
+  isPushStart(i) {
+    return this.states[i].state === 'push' && !(i > 0 && this.states[i - 1].state === 'push');
+  }
+
   // Pushes as {number, start, end}.
   pushes() {
     const found = [];
     this.states.forEach((message, i) => {
-      if (message.state !== 'push') return;
-      const next = this.states[i + 1];
-      found.push({ number: found.length, start: message.time, end: next ? next.time : Infinity });
+      if (this.isPushStart(i)) found.push({ number: found.length, start: message.time, end: Infinity });
+      else if (message.state !== 'push' && found.length) {
+        const last = found[found.length - 1];
+        last.end = Math.min(last.end, message.time);
+      }
     });
     return found;
   }

@@ -1,0 +1,126 @@
+"""What is measured and reported of a robot, as messages of the page."""
+
+import math
+
+from push_control.task.status import StateChange, TaskState
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose, Odometry
+from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+from push_view.message_log import MessageLog
+from push_view.messages import (
+    goal_message, map_message, push_message, rows_message, scene_message, state_message,
+)
+
+COLUMNS = ('time', 'object_x', 'object_y', 'object_theta', 'robot_x', 'robot_y', 'robot_theta',
+           'robot_v_x', 'robot_v_y', 'robot_omega')
+# Least time between two rows [s]; chosen: what a screen needs.
+ROW_PERIOD = 0.04
+# Time by which stamps must go back for a new run [s]; chosen: more than messages are out of order.
+RESTART_TIME = 1.0
+
+
+class RobotRecord:
+    """
+    Turns measurements of a robot into rows, and the rest into events; time starts with them.
+
+    :param log: where the messages go.
+    :param title: of the page.
+    :param obj: the nominal ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    """
+
+    def __init__(self, log: MessageLog, title: str, obj: PushedObject,
+                 robot: RoundRobot) -> None:
+        self._log = log
+        self._scene = scene_message(
+            title, obj, robot, COLUMNS,
+            description='A robot as it is measured and as it reports itself.')
+        self._object_pose: Pose | None = None
+        self._goal: Pose | None = None
+        self._map: OccupancyMap | None = None
+        self._start_time: float | None = None
+        self._time = -math.inf
+        self._start()
+
+    @property
+    def time(self) -> float:
+        """Time of the last row since the first measurement [s]; 0 before."""
+        return max(0.0, self._time)
+
+    def on_odometry(self, odometry: Odometry) -> None:
+        """
+        Add a row, where the last one is old enough.
+
+        :param odometry: ``Odometry``.
+        """
+        if self._start_time is None:
+            self._start_time = odometry.time
+        time = odometry.time - self._start_time
+        if time < self._time - RESTART_TIME:
+            self._start_time, time = odometry.time, 0.0
+            self._start()
+        if time < self._time + ROW_PERIOD:
+            return
+        self._time = time
+        unknown = (math.nan,) * 3
+        self._log.add(rows_message([(
+            time, *(unknown if self._object_pose is None else self._object_pose), *odometry.pose,
+            *odometry.twist)]))
+
+    def on_object_pose(self, measured: ObjectPose) -> None:
+        """
+        Take note of where the object is.
+
+        :param measured: ``ObjectPose``.
+        """
+        self._object_pose = measured.pose
+
+    def on_goal(self, pose: Pose) -> None:
+        """
+        Show a goal.
+
+        :param pose: goal ``Pose`` of the object.
+        """
+        self._goal = pose
+        self._log.add(goal_message(self.time, pose))
+
+    def on_plan(self, trajectory: PushTrajectory) -> None:
+        """
+        Show a plan.
+
+        :param trajectory: the ``PushTrajectory``.
+        """
+        self._log.add(push_message(self.time, trajectory))
+
+    def on_map(self, occupancy_map: OccupancyMap) -> None:
+        """
+        Show a map.
+
+        :param occupancy_map: the ``OccupancyMap``.
+        """
+        self._map = occupancy_map
+        self._log.add(map_message(self.time, occupancy_map))
+
+    def on_state(self, state: TaskState, reason: str) -> None:
+        """
+        Show a state, unless it is shown.
+
+        :param state: the ``TaskState``.
+        :param reason: why, one sentence; empty where all goes as it should.
+        """
+        if (state, reason) != self._state:
+            self._state = state, reason
+            self._log.add(state_message(StateChange(self.time, state, reason)))
+
+    def _start(self) -> None:
+        """Show a new run, with what still holds of the former one."""
+        self._time = -math.inf
+        self._state: tuple[TaskState, str] | None = None
+        self._log.clear()
+        self._log.add(self._scene)
+        if self._map is not None:
+            self._log.add(map_message(0.0, self._map))
+        if self._goal is not None:
+            self._log.add(goal_message(0.0, self._goal))

@@ -1,0 +1,1 @@
+"""The page beside a robot: its commands as topics and services."""

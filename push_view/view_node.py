@@ -1,0 +1,196 @@
+"""ROS node of the page: it shows a robot, and commands it where that is asked for."""
+
+import argparse
+from collections.abc import Callable, Sequence
+import dataclasses
+import secrets
+import sys
+from typing import Any
+
+from push_control.push.status import Phase
+from push_control.task.status import TaskState
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.quantity import check, quantity
+from push_ros.conversions.map import from_map_message
+from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
+from push_ros.conversions.plan import from_plan_message
+from push_ros.conversions.primitives import MessageRefused
+from push_ros.diagnostics import OK, status_values, WARN
+from push_ros.executor import BAD_PARAMETER, run
+from push_ros.node import PushNode
+from push_ros.node_settings import Frames
+from push_ros.topics import CONTROLLER
+from push_view.commands import CALLS
+from push_view.message_log import MessageLog
+from push_view.messages import controls_message
+from push_view.robot_record import RobotRecord
+from push_view.ros.relay import CommandRelay
+
+NAME = 'push_view'
+LOCAL = '127.0.0.1'
+ROS_ARGUMENTS = '--ros-args'
+# What a controller of single pushes does, as the states of a task.
+STATES = {Phase.IDLE: TaskState.IDLE, Phase.PUSHING: TaskState.PUSH,
+          Phase.WAITING: TaskState.PUSH, Phase.DONE: TaskState.DONE,
+          Phase.FAILED: TaskState.FAILED}
+
+
+@dataclasses.dataclass(frozen=True)
+class ViewOptions:
+    """Whom the page is served to, and what they may do."""
+
+    control: bool = quantity('let the page set goals and call controller/start, stop, pause and '
+                             'resume', default=False)
+    host: str = quantity('address at which other machines are served too, with the token that is '
+                         'logged; empty for this machine alone', default='')
+    port: int = quantity('port of the page, 0 for any that is free', '', 0, 65535, default=8643)
+    object_pose_with_covariance: bool = quantity(
+        'object_pose is PoseWithCovarianceStamped, else PoseStamped', default=False)
+
+    def __post_init__(self) -> None:
+        """Validate the fields."""
+        check(self)
+
+
+SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('', Frames), ('', ViewOptions))
+
+
+class ViewNode(PushNode):
+    """
+    Serves the page, live from the topics of a robot or of the simulator.
+
+    It shows object and robot as they are measured, the goal, the plan of each push, the map, and
+    the state that the controller reports on ``/diagnostics``. It is read only unless it was
+    started with ``--control``.
+
+    Publishers
+        with ``--control``, ``goal_pose`` (PoseStamped), in ``world_frame``; ``/diagnostics``
+        (DiagnosticArray).
+
+    Subscribers
+        ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
+        effort; ``goal_pose`` (PoseStamped); ``push_plan`` (MultiDOFJointTrajectory, latched);
+        ``map`` (OccupancyGrid, latched); ``/diagnostics`` (DiagnosticArray).
+
+    Clients, with ``--control``
+        ``controller/start``, ``controller/stop``, ``controller/pause``, ``controller/resume``
+        (Trigger).
+
+    ROS parameters
+        ``object.*`` and ``robot.*``, nominal; ``world_frame``, ``object_frame``, ``base_frame``;
+        and those of ``ViewOptions``.
+
+    Frames
+        Everything must be in ``world_frame``; what is in another is not shown, and reported.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(NAME, SECTIONS)
+        obj, robot, self._frames, options = self.settings
+        self._options = options
+        self._log = MessageLog()
+        title = f'robot {self.get_namespace()}'.rstrip(' /')
+        self._record = RobotRecord(self._log, title, obj, robot)
+        self._relay = CommandRelay(self, self._log, self._frames.world_frame, options.control)
+        self._controller = f'{self.get_namespace()}/{CONTROLLER}'.lstrip('/')
+        self._log.replace(controls_message(('goal',) if options.control else (),
+                                           calls=CALLS if options.control else ()))
+        self._log.replace({'type': 'run', 'paused': False, 'speed': 1.0, 'achieved': None})
+        self._show('odom', self._on_odometry)
+        self._show('object_pose', self._on_object_pose,
+                   with_covariance=options.object_pose_with_covariance)
+        self._show('goal_pose', self._on_goal)
+        self._show('push_plan', self._on_plan)
+        self._show('map', self._on_map)
+        self.subscribe('diagnostics', self._on_diagnostics)
+
+    def start(self) -> None:
+        """Serve the page: called once, before the first callback."""
+        # Imported here, as it comes with an extra.
+        try:
+            from push_view.page_thread import PageThread
+            self._page = PageThread()
+            host = self._options.host
+            url = self._page.start(
+                NAME, self._log, self._relay.handle, host=host or LOCAL, port=self._options.port,
+                token=secrets.token_urlsafe() if host else None)
+        except (ModuleNotFoundError, OSError) as error:
+            self.refuse_to_start(f'{error}, expected aiohttp (python3-aiohttp) and a free port')
+            raise ValueError(str(error)) from error
+        self.reporter.report(OK, f'the page is at {url}')
+
+    def close(self) -> None:
+        """Shut down: called once, while publishers are still valid."""
+        self._page.stop()
+
+    def _show(self, topic: str, callback: Callable[[Any], None], *,
+              with_covariance: bool = False) -> None:
+        """Subscribe to a topic; a message that is refused is reported."""
+        def on_message(message: Any) -> None:
+            try:
+                callback(message)
+            except MessageRefused as refusal:
+                self.reporter.report(WARN, str(refusal))
+
+        self.subscribe(topic, on_message, with_covariance=with_covariance)
+
+    def _on_odometry(self, message: Any) -> None:
+        self._record.on_odometry(from_odometry_message(message, self._frames.world_frame))
+
+    def _on_object_pose(self, message: Any) -> None:
+        self._record.on_object_pose(from_object_pose_message(message, self._frames.world_frame))
+
+    def _on_goal(self, message: Any) -> None:
+        self._record.on_goal(from_object_pose_message(message, self._frames.world_frame,
+                                                      'goal_pose').pose)
+
+    def _on_plan(self, message: Any) -> None:
+        # One without points says that there is no plan.
+        if message.points:
+            self._record.on_plan(from_plan_message(message, self._frames.world_frame))
+
+    def _on_map(self, message: Any) -> None:
+        self._record.on_map(from_map_message(message, self._frames.world_frame))
+
+    def _on_diagnostics(self, message: Any) -> None:
+        for status in message.status:
+            values = status_values(status) if status.name == self._controller else {}
+            if 'state' in values:
+                self._record.on_state(TaskState(values['state']), values.get('reason', ''))
+            elif 'phase' in values:
+                self._record.on_state(STATES[Phase(values['phase'])], values.get('reason', ''))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Run the page.
+
+    :param arguments: command line; None for that of the process.
+    :return: exit status.
+    """
+    program, *words = sys.argv if arguments is None else arguments
+    end = words.index(ROS_ARGUMENTS) if ROS_ARGUMENTS in words else len(words)
+    try:
+        options = _parser().parse_args(words[:end])
+    except SystemExit as finished:
+        return BAD_PARAMETER if finished.code else 0
+    given = [f'{name}:={value}' for name, value in vars(options).items() if value is not None]
+    flags = [word for pair in given for word in ('-p', pair)]
+    return run(ViewNode, [program, *(words[end:] or [ROS_ARGUMENTS]), *flags])
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='view', allow_abbrev=False, description='Serve a page that shows the robot. Options '
+        'stand for the parameters of the same names; others follow --ros-args.')
+    parser.add_argument('--control', action='store_const', const='true',
+                        help='let the page set goals and call start, stop, pause and resume')
+    parser.add_argument('--port', type=int, help='port of the page, 0 for any that is free')
+    parser.add_argument('--host',
+                        help='serve other machines too, at this address of ours (0.0.0.0 for '
+                        'all); they need the token that is logged')
+    return parser
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,141 @@
+"""The page of a robot: what its topics carry is shown, and commands reach it where allowed."""
+
+import asyncio
+import json
+import re
+import threading
+
+from helpers.extras import import_extra
+from helpers.node_bench import bench
+from push_control.task.status import TaskState
+from push_model.files.flat_values import to_parameter_values
+from push_model.geometry import Pose
+from push_model.signals import ObjectPose, Odometry, Twist
+from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
+from push_scenario.definition.loader import load_scenario
+from push_view.message_log import MessageLog
+from push_view.robot_record import RobotRecord, ROW_PERIOD
+import pytest
+from std_srvs.srv import Trigger
+
+SCENARIO = load_scenario('straight_push')
+PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
+           **to_parameter_values(SCENARIO.robot, 'robot.')}
+
+
+class PageReader:
+    """
+    A page in a thread of its own.
+
+    ``received``: all messages so far.
+
+    :param url: of the page.
+    """
+
+    def __init__(self, url):
+        self.received = []
+        self._url = url
+        self._loop = asyncio.new_event_loop()
+        self._socket = None
+        threading.Thread(target=self._loop.run_until_complete, args=[self._read()],
+                         daemon=True).start()
+
+    def send(self, **command):
+        """Send a command, once connected."""
+        asyncio.run_coroutine_threadsafe(self._socket.send_json(command), self._loop).result(60)
+
+    def of_kind(self, kind):
+        """List the messages of a kind."""
+        return [message for message in self.received if message['type'] == kind]
+
+    async def _read(self):
+        aiohttp = import_extra('aiohttp', 'play')
+        async with aiohttp.ClientSession() as session:
+            async with session.ws_connect(f'{self._url}socket',
+                                          headers={'Origin': self._url[:-1]}) as self._socket:
+                async for message in self._socket:
+                    self.received += json.loads(message.data)
+
+
+@pytest.mark.dds
+@pytest.mark.slow
+@pytest.mark.parametrize('can_control', [True, False])
+def test_a_robot_is_shown_and_commanded_where_that_is_allowed(tmp_path, can_control):
+    """Rows of what is measured; a goal and a stop reach the controller, or are refused."""
+    import_extra('aiohttp', 'play')
+    parameters = {**PHYSICS, 'port': 0, 'control': can_control}
+    with bench(tmp_path, 'push_view', 'push_view.view_node', parameters) as b:
+        stops = []
+
+        def stop(_, answer):
+            stops.append(answer)
+            answer.message = 'stopped'
+            return answer
+
+        b.node.create_service(Trigger, 'controller/stop', stop)
+        for topic in ('diagnostics', 'goal_pose'):
+            b.subscribe(topic)
+        b.wait_until(lambda: b.received['diagnostics'])
+        text = b.received['diagnostics'][0].status[0].message
+        page = PageReader(re.search(r'http\S+', text)[0])
+        number = [0]
+
+        def measure():
+            number[0] += 1
+            b.publish('object_pose', to_object_pose_message(
+                ObjectPose(0.1 * number[0], Pose(0.5, 0.1, 0.2)), 'odom'))
+            b.publish('odom', to_odometry_message(
+                Odometry(0.1 * number[0], Pose(-0.4, 0.0, 0.0), Twist(0.1, 0.0, 0.0)), 'odom',
+                'base_link'))
+
+        def row_with_object():
+            return [row for message in page.of_kind('rows') for row in message['rows']
+                    if row[1] is not None]
+
+        b.repeat_until(measure, row_with_object)
+        assert row_with_object()[-1][1:7] == [0.5, 0.1, 0.2, -0.4, 0.0, 0.0]
+        controls = page.of_kind('controls')[-1]
+        assert controls['tools'] == (['goal'] if can_control else [])
+        command = {'type': 'goal', 'pose': [1.0, 0.5, 0.25]}
+        if not can_control:
+            page.send(**command)
+            b.wait_until(lambda: page.of_kind('refused'))
+            assert 'read only' in page.of_kind('refused')[0]['text']
+            assert not b.received['goal_pose']
+            return
+        b.repeat_until(lambda: page.send(**command), lambda: b.received['goal_pose'])
+        assert b.received['goal_pose'][0].pose.position.x == 1.0
+        b.repeat_until(lambda: page.send(type='call', name='stop'), lambda: stops)
+        b.wait_until(lambda: page.of_kind('notice')[-1:] == [{'type': 'notice',
+                                                              'text': 'stopped'}])
+        page.send(type='displace', pose=[0.0, 0.0, 0.0])
+        b.wait_until(lambda: any('simulation only' in refusal['text']
+                                 for refusal in page.of_kind('refused')))
+        b.wait_until(lambda: page.of_kind('goal'))
+
+
+def shown(log, kind):
+    """List the messages of a kind in a log."""
+    return [message for message in map(json.loads, log.since(0)[0]) if message['type'] == kind]
+
+
+def test_time_begins_with_the_first_measurement_and_again_when_it_goes_back():
+    """The goal still holds then; rows come no faster than a screen needs them."""
+    log = MessageLog()
+    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    record.on_goal(Pose(1.0, 0.0, 0.0))
+    for number in range(101):
+        record.on_odometry(Odometry(1e9 + 0.01 * number, Pose(0.01 * number, 0.0, 0.0),
+                                    Twist(1.0, 0.0, 0.0)))
+    rows = [row for message in shown(log, 'rows') for row in message['rows']]
+    assert rows[0][0] == 0.0 and rows[0][1] is None
+    assert 0.8 / ROW_PERIOD <= len(rows) <= 1.0 / ROW_PERIOD + 1.0
+    record.on_state(TaskState.PUSH, '')
+    record.on_state(TaskState.PUSH, '')
+    assert len(shown(log, 'state')) == 1
+    record.on_object_pose(ObjectPose(5.0, Pose(0.3, 0.2, 0.1)))
+    record.on_odometry(Odometry(5.0, Pose(0.0, 0.0, 0.0), Twist(0.0, 0.0, 0.0)))
+    (row,), = [message['rows'] for message in shown(log, 'rows')]
+    assert row[:4] == [0.0, 0.3, 0.2, 0.1]
+    assert len(shown(log, 'scene')) == len(shown(log, 'goal')) == 1
+    assert not shown(log, 'state')
