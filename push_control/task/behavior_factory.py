@@ -62,6 +62,7 @@ class BehaviorFactory:
         """
         self._obj = obj
         self._robot = robot
+        self._prepared: PushPrimitives | None = None
         self.set_settings(control, drive, supervision)
         self.occupancy_map: OccupancyMap | None = None
 
@@ -101,8 +102,10 @@ class BehaviorFactory:
             return None
         is_unsteered = target.style.is_unsteered
         if state is TaskState.APPROACH and is_unsteered:
-            # Now, while the robot stands: the first time may take long.
-            warm_up(self._primitives(), perception.localization)
+            # Now, while the robot stands: at the first time and after a change of settings it may
+            # take long. The push that follows without a stop has the same.
+            self._prepared = self._primitives()
+            warm_up(self._prepared, perception.localization)
             return MovingApproach(context, target)
         if state is TaskState.APPROACH:
             return Approach(context, target)
@@ -111,8 +114,8 @@ class BehaviorFactory:
         if state is TaskState.PUSH and is_unsteered and goal is not None:
             if target.style is PushStyle.WAYPOINT:
                 goal = Pose(*target.object_poses[-1].tolist())
-            return PrimitivePush(context, self._primitives(), perception.localization, target,
-                                 goal)
+            primitives = self._prepared or self._primitives()
+            return PrimitivePush(context, primitives, perception.localization, target, goal)
         if state is TaskState.PUSH:
             control = self._with_present_uncertainty(target, perception)
             return SupervisedPush(context._replace(control=control), target)

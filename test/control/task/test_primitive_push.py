@@ -1,5 +1,6 @@
 """Unsteered pushes: their line, the approach to it, and the push itself on the simulated plant."""
 
+import dataclasses
 import math
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 from push_control.observation import Observation
 from push_control.push.status import Phase
 from push_control.settings import ControlSettings
+from push_control.task import behavior_factory
 from push_control.task.behavior import Behavior
 from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.perception import TaskPerception
@@ -20,8 +22,9 @@ from push_control.task.status import TaskState
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_model.signals import Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
+from push_primitives.store import load_primitives
 from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
 
@@ -224,3 +227,25 @@ def test_a_round_side_has_a_line_too():
     line = push_line(unsteered_push(bin_(), start, 0.2, 1.0, WORLD))
     assert line.curvature == pytest.approx(1.0, abs=1e-3)
     assert np.array(line.start[:2]) == pytest.approx(start[:2], abs=1e-6)
+
+
+def test_settings_that_change_during_an_approach_wait_for_the_next_one(monkeypatch):
+    """Making the cost-to-go anew takes seconds, in which a moving robot would hear of nothing."""
+    robot, target, loaded = ROBOTS['differential'], unsteered_push(box(), MIDDLE, 0.3), []
+    known = load_primitives(box(), robot)
+
+    def load(obj, robot, settings):
+        loaded.append(settings.robot_speed)
+        return known
+    monkeypatch.setattr(behavior_factory, 'load_primitives', load)
+    perception = TaskPerception(box(), robot, CONTROL, SUPERVISION)
+    perception.update(Observation(0.0, Odometry(0.0, backed_off(MIDDLE, 0.3), STOP),
+                                  ObjectPose(0.0, HOME)))
+    goal = Pose(*target.object_poses[-1].tolist())
+    behaviors = BehaviorFactory(box(), robot, CONTROL, DRIVE, SUPERVISION)
+    behaviors.create(TaskState.APPROACH, target, goal, perception)
+    behaviors.set_settings(CONTROL, dataclasses.replace(DRIVE, speed=0.2), SUPERVISION)
+    behaviors.create(TaskState.PUSH, target, goal, perception)
+    assert loaded == [robot.max_speed]
+    behaviors.create(TaskState.APPROACH, target, goal, perception)
+    assert loaded == [robot.max_speed, 0.2]
