@@ -11,7 +11,7 @@ import time
 import webbrowser
 
 from push_scenario.definition.loader import find_scenario, read_scenario
-from push_view.live import LiveSession
+from push_view.live.live_session import LiveSession
 
 DEMO = 'task_demo'
 PORT = 8642  # chosen: not registered for anything
@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
 async def _serve(options: argparse.Namespace) -> None:
     # Imported here, as it comes with an extra.
     try:
-        from push_view.serving import serve
+        from push_view.server.serving import serve
     except ModuleNotFoundError as error:
         raise RuntimeError(f'no module {error.name}: install the extra play (aiohttp)') from error
     session = LiveSession(read_scenario(find_scenario(options.scenario)), time.monotonic)

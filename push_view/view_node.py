@@ -20,11 +20,11 @@ from push_ros.executor import BAD_PARAMETER, run
 from push_ros.node import PushNode
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER
-from push_view.commands import CALLS
-from push_view.message_log import MessageLog
+from push_view.live.robot_record import RobotRecord
 from push_view.messages import controls_message
-from push_view.robot_record import RobotRecord
 from push_view.ros.relay import CommandRelay
+from push_view.server.commands import CALLS
+from push_view.server.message_log import MessageLog
 
 NAME = 'push_view'
 LOCAL = '127.0.0.1'
@@ -108,7 +108,7 @@ class ViewNode(PushNode):
         """Serve the page: called once, before the first callback."""
         # Imported here, as it comes with an extra.
         try:
-            from push_view.page_thread import PageThread
+            from push_view.server.page_thread import PageThread
             self._page = PageThread()
             host = self._options.host
             url = self._page.start(

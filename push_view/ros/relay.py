@@ -7,8 +7,8 @@ from push_model.signals import ObjectPose
 from push_ros.conversions.measurements import to_object_pose_message
 from push_ros.conversions.primitives import seconds
 from push_ros.node import PushNode
-from push_view.commands import Call, CALLS, CommandRefused, parse_command, SetGoal
-from push_view.message_log import MessageLog
+from push_view.server.commands import Call, CALLS, CommandRefused, parse_command, SetGoal
+from push_view.server.message_log import MessageLog
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.task import Future

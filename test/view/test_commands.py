@@ -3,7 +3,7 @@
 import json
 
 from push_model.geometry import Pose
-from push_view.commands import (
+from push_view.server.commands import (
     AddWall, Choose, ClearWalls, CommandRefused, DisplaceObject, parse_command, Restart, Run,
     SetGoal, SetValue, Step,
 )

@@ -2,7 +2,7 @@
 
 import json
 
-from push_view.message_log import MessageLog
+from push_view.server.message_log import MessageLog
 
 
 def rows(*times):

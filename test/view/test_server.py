@@ -4,15 +4,15 @@ import asyncio
 import json
 
 from helpers.extras import import_extra
-from push_view.commands import parse_command
-from push_view.message_log import MessageLog
+from push_view.server.commands import parse_command
+from push_view.server.message_log import MessageLog
 import pytest
 
 aiohttp = import_extra('aiohttp', 'play')
 TestClient = import_extra('aiohttp', 'play', 'aiohttp.test_utils').TestClient
 TestServer = import_extra('aiohttp', 'play', 'aiohttp.test_utils').TestServer
-server = import_extra('aiohttp', 'play', 'push_view.server')
-serving = import_extra('aiohttp', 'play', 'push_view.serving')
+server = import_extra('aiohttp', 'play', 'push_view.server.page_server')
+serving = import_extra('aiohttp', 'play', 'push_view.server.serving')
 
 
 class Page:

@@ -6,10 +6,10 @@ import math
 import numpy as np
 from push_control.task.status import TaskState
 from push_scenario.definition.loader import load_scenario
-from push_view.commands import CommandRefused, parse_command
-from push_view.message_log import MessageLog
-from push_view.session import Session
-from push_view.walls import open_floor, with_wall
+from push_view.live.session import Session
+from push_view.live.walls import open_floor, with_wall
+from push_view.server.commands import CommandRefused, parse_command
+from push_view.server.message_log import MessageLog
 import pytest
 
 

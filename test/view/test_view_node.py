@@ -13,8 +13,8 @@ from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, Twist
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_scenario.definition.loader import load_scenario
-from push_view.message_log import MessageLog
-from push_view.robot_record import RobotRecord, ROW_PERIOD
+from push_view.live.robot_record import RobotRecord, ROW_PERIOD
+from push_view.server.message_log import MessageLog
 import pytest
 from std_srvs.srv import Trigger
 

@@ -8,10 +8,10 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
-from push_view.message_log import MessageLog
 from push_view.messages import (
     goal_message, map_message, push_message, rows_message, scene_message, state_message,
 )
+from push_view.server.message_log import MessageLog
 
 COLUMNS = ('time', 'object_x', 'object_y', 'object_theta', 'robot_x', 'robot_y', 'robot_theta',
            'robot_v_x', 'robot_v_y', 'robot_omega')

@@ -4,8 +4,8 @@ from collections.abc import AsyncGenerator
 import contextlib
 
 from aiohttp import web
-from push_view.message_log import MessageLog
-from push_view.server import Access, Handler, PageServer
+from push_view.server.message_log import MessageLog
+from push_view.server.page_server import Access, Handler, PageServer
 
 ANY_ADDRESS = ('0.0.0.0', '::')
 # Time that pages have to disconnect [s]; chosen: they need none.

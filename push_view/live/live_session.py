@@ -8,9 +8,9 @@ import threading
 from typing import Any, TypeVar
 
 from push_scenario.definition.scenario import Scenario
-from push_view.commands import CommandRefused, parse_command
-from push_view.message_log import MessageLog
-from push_view.session import Session
+from push_view.live.session import Session
+from push_view.server.commands import CommandRefused, parse_command
+from push_view.server.message_log import MessageLog
 
 # Period of the simulation [s of wall time], and the most that it may compute in it before commands
 # have their turn; chosen: a page sees motion, and its user an answer.

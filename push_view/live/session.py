@@ -23,19 +23,19 @@ from push_scenario.simulation.loop import (
 )
 from push_scenario.simulation.robot_control import TaskControl
 from push_view.belief import belief_columns, believed_friction, believed_poses, FRICTION_STRIDE
-from push_view.commands import (
-    AddWall, Choose, ClearWalls, Command, CommandRefused, DisplaceObject, Restart, Run, SetGoal,
-    SetValue, Step,
+from push_view.live.settings import (
+    CONTACT_FRICTION, find_setting, FRICTION, setting_messages, with_friction,
 )
-from push_view.message_log import MessageLog
+from push_view.live.walls import open_floor, with_wall
 from push_view.messages import (
     controls_message, displacement_message, goal_message, map_message, plan_message, rows_message,
     scenario_message, state_message, truth_message,
 )
-from push_view.settings import (
-    CONTACT_FRICTION, find_setting, FRICTION, setting_messages, with_friction,
+from push_view.server.commands import (
+    AddWall, Choose, ClearWalls, Command, CommandRefused, DisplaceObject, Restart, Run, SetGoal,
+    SetValue, Step,
 )
-from push_view.walls import open_floor, with_wall
+from push_view.server.message_log import MessageLog
 
 METHODS: tuple[TaskMethod, ...] = ('primitives', 'sequences')
 # A task has no open loop.

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from push_model.parameters import PushedObject
 from push_sim_node.sensors import SensorSettings
-from push_view.commands import CommandRefused
 from push_view.messages import Message
+from push_view.server.commands import CommandRefused
 
 CONTACT_FRICTION = 'contact_friction'
 FRICTION = 'friction.'

@@ -12,9 +12,9 @@ import json
 from typing import NamedTuple
 
 from aiohttp import web, WSCloseCode, WSMsgType
-from push_view.commands import CommandRefused
-from push_view.message_log import MessageLog
 from push_view.page_file import page_html
+from push_view.server.commands import CommandRefused
+from push_view.server.message_log import MessageLog
 
 LOCAL_NAMES = {'localhost', '127.0.0.1', '[::1]'}
 # Time between two looks for messages [s]; chosen: a page shows 60 pictures a second, and is some

@@ -5,9 +5,9 @@ from collections.abc import Coroutine
 import threading
 from typing import Any, TypeVar
 
-from push_view.message_log import MessageLog
-from push_view.server import Handler
-from push_view.serving import serve
+from push_view.server.message_log import MessageLog
+from push_view.server.page_server import Handler
+from push_view.server.serving import serve
 
 # Longest wait for start or end of the server [s]; chosen: both take milliseconds.
 TIMEOUT = 30.0

@@ -1,0 +1,1 @@
+"""What a live page shows: a session of the simulation, or a robot."""
