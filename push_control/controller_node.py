@@ -42,7 +42,8 @@ SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', Cont
 DYNAMIC_GROUPS = ('control.', 'drive.', 'supervision.')
 # What the filter of robot and object is made with, and what was learned is kept with.
 FILTER_PARAMETERS = {
-    'control.pose_noise', 'control.heading_noise', 'supervision.motion_gate_sigmas',
+    'control.pose_noise', 'control.heading_noise', 'control.heading_count',
+    'supervision.motion_gate_sigmas',
     'supervision.max_averaging_time', 'supervision.odometry_reference',
     'supervision.odometry_scale', 'supervision.odometry_drift', 'supervision.odometry_walk',
     'supervision.odometry_heading_walk', 'supervision.center_walk',
@@ -98,8 +99,8 @@ class ControllerNode(ManagedNode):
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``control.*``; ``drive.*`` and ``supervision.*`` of
         a task; ``base.*``, what the base's own node must be set to; ``world_frame``,
-        ``object_frame``, ``base_frame``; and those of ``ControllerOptions``. ``SETTABLE`` says which may be set, and when: those of the object
-        and its name while no goal is pursued.
+        ``object_frame``, ``base_frame``; and those of ``ControllerOptions``. ``SETTABLE`` says
+        which may be set, and when: those of the object and its name while no goal is pursued.
 
     Frames
         Poses are brought to ``world_frame`` at their stamps, goals and maps again where their
@@ -169,10 +170,10 @@ class ControllerNode(ManagedNode):
         self.subscribe('goal_pose', self._world.receiver('goal_pose', Handlers(
             self._on_goal, self._refuse, self._goals.move)))
         self.subscribe('map', self._world.receiver('map', Handlers(
-            lambda message: self._handle(self._mode.on_map, message), self._refuse,
+            lambda message: self._handle(self._mode.on_map, message), self._refuse_map,
             self._mode.move_map)))
         # Simulated time may stand still: whoever published it may have died.
-        self._timer = self.create_timer(WATCHDOG_PERIOD, self._check_odometry,
+        self._timer = self.create_timer(WATCHDOG_PERIOD, self.guarded(self._check_odometry),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
         self.reporter.report(OK, 'waits for a goal')
         self._base.run(self._report_base)
@@ -285,6 +286,7 @@ class ControllerNode(ManagedNode):
         """Push another object from now on; its pose has not come yet."""
         name, obj = self._object
         self._mode.set_object(self._present_parameters)
+        self._gate.set_object(obj)
         self._scene.set_object(obj)
         self._latest.object_pose = None
         if self._action is not None:
@@ -339,6 +341,11 @@ class ControllerNode(ManagedNode):
         """Report a goal or a map that cannot be used; the former one stays."""
         self.reporter.report(ERROR, str(error))
         self._follow_up()
+
+    def _refuse_map(self, error: MessageRefused, message: Any) -> None:
+        """Report a map that cannot be used, without which there is no task."""
+        self._mode.refuse_map(str(error))
+        self._refuse(error, message)
 
     def _answer_waiting(self) -> None:
         """Answer the measurements that waited for a plan, once it is there: the robot stood."""

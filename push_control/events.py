@@ -26,6 +26,9 @@ class PushEvent(enum.Enum):
 
     # The push cannot start.
     TARGET_REFUSED = '{error}'
+    OBJECT_NOT_AT_START = (
+        'the object is not where the plan starts, but {distance:.3f} m away and turned by '
+        '{rotation:.1f} deg: request another plan')
     ROBOT_NOT_AT_START = (
         'the robot is not where the plan starts, but {distance:.3f} m away and turned by '
         '{rotation:.1f} deg: it must stand at {x:.3f} m, {y:.3f} m, {heading:.3f} rad')

@@ -143,6 +143,9 @@ class ControlSettings:
         0.0, 0.5, default=0.0)
     heading_bias: float = quantity(
         'the same of the heading', 'rad', 0.0, 0.5, default=0.0)
+    heading_count: int = quantity(
+        'number of headings in which the object looks the same to its tracker: a flip from one to '
+        'another is taken back; 0: as the outline has it, 1: none is', '', 0, 360, default=0)
     pose_gate: float = quantity(
         'squared Mahalanobis distance at which a pose is rejected', '', above=0.0, high=1000.0,
         default=16.0)

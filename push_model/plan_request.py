@@ -68,3 +68,4 @@ class PlanFailure(enum.Enum):
     BLOCKED = 'obstacles or the end of the map are in the way'
     INVALID_REQUEST = 'the request cannot be read'
     INVALID_PLAN = 'the plan cannot be read'
+    INTERNAL_ERROR = 'the planner has made an error'

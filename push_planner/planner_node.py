@@ -116,7 +116,7 @@ class PlannerNode(ManagedNode):
         self.subscribe('map', self._world.receiver('map', Handlers(
             self._on_map, self._refuse_map, self._sequences.move_map)))
         self.subscribe('push_request', self._on_request)
-        self._timer = self.create_timer(MEASUREMENT_WAIT, self._plan_when_measured,
+        self._timer = self.create_timer(MEASUREMENT_WAIT, self.guarded(self._plan_when_measured),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._timer.cancel()
         self.reporter.report(OK, 'waits for a request')
@@ -153,6 +153,8 @@ class PlannerNode(ManagedNode):
     def _forget(self) -> None:
         # A request of one push that waits for measurements, and its stamp.
         self._pending: tuple[PlanRequest, Time] | None = None
+        # Stamp of the request that is being answered, or None.
+        self._answering: Time | None = None
         self._last_request: PlanRequest | None = None
         self._former_plan: Plan | None = None
 
@@ -166,6 +168,20 @@ class PlannerNode(ManagedNode):
 
     def _refuse_map(self, error: MessageRefused, message: Any) -> None:
         self._report(ERROR, str(error))
+
+    def on_unexpected_error(self, error: Exception) -> None:
+        """
+        Answer the request that it belongs to, if any, and go on.
+
+        :param error: that a callback has raised.
+        """
+        super().on_unexpected_error(error)
+        stamp, self._answering, self._pending = self._answering, None, None
+        if stamp is not None:
+            self._plans.publish(no_plan_message(PlanFailure.INTERNAL_ERROR, stamp,
+                                                self._world_frame))
+        self._report(ERROR, f'internal error: {error!r:.200}',
+                     {FAILURE: PlanFailure.INTERNAL_ERROR.name})
 
     def _on_request(self, message: Any) -> None:
         stamp = message.header.stamp
@@ -209,12 +225,16 @@ class PlannerNode(ManagedNode):
     def _answer(self, stamp: Time, plan: Callable[[], str], *,
                 publishes_failure: bool = True) -> ServiceAnswer:
         """Plan and publish; return whether there is a plan, and what was reported."""
+        self._answering = stamp if publishes_failure else None
         try:
-            return ServiceAnswer(True, plan())
+            text = plan()
+            self._answering = None
+            return ServiceAnswer(True, text)
         except MessageRefused as error:
             code, text = PlanFailure.INVALID_VALUE, self._report(ERROR, str(error))
         except PlanningFailed as failure:
             code, text = failure.code, self._report_failure(failure)
+        self._answering = None
         if publishes_failure:
             self._plans.publish(no_plan_message(code, stamp, self._world_frame))
         return ServiceAnswer(False, text)

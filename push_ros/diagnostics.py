@@ -3,6 +3,8 @@
 import enum
 import math
 import numbers
+import re
+import time
 from typing import Any, Callable, Mapping
 
 from builtin_interfaces.msg import Time
@@ -17,6 +19,12 @@ WARN = DiagnosticStatus.WARN
 ERROR = DiagnosticStatus.ERROR
 # Time after which a status is published again [s], as diagnostic tools expect it.
 PERIOD = 1.0
+# Period of reports of one fault whose numbers differ each time [s], number of such faults that are
+# remembered, and characters of a report; chosen: what somebody can read.
+REPEAT_PERIOD = 1.0
+MOST_KINDS = 100
+LONGEST_TEXT = 1000
+NUMBER = re.compile(r'[-+]?\d[\d.e+-]*')
 # Keys of values that programs read: whether a node has a map, and the ``PlanFailure`` for which
 # there is no plan.
 HAS_MAP = 'has_map'
@@ -49,6 +57,8 @@ class Reporter:
         self._now = now
         self._last: tuple[bytes, str] | None = None
         self._status: DiagnosticStatus | None = None
+        # Kinds of faults that were reported lately, and when, in monotonic time [s].
+        self._reported: dict[str, float] = {}
         # On the wall clock, so that late subscribers receive it, even while time is held.
         node.create_timer(PERIOD, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -62,13 +72,27 @@ class Reporter:
         :param values: names, as in ``UNITS``, to values, see ``value_text``.
         :param always: whether it is published at once in any case.
         """
+        text = shortened(text)
         self._status = DiagnosticStatus(level=level, name=self._name, message=text)
         self._status.values = [KeyValue(key=_key(name), value=value_text(value))
                                for name, value in (values or {}).items()]
-        if always or (level, text) != self._last:
+        is_news = (level, text) != self._last and not self._floods(level, text)
+        if always or is_news:
             self._last = level, text
             self.log(level, text)
             self.publish()
+
+    def _floods(self, level: bytes, text: str) -> bool:
+        """Tell whether the same fault was reported a moment ago, with other numbers perhaps."""
+        if level != ERROR:
+            return False
+        kind, now = NUMBER.sub('#', text), time.monotonic()
+        if now - self._reported.get(kind, -math.inf) < REPEAT_PERIOD:
+            return True
+        if len(self._reported) >= MOST_KINDS:
+            self._reported.clear()
+        self._reported[kind] = now
+        return False
 
     def publish(self) -> None:
         """Publish the last status again, with the present time."""
@@ -91,6 +115,18 @@ class Reporter:
             self._logger.warning(text)
         else:
             self._logger.info(text)
+
+
+def shortened(text: str) -> str:
+    """
+    Shorten a sentence that quotes what somebody has sent.
+
+    :param text: of any length.
+    """
+    if len(text) <= LONGEST_TEXT:
+        return text
+    half = LONGEST_TEXT // 2
+    return f'{text[:half]} ... ({len(text)} characters) ... {text[-half:]}'
 
 
 def value_text(value: Any) -> str:

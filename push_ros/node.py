@@ -24,6 +24,8 @@ ROSOUT_DELIVERY = 0.3
 # Characters of a traceback that are logged, and how often one is [s]; chosen: all of most, and few
 # enough for a fault that comes with every message.
 MAX_TRACEBACK = 4000
+# What a service answers whose callback raises.
+INTERNAL_ERROR = 'internal error: see the log'
 TRACEBACK_PERIOD = 1.0
 # Without a callback for offers that do not fit: none fails to fit best effort, and an executor
 # takes twice as long for a topic that has one.
@@ -197,7 +199,7 @@ class PushNode(PolledNode):
         :param stamped: whether commands have a stamp.
         :param with_covariance: whether poses have a covariance.
         """
-        callback = self._guarded(callback)
+        callback = self.guarded(callback)
         entry = TOPICS[topic]
         group = self.real_time if real_time else self.background
         subscription = self.create_subscription(
@@ -252,11 +254,16 @@ class PushNode(PolledNode):
         self.get_logger().error(f'internal error: {text[-MAX_TRACEBACK:]}',
                                 throttle_duration_sec=TRACEBACK_PERIOD)
 
-    def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
-        """Keep a node alive whatever a message does to its callback."""
-        def call(message: Any) -> None:
+    def guarded(self, callback: Callable[..., None]) -> Callable[..., None]:
+        """
+        Keep the node alive whatever a callback raises.
+
+        :param callback: of a subscription or a timer.
+        :return: the same, whose errors go to ``on_unexpected_error``.
+        """
+        def call(*arguments: Any) -> None:
             with _ErrorGuard(self.on_unexpected_error):
-                callback(message)
+                callback(*arguments)
         return call
 
     def serve_trigger(self, service: str, action: Callable[[], ServiceAnswer]) -> Service:
@@ -267,7 +274,9 @@ class PushNode(PolledNode):
         :param action: takes nothing, returns (success, sentence).
         """
         def answer(_: Any, response: Any) -> Any:
-            response.success, response.message = action()
+            response.message = INTERNAL_ERROR
+            with _ErrorGuard(self.on_unexpected_error):
+                response.success, response.message = action()
             return response
         return self.create_service(SERVICES[service].type, service, answer)
 

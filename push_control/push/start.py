@@ -9,6 +9,11 @@ from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.trajectory import PushTrajectory
 
+# Distance and rotation of the object from the start of a plan up to which it is followed from
+# where the object is [m], [rad]; chosen: the controller corrects as much on the first metre.
+MAX_OBJECT_OFFSET = 0.25
+MAX_OBJECT_ROTATION = 0.5
+
 
 def robot_start_pose(target: PushTrajectory, pose: Pose) -> Pose:
     """
@@ -36,16 +41,21 @@ def contact_start_point(target: PushTrajectory) -> tuple[float, float]:
 def start_fault(robot: RoundRobot, settings: ControlSettings, target: PushTrajectory,
                 observation: Observation) -> EventReport | None:
     """
-    Tell how far the robot stands from the start of a plan, and where it must stand.
+    Tell how far object or robot stand from the start of a plan, and where the robot must stand.
 
     :param robot: the ``RoundRobot``.
     :param settings: ``ControlSettings``.
     :param target: the ``PushTrajectory``.
     :param observation: ``Observation``.
-    :return: ``EventReport``, or None where it stands near enough.
+    :return: ``EventReport``, or None where both stand near enough.
     """
     if observation.object_pose is None:
         return None
+    planned, measured = Pose(*target.object_poses[0].tolist()), observation.object_pose.pose
+    moved, turned = distance(planned, measured), wrap_angle(measured.theta - planned.theta)
+    if moved > MAX_OBJECT_OFFSET or abs(turned) > MAX_OBJECT_ROTATION:
+        return PushEvent.OBJECT_NOT_AT_START.report(distance=moved,
+                                                    rotation=math.degrees(turned))
     here = observation.odometry.pose
     start = robot_start_pose(target, observation.object_pose.pose)
     offset = distance(start, here)

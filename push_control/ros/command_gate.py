@@ -1,5 +1,6 @@
 """Between a mode and ``cmd_vel``: the safety layer, and what is known of the time of messages."""
 
+import math
 import time
 from typing import Any
 
@@ -8,6 +9,7 @@ from push_control.ros.measurements import OdometryCheck, OdometryState, Odometry
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.safety.layer import SafetyLayer
 from push_control.safety.stamp_check import StampCheck, StampVerdict
+from push_model.parameters import PushedObject
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_ros.conversions.primitives import MessageRefused, nanoseconds
 from push_ros.node import PushNode
@@ -30,7 +32,10 @@ class CommandGate:
         self._node = node
         self._mode = mode
         is_absolute = parameters.supervision.odometry_reference == 'absolute'
-        self._layer = SafetyLayer(parameters.robot, is_odometry_absolute=is_absolute)
+        self._layer = SafetyLayer(parameters.robot, parameters.object,
+                                  heading_count=parameters.control.heading_count,
+                                  is_odometry_absolute=is_absolute)
+        self._flip = 0.0
         self._is_lockstep = options.lockstep
         self._watchdog = OdometryWatchdog(
             options.watchdog_timeout,
@@ -77,12 +82,32 @@ class CommandGate:
         """
         if not self._mode.is_commanding:
             self._layer.release()
+        observation = self._layer.believed(observation)
+        self._warn_of_flip()
         fault = self._layer.observe(observation.odometry)
         self._mode.on_safety_report(fault, self._layer.report)
         sent = self._layer.filter(self._mode.step(observation, dt), observation.time)
         # In lockstep time stands still until there is an answer.
         is_fresh = self._is_lockstep or self.check_odometry().state is OdometryState.PRESENT
         return sent if is_fresh else STOP
+
+    def set_object(self, obj: PushedObject) -> None:
+        """
+        Expect poses of another object.
+
+        :param obj: the ``PushedObject``.
+        """
+        self._layer.set_object(obj)
+
+    def _warn_of_flip(self) -> None:
+        """Log once that the tracker mistakes the heading."""
+        flip, before = self._layer.flip, self._flip
+        self._flip = flip
+        if flip and not before:
+            self._node.get_logger().warning(
+                f'object_pose: its heading has jumped by {math.degrees(flip):.0f} deg, at which '
+                'the object looks the same: taken as a mistake of the tracker '
+                '(control.heading_count)')
 
     def check_odometry(self) -> OdometryCheck:
         """Find out how long odometry has been missing."""

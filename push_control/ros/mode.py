@@ -139,6 +139,14 @@ class Mode(abc.ABC):
         """
 
     @abc.abstractmethod
+    def refuse_map(self, reason: str) -> None:
+        """
+        Take note of a map that cannot be brought to the world frame.
+
+        :param reason: one sentence.
+        """
+
+    @abc.abstractmethod
     def move_goal(self, correction: Pose) -> None:
         """
         Follow the frame of the goal, which has drifted.

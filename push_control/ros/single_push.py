@@ -1,6 +1,7 @@
 """Single push: the controller's node follows the newest plan."""
 
 import dataclasses
+import math
 from typing import Any
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
@@ -16,7 +17,7 @@ from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.plan import from_plan_message, plan_failure
-from push_ros.conversions.primitives import MessageRefused
+from push_ros.conversions.primitives import MessageRefused, seconds
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.node import PushNode, RateLimiter, ServiceAnswer
 from push_ros.node_settings import ControllerOptions
@@ -104,6 +105,9 @@ class SinglePushMode(Mode):
         self._has_requested_replan = False
         self._requester.reset()
         self._target: PushTrajectory | None = None
+        # Stamp of a plan that may be older than this node, and time of the first measurement [s].
+        self._plan_time = math.inf
+        self._first_time: float | None = None
         self._observation: Observation | None = None
         # Why the robot stands although nobody has stopped it.
         self._interruption = ''
@@ -194,17 +198,26 @@ class SinglePushMode(Mode):
         status = self._controller.status
         if status.phase is Phase.IDLE or status.phase.has_ended and not status.replan_requested:
             self._restart_controller()
+        self._plan_time = seconds(message.header.stamp)
         goal = Pose(*self._target.object_poses[-1].tolist())
         self._scene.show_goal(goal, message.header.stamp)
         self._scene.show_plan(self._target, message.header.stamp)
         waits = '' if self._is_started else ' and waits for controller/start'
         self._reporter.report(OK, f'has a plan{waits}')
+        self._check_plan_age()
 
     def on_map(self, message: Any) -> None:
         """
         Leave a map to the planner.
 
         :param message: not read.
+        """
+
+    def refuse_map(self, reason: str) -> None:
+        """
+        Leave a map to the planner.
+
+        :param reason: not read.
         """
 
     def move_goal(self, correction: Pose) -> None:
@@ -227,6 +240,8 @@ class SinglePushMode(Mode):
         """Start to push."""
         self._restart_controller()
         self._is_started = True
+        self._plan_time = math.inf
+        self._interruption = ''
         self.report_again()
 
     def stop(self) -> None:
@@ -252,6 +267,9 @@ class SinglePushMode(Mode):
         :return: ``Twist``.
         """
         self._observation = observation
+        if self._first_time is None:
+            self._first_time = observation.time
+            self._check_plan_age()
         self._request_plan()
         if not self._is_active:
             return STOP
@@ -284,7 +302,20 @@ class SinglePushMode(Mode):
 
     @property
     def _is_active(self) -> bool:
-        return self._is_started and self.is_set
+        return self._is_started and self.is_set and not self._is_plan_old
+
+    @property
+    def _is_plan_old(self) -> bool:
+        """Whether the plan was latched before this node had measured anything."""
+        return self._first_time is not None and self._plan_time < self._first_time
+
+    def _check_plan_age(self) -> None:
+        """Say why a plan is not followed that is older than this node."""
+        if self.is_set and self._is_plan_old:
+            self._controller.reset()
+            self._interruption = ('the plan is older than this node: request another, or call '
+                                  'controller/start')
+            self.report_again()
 
     def _restart_controller(self) -> None:
         """Let the controller stand idle, with the present settings."""

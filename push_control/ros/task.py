@@ -8,6 +8,7 @@ from typing import Any
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.observation import Observation
 from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
+from push_control.ros.map_reader import MapReader
 from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.plan_requests import PlanRequester
@@ -21,7 +22,6 @@ from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure
 from push_model.signals import Twist
 from push_navigation.occupancy_map import OccupancyMap
-from push_ros.conversions.map import from_map_message
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.node import PushNode, ServiceAnswer
@@ -63,6 +63,7 @@ class TaskMode(Mode):
         self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
         self._covariance_check = CovarianceCheck(parameters.supervision)
         self._occupancy_map: OccupancyMap | None = None
+        self._map_reader = MapReader(frame)
         self._goal: PushGoal | None = None
         self._requester = PlanRequester(node, frame)
         self._reporter = TaskReporter(node, scene)
@@ -103,6 +104,7 @@ class TaskMode(Mode):
         """Forget all but goal and map, which are kept for ``start``, and what was learned."""
         self._supervisor = Supervisor(*self._parameters, knowledge=self._memory.recall())
         self._supervisor.set_map(self._occupancy_map)
+        self._supervisor.hold(self._map_reader.fault)
         self._observation: Observation | None = None
         self._requester.reset()
         self.report_again()
@@ -173,14 +175,33 @@ class TaskMode(Mode):
 
     def on_map(self, message: Any) -> None:
         """
-        Set the map for the next path.
+        Read the map for the next path; the robot stands until it is there.
 
         :param message: ``nav_msgs/OccupancyGrid``.
-        :raises MessageRefused: where it cannot be used; the former one stays.
+        :raises MessageRefused: where it cannot be used; the robot stands until one can.
         """
-        self._occupancy_map = from_map_message(message, self._frame)
-        self._supervisor.set_map(self._occupancy_map)
-        self._reporter.report_map(message)
+        self._map_reader.start(message)
+        self._take_map()
+
+    def refuse_map(self, reason: str) -> None:
+        """
+        Stand until a map can be used.
+
+        :param reason: why this one cannot, one sentence.
+        """
+        self._map_reader.refuse(reason)
+        self._supervisor.hold(reason)
+
+    def _take_map(self) -> None:
+        """Use a map that was read."""
+        try:
+            found = self._map_reader.take()
+        finally:
+            self._supervisor.hold(self._map_reader.fault)
+        if found is not None:
+            self._occupancy_map = found.occupancy_map
+            self._supervisor.set_map(found.occupancy_map)
+            self._reporter.report_map(found.message)
 
     def move_goal(self, correction: Pose) -> None:
         """
@@ -261,6 +282,11 @@ class TaskMode(Mode):
         :return: ``Twist``.
         """
         self._observation = observation
+        if self._map_reader.is_busy:
+            try:
+                self._take_map()
+            except MessageRefused as error:
+                self._reporter.warn(str(error), observation)
         command = self._supervisor.step(observation, dt)
         self._requester.update(self._supervisor.plan_request, observation.time)
         if self._memory.is_due(self._supervisor.status.state):

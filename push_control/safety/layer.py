@@ -8,11 +8,13 @@ do, or odometry contradicts itself, until the robot has stood for a while.
 
 import math
 
+from push_control.observation import Observation
+from push_control.safety.heading_check import HeadingCheck
 from push_control.safety.motion_monitor import MotionMonitor, RESPONSE_TIME
 from push_control.safety.odometry_check import OdometryCheck
 from push_control.safety.status import SafetyReason, SafetyReport, SafetyState
-from push_model.parameters import RoundRobot
-from push_model.signals import Odometry, STOP, Twist
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
 
 # Below this a robot counts as standing [m/s], [rad/s]; chosen: above the noise of odometry.
 STANDING_SPEED = 0.02
@@ -31,14 +33,19 @@ class SafetyLayer:
     well.
     """
 
-    def __init__(self, robot: RoundRobot, *, is_odometry_absolute: bool = False) -> None:
+    def __init__(self, robot: RoundRobot, obj: PushedObject, *, heading_count: int = 0,
+                 is_odometry_absolute: bool = False) -> None:
         """
         Begin with a robot that nobody commands.
 
         :param robot: the ``RoundRobot``, nominal.
+        :param obj: the ``PushedObject``, for its symmetry.
+        :param heading_count: as of ``HeadingCheck``.
         :param is_odometry_absolute: whether the pose of odometry is measured in the world.
         """
         self._robot = robot
+        self._obj = obj
+        self._heading_count = heading_count
         self._is_odometry_absolute = is_odometry_absolute
         self._monitor = MotionMonitor(robot)
         self.reset()
@@ -49,12 +56,28 @@ class SafetyLayer:
         self._odometry_check = OdometryCheck(self._robot,
                                              is_absolute=self._is_odometry_absolute)
         self._standing_since: float | None = None
+        self.set_object(self._obj)
         self.release()
+
+    def set_object(self, obj: PushedObject) -> None:
+        """
+        Expect poses of another object.
+
+        :param obj: the ``PushedObject``.
+        """
+        self._obj = obj
+        self._heading_check = HeadingCheck(obj, self._heading_count)
+        self._object_pose: tuple[ObjectPose, ObjectPose] | None = None
 
     def release(self) -> None:
         """Note that the robot is not commanded: others may drive it."""
         self._monitor.reset()
         self.report: SafetyReport | None = None
+
+    @property
+    def flip(self) -> float:
+        """Angle by which the tracker mistakes the heading of the object [rad], else 0."""
+        return -self._heading_check.flip
 
     @property
     def state(self) -> SafetyState:
@@ -78,6 +101,20 @@ class SafetyLayer:
         if fault is not None and self.report is None:
             self.report = fault
         return fault
+
+    def believed(self, observation: Observation) -> Observation:
+        """
+        Take back what a tracker mistakes: headings in which the object looks the same.
+
+        :param observation: ``Observation``.
+        :return: the same, with the object pose as it is believed.
+        """
+        measured = observation.object_pose
+        if measured is None:
+            return observation
+        if self._object_pose is None or measured is not self._object_pose[0]:
+            self._object_pose = measured, self._heading_check.believed(measured)
+        return observation._replace(object_pose=self._object_pose[1])
 
     def filter(self, command: Twist, time: float) -> Twist:
         """

@@ -26,6 +26,10 @@ BEHIND_OBJECT_STD = (0.15, 0.15, 1.0)
 # Steps of the search for the contact behind an object; chosen: each one leaves less than half of
 # the distance, so that 12 leave below a millimetre.
 TRACE_STEPS = 12
+# Poses of which noise is estimated, and its ratio to what is stated above which it is greater;
+# chosen: a second or two of poses, and more than an estimate from these errs by.
+NOISE_POSES = 30
+NOISY_RATIO = 1.6
 # Standard deviations that odometry which was wrong adds to the robot's position [m] and heading
 # [rad]; chosen: what the robot covers before that is noticed.
 DISTRUST_STD = 0.03
@@ -66,10 +70,11 @@ class StationarityWindow:
         """
         self._control = control
         self._supervision = supervision
+        self._latest: deque[ObjectPose] = deque(maxlen=NOISE_POSES)
         self.clear()
 
     def clear(self) -> None:
-        """Forget all measurements."""
+        """Forget all measurements, but for those that show how noisy they are."""
         self._measured: deque[ObjectPose] = deque()
         self._average: ObjectAtRest | None = None
 
@@ -81,6 +86,7 @@ class StationarityWindow:
         """
         if self._measured and measured.time <= self._measured[-1].time:
             return
+        self._latest.append(measured)
         if self._average is not None and self._has_left(self._average.pose, measured):
             self._measured.clear()
         self._measured.append(measured)
@@ -92,6 +98,25 @@ class StationarityWindow:
     def object_at_rest(self) -> ObjectAtRest | None:
         """The ``ObjectAtRest``; None before the first measurement."""
         return self._average
+
+    def unrest(self) -> str:
+        """Describe why the object does not come to rest, one sentence."""
+        poses = [measured.pose for measured in self._latest]
+        steps = np.array([(b.x - a.x, b.y - a.y, wrap_angle(b.theta - a.theta))
+                          for a, b in zip(poses, poses[1:])])
+        if len(steps) < 2:
+            return 'the object is not at rest: no poses of it come'
+        # Of independent errors, by which two successive ones differ.
+        noise = np.sqrt(0.5 * (steps ** 2).mean(axis=0))
+        position, heading = float(noise[:2].max()), float(noise[2])
+        believed = self._control.believed_covariance(self._latest[-1])
+        text = (f'the object is not at rest: its poses differ from one to the next by '
+                f'{1e3 * position:.1f} mm and {math.degrees(heading):.2f} deg')
+        if max(position / believed.position_deviation,
+               heading / believed.heading_deviation) < NOISY_RATIO:
+            return text
+        return text + (f', and noise of {1e3 * believed.position_deviation:.1f} mm and '
+                       f'{math.degrees(believed.heading_deviation):.2f} deg is stated')
 
     def _has_left(self, before: Pose, measured: ObjectPose) -> bool:
         gate, pose = self._supervision.motion_gate_sigmas, measured.pose
@@ -189,8 +214,10 @@ class TaskPerception:
             be added up.
         """
         self._has_jumped = has_jumped
-        if self.localization.is_initialized:
-            self.localization.inflate_covariance(DISTRUST_STD, DISTRUST_HEADING_STD)
+        localization = self.localization
+        # Once: however many messages are wrong, the robot stands soon.
+        if localization.is_initialized and localization.position_deviation < DISTRUST_STD:
+            localization.inflate_covariance(DISTRUST_STD, DISTRUST_HEADING_STD)
 
     def _predict(self, odometry: Odometry) -> None:
         """Move the robot by odometry; by its twist alone where its pose has jumped."""
@@ -279,6 +306,11 @@ class TaskPerception:
         observation = self.observation
         pose_time = self._pose_time if needs_object else observation.time
         return sentence(measurement_fault(observation, pose_time, self._control))
+
+    @property
+    def unrest(self) -> str:
+        """Why the object does not come to rest, one sentence."""
+        return self._window.unrest()
 
     def restart_averaging(self, time: float) -> None:
         """

@@ -38,6 +38,7 @@ class TaskFailure(enum.Enum):
     # Planning failed twice from the same place.
     NO_PLAN = 'no plan'
     NO_PROGRESS = 'no progress'
+    NOT_AT_REST = 'not at rest'
     # The safety layer has stopped the robot too often.
     ROBOT_STOPPED = 'robot stopped'
 

@@ -40,6 +40,10 @@ SETTLING_TIME = 0.3
 # Time for which the safety layer may hold the robot until the task is given up [s]; chosen: a base
 # that restarts is back by then.
 STOP_TIME_LIMIT = 10.0
+# Time after which the robot says that the object does not come to rest, and after which it gives
+# up [s]; chosen: longer than poses are averaged, and than somebody carries the object about.
+REST_REPORT_TIME = 3.0
+REST_TIME_LIMIT = 60.0
 
 
 class Transitions(NamedTuple):
@@ -111,6 +115,10 @@ class Supervisor:
         # Why the safety layer holds the robot, or None.
         self._stop_report: SafetyReport | None = None
         self._stopped_since = 0.0
+        # Since when the object has not been at rest where it should be [s], or None.
+        self._moving_since: float | None = None
+        # Why the robot has to stand besides, one sentence, or empty.
+        self._hold_reason = ''
         self._answer = _Answer()
         # As of the last change of state; ``status`` adds what is measured since.
         self._entered = SupervisorStatus()
@@ -248,6 +256,14 @@ class Supervisor:
         self._recover(f'no plan: {reason}')
         self._update_status()
 
+    def hold(self, reason: str) -> None:
+        """
+        Stand for as long as something is missing; the task goes on after it.
+
+        :param reason: one sentence; empty where the robot may move.
+        """
+        self._hold_reason = reason
+
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """
         Take note of what the safety layer has found; called before the step with that odometry.
@@ -345,8 +361,9 @@ class Supervisor:
     def _waiting_reason(self) -> str:
         """Why the robot has to wait for better measurements; a steered push decides by itself."""
         state = self._entered.state
-        if self._stop_report is not None and not state.is_standing:
-            return str(self._stop_report)
+        stop_reason = '' if self._stop_report is None else str(self._stop_report)
+        if not state.is_standing and (stop_reason or self._hold_reason):
+            return stop_reason or self._hold_reason
         if state.is_standing or state is TaskState.PUSH and not self._is_unsteered:
             return ''
         return self._perception.measurement_fault(needs_object=state is not TaskState.RETREAT)
@@ -377,7 +394,9 @@ class Supervisor:
         perception, settings, now = self._perception, self._settings, self._perception.time
         if (not perception.has_object_at_rest
                 or perception.object_at_rest.duration < settings.min_averaging_time):
+            self._await_rest()
             return
+        self._moving_since = None
         if self._pending is not None:
             if now - self._pending.since > settings.plan_timeout:
                 self._recover(f'no plan within {settings.plan_timeout:g} s')
@@ -401,6 +420,21 @@ class Supervisor:
                 self._progress.cone_fraction, *self._aim, localization.position_deviation,
                 knowledge.center_deviation, knowledge.contact_friction_deviation)
             self._pending = _PendingRequest(request, now)
+
+    def _await_rest(self) -> None:
+        """Say why the object does not come to rest, and give up after a while."""
+        now = self._perception.time
+        if self._moving_since is None:
+            self._moving_since = now
+        waited = now - self._moving_since
+        if waited <= REST_REPORT_TIME:
+            return
+        reason = self._perception.unrest
+        if waited <= REST_TIME_LIMIT:
+            self._entered = dataclasses.replace(self._entered, reason=reason, is_requested=False)
+            return
+        self._enter(TaskState.FAILED, f'aborted: {reason}')
+        self._entered = dataclasses.replace(self._entered, failure=TaskFailure.NOT_AT_REST)
 
     def _inspect(self, object_at_rest: ObjectAtRest) -> None:
         """See an object that may be at its goal from another side, then check it again."""
@@ -442,6 +476,7 @@ class Supervisor:
             state = TaskState.IDLE
         push, now = self._push_status(), self._perception.time
         self._pending = None
+        self._moving_since = None
         self._behavior = self._behaviors.create(state, self._plan, self._goal, self._perception)
         if state is TaskState.RETREAT:
             # An unsteered push ends at rest.

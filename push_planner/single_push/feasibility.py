@@ -12,6 +12,9 @@ from push_planner.settings import PlannerSettings
 # Part of the cone that must be left for steering [rad]. Chosen: with less, a push turns with a
 # radius of many metres.
 MIN_STEERING_ANGLE = 0.02
+# Square of the length by which supports resist a rotation below which they do not [m^2]; chosen: a
+# tenth of a millimetre.
+MIN_C_SQUARED = 1e-8
 
 
 def check_feasibility(problem: PushProblem) -> None:
@@ -59,6 +62,9 @@ def recoverable_offsets(problem: PushProblem) -> tuple[float, float]:
     :return: (lowest, highest) zeta [rad].
     """
     vehicle, beta = problem.vehicle, problem.planning_cone_angle
+    if vehicle.c_squared < MIN_C_SQUARED:
+        # The object swings freely about its one support: it straightens up from anywhere.
+        return -math.inf, math.inf
     # Solve (zeta -+ beta) r / c^2 = (zeta - D) / (L + R_p): holds with all the steering there is.
     authority = vehicle.arm / vehicle.c_squared
     drift = 1.0 / (vehicle.wheelbase + problem.robot.radius)

@@ -46,7 +46,7 @@ def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map') -> 
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
-    info, cells = message.info, np.array(message.data, dtype=int)
+    info, cells = message.info, np.asarray(message.data)
     if not (math.isfinite(info.resolution) and info.resolution > 0.0):
         raise MessageRefused(f'{topic}: got the resolution {info.resolution:g}, expected a finite '
                              'length above 0 [m]')

@@ -15,6 +15,10 @@ LEAST_QUATERNION = 1e-3
 # Angle between the z axes of a pose and of the world above which it is no pose in the plane [rad];
 # chosen: the rotation of a tag errs by less, and an object on another face is off by far more.
 LARGEST_TILT = 0.26
+# Largest coordinate of a pose [m], and largest velocity [m/s], [rad/s]; chosen: far beyond any floor
+# and any robot, and far below where products of such numbers overflow.
+LARGEST_POSITION = 1e7
+LARGEST_VELOCITY = 1e3
 Stamp = TypeVar('Stamp', Time, Duration)
 
 
@@ -122,9 +126,10 @@ def from_pose_message(message: PoseMessage, topic: str) -> Pose:
     :raises MessageRefused: where it is not finite, or its quaternion is 0.
     """
     x, y = message.position.x, message.position.y
-    if not (math.isfinite(x) and math.isfinite(y)):
+    # False for what is not a number as well.
+    if not (abs(x) <= LARGEST_POSITION and abs(y) <= LARGEST_POSITION):
         raise MessageRefused(f'{topic}: got the position ({x:g}, {y:g}), expected finite numbers '
-                             '[m]')
+                             f'of at most {LARGEST_POSITION:g} m')
     return Pose(x, y, to_yaw(message.orientation, topic))
 
 
@@ -162,7 +167,7 @@ def from_twist_message(message: TwistMessage, topic: str = 'cmd_vel') -> Twist:
     :raises MessageRefused: where a number is not finite.
     """
     twist = Twist(message.linear.x, message.linear.y, message.angular.z)
-    if not all(map(math.isfinite, twist)):
+    if not all(abs(value) <= LARGEST_VELOCITY for value in twist):
         raise MessageRefused(f'{topic}: got the twist {tuple(twist)}, expected finite numbers '
-                             '[m/s, m/s, rad/s]')
+                             f'of at most {LARGEST_VELOCITY:g} [m/s, m/s, rad/s]')
     return twist

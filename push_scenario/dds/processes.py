@@ -94,8 +94,8 @@ class NodeProcesses:
         :param module: Python module with its main function.
         :param parameter_file: path of its ROS parameters.
         """
-        command = [sys.executable, '-m', module, '--ros-args', '--params-file',
-                   str(parameter_file)]
+        command = [sys.executable, '-m', 'push_scenario.dds.child_process', str(os.getpid()),
+                   module, '--ros-args', '--params-file', str(parameter_file)]
         with open(self._log(name), 'wb') as log:
             # A session of its own: Ctrl-C in the terminal does not reach the node, and one signal
             # reaches whatever it may have started.

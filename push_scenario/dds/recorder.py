@@ -21,6 +21,9 @@ QUEUE_DEPTH = 2000
 # Messages begin with their stamp; on these topics, the first element of their array does.
 ARRAY_TOPICS = 'markers', 'plan_markers'
 TYPE_WITHOUT_STAMP = 'Twist'
+# Period of stamps at which a recording is written to the disk [ns]; chosen: what may be lost where
+# the process is killed.
+FLUSH_PERIOD = NANOSECONDS
 # rosbag2 writes the longest duration where a deadline, lifespan or lease is not set.
 UNLIMITED = 9223372036, 854775807
 
@@ -82,6 +85,7 @@ class BagWriter:
             for topic, kind in types.items()}
         self._types = types
         self._newest = 0
+        self._flush_due = 0
 
     def write(self, topic: str, data: bytes) -> None:
         """
@@ -94,6 +98,15 @@ class BagWriter:
         time = self._newest if stamp is None else stamp
         self._newest = max(self._newest, time)
         self._writer.write(self._connections[topic], time, data)
+        if time >= self._flush_due:
+            self._flush_due = time + FLUSH_PERIOD
+            self._flush()
+
+    def _flush(self) -> None:
+        """Write what there is to the disk, for the case that this process is killed."""
+        storage: Any = self._writer.storage
+        storage.close_chunk()
+        storage.bio.flush()
 
     def close(self) -> None:
         """Write the index and ``metadata.yaml``."""

@@ -108,7 +108,8 @@ def make_safety_layer(scenario: Scenario) -> SafetyLayer:
     :param scenario: the ``Scenario``.
     """
     task = scenario.task
-    return SafetyLayer(scenario.robot, is_odometry_absolute=task is not None
+    return SafetyLayer(scenario.robot, scenario.object,
+                       heading_count=scenario.control.heading_count, is_odometry_absolute=task is not None
                        and task.supervision.odometry_reference == 'absolute')
 
 
@@ -232,7 +233,7 @@ class ClosedLoop:
 
     def _step(self, dt: float) -> None:
         """Command the robot, through the safety layer."""
-        observation, safety = self._observation, self._safety
+        safety, observation = self._safety, self._safety.believed(self._observation)
         fault = safety.observe(observation.odometry)
         self._robot.on_safety_report(fault, safety.report)
         command = self._robot.step(observation, dt)

@@ -199,7 +199,8 @@ def test_a_plan_from_another_site_stops_the_push(controller):
     opposite = Pose(-ROBOT.x, -ROBOT.y, ROBOT.theta + math.pi)
     elsewhere = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, opposite,
                                                  Pose(-1.0, 0.0, OBJECT.theta), SCENARIO.planner))
-    controller.publish('push_plan', to_plan_message(elsewhere.trajectory, to_stamp(0.1), 'odom'))
+    controller.publish('push_plan', to_plan_message(
+        elsewhere.trajectory, to_stamp(controller.base + 0.1), 'odom'))
     controller.wait_until(lambda: 'has a plan' in last_text(controller))
     assert controller.odometry(0.2, ROBOT) == controller.object_pose(0.22, OBJECT) == ZERO
     controller.wait_until(lambda: any(f'it must stand at {opposite.x:.3f} m, ' in error
@@ -218,6 +219,17 @@ def test_time_that_goes_back_ends_the_push(controller):
         assert controller.odometry(i * PERIOD, ROBOT) == ZERO
     controller.wait_until(lambda: any('time went back' in text for text in texts(controller)))
     controller.wait_until(lambda: 'is idle, time went back' in last_text(controller))
+
+
+def test_a_plan_older_than_the_node_waits_for_a_start(controller, trajectory):
+    """It was latched for somebody else."""
+    controller.publish('push_plan', to_plan_message(trajectory, to_stamp(0.5), 'odom'))
+    controller.wait_until(lambda: any('has a plan' in text for text in texts(controller)))
+    assert controller.odometry(0.2, ROBOT) == ZERO
+    controller.wait_until(lambda: any('the plan is older than this node' in text
+                                      for text in texts(controller)))
+    assert controller.call('controller/start').success
+    assert controller.odometry(0.22, ROBOT)[0] > 0.0
 
 
 def test_commands_without_stamp_and_a_start_by_hand(tmp_path, trajectory):

@@ -191,9 +191,14 @@ def test_a_bad_goal_or_map_is_told_and_changes_nothing(stand, topic, message, te
 
 
 def test_a_map_is_taken(stand):
-    """The node says so."""
+    """The node says so; until then the one that was refused has held the robot."""
+    stand.says("task: plan, map: got frame 'world'")
     stand.b.publish('map', floor(FREE))
     stand.says('has a map of 80 times 80 cells')
+    stand.b.received['diagnostics'].clear()
+    stand.measure(0.2)
+    stand.b.wait_until(lambda: any(text.startswith('task: plan') and 'map' not in text
+                                   for text in texts(stand.b, CONTROLLER)))
 
 
 def test_only_the_answer_to_the_request_counts(stand, planned):

@@ -10,7 +10,7 @@ from push_control.safety.status import SafetyReason, SafetyState
 from push_dynamics.actuation import track_command
 from push_dynamics.layout import MAX_ACCELERATION, MAX_YAW_ACCELERATION, TIME_CONSTANT
 from push_model.geometry import Pose, wrap_angle
-from push_model.parameters import RoundRobot
+from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.signals import Odometry, STOP, Twist
 import pytest
 
@@ -18,6 +18,8 @@ ROBOTS = {drive: RoundRobot(radius=0.17, drive=drive, max_speed=0.4, max_yaw_rat
                             max_acceleration=0.8, time_constant=0.1)
           for drive in ('differential', 'holonomic')}
 PERIOD = 0.02
+BOX = PushedObject(mass=5.0, supports=(Support(0.0, 0.0, 0.3),),
+                   outline=((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)))
 
 
 class Base:
@@ -74,7 +76,7 @@ def faulty(rng, odometry):
 def test_whatever_comes_what_is_sent_is_within_the_limits(drive, seed):
     """And zero for as long as there is a reason to stop."""
     rng, robot = np.random.default_rng(seed), ROBOTS[drive]
-    layer, base, command = SafetyLayer(robot), Base(robot), STOP
+    layer, base, command = SafetyLayer(robot, BOX), Base(robot), STOP
     for _ in range(250):
         if rng.random() < 0.1:
             command = random_command(rng, robot)
@@ -98,7 +100,7 @@ def test_a_robot_that_follows_is_never_stopped(drive, seed):
     rng, nominal = np.random.default_rng(seed), ROBOTS[drive]
     true = dataclasses.replace(nominal, time_constant=rng.uniform(0.02, 0.2),
                                max_acceleration=rng.uniform(0.5, 1.5) * nominal.max_acceleration)
-    layer, base, command = SafetyLayer(nominal), Base(true, rng.uniform(0.0, 0.2)), STOP
+    layer, base, command = SafetyLayer(nominal, BOX), Base(true, rng.uniform(0.0, 0.2)), STOP
     for _ in range(500):
         if rng.random() < 0.05:
             v_x, v_y, omega = (rng.uniform(-1.0, 1.0, 3) * (0.3, 0.3, 1.5)).tolist()
@@ -128,7 +130,7 @@ def driven(layer, base, command, duration, spoil=lambda odometry: odometry, heed
     ids=['ignores', 'reversed', 'somebody else'])
 def test_a_base_that_does_something_else_is_stopped(heed, reason, limit):
     """Soon, and for its reason; standing for a while it may go on."""
-    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     time, report = driven(layer, base, Twist(0.2, 0.0, 0.0), 3.0, heed=heed)
     assert time < limit and report.reason is reason
     for _ in range(100):
@@ -140,7 +142,7 @@ def test_a_base_that_does_something_else_is_stopped(heed, reason, limit):
 
 def test_a_base_that_follows_late_is_named_as_such():
     """With its delay."""
-    layer = SafetyLayer(ROBOTS['differential'])
+    layer = SafetyLayer(ROBOTS['differential'], BOX)
     base = Base(ROBOTS['differential'], delay=0.5)
     for i in range(20):
         command = Twist(0.2 if i % 2 else 0.0, 0.0, 0.0)
@@ -160,7 +162,7 @@ def test_a_base_that_follows_late_is_named_as_such():
     ids=['jump', 'reset', 'unit'])
 def test_odometry_that_contradicts_itself_stops_the_robot(spoil, reason):
     """Within a third of a second of a robot at speed."""
-    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     command = Twist(0.3, 0.0, 0.1)
     assert driven(layer, base, command, 1.0) == (pytest.approx(1.0, abs=PERIOD), None)
     time, report = driven(layer, base, command, 2.0, spoil)
@@ -169,7 +171,7 @@ def test_odometry_that_contradicts_itself_stops_the_robot(spoil, reason):
 
 def test_a_twist_that_is_never_filled_in_stops_the_robot():
     """It is odometry that is wrong, and not the base."""
-    layer, base = SafetyLayer(ROBOTS['holonomic']), Base(ROBOTS['holonomic'])
+    layer, base = SafetyLayer(ROBOTS['holonomic'], BOX), Base(ROBOTS['holonomic'])
     time, report = driven(layer, base, Twist(0.0, 0.3, 0.0), 2.0,
                           lambda odometry: odometry._replace(twist=STOP))
     assert time < 0.5 and report.reason is SafetyReason.ODOMETRY_CONTRADICTORY
@@ -177,7 +179,7 @@ def test_a_twist_that_is_never_filled_in_stops_the_robot():
 
 def test_frozen_odometry_stops_the_robot():
     """Fresh stamps alone are no news."""
-    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     driven(layer, base, Twist(0.3, 0.0, 0.0), 1.0)
     frozen = base.odometry
     time, report = driven(layer, base, Twist(0.3, 0.0, 0.0), 2.0,
@@ -187,7 +189,7 @@ def test_frozen_odometry_stops_the_robot():
 
 def test_a_robot_that_nobody_commands_may_be_driven_by_others():
     """As by teleoperation, and then be taken over at speed."""
-    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     for _ in range(100):
         layer.release()
         assert layer.observe(base.odometry) is None
@@ -197,7 +199,7 @@ def test_a_robot_that_nobody_commands_may_be_driven_by_others():
 
 def test_a_command_that_is_not_finite_stops_the_robot():
     """Until it has stood for a while."""
-    layer, base = SafetyLayer(ROBOTS['differential']), Base(ROBOTS['differential'])
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     assert layer.filter(Twist(math.nan, 0.0, 0.0), 0.0) == STOP
     assert layer.report.reason is SafetyReason.COMMAND_NOT_FINITE
     time, _ = driven(layer, base, Twist(0.1, 0.0, 0.0), 1.0)
