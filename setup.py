@@ -54,6 +54,7 @@ setup(
     entry_points={
         'console_scripts': [
             'controller = push_ros.start:controller',
+            'identify = push_scenario.recordings.cli:main',
             'planner = push_ros.start:planner',
             'play = push_view.cli:main',
             'push-study = push_study.cli:main',

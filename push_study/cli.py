@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Generator
 from concurrent.futures import Executor
 import contextlib
+import os
 from pathlib import Path
 import sys
 from typing import Any, Sequence
@@ -16,6 +17,7 @@ from push_study.framework.parameters import (
 from push_study.framework.runner import StudyResult, StudyRunner
 from push_study.framework.study import Study
 from push_study.maps import commands
+from push_study.recordings import block, page, prediction
 from tqdm import tqdm
 
 EXIT_DONE = 0
@@ -61,6 +63,14 @@ def _parser() -> argparse.ArgumentParser:
                      help='another value for a parameter; may be given more than once')
     run.add_argument('--page', type=Path, metavar='FILE',
                      help='Markdown page in which to insert the gallery')
+    data = actions.add_parser('data', help='predict recorded pushes of a block')
+    data.set_defaults(action=_predict_recordings)
+    data.add_argument('folder', type=Path, metavar='FOLDER',
+                      help='recordings, see docs/validation/real_pushes.md')
+    data.add_argument('--out', type=Path, default=Path('out') / 'studies', metavar='DIR',
+                      help='where the picture goes (default: out/studies)')
+    data.add_argument('--page', type=Path, metavar='FILE',
+                      help='Markdown page in which to insert the tables')
     for subparser in (run, *commands.register(actions, _run_map)):
         _add_common_options(subparser)
     return parser
@@ -106,6 +116,21 @@ def _run(options: argparse.Namespace) -> None:
         text = gallery.insert(options.page.read_text(encoding='utf-8'),
                               gallery.page(results, options.page.parent))
         options.page.write_text(text, encoding='utf-8')
+
+
+def _predict_recordings(options: argparse.Namespace) -> None:
+    recordings = block.read_recordings(options.folder)
+    reports = [prediction.report(recording)
+               for recording in tqdm(recordings, file=sys.stderr, bar_format=BAR_FORMAT)]
+    options.out.mkdir(parents=True, exist_ok=True)
+    picture = options.out / 'real_pushes.png'
+    page.save_picture(reports, picture)
+    folder = options.page.parent if options.page else Path()
+    text = page.page(reports, os.path.relpath(picture, folder).replace(os.sep, '/'))
+    print(text)
+    if options.page is not None:
+        shown = options.page.read_text(encoding='utf-8')
+        options.page.write_text(gallery.insert(shown, text), encoding='utf-8')
 
 
 def _run_map(study: Study, chosen: ChosenValues, overrides: Overrides,

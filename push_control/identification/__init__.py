@@ -1,0 +1,1 @@
+"""Identification of friction from recorded pushes."""

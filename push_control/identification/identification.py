@@ -1,0 +1,305 @@
+"""
+Identify friction from where recorded pushes end.
+
+Unknown are
+
+* the centre of friction F (x, y), object frame,
+* the ratio of c^2, the mean square distance of the supports from F, to that of the nominal object,
+* the contact friction mu_c,
+* with more than three supports, how else friction is distributed between them: patterns that move
+  neither F nor the sum, which are estimated along and not reported.
+
+Slow pushes do not depend on mass, inertia and the size of the friction on the floor. With p the
+unknowns in the order above (c^2 and mu_c as logarithms), e_j the end of push j as integrated by
+``push_model.analysis.slow_push`` and l a length that makes angles lengths, the cost is
+
+    sum_j |(x, y, l theta)(e_j(p) - end_j)|^2 / sigma^2 + sum_i ((p_i - p_i0) / s_i)^2
+
+sigma is estimated from the median of what is left; a push that is off by more than OUTLIER sigma
+counts less (Huber's weights); the second sum is what is believed of the nominal object. The cost
+is minimized by Gauss's and Newton's method with derivatives by differences, which are integrated
+all at once; the intervals are those of the linearized problem, with Student's t.
+"""
+
+import dataclasses
+import math
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from push_control.identification.recorded_push import RecordedPush, stacked
+from push_model.analysis.sliding_contact import SupportArrays
+from push_model.analysis.slow_push import integrate_slow_pushes, Shape
+from push_model.friction import friction_center
+from push_model.geometry import FloatArray
+from push_model.parameters import PushedObject, Support
+from scipy.linalg import null_space
+from scipy.stats import t as student
+
+# Chosen: points of each path; the ends change by less than 0.5 % of the push with twice as many.
+POINTS = 31
+# Steps of the differences: metres, and two logarithms. Chosen: far above rounding.
+DIFFERENCES = (1e-3, 1e-3, 0.02, 0.02)
+PATTERN_DIFFERENCE = 0.02
+# Chosen: converged long before.
+ITERATIONS = 12
+# Steps are halved so often where the cost would grow, and the search ends at a relative step of
+# the cost below this.
+HALVINGS = 5
+ENOUGH = 1e-4
+# What is believed of a nominal object: F within a quarter of the root of c^2 of its place, c^2
+# within 30 % and contact friction within a factor of 1.8 (one standard deviation each). Chosen.
+CENTER_SHARE = 0.25
+LOG_SPREAD = 0.3
+LOG_FRICTION = 0.6
+PATTERN = 0.3
+# A support keeps at least this part of its friction: so that F stays inside.
+LEAST_SHARE = 0.02
+CONFIDENCE = 0.95
+# Huber's threshold, in standard deviations of a push's root mean square. Chosen, as usual.
+OUTLIER = 2.0
+# Least standard deviation [m]. Measured on recordings of the plant: what the points of the paths
+# and the touch at the end leave; intervals then cover the truth about as often as stated.
+LEAST_SIGMA = 6e-4
+NAMES = ('friction_center_x', 'friction_center_y', 'c_squared_ratio', 'contact_friction')
+
+
+class Interval(NamedTuple):
+    """
+    An identified number.
+
+    :param value: best estimate.
+    :param low: lower end of its interval.
+    :param high: upper end.
+    """
+
+    value: float
+    low: float
+    high: float
+
+    def covers(self, truth: float) -> bool:
+        """Return whether a number lies in the interval."""
+        return self.low <= truth <= self.high
+
+
+@dataclasses.dataclass(frozen=True)
+class Identification:
+    """
+    What recorded pushes tell of an object.
+
+    :param friction_center_x: of F, object frame [m].
+    :param friction_center_y: likewise [m].
+    :param c_squared_ratio: c^2 over that of the nominal object.
+    :param contact_friction: mu_c.
+    :param sigma: standard deviation of what is left, per coordinate of an end [m].
+    :param pushes: number of pushes.
+    :param sliding: pushes in which the contact slides at some time, at the estimate.
+    :param object: the nominal object with the identified friction.
+    """
+
+    friction_center_x: Interval
+    friction_center_y: Interval
+    c_squared_ratio: Interval
+    contact_friction: Interval
+    sigma: float
+    pushes: int
+    sliding: int
+    object: PushedObject
+
+
+class _Problem(NamedTuple):
+    """Stacked pushes of a nominal object."""
+
+    obj: PushedObject
+    robot_radius: float
+    starts: FloatArray
+    ends: FloatArray
+    paths: FloatArray
+    is_free: FloatArray
+
+    @property
+    def patterns(self) -> int:
+        """Number of distributions of friction that move neither F nor the sum."""
+        return len(self.is_free) - len(NAMES)
+
+    @property
+    def differences(self) -> FloatArray:
+        """Steps of the differences, shape (4 + patterns,)."""
+        return np.array([*DIFFERENCES, *[PATTERN_DIFFERENCE] * self.patterns])
+
+    @property
+    def length(self) -> float:
+        """Length that makes angles lengths: the root of the mean square distance from F [m]."""
+        return math.sqrt(_mean_square(SupportArrays.of(self.obj)))
+
+    @property
+    def believed(self) -> FloatArray:
+        """Unknowns of the nominal object, shape (4 + patterns,)."""
+        return np.array([*friction_center(self.obj), 0.0,
+                         math.log(self.obj.contact_friction_coefficient),
+                         *[0.0] * self.patterns])
+
+    @property
+    def doubts(self) -> FloatArray:
+        """Standard deviations of what is believed, shape (4 + patterns,)."""
+        center = CENTER_SHARE * self.length
+        return np.array([center, center, LOG_SPREAD, LOG_FRICTION, *[PATTERN] * self.patterns])
+
+    def residuals(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return ends minus measured ends for k sets of unknowns, (k, 3 n), and who slides."""
+        sets, count = len(unknowns), len(self.starts)
+        changed = [changed_supports(self.obj, row) for row in unknowns]
+        supports = SupportArrays(np.repeat([one.positions for one in changed], count, axis=0),
+                                 np.repeat([one.capacities for one in changed], count, axis=0))
+        pushes = integrate_slow_pushes(
+            Shape.of(self.obj), supports, np.repeat(np.exp(unknowns[:, 3]), count),
+            self.robot_radius, np.tile(self.starts, (sets, 1)), np.tile(self.paths, (sets, 1, 1)))
+        left = pushes.poses[:, -1] - np.tile(self.ends, (sets, 1))
+        left[:, 2] = self.length * np.remainder(left[:, 2] + math.pi, 2.0 * math.pi)
+        left[:, 2] -= self.length * math.pi
+        slides = (pushes.slides != 0).any(axis=1).reshape(sets, count)
+        return left.reshape(sets, 3 * count), slides
+
+
+def changed_supports(obj: PushedObject, unknowns: FloatArray) -> SupportArrays:
+    """
+    Change the friction of a nominal object.
+
+    :param obj: nominal object.
+    :param unknowns: F (x, y) [m], logarithm of the ratio of c^2, another, and an amount of each of
+        ``friction_patterns``; those are 0 where they are left out.
+    :return: supports: friction is shifted between them for F, and their distances from F are
+        scaled for c^2.
+    """
+    positions, capacities = SupportArrays.of(obj)
+    nominal = np.array(friction_center(obj))
+    offsets = positions - nominal
+    total = capacities.sum()
+    covariance = offsets.T @ (capacities[:, None] * offsets) / total
+    shares = 1.0 + offsets @ np.linalg.pinv(covariance, rcond=1e-9) @ (unknowns[:2] - nominal)
+    patterns = friction_patterns(positions, capacities)
+    shares = shares + patterns[:, :len(unknowns) - len(NAMES)] @ unknowns[len(NAMES):]
+    changed = capacities * np.maximum(shares, LEAST_SHARE)
+    center = changed @ positions / changed.sum()
+    return SupportArrays(center + math.exp(0.5 * unknowns[2]) * (positions - center),
+                         changed * (total / changed.sum()))
+
+
+def friction_patterns(positions: FloatArray, capacities: FloatArray) -> FloatArray:
+    """
+    Find relative changes of the capacities that move neither their sum nor their centre.
+
+    :param positions: of the supports, shape (k, 2) [m].
+    :param capacities: shape (k,) [N].
+    :return: patterns with a root mean square of 1, shape (k, k - 3), or fewer columns.
+    """
+    moments = np.vstack([capacities, *(capacities * positions.T)])
+    return null_space(moments) * math.sqrt(len(capacities))
+
+
+def _mean_square(supports: SupportArrays) -> float:
+    """Mean square distance of supports from their centre of friction [m^2]."""
+    weights = supports.capacities / supports.capacities.sum()
+    offsets = supports.positions - weights @ supports.positions
+    return float(weights @ (offsets ** 2).sum(axis=1))
+
+
+def identify(obj: PushedObject, robot_radius: float, pushes: Sequence[RecordedPush],
+             free: Sequence[str] = NAMES) -> Identification:
+    """
+    Identify friction from recorded pushes.
+
+    :param obj: nominal ``PushedObject``; its shape and the places of its supports count, its
+        friction is what is believed before.
+    :param robot_radius: R_p [m].
+    :param pushes: at least three.
+    :param free: names of the unknowns, some of ``NAMES``; the others keep their nominal values.
+    :return: the identification.
+    :raises ValueError: for fewer than three pushes, or an unknown name.
+    """
+    if len(pushes) < 3:
+        raise ValueError(f'pushes: got {len(pushes)}, expected at least 3 recorded pushes')
+    unknown = sorted(set(free) - set(NAMES))
+    if unknown:
+        raise ValueError(f'free: got {", ".join(unknown)}, expected some of {", ".join(NAMES)}')
+    patterns = friction_patterns(*SupportArrays.of(obj)).shape[1]
+    is_free = np.array([name in free for name in NAMES] + [True] * patterns)
+    problem = _Problem(obj, robot_radius, *stacked(pushes, POINTS), is_free)
+    unknowns, slope, left, slides = _minimized(problem)
+    sigma, weights = _weights(left, int(is_free.sum()))
+    degrees = max(1.0, len(left) - int(is_free.sum()))
+    information = slope.T @ (weights[:, None] * slope) / sigma ** 2
+    information += np.diag(1.0 / problem.doubts[is_free] ** 2)
+    deviations = np.zeros(len(is_free))
+    deviations[is_free] = np.sqrt(np.diag(np.linalg.inv(information)))
+    margin = float(student.ppf(0.5 * (1.0 + CONFIDENCE), degrees)) * deviations
+    low, high = unknowns - margin, unknowns + margin
+    intervals = [Interval(*(float(value) for value in row))
+                 for row in zip(unknowns, low, high)][:len(NAMES)]
+    # Friction that is shifted between the supports changes c^2 as well.
+    shifted = changed_supports(obj, np.array([*unknowns[:2], 0.0, *unknowns[3:]]))
+    factor = _mean_square(shifted) / _mean_square(SupportArrays.of(obj))
+    ratio = Interval(*(factor * math.exp(value) for value in intervals[2]))
+    friction = Interval(*map(math.exp, intervals[3]))
+    return Identification(intervals[0], intervals[1], ratio, friction, sigma, len(pushes),
+                          int(slides.sum()), identified_object(obj, unknowns))
+
+
+def identified_object(obj: PushedObject, unknowns: FloatArray) -> PushedObject:
+    """
+    Make the object with identified friction, its loads unchanged where the supports stay in place.
+
+    :param obj: nominal object.
+    :param unknowns: as of ``changed_supports``, the fourth the logarithm of mu_c.
+    :return: the object; each support keeps its share of the load by ``load_fraction``.
+    """
+    positions, capacities = changed_supports(obj, unknowns)
+    # Loads as before; the friction coefficients carry the rest.
+    weight = sum(obj.loads)
+    places = [(support.x, support.y) for support in obj.supports]
+    if abs(unknowns[2]) > 1e-12:
+        places = [(float(x), float(y)) for x, y in positions]
+    supports = tuple(Support(x, y, 1.0) for x, y in places)
+    moved = dataclasses.replace(obj, supports=supports)
+    friction = [float(capacity) / max(load, 1e-3 * weight)
+                for capacity, load in zip(capacities, moved.loads)]
+    return dataclasses.replace(
+        obj, supports=tuple(Support(x, y, mu) for (x, y), mu in zip(places, friction)),
+        contact_friction_coefficient=math.exp(float(unknowns[3])))
+
+
+def _weights(left: FloatArray, unknowns: int) -> tuple[float, FloatArray]:
+    """Estimate the standard deviation of what is left [m], and weights (3 n,) of the pushes."""
+    degrees = max(1.0, len(left) - unknowns)
+    sizes = np.sqrt((left.reshape(-1, 3) ** 2).mean(axis=1))
+    typical = max(LEAST_SIGMA, float(np.median(sizes)) * math.sqrt(len(left) / degrees))
+    weights = np.repeat(np.minimum(1.0, OUTLIER * typical / np.maximum(sizes, 1e-12)), 3)
+    return max(LEAST_SIGMA, math.sqrt(float(weights @ left ** 2) / degrees)), weights
+
+
+def _minimized(problem: _Problem) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return unknowns (u,), derivatives (3 n, free), residuals (3 n,) and who slides (n,)."""
+    free = np.flatnonzero(problem.is_free)
+    unknowns = problem.believed
+    for _ in range(ITERATIONS):
+        found, slides = problem.residuals(
+            np.vstack([unknowns, unknowns + np.diag(problem.differences)[free]]))
+        left, slope = found[0], ((found[1:] - found[0]) / problem.differences[free, None]).T
+        sigma, weights = _weights(left, len(free))
+        doubts = problem.doubts[free]
+        off = (unknowns - problem.believed)[free]
+        step = np.zeros(len(unknowns))
+        step[free] = -np.linalg.solve(
+            slope.T @ (weights[:, None] * slope) / sigma ** 2 + np.diag(1.0 / doubts ** 2),
+            slope.T @ (weights * left) / sigma ** 2 + off / doubts ** 2)
+        # All halvings of the step at once.
+        shares = 0.5 ** np.arange(HALVINGS)
+        tried = unknowns + shares[:, None] * step
+        others = problem.residuals(tried)[0]
+        costs = (weights * (others / sigma) ** 2).sum(axis=1) + (
+            ((tried - problem.believed)[:, free] / doubts) ** 2).sum(axis=1)
+        cost = float(weights @ (left / sigma) ** 2 + (off / doubts) @ (off / doubts))
+        best = int(np.argmin(costs))
+        if costs[best] > cost * (1.0 - ENOUGH):
+            break
+        unknowns = tried[best]
+    return unknowns, slope, left, slides[0]

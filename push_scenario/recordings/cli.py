@@ -1,0 +1,70 @@
+"""Command line: identify the friction of an object from a recording of pushes."""
+
+import argparse
+from pathlib import Path
+import sys
+from typing import Sequence
+
+from push_control.identification.identification import identify
+from push_model.files.data import config_file
+from push_model.files.parameter_files import read_object, read_robot
+from push_scenario.recordings.bag import read_tracks
+from push_scenario.recordings.object_file import object_file, summary
+from push_scenario.recordings.segmentation import split_pushes
+
+EXIT_DONE = 0
+EXIT_MISUSE = 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Run the command line.
+
+    :param arguments: words after the command's name; None for those of the process.
+    :return: exit status: 0 when the file is written, 2 on an error.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        _identify(options)
+    except (ValueError, OSError, RuntimeError) as error:
+        print(f'identify: {error}', file=sys.stderr)
+        return EXIT_MISUSE
+    return EXIT_DONE
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='identify', description='Identify friction centre, c^2 and contact friction of an '
+        'object from recorded pushes; see docs/identify.md.')
+    parser.add_argument('bag', type=Path, metavar='BAG', help='folder of a rosbag2 recording')
+    parser.add_argument('--object', required=True, metavar='OBJECT',
+                        help='nominal object: a name in config/objects, or a file')
+    parser.add_argument('--robot', required=True, metavar='ROBOT',
+                        help='robot: a name in config/robots, or a file')
+    parser.add_argument('--odom', default='odom', metavar='TOPIC',
+                        help='poses of the robot, in the frame of the object poses')
+    parser.add_argument('--object-pose', default='object_pose', metavar='TOPIC',
+                        help='poses of the object')
+    parser.add_argument('--out', type=Path, default=Path('identified_object.yaml'),
+                        metavar='FILE', help='object file to write')
+    return parser
+
+
+def _identify(options: argparse.Namespace) -> None:
+    obj = read_object(_file('objects', options.object))
+    robot = read_robot(_file('robots', options.robot))
+    robot_track, object_track = read_tracks(options.bag, (options.odom, options.object_pose))
+    pushes = split_pushes(obj, robot, robot_track, object_track)
+    print(f'{len(pushes)} pushes', file=sys.stderr)
+    found = identify(obj, robot.radius, pushes)
+    options.out.write_text(object_file(found, options.bag.name), encoding='utf-8')
+    print('\n'.join([*summary(found), f'written: {options.out}']))
+
+
+def _file(kind: str, name: str) -> Path:
+    path = Path(name)
+    return path if path.suffix else config_file(f'{kind}/{name}.yaml')
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Recorded pushes of other people, and what the model predicts of them."""

@@ -1,0 +1,115 @@
+"""Tables and picture of the predicted recordings."""
+
+import math
+from pathlib import Path
+from typing import Sequence
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+import numpy as np
+from push_model.geometry import FloatArray
+from push_study.framework import plot_style
+from push_study.recordings.prediction import (
+    Errors, FITTED, PLANT, QUASI_STATIC, RecordingReport, UNFITTED,
+)
+
+MILLIMETRES = 1e3
+# Median, and what 90 of 100 stay below.
+QUANTILES = (0.5, 0.9)
+KINDS = ((UNFITTED, QUASI_STATIC), (UNFITTED, PLANT), (FITTED, QUASI_STATIC), (FITTED, PLANT))
+
+
+def select(reports: Sequence[RecordingReport], parameters: str, model: str) -> list[Errors]:
+    """
+    Select errors.
+
+    :param reports: of all recordings.
+    :param parameters: ``UNFITTED`` or ``FITTED``.
+    :param model: ``QUASI_STATIC`` or ``PLANT``.
+    :return: those of each recording.
+    """
+    return [errors for one in reports for errors in one.errors
+            if (errors.parameters, errors.model) == (parameters, model)]
+
+
+def page(reports: Sequence[RecordingReport], picture: str) -> str:
+    """
+    Write the tables as Markdown.
+
+    :param reports: of all recordings.
+    :param picture: link to the picture.
+    :return: text.
+    """
+    names = [_short(one.recording.name) for one in reports] + ['all']
+    lines = [f'| end of a push: median (90 of 100) | {" | ".join(names)} |',
+             '| --- |' + ' --- |' * len(names)]
+    for parameters, model in KINDS:
+        found = select(reports, parameters, model)
+        found.append(_pooled(found))
+        cells = [f'{_pair(MILLIMETRES * errors.position)} mm, '
+                 f'{_pair(np.degrees(errors.heading))}°' for errors in found]
+        lines.append(f'| {model}, {parameters} | {" | ".join(cells)} |')
+    for parameters in (UNFITTED, FITTED):
+        found = select(reports, parameters, QUASI_STATIC)
+        found.append(_pooled(found))
+        cells = [f'{_pair(np.degrees(errors.force_direction))}°, '
+                 f'{np.median(errors.force_ratio):.2f}' for errors in found]
+        lines.append(f'| direction of the force, size over the recorded one, {parameters} | '
+                     f'{" | ".join(cells)} |')
+    lines += ['', '| identified from five pushes | centre of friction x, y [mm] | contact '
+              'friction |', '| --- | --- | --- |']
+    for one in reports:
+        found = one.identification
+        center = [f'{MILLIMETRES * number.value:.1f} ({MILLIMETRES * number.low:.1f} to '
+                  f'{MILLIMETRES * number.high:.1f})'
+                  for number in (found.friction_center_x, found.friction_center_y)]
+        friction = found.contact_friction
+        lines.append(f'| {_short(one.recording.name)} | {", ".join(center)} | '
+                     f'{friction.value:.2f} ({friction.low:.2f} to {friction.high:.2f}) |')
+    return '\n'.join([*lines, '', f'![Errors of the predicted ends]({picture})', ''])
+
+
+def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:
+    """
+    Draw how many pushes end within an error.
+
+    :param reports: of all recordings.
+    :param path: of the PNG file.
+    """
+    with plot_style.applied():
+        figure = Figure(figsize=(7.6, 3.6), layout='constrained')
+        FigureCanvasAgg(figure)
+        left, right = figure.subplots(1, 2, sharey=True)
+        for number, (parameters, model) in enumerate(KINDS):
+            pooled = _pooled(select(reports, parameters, model))
+            style = plot_style.series(number)
+            share = np.arange(1, len(pooled.position) + 1) / len(pooled.position)
+            left.plot(np.sort(MILLIMETRES * pooled.position), share,
+                      label=f'{model}, {parameters}', **style)
+            right.plot(np.sort(np.degrees(pooled.heading)), share, **style)
+        for axes, label, limit in ((left, 'error of the end [mm]', 10.0),
+                                   (right, 'error of the heading [deg]', 5.0)):
+            axes.set_xlabel(label)
+            axes.set_xlim(0.0, limit)
+            axes.set_ylim(0.0, 1.0)
+        left.set_ylabel('fraction of the pushes')
+        left.legend(loc='lower right')
+        figure.savefig(path, dpi=plot_style.DPI, metadata={'Software': None})
+
+
+def _pooled(found: Sequence[Errors]) -> Errors:
+    return Errors('all', found[0].model, found[0].parameters,
+                  *(np.concatenate([getattr(errors, name) for errors in found])
+                    for name in ('position', 'heading', 'force_direction', 'force_ratio')))
+
+
+def _pair(values: FloatArray) -> str:
+    median, high = (float(np.quantile(values, share)) for share in QUANTILES)
+    digits = 1 if high >= 1.0 else max(0, 1 - math.floor(math.log10(max(high, 1e-9))))
+    return f'{median:.{digits}f} ({high:.{digits}f})'
+
+
+def _short(name: str) -> str:
+    """Name floor and feet as a reader finds them."""
+    floor, *places = name.split('_')
+    return f'{floor}, feet ' + ' '.join(f'({x}, {y})' for x, y in zip(places[:3], places[3:]))

@@ -1,0 +1,79 @@
+"""The command ``identify``: from a bag to an object file."""
+
+import dataclasses
+import math
+
+from helpers.extras import import_extra
+from helpers.recorded_pushes import record_pushes
+import numpy as np
+from push_model.files.data import config_file
+from push_model.files.parameter_files import read_object, read_robot
+from push_model.friction import friction_center, with_friction_center
+from push_scenario.recordings import cli
+import pytest
+
+import_extra('rosbags', 'record')
+from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: E402, I100
+from rosbags.typesys import get_typestore, Stores  # noqa: E402
+
+BOX = read_object(config_file('objects/box_04.yaml'))
+ROBOT = read_robot(config_file('robots/holonomic_017.yaml'))
+STORE = get_typestore(Stores.ROS2_JAZZY)
+
+
+def write_bag(path, tracks, storage):
+    """Write robot and object poses as a robot records them, the robot's as odometry."""
+    types = STORE.types
+    header, stamp = types['std_msgs/msg/Header'], types['builtin_interfaces/msg/Time']
+    pose, point = types['geometry_msgs/msg/Pose'], types['geometry_msgs/msg/Point']
+    turn, vector = types['geometry_msgs/msg/Quaternion'], types['geometry_msgs/msg/Vector3']
+    twist = types['geometry_msgs/msg/Twist']
+    with Writer(path, version=9, storage_plugin=storage) as writer:
+        odom = writer.add_connection('/odom', 'nav_msgs/msg/Odometry', typestore=STORE)
+        poses = writer.add_connection('/object_pose', 'geometry_msgs/msg/PoseStamped',
+                                      typestore=STORE)
+        for connection, track in zip((odom, poses), tracks):
+            for time, (x, y, heading) in zip(*track):
+                nanoseconds = round(time * 1e9)
+                head = header(stamp(*divmod(nanoseconds, 10 ** 9)), 'odom')
+                at = pose(point(x, y, 0.0),
+                          turn(0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading)))
+                message = types['geometry_msgs/msg/PoseStamped'](head, at)
+                if connection is odom:
+                    still = twist(vector(0.0, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+                    message = types['nav_msgs/msg/Odometry'](
+                        head, 'base_link',
+                        types['geometry_msgs/msg/PoseWithCovariance'](at, np.zeros(36)),
+                        types['geometry_msgs/msg/TwistWithCovariance'](still, np.zeros(36)))
+                writer.write(connection, nanoseconds,
+                             STORE.serialize_cdr(message, message.__msgtype__))
+
+
+@pytest.mark.slow
+def test_a_recording_becomes_an_object_file(tmp_path, capsys):
+    true = with_friction_center(BOX, (0.02, -0.03))
+    true = dataclasses.replace(true, contact_friction_coefficient=0.45)
+    tracks = record_pushes(true, ROBOT, np.random.default_rng(1))
+    for number, storage in enumerate((StoragePlugin.MCAP, StoragePlugin.SQLITE3)):
+        write_bag(tmp_path / f'bag_{number}', tracks, storage)
+    out = tmp_path / 'object.yaml'
+    words = ['--object', 'box_04', '--robot', 'holonomic_017', '--out', str(out)]
+    assert cli.main([str(tmp_path / 'bag_0'), *words]) == 0
+    output = capsys.readouterr().out
+    assert 'contact friction 0.4' in output and 'of 10 pushes' in output
+    found = read_object(out)
+    assert friction_center(found) == pytest.approx((0.02, -0.03), abs=0.003)
+    assert found.contact_friction_coefficient == pytest.approx(0.45, abs=0.03)
+    assert sum(found.capacities) == pytest.approx(sum(BOX.capacities), rel=1e-3)
+    assert '# c^2 over the nominal one' in out.read_text(encoding='utf-8')
+    # The other format holds the same.
+    first = out.read_text(encoding='utf-8').splitlines()[1:]
+    assert cli.main([str(tmp_path / 'bag_1'), *words]) == 0
+    assert out.read_text(encoding='utf-8').splitlines()[1:] == first
+    # What is wrong is named, and the file stays.
+    assert cli.main([str(tmp_path / 'bag_0'), *words, '--odom', 'odometry']) == 2
+    assert 'topic: got odometry, expected one of the recording: /object_pose, /odom' in (
+        capsys.readouterr().err)
+    assert cli.main([str(tmp_path / 'nowhere'), *words]) == 2
+    assert 'expected a rosbag2 recording' in capsys.readouterr().err
+    assert out.read_text(encoding='utf-8').splitlines()[1:] == first
