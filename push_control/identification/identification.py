@@ -26,6 +26,7 @@ import math
 from typing import NamedTuple, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from push_control.identification.recorded_push import RecordedPush, stacked
 from push_model.analysis.sliding_contact import SupportArrays
 from push_model.analysis.slow_push import integrate_slow_pushes, Shape
@@ -280,26 +281,38 @@ def _minimized(problem: _Problem) -> tuple[FloatArray, FloatArray, FloatArray, F
     """Return unknowns (u,), derivatives (3 n, free), residuals (3 n,) and who slides (n,)."""
     free = np.flatnonzero(problem.is_free)
     unknowns = problem.believed
+    slope, left, slides = _linearized(problem, unknowns, free)
     for _ in range(ITERATIONS):
-        found, slides = problem.residuals(
-            np.vstack([unknowns, unknowns + np.diag(problem.differences)[free]]))
-        left, slope = found[0], ((found[1:] - found[0]) / problem.differences[free, None]).T
-        sigma, weights = _weights(left, len(free))
-        doubts = problem.doubts[free]
-        off = (unknowns - problem.believed)[free]
-        step = np.zeros(len(unknowns))
-        step[free] = -np.linalg.solve(
-            slope.T @ (weights[:, None] * slope) / sigma ** 2 + np.diag(1.0 / doubts ** 2),
-            slope.T @ (weights * left) / sigma ** 2 + off / doubts ** 2)
-        # All halvings of the step at once.
-        shares = 0.5 ** np.arange(HALVINGS)
-        tried = unknowns + shares[:, None] * step
-        others = problem.residuals(tried)[0]
-        costs = (weights * (others / sigma) ** 2).sum(axis=1) + (
-            ((tried - problem.believed)[:, free] / doubts) ** 2).sum(axis=1)
-        cost = float(weights @ (left / sigma) ** 2 + (off / doubts) @ (off / doubts))
-        best = int(np.argmin(costs))
-        if costs[best] > cost * (1.0 - ENOUGH):
+        better = _improved(problem, unknowns, free, (slope, left))
+        if better is None:
             break
-        unknowns = tried[best]
-    return unknowns, slope, left, slides[0]
+        unknowns = better
+        slope, left, slides = _linearized(problem, unknowns, free)
+    return unknowns, slope, left, slides
+
+
+def _linearized(problem: _Problem, unknowns: FloatArray,
+                free: NDArray[np.int_]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return derivatives (3 n, free), residuals (3 n,) and who slides (n,)."""
+    found, slides = problem.residuals(
+        np.vstack([unknowns, unknowns + np.diag(problem.differences)[free]]))
+    return ((found[1:] - found[0]) / problem.differences[free, None]).T, found[0], slides[0]
+
+
+def _improved(problem: _Problem, unknowns: FloatArray, free: NDArray[np.int_],
+              linearized: tuple[FloatArray, FloatArray]) -> FloatArray | None:
+    """Take the best of the step and its halvings; None where the cost hardly falls."""
+    slope, left = linearized
+    sigma, weights = _weights(left, len(free))
+    doubts, off = problem.doubts[free], (unknowns - problem.believed)[free]
+    step = np.zeros(len(unknowns))
+    step[free] = -np.linalg.solve(
+        slope.T @ (weights[:, None] * slope) / sigma ** 2 + np.diag(1.0 / doubts ** 2),
+        slope.T @ (weights * left) / sigma ** 2 + off / doubts ** 2)
+    tried = unknowns + 0.5 ** np.arange(HALVINGS)[:, None] * step
+    others = problem.residuals(tried)[0]
+    costs = (weights * (others / sigma) ** 2).sum(axis=1) + (
+        ((tried - problem.believed)[:, free] / doubts) ** 2).sum(axis=1)
+    cost = float(weights @ (left / sigma) ** 2 + (off / doubts) @ (off / doubts))
+    best = int(np.argmin(costs))
+    return tried[best] if costs[best] <= cost * (1.0 - ENOUGH) else None

@@ -246,4 +246,5 @@ def _damped(unknowns: FloatArray, step: FloatArray, power: Any, smoothing: float
 
 
 def _wrapped(angles: FloatArray) -> FloatArray:
-    return np.asarray(np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi, dtype=np.float64)
+    wrapped: Any = np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
+    return wrapped

@@ -1,6 +1,7 @@
 """Split a recording into pushes: from rest to rest of the object."""
 
 import numpy as np
+from numpy.typing import NDArray
 from push_control.identification.recorded_push import RecordedPush, touching_path
 from push_model.analysis.slow_push import Shape
 from push_model.geometry import FloatArray
@@ -51,7 +52,7 @@ def _size(obj: PushedObject) -> float:
     return obj.radius or float(max(np.hypot(x, y) for x, y in obj.outline))
 
 
-def _is_moving(track: Track, size: float) -> FloatArray:
+def _is_moving(track: Track, size: float) -> NDArray[np.bool_]:
     """Compare mean poses before and after each time."""
     times, poses = track
     sums = np.vstack([np.zeros(3), np.cumsum(poses, axis=0)])
@@ -64,15 +65,14 @@ def _is_moving(track: Track, size: float) -> FloatArray:
     return (speed > MOVING) & (middle > low)
 
 
-def _intervals(times: FloatArray, moving: FloatArray) -> list[tuple[float, float]]:
-    """List begin and end of each motion, pauses bridged, widened by the window [s]."""
+def _intervals(times: FloatArray, moving: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """List begin and end of each motion, pauses bridged [s]."""
     found: list[tuple[float, float]] = []
     for time in times[moving]:
         if found and time - found[-1][1] <= LONGEST_PAUSE:
             found[-1] = found[-1][0], float(time)
         else:
             found.append((float(time), float(time)))
-    # The mean over a window sees a motion half a window too early and too late: that is at rest.
     return found
 
 
