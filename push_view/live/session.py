@@ -79,6 +79,11 @@ class Session:
         return self._simulation.time
 
     @property
+    def shown_time(self) -> float:
+        """Time of the last row, at which the page shows what is changed now [s]."""
+        return self._shown_time
+
+    @property
     def is_standing(self) -> bool:
         """Whether the robot waits for a goal."""
         return self._robot.controller.status.state.is_standing
@@ -97,10 +102,9 @@ class Session:
         """
         end = self.time + duration
         rows: list[tuple[float, ...]] = []
-        while self.time < end:
+        self._advance_to_next_measurement(rows)
+        while self.time < end and not is_late():
             self._advance_to_next_measurement(rows)
-            if is_late():
-                break
         if rows:
             self.log.add(rows_message(rows))
 
@@ -144,6 +148,7 @@ class Session:
         self._loop = ClosedLoop(self._simulation, self._robot, make_safety_layer(scenario),
                                 observation, lambda _: None)
         self._shown_states = self._shown_plans = self._row_count = 0
+        self._shown_time = 0.0
         self._friction: tuple[float, ...] = ()
         self.log.clear()
         columns = (*self._simulation.columns, *belief_columns(scenario.object))
@@ -177,6 +182,7 @@ class Session:
                 self._friction = believed_friction(supervisor,
                                                    len(self._scenario.object.supports))
             self._row_count += 1
+            self._shown_time = row[0]
             rows.append((*row, *believed_poses(supervisor), *self._friction))
         # A session may last for hours.
         self._simulation.rows.clear()
@@ -197,7 +203,7 @@ class Session:
         theta = heading + wrap_angle(command.pose.theta - heading)
         goal = command.pose._replace(theta=theta)
         self._robot.set_goal(goal)
-        self.log.add(goal_message(self.time, goal))
+        self.log.add(goal_message(self.shown_time, goal))
 
     def _displace_object(self, command: DisplaceObject) -> None:
         before = self.object_pose
@@ -206,7 +212,10 @@ class Session:
             self._simulation.plant.set_object_pose(command.pose._replace(theta=theta))
         except ValueError as error:
             raise CommandRefused('displace: the robot stands there') from error
-        self.log.add(displacement_message(self.time, before, self.object_pose))
+        self.log.add(displacement_message(self.shown_time, before, self.object_pose))
+        if self.paused:
+            # Where it is now is seen in the next row.
+            self._advance_by_a_row()
 
     def _add_wall(self, command: AddWall) -> None:
         floor = open_floor(self.object_pose) if self._map is None else self._map
@@ -227,7 +236,7 @@ class Session:
         self._robot.set_map(occupancy_map)
         # What is under way was planned without the wall.
         self._robot.set_goal(self._robot.goal)
-        self.log.add(map_message(self.time, occupancy_map))
+        self.log.add(map_message(self.shown_time, occupancy_map))
 
     def _choose(self, command: Choose) -> None:
         scenario, choices = self._scenario, {**self._choices, **command.choices}
@@ -249,7 +258,7 @@ class Session:
                                                 self._simulation.obj.capacities)])
             self._simulation.plant.set_contact_friction(changed.contact_friction_coefficient)
             self._scenario = dataclasses.replace(self._scenario, true_object=changed)
-            self.log.add(truth_message(self.time, changed))
+            self.log.add(truth_message(self.shown_time, changed))
         else:
             sensors = dataclasses.replace(sensors, **{command.name: command.value})
             self._simulation.set_sensors(sensors)
@@ -264,7 +273,12 @@ class Session:
     def _step(self, _: Step) -> None:
         self.paused = True
         self.show_run()
-        self.advance(1.0 / self._scenario.sensors.odometry_rate)
+        self._advance_by_a_row()
+
+    def _advance_by_a_row(self) -> None:
+        shown = self.shown_time
+        while self.shown_time == shown:
+            self.advance(0.0)
 
     def _restart(self, _: Restart) -> None:
         goal = self._robot.goal

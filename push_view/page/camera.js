@@ -65,7 +65,7 @@ class Camera {
     for (const point of recording.paths.robot) add(point.x, point.y, scene.robot.radius);
     for (const goal of recording.goals) add(goal.pose[0], goal.pose[1], extent);
     const map = recording.latest('map', Infinity);
-    if (map && map.rows.length && map.rows.length * map.resolution < 8) {
+    if (map && map.rows.length && !recording.isLive && map.rows.length * map.resolution < 8) {
       for (const corner of [[0, 0], [1, 0], [0, 1], [1, 1]]) {
         add(...transform(map.origin, [corner[0] * map.rows[0].length * map.resolution,
                                       corner[1] * map.rows.length * map.resolution]), 0);

@@ -74,6 +74,17 @@ def test_an_object_that_is_moved_is_where_it_was_put(session):
     assert tuple(session.object_pose) == pytest.approx((0.3, -0.5, 1.0))
 
 
+def test_what_is_changed_while_time_stands_is_shown(session):
+    """At the last row, or with another one where something has moved."""
+    session.advance(0.3)
+    session.handle(command('run', paused=True))
+    session.handle(command('goal', pose=[0.5, 0.5, 0.0]))
+    assert messages(session, 'goal')[-1]['time'] == column(session, 'time')[-1]
+    session.handle(command('displace', pose=[0.3, -0.5, 1.0]))
+    assert column(session, 'object_y')[-1] == pytest.approx(-0.5)
+    assert messages(session, 'displacement')[-1]['time'] < column(session, 'time')[-1]
+
+
 def test_a_wall_replaces_the_plan(session):
     """It is on the map of the supervisor; one through the robot or the object is refused."""
     session.handle(command('wall', start=[1.0, -1.0], end=[1.0, 1.0]))
