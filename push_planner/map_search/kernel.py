@@ -5,11 +5,12 @@ A node is a pose of the object, the face that was pushed last and the place of t
 Its successors are the straight pushes whose first contact the robot reaches, as long as neither
 meets an obstacle; the estimate of what remains,
 
-    h = max( V, W (1 / v + c_r / 0.8 m) + |theta - theta_goal| (c_r / 0.6 rad + 0.5 s / rad) b(W) )
+    h = W (1 / v + c_r / 0.8 m) + |theta - theta_goal| (c_r / 0.6 rad + 0.5 s / rad) b(W) + V_1,
 
-is the cost-to-go V of open floor; or it charges a push at speed v along the path of length W on
-the ``DistanceGrid``, and contacts of c_r each for distance and rotation; b falls from 1 to 0.15
-within a metre and a half of the goal, as on a long path the object is turned in passing. Nodes
+charges a push at speed v along the path of length W on the ``DistanceGrid``, and contacts of c_r
+each for distance and rotation; b falls from 1 to 0.15 on the last metre and a half, as on a long
+path the object is turned in passing. On the last metre h is the cost-to-go V of open floor, if
+that is more; V_1 is what that has in excess there. Farther off V misleads: it sees no walls. Nodes
 come in the order of g + w h. The search ends at a node from which the floor is open up to the
 goal, or in a push that ends at the goal itself.
 """
@@ -51,6 +52,8 @@ FINE_DISTANCE, FINE_ANGLE = 0.25, 0.6
 # plans: without the charge ten times as many nodes are expanded.
 CONTACT_DISTANCE, CONTACT_ROTATION = 0.8, 0.6
 ROTATION_TIME = 0.5
+# Length of the path from which on the cost-to-go of open floor counts [m]; chosen.
+CLOSE_DISTANCE = 1.0
 PASSING_DISTANCE, LEAST_PASSING = 1.5, 0.15
 # From this distance on pushes that end at the goal are sought [m]; chosen.
 FINAL_RANGE = 0.6
@@ -96,6 +99,7 @@ class Query(NamedTuple):
     :param contact_time: of a contact besides pushing and driving [s].
     :param pushing_speed: [m/s].
     :param robot_speed: [m/s].
+    :param closing_time: that the cost-to-go of open floor has in excess at ``CLOSE_DISTANCE`` [s].
     :param weight: of the estimate, at least 1.
     :param max_expansions: number of nodes that are expanded at most.
     :param first_half: half the side of the window in which the robot comes to the first contact.
@@ -115,6 +119,7 @@ class Query(NamedTuple):
     contact_time: float
     pushing_speed: float
     robot_speed: float
+    closing_time: float
     weight: float
     max_expansions: int
     first_half: int
@@ -242,6 +247,8 @@ def estimate(problem: Any, x: float, y: float, theta: float, face: int) -> float
     passing = min(1.0, max(LEAST_PASSING, PASSING_DISTANCE - length))
     time = (length * (1.0 / query.pushing_speed + query.contact_time / CONTACT_DISTANCE)
             + abs(rotation) * passing * (query.contact_time / CONTACT_ROTATION + ROTATION_TIME))
+    if length > CLOSE_DISTANCE:
+        return time + query.closing_time
     c, s = math.cos(theta), math.sin(theta)
     d_x, d_y = query.goal[0] - x, query.goal[1] - y
     return max(time, interpolate_cost(
