@@ -29,7 +29,11 @@ from push_primitives.cost_to_go import CostSettings, CostToGo, solve_cost_to_go
 from push_primitives.placement_errors import (
     LOCALIZED, PlacementDeviations, UNSURE, with_placement_errors,
 )
-from push_primitives.table import build_table, FrictionDraws, PrimitiveTable
+from push_primitives.slippery_disc import rotated, slippery_disc, SlipperyDisc
+from push_primitives.table import (
+    build_table, draw_learned_friction, FrictionDraws, PrimitiveTable,
+)
+from push_primitives.weights import FrictionBelief
 
 # Friction of the object that tables are made for: theirs must not depend on what a robot has
 # learned of friction so far, lest they be made anew with every push. All supports are alike, and
@@ -52,11 +56,13 @@ class PushPrimitives:
     :param table: ``PrimitiveTable``.
     :param cost_to_go: ``CostToGo``.
     :param settings: the ``CostSettings`` of both.
+    :param is_learned: whether they are made for friction that was learned.
     """
 
     table: PrimitiveTable
     cost_to_go: CostToGo
     settings: CostSettings
+    is_learned: bool = False
 
     @functools.cached_property
     def localized_displacements(self) -> FloatArray:
@@ -92,43 +98,62 @@ def reference_object(obj: PushedObject) -> PushedObject:
 
 
 def load_primitives(obj: PushedObject, robot: RoundRobot,
-                    settings: CostSettings | None = None) -> PushPrimitives:
+                    settings: CostSettings | None = None,
+                    belief: FrictionBelief | None = None) -> PushPrimitives:
     """
     Load the primitives of an object, or make them and keep them.
 
     :param obj: the ``PushedObject``; its friction does not matter.
     :param robot: the ``RoundRobot``.
     :param settings: ``CostSettings``, or None for those of the robot with the usual tolerances.
+    :param belief: what was learned of friction: slippery discs have primitives of their own.
     :raises ValueError: where the robot is not round or no face of the object is long enough.
     """
     settings = settings or CostSettings(robot_speed=robot.max_speed, drive=robot.drive)
-    return _load(reference_object(obj), robot.radius, settings)
+    reference = reference_object(obj)
+    disc = None if belief is None else slippery_disc(reference, belief)
+    if disc is None:
+        return _load(reference, robot.radius, settings)
+    return _load_slippery(disc, robot.radius, settings)
 
 
 def forget() -> None:
     """Drop what this process keeps in memory; files stay."""
-    for kept in (_load, _table):
+    for kept in (_load, _load_slippery, _table, _cost_to_go):
         kept.cache_clear()
 
 
 # Tens of megabytes each: a process has few objects at a time.
 @functools.lru_cache(maxsize=8)
 def _load(obj: PushedObject, radius: float, settings: CostSettings) -> PushPrimitives:
-    return PushPrimitives(_table(obj, radius), _cost_to_go(obj, radius, settings), settings)
+    return PushPrimitives(_table(obj, radius, False), _cost_to_go(obj, radius, settings, False),
+                          settings)
 
 
 @functools.lru_cache(maxsize=8)
-def _table(obj: PushedObject, radius: float) -> PrimitiveTable:
+def _load_slippery(disc: SlipperyDisc, radius: float, settings: CostSettings) -> PushPrimitives:
+    cost_to_go = rotated(_cost_to_go(disc.ring, radius, settings, True), disc.direction)
+    return PushPrimitives(_table(disc.obj, radius, True), cost_to_go, settings, is_learned=True)
+
+
+@functools.lru_cache(maxsize=8)
+def _table(obj: PushedObject, radius: float, is_learned: bool) -> PrimitiveTable:
+    if is_learned:
+        # A fraction of a second, and for the present task alone: not worth a file.
+        return build_table(obj, radius, draws=draw_learned_friction(obj))
     return _table_from(_kept(_path('table', obj, radius),
                              lambda: _table_arrays(build_table(obj, radius))))
 
 
-def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings) -> CostToGo:
+@functools.lru_cache(maxsize=8)
+def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings,
+                is_learned: bool) -> CostToGo:
     def solve() -> dict[str, Any]:
-        cost_to_go = solve_cost_to_go(_table(obj, radius), settings)
+        cost_to_go = solve_cost_to_go(_table(obj, radius, is_learned), settings,
+                                      from_above=is_learned)
         return {'values': cost_to_go.values, 'distances': cost_to_go.distances,
                 'headings': cost_to_go.headings}
-    return CostToGo(**_kept(_path('cost', obj, radius, settings), solve))
+    return CostToGo(**_kept(_path('cost', obj, radius, settings, is_learned), solve))
 
 
 def _table_arrays(table: PrimitiveTable) -> dict[str, Any]:

@@ -52,6 +52,11 @@ CONTACT_RANGE = (0.6, 1.2)
 # contact friction.
 SLIPPERY_DRAWS = 8
 SLIPPERY_RANGE = (0.0, 0.6)
+# Guesses about friction that has been learned, chosen: every support up to 4 % more or less, which
+# moves the centre of friction by millimetres, and the contact by so much.
+LEARNED_DRAWS = 8
+LEARNED_SUPPORT_SPREAD = 0.04
+LEARNED_CONTACT_SPREAD = 0.03
 
 
 class FrictionDraws(NamedTuple):
@@ -137,10 +142,27 @@ def draw_friction(obj: PushedObject, seed: int = 0) -> FrictionDraws:
     factors[0] = 1.0
     contact = np.concatenate([[1.0], rng.uniform(*CONTACT_RANGE, COMMON_DRAWS),
                               np.linspace(*SLIPPERY_RANGE, SLIPPERY_DRAWS)])
-    contact *= obj.contact_friction_coefficient
-    centers = np.array([friction_center(_with_friction(obj, row, obj.contact_friction_coefficient))
-                        for row in factors])
-    return FrictionDraws(factors, contact, centers)
+    return _draws(obj, factors, contact * obj.contact_friction_coefficient)
+
+
+def draw_learned_friction(obj: PushedObject, seed: int = 0) -> FrictionDraws:
+    """
+    Draw guesses of friction close to what the object states, as it has been learned.
+
+    :param obj: the ``PushedObject``.
+    :param seed: of the random numbers.
+    """
+    rng = np.random.default_rng(seed)
+    spread = rng.uniform(-1.0, 1.0, (1 + LEARNED_DRAWS, len(obj.supports) + 1))
+    spread[0] = 0.0
+    contact = obj.contact_friction_coefficient + LEARNED_CONTACT_SPREAD * spread[:, -1]
+    return _draws(obj, 1.0 + LEARNED_SUPPORT_SPREAD * spread[:, :-1], np.maximum(0.0, contact))
+
+
+def _draws(obj: PushedObject, factors: FloatArray, contact: FloatArray) -> FrictionDraws:
+    centers = [friction_center(_with_friction(obj, row, obj.contact_friction_coefficient))
+               for row in factors]
+    return FrictionDraws(factors, contact, np.array(centers))
 
 
 def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,

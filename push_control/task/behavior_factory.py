@@ -16,6 +16,7 @@ from push_control.task.push import SupervisedPush
 from push_control.task.retreat import Retreat
 from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_control.task.status import TaskState
+from push_model.friction import friction_center
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushStyle, PushTrajectory
@@ -23,6 +24,7 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 from push_primitives.cost_to_go import CostSettings
 from push_primitives.store import load_primitives, PushPrimitives
+from push_primitives.weights import FrictionBelief
 
 # Standard deviations below which no push knows the centre of friction, over its distance from the
 # contact, and the push direction [rad]; chosen: the floor is not the same everywhere.
@@ -104,7 +106,7 @@ class BehaviorFactory:
         if state is TaskState.APPROACH and is_unsteered:
             # Now, while the robot stands: at the first time and after a change of settings it may
             # take long. The push that follows without a stop has the same.
-            self._prepared = self._primitives()
+            self._prepared = self._load_primitives(perception)
             warm_up(self._prepared, perception.localization)
             return MovingApproach(context, target)
         if state is TaskState.APPROACH:
@@ -114,7 +116,7 @@ class BehaviorFactory:
         if state is TaskState.PUSH and is_unsteered and goal is not None:
             if target.style is PushStyle.WAYPOINT:
                 goal = Pose(*target.object_poses[-1].tolist())
-            primitives = self._prepared or self._primitives()
+            primitives = self._prepared or self._load_primitives(perception)
             return PrimitivePush(context, primitives, perception.localization, target, goal)
         if state is TaskState.PUSH:
             control = self._with_present_uncertainty(target, perception)
@@ -131,11 +133,34 @@ class BehaviorFactory:
             perception.localization.obj, self._robot, self._control, self._drive,
             self._supervision, self.occupancy_map))
 
-    def _primitives(self) -> PushPrimitives:
+    def remaining_time(self, object_pose: Pose, goal: Pose) -> float | None:
+        """
+        Expect the time that a task still takes, where its error does not show it.
+
+        By the cost-to-go of the last unsteered push: nothing is loaded or made here.
+
+        :param object_pose: ``Pose`` of the object.
+        :param goal: goal ``Pose`` of the object.
+        :return: time [s]; None where each push brings the object nearer to its goal.
+        """
+        primitives = self._prepared
+        if primitives is None or not primitives.is_learned:
+            return None
+        to_goal = object_pose.inverse() @ goal
+        return min(primitives.cost_to_go.at(to_goal, face)
+                   for face in range(primitives.table.face_count))
+
+    def _load_primitives(self, perception: TaskPerception) -> PushPrimitives:
+        """Load what the planner has chosen the push from."""
         position_tolerance, heading_tolerance = aimed_tolerances(self._control, self._supervision)
+        localization = perception.localization
+        knowledge, obj = localization.knowledge, localization.obj
+        belief = FrictionBelief(friction_center(obj), obj.contact_friction_coefficient,
+                                knowledge.center_deviation, knowledge.contact_friction_deviation)
         return load_primitives(self._obj, self._robot, CostSettings(
             position_tolerance=position_tolerance, heading_tolerance=heading_tolerance,
-            robot_speed=self._drive.limited_to(self._robot).speed, drive=self._robot.drive))
+            robot_speed=self._drive.limited_to(self._robot).speed, drive=self._robot.drive),
+            belief)
 
     def correct_overlap(self, perception: TaskPerception) -> None:
         """

@@ -59,6 +59,7 @@ class ProgressMonitor:
         self._inspections = 0
         self._safety_stops = 0
         self._least_error = math.inf
+        self._least_time = math.inf
         self._attempts = 0
         self._last_failure = ''
         self._failed_request: _FailedRequest | None = None
@@ -111,12 +112,15 @@ class ProgressMonitor:
         self._failed_request = None
         self._planning_failure = ''
 
-    def check_goal(self, object_at_rest: ObjectAtRest, goal: Pose) -> GoalCheck:
+    def check_goal(self, object_at_rest: ObjectAtRest, goal: Pose,
+                   remaining_time: float | None = None) -> GoalCheck:
         """
         Check whether an object is at its goal, and whether it has come nearer.
 
         :param object_at_rest: the ``ObjectAtRest``.
         :param goal: goal ``Pose``.
+        :param remaining_time: that the task is expected to take still, where that shows progress
+            although the error does not fall [s].
         :return: ``GoalCheck``.
         """
         settings, pose = self.settings, object_at_rest.pose
@@ -124,10 +128,7 @@ class ProgressMonitor:
         heading_error = abs(wrap_angle(pose.theta - goal.theta))
         error = max(position_error / settings.position_tolerance,
                     heading_error / settings.heading_tolerance)
-        if error < settings.improvement_ratio * self._least_error:
-            self._least_error = error
-            self._attempts = 0
-            self._last_failure = ''
+        self._note_progress(error, remaining_time)
         position_margin = settings.confidence_sigmas * object_at_rest.position_error
         heading_margin = settings.confidence_sigmas * object_at_rest.heading_error
         if (position_error <= settings.position_tolerance - position_margin
@@ -142,6 +143,18 @@ class ProgressMonitor:
                 or object_at_rest.duration >= settings.max_averaging_time):
             return GoalCheck.MISSED
         return GoalCheck.UNCERTAIN
+
+    def _note_progress(self, error: float, remaining_time: float | None) -> None:
+        ratio = self.settings.improvement_ratio
+        is_nearer = error < ratio * self._least_error
+        is_sooner = remaining_time is not None and remaining_time < ratio * self._least_time
+        if is_nearer:
+            self._least_error = error
+        if is_sooner and remaining_time is not None:
+            self._least_time = remaining_time
+        if is_nearer or is_sooner:
+            self._attempts = 0
+            self._last_failure = ''
 
     @property
     def cone_fraction(self) -> float:

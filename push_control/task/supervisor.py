@@ -404,7 +404,9 @@ class Supervisor:
         if self._goal is None:
             return
         object_at_rest = perception.object_at_rest
-        check = self._progress.check_goal(object_at_rest, self._goal)
+        check = self._progress.check_goal(
+            object_at_rest, self._goal,
+            self._behaviors.remaining_time(object_at_rest.pose, self._goal))
         if check is GoalCheck.REACHED:
             self._enter(TaskState.DONE)
         elif check is GoalCheck.UNSEEN:

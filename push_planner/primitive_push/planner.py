@@ -154,13 +154,14 @@ def primitives_for(request: PlanRequest, robot: RoundRobot,
     :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
     :param drive: ``DriveSettings``.
-    :raises PlanningFailed: where no face of the object is long enough.
+    :raises PlanningFailed: where no face of the object is long enough, or it has no friction.
     """
     try:
-        return load_primitives(request.obj, robot, CostSettings(
+        settings = CostSettings(
             position_tolerance=request.position_tolerance,
             heading_tolerance=request.heading_tolerance,
-            robot_speed=drive.limited_to(robot).speed, drive=robot.drive))
+            robot_speed=drive.limited_to(robot).speed, drive=robot.drive)
+        return load_primitives(request.obj, robot, settings, friction_belief(request))
     except ValueError as error:
         raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE, str(error)) from error
 

@@ -51,6 +51,20 @@ def test_attempts_count_from_the_last_progress():
     assert 'slipped' in monitor.abort_reason
 
 
+def test_an_object_that_goes_a_long_distance_round_makes_progress():
+    """Its expected time falls while its error rises; where neither falls, the task is aborted."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    count = 2 * SUPERVISION.max_attempts
+    for number in range(count):
+        monitor.check_goal(beside_goal(0.1 + 0.02 * number), GOAL, 100.0 * 0.85 ** number)
+        monitor.count_attempt()
+        assert not monitor.abort_reason
+    for _ in range(SUPERVISION.max_attempts):
+        monitor.check_goal(beside_goal(1.0), GOAL, 100.0)
+        monitor.count_attempt()
+    assert monitor.abort_reason
+
+
 def test_plans_become_more_careful_without_progress():
     """The cone fraction falls every other attempt, to its minimum, and recovers with progress."""
     monitor = ProgressMonitor(SUPERVISION, AIM)
