@@ -171,7 +171,7 @@ class ControllerNode(ManagedNode):
             self._on_goal, self._refuse, self._goals.move)))
         self.subscribe('map', self._world.receiver('map', Handlers(
             lambda message: self._handle(self._mode.on_map, message), self._refuse_map,
-            self._mode.move_map)))
+            self._mode.move_map, is_latched=True)))
         # Simulated time may stand still: whoever published it may have died.
         self._timer = self.create_timer(WATCHDOG_PERIOD, self.guarded(self._check_odometry),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))

@@ -114,7 +114,7 @@ class PlannerNode(ManagedNode):
         self._object_pose = self.subscribe_newest(
             'object_pose', with_covariance=self._options.object_pose_with_covariance)
         self.subscribe('map', self._world.receiver('map', Handlers(
-            self._on_map, self._refuse_map, self._sequences.move_map)))
+            self._on_map, self._refuse_map, self._sequences.move_map, is_latched=True)))
         self.subscribe('push_request', self._on_request)
         self._timer = self.create_timer(MEASUREMENT_WAIT, self.guarded(self._plan_when_measured),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))

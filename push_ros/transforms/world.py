@@ -8,7 +8,8 @@ for it for a while; where none comes, it is refused with frame, stamp and what i
     goal, map     they hold from now on: where there is no transform at their stamp, the newest
                   serves. One in a frame that does not hang below the world frame, as ``map`` does
                   not below ``odom``, is kept there: as the transform drifts, the node is asked to
-                  move it.
+                  move it. A map comes once, often before localization knows where it is: where
+                  it is refused, it is kept, and accepted as soon as there is a transform.
 
 Nothing is subscribed before the first message in another frame.
 """
@@ -50,20 +51,29 @@ class Handlers(NamedTuple):
     :param move: of goals and maps, which hold from now on: takes the correction, a ``Pose`` by
         which the last accepted one is moved in the world (``correction @ pose``); None for
         measurements.
+    :param is_latched: whether the last message holds until another comes, so that it is accepted
+        even after it was refused for want of a transform.
     """
 
     accept: Callable[[Any], None]
     refuse: Callable[[MessageRefused, Any], None]
     move: Callable[[Pose], None] | None = None
+    is_latched: bool = False
 
 
 class _Waiting(NamedTuple):
-    """A message whose transform has not come, and until when it waits, in monotonic time [s]."""
+    """
+    A message whose transform has not come.
+
+    :param deadline: until when it waits before it is refused, in monotonic time [s].
+    :param is_refused: whether it was; a latched one waits on.
+    """
 
     topic: str
     message: Any
     handlers: Handlers
     deadline: float
+    is_refused: bool = False
 
 
 class _Anchor(NamedTuple):
@@ -114,6 +124,8 @@ class WorldFrame:
         :param handlers: ``Handlers``; what was accepted before with the same ``move`` is no longer
             moved once this one is accepted.
         """
+        if handlers.is_latched:
+            self._waiting = [item for item in self._waiting if item.topic != topic]
         frame = message.header.frame_id.lstrip('/')
         if frame == self._frame or not frame:
             self._release(handlers)
@@ -157,13 +169,13 @@ class WorldFrame:
 
     def take(self) -> None:
         """Hand on messages whose transforms have come, without waiting for the executor."""
-        if self._waiting and self._listener is not None:
+        if self._listener is not None and not all(item.is_refused for item in self._waiting):
             self._listener.take()
             self._hand_on_waiting()
 
     def reset(self) -> None:
         """Forget what is waiting and how frames have moved, as when time went back."""
-        self._waiting = []
+        self._waiting = [item for item in self._waiting if item.handlers.is_latched]
         self._buffer.clear()
 
     def _listen(self) -> TransformListener:
@@ -187,13 +199,16 @@ class WorldFrame:
 
     def _hand_on(self, waiting: _Waiting, now: float) -> bool:
         """Hand a message to its node, or refuse it; return False where it has to wait."""
-        topic, message, handlers, deadline = waiting
+        topic, message, handlers, deadline, is_refused = waiting
         try:
             transform = self._look_up(message, handlers, is_late=now >= deadline)
         except TransformUnavailable as error:
-            if now < deadline and not (error.is_final and now >= self._patient_until):
+            if is_refused or (now < deadline
+                              and not (error.is_final and now >= self._patient_until)):
                 return False
             handlers.refuse(self._refusal(topic, message, str(error)), message)
+            if handlers.is_latched:
+                self._waiting.append(waiting._replace(is_refused=True))
             return True
         try:
             in_world = transformed(message, transform, self._frame, topic)

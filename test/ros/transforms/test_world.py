@@ -51,7 +51,8 @@ class Receiver:
         """Give the node a message, as its subscription would."""
         self.world.receive(topic, message, Handlers(
             self.accepted.append, lambda error, _: self.refused.append(str(error)),
-            (lambda correction: self.moved.append(correction)) if lasting else None))
+            (lambda correction: self.moved.append(correction)) if lasting else None,
+            is_latched=topic == 'map'))
 
     def transform(self, parent, child, now, transform, is_static=False):
         """Publish a transform."""
@@ -139,14 +140,37 @@ def test_the_covariance_turns_with_the_pose(receiver):
     np.testing.assert_allclose(found, np.diag([1e-4, 4e-4, 1.0, 1.0, 1.0, 0.01]), atol=1e-12)
 
 
-def test_a_goal_and_a_map_follow_what_drifts(receiver):
-    """They are moved with the correction of the frame that they hold in."""
-    receiver.receive(pose_message('map', 0.0, (3.0, 0.0, 0.0)), 'goal_pose', lasting=True)
+def map_message(origin):
+    """Make a map of two cells in the frame of maps."""
     grid = OccupancyGrid(data=[0, 100])
     grid.header.frame_id = 'map'
     grid.info.width, grid.info.height, grid.info.resolution = 2, 1, 0.05
-    grid.info.origin = to_pose_message((-1.0, 0.0, 0.0))
-    receiver.receive(grid, 'map', lasting=True)
+    grid.info.origin = to_pose_message(origin)
+    return grid
+
+
+def test_a_map_that_came_before_its_frame_is_taken_then(ros):
+    """It comes once, and localization may begin later: refused, it waits; the newest counts."""
+    receiver = Receiver(timeout=0.1)
+    for x in (-5.0, -1.0):
+        receiver.receive(map_message((x, 0.0, 0.0)), 'map', lasting=True)
+        receiver.spin_until(lambda: receiver.refused, lambda: receiver.transform(
+            'odom', 'base_link', 5.0, upright(1.0, 0.0, 0.0)))
+        assert len(receiver.refused) == 1 and not receiver.accepted
+        receiver.refused.clear()
+    receiver.world.reset()
+    receiver.spin_until(lambda: receiver.accepted, lambda: receiver.transform(
+        'map', 'odom', 6.0, upright(1.0, 0.0, 0.0)))
+    in_world, = receiver.accepted
+    assert from_pose_message(in_world.info.origin, '') == pytest.approx(Pose(-2.0, 0.0, 0.0))
+    assert not receiver.refused
+    receiver.close()
+
+
+def test_a_goal_and_a_map_follow_what_drifts(receiver):
+    """They are moved with the correction of the frame that they hold in."""
+    receiver.receive(pose_message('map', 0.0, (3.0, 0.0, 0.0)), 'goal_pose', lasting=True)
+    receiver.receive(map_message((-1.0, 0.0, 0.0)), 'map', lasting=True)
     receiver.spin_until(lambda: len(receiver.accepted) == 2, lambda: receiver.transform(
         'map', 'odom', 5.0, upright(1.0, 0.0, 0.0)))
     goal, in_world = receiver.accepted
