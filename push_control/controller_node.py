@@ -438,6 +438,10 @@ class ControllerNode(ManagedNode):
             if check.is_news:
                 level = ERROR if check.state is OdometryState.LOST else WARN
                 self.reporter.report(level, f'no odometry for {check.age:.2f} s; stopped')
+        # Before the first odometry, too; in lockstep time waits for it.
+        is_lost = check.state is OdometryState.LOST or self._latest.odometry is None
+        if is_lost and not self._options.lockstep:
+            self._goals.on_odometry_lost()
 
 
 def _names_object_only(values: Mapping[str, Any]) -> bool:

@@ -19,6 +19,7 @@ it answered none of 86 messages, and it did not end on SIGINT.
 """
 
 import abc
+import contextlib
 import gc
 import math
 import signal
@@ -159,24 +160,36 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
     gc.collect()
     gc.freeze()
     stop.is_starting = False
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    has_finished = False
     try:
-        spin(node, stop)
+        spin(node, executor, stop)
+        has_finished = True
     finally:
         stop.disarm()
         node.close()
+        if has_finished:
+            # One of these may take long as well.
+            with contextlib.suppress(KeyboardInterrupt):
+                stop.arm()
+                _run_last_callbacks(node, executor)
+            stop.disarm()
+        executor.remove_node(node)
+        executor.shutdown()
         node.destroy_node()
     return 0
 
 
-def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
+def spin(node: PolledNode, executor: SingleThreadedExecutor,
+         is_stopped: Callable[[], bool]) -> None:
     """
     Run a node's callbacks: real-time ones at once, the others 20 times a second.
 
     :param node: the ``PushNode``.
+    :param executor: that the node was added to.
     :param is_stopped: takes nothing, tells whether to end.
     """
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
     background_due = 0.0
     busy_until = 0.0
     last_message = 0.0
@@ -198,8 +211,6 @@ def spin(node: PolledNode, is_stopped: Callable[[], bool]) -> None:
         else:
             until = min(background_due, node.wake_time)
             executor.spin_once(timeout_sec=max(0.0, until - now))
-    executor.remove_node(node)
-    executor.shutdown()
 
 
 def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
@@ -210,6 +221,13 @@ def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
         if node.background.executed == executed:
             break
     node.background.is_open = False
+
+
+def _run_last_callbacks(node: PolledNode, executor: SingleThreadedExecutor) -> None:
+    """Send what the end of a node has left to be sent, as results of goals."""
+    node.background.is_open = True
+    for _ in range(BACKGROUND_CALLBACKS):
+        executor.spin_once(timeout_sec=0.0)
 
 
 class _StopSignal:
@@ -229,7 +247,7 @@ class _StopSignal:
 
     def _remember(self, number: int, frame: FrameType | None) -> None:
         if not self._has_come:
-            signal.setitimer(signal.ITIMER_REAL, ENDING_TIME)
+            self.arm()
         self._has_come = True
         if self.is_starting:
             self.is_starting = False
@@ -237,6 +255,10 @@ class _StopSignal:
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
+
+    def arm(self) -> None:
+        """Interrupt what is still under way after a while."""
+        signal.setitimer(signal.ITIMER_REAL, ENDING_TIME)
 
     def disarm(self) -> None:
         """Interrupt nothing any more: what is left to do is the end."""

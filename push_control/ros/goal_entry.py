@@ -24,6 +24,8 @@ from push_ros.node import PushNode
 NOTED_CLOCK_DIFFERENCE = 1.0
 # Why a goal ends that is replaced.
 REPLACED = 'another goal has come'
+# Why the robot has not backed off from its object at the end of a goal.
+ODOMETRY_LOST = 'stands where it is, as no odometry comes'
 
 
 class GoalFeedback(NamedTuple):
@@ -62,6 +64,8 @@ class GoalHandle:
         self.last_feedback = GoalFeedback(GoalProgress(), 0.0, goal.time_limit)
         # How it ends as soon as the robot stands.
         self.pending_outcome: GoalOutcome | None = None
+        # By the clock of the node [s].
+        self.taken_at = 0.0
         # Time of the first measurement after it was taken [s].
         self.start_time: float | None = None
         self._on_end = on_end
@@ -220,6 +224,23 @@ class GoalEntry:
         elif time - current.start_time > current.goal.time_limit:
             self._abandon(current, GoalOutcome.TIMED_OUT)
 
+    def on_odometry_lost(self) -> None:
+        """
+        Notice that the present goal has ended while no odometry comes, or that its time is over.
+
+        The robot cannot back off then. The time is that of the node's clock since the goal was
+        taken.
+        """
+        current = self._current
+        if current is not None:
+            elapsed_time = seconds(self._node.now()) - current.taken_at
+            if current.pending_outcome is None and elapsed_time > current.goal.time_limit:
+                self._abandon(current, GoalOutcome.TIMED_OUT)
+            if current.pending_outcome is not None:
+                self._mode.halt(ODOMETRY_LOST)
+                self._end(current.pending_outcome, ODOMETRY_LOST)
+        self._begin_next()
+
     def feedback(self) -> GoalFeedback:
         """Return the ``GoalFeedback`` of the present goal, or of what the robot does without."""
         current, progress = self._current, self._mode.progress
@@ -239,6 +260,7 @@ class GoalEntry:
     def _begin(self, handle: GoalHandle) -> None:
         goal = handle.goal
         self._current = handle
+        handle.taken_at = seconds(self._node.now())
         self._node.reporter.log(OK, f'has a goal at {goal.pose.x:.3f} m, {goal.pose.y:.3f} m, '
                                     f'{goal.pose.theta:.3f} rad')
         self._mode.set_goal(goal)

@@ -121,6 +121,14 @@ class Mode(abc.ABC):
         """
 
     @abc.abstractmethod
+    def halt(self, reason: str) -> None:
+        """
+        Abandon the goal, and stand at once, as where odometry is lost.
+
+        :param reason: one sentence.
+        """
+
+    @abc.abstractmethod
     def on_plan(self, message: Any) -> None:
         """
         Handle a plan.

@@ -2,16 +2,20 @@
 
 import dataclasses
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
+from push_control.estimation.monitors import is_finite_odometry
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.observation import Observation
 from push_control.push.controller import Controller
-from push_control.push.status import Phase
+from push_control.push.status import ControllerStatus, Phase
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.scene import Scene, ScenePublisher
 from push_control.safety.status import SafetyReport
+from push_control.task.behavior import BehaviorContext
+from push_control.task.path_execution import PathExecution
+from push_control.task.retreat import retreat_path
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
@@ -33,12 +37,20 @@ OUTCOMES = {Phase.DONE: GoalOutcome.REACHED, Phase.FAILED: GoalOutcome.FAILED}
 REPORT_RATE = 1.0
 
 
+class _Retreat(NamedTuple):
+    """The path off the object after a push that was cancelled, and why it was."""
+
+    execution: PathExecution
+    reason: str
+
+
 class SinglePushMode(Mode):
     """
     Requests a plan for each goal, and follows one plan at a time.
 
     A plan that starts at the push under way replaces it without a stop; any other starts from
-    rest. Where there is no plan for a goal the former one stays.
+    rest. Where there is no plan for a goal the former one stays. From a push that is cancelled the
+    robot backs off.
     """
 
     required_topic = 'push_plan'
@@ -73,8 +85,8 @@ class SinglePushMode(Mode):
 
     @property
     def is_commanding(self) -> bool:
-        """Whether it follows a plan that has not ended."""
-        return self._is_active and not self._controller.status.phase.has_ended
+        """Whether it follows a plan that has not ended, or backs off from a cancelled push."""
+        return self._retreat is not None or self._is_pushing
 
     @property
     def awaits_plan(self) -> bool:
@@ -87,6 +99,8 @@ class SinglePushMode(Mode):
         status = self._controller.status
         if self._goal is not None:
             return GoalProgress(PushState.PLANNING)
+        if self._retreat is not None:
+            return GoalProgress(PushState.RETREATING, self._retreat.reason)
         if self._failure is not None:
             return GoalProgress(PushState.FAILED, f'no plan: {self._failure.value}',
                                 GoalOutcome.NO_PLAN)
@@ -108,6 +122,7 @@ class SinglePushMode(Mode):
         # Stamp of a plan that may be older than this node, and time of the first measurement [s].
         self._plan_time = math.inf
         self._first_time: float | None = None
+        self._retreat: _Retreat | None = None
         self._observation: Observation | None = None
         # Why the robot stands although nobody has stopped it.
         self._interruption = ''
@@ -159,11 +174,22 @@ class SinglePushMode(Mode):
         self._goal = goal
         self._failure = None
         self._request = None
+        self._retreat = None
         self._request_plan()
 
     def cancel(self, reason: str) -> None:
         """
-        Forget goal and plan, and stand.
+        Forget goal and plan; a robot that pushes backs off before it stands.
+
+        :param reason: one sentence.
+        """
+        observation, retreat = self._observation, self._plan_retreat(reason)
+        self.reset()
+        self._observation, self._retreat = observation, retreat
+
+    def halt(self, reason: str) -> None:
+        """
+        Forget goal and plan, and stand at once.
 
         :param reason: not reported: a single push has no state for it.
         """
@@ -271,6 +297,8 @@ class SinglePushMode(Mode):
             self._first_time = observation.time
             self._check_plan_age()
         self._request_plan()
+        if self._retreat is not None:
+            return self._step_retreat(self._retreat, observation, dt)
         if not self._is_active:
             return STOP
         command = self._controller.step(self._target, observation, dt)
@@ -288,17 +316,51 @@ class SinglePushMode(Mode):
         has_changed = (status.phase, status.reason) != self._reported
         if self._report_rate.due(time) or has_changed:
             self._reported = status.phase, status.reason
-            interruption = self._interruption if status.phase is Phase.IDLE else ''
-            text = status.reason or f'is {status.phase.value}' + (
-                f', {interruption}' if interruption else '')
-            is_fault = status.event is not None or bool(interruption)
+            text, is_fault = self._report_text(status)
             level = LEVELS.get(status.phase, WARN if is_fault else OK)
             self._reporter.report(level, text, {'time': time, **status.values()})
         self._scene.publish(time, self._make_scene)
 
+    def _report_text(self, status: ControllerStatus) -> tuple[str, bool]:
+        """Make the sentence to report, and tell whether it is about a fault."""
+        if self._retreat is not None:
+            return f'backs off from the object: {self._retreat.reason}', False
+        interruption = self._interruption if status.phase is Phase.IDLE else ''
+        text = status.reason or f'is {status.phase.value}' + (
+            f', {interruption}' if interruption else '')
+        return text, status.event is not None or bool(interruption)
+
     def report_again(self) -> None:
         """Report at the next measurement, changed or not."""
         self._reported = None
+
+    @property
+    def _is_pushing(self) -> bool:
+        return self._is_active and not self._controller.status.phase.has_ended
+
+    def _plan_retreat(self, reason: str) -> '_Retreat | None':
+        """Plan the path off the object; None where the robot does not push, or there is none."""
+        observation, status = self._observation, self._controller.status
+        if observation is None or not self._is_pushing or status.phase is Phase.IDLE:
+            return None
+        obj, robot, control, drive, supervision = self._parameters
+        path = retreat_path(BehaviorContext(obj, robot, control, drive, supervision),
+                            observation.odometry.pose, status.object_pose,
+                            drive.retreat_distance)
+        if path is None:
+            return None
+        return _Retreat(PathExecution(robot, drive, path, supervision.stall_timeout), reason)
+
+    def _step_retreat(self, retreat: '_Retreat', observation: Observation, dt: float) -> Twist:
+        odometry = observation.odometry
+        age = observation.time - odometry.time
+        if not is_finite_odometry(odometry) or age > self._settings.odometry_timeout:
+            return STOP
+        command = retreat.execution.step(odometry.pose, dt)
+        if retreat.execution.finished or retreat.execution.failure_reason:
+            self._retreat = None
+            self.report_again()
+        return command
 
     @property
     def _is_active(self) -> bool:

@@ -173,6 +173,16 @@ class TaskMode(Mode):
         self._reporter.show_goal(None)
         self._supervisor.cancel(reason)
 
+    def halt(self, reason: str) -> None:
+        """
+        Abandon the task, and stand at once.
+
+        :param reason: one sentence.
+        """
+        self._goal = None
+        self._reporter.show_goal(None)
+        self._supervisor.stop(reason)
+
     def on_map(self, message: Any) -> None:
         """
         Read the map for the next path; the robot stands until it is there.

@@ -1,11 +1,13 @@
 """Goals that replace each other, with a mode that is played here; no topic is needed."""
 
+import dataclasses
 import logging
 from types import SimpleNamespace
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.goal_entry import GoalEntry
 from push_model.geometry import Pose
+from push_ros.conversions.primitives import to_stamp
 import pytest
 
 FIRST, SECOND = (PushGoal(Pose(x, 0.0, 0.0)) for x in (1.0, 2.0))
@@ -18,6 +20,7 @@ class Robot:
         self.is_commanding = False
         self.progress = GoalProgress()
         self.goals = []
+        self.now = 100.0
 
     def set_goal(self, goal):
         """Pursue a goal."""
@@ -26,6 +29,10 @@ class Robot:
 
     def cancel(self, reason):
         """Back off."""
+
+    def halt(self, reason):
+        """Stand at once."""
+        self.is_commanding = False
 
 
 @pytest.fixture
@@ -38,7 +45,8 @@ def robot():
 def goals(robot):
     """Make the entry of goals."""
     node = SimpleNamespace(reporter=SimpleNamespace(log=lambda *_: None),
-                           get_logger=lambda: logging.getLogger('goals'))
+                           get_logger=lambda: logging.getLogger('goals'),
+                           now=lambda: to_stamp(robot.now))
     return GoalEntry(node, robot, 'odom', is_lockstep=False)
 
 
@@ -71,3 +79,30 @@ def test_a_goal_that_waits_may_end(goals, robot, end, outcome):
     goals.update(2.0)
     assert [handle.outcome for handle in ended] == [outcome]
     assert SECOND not in robot.goals
+
+
+def test_a_cancelled_goal_ends_where_odometry_is_lost(goals, robot):
+    """The robot cannot back off, and stands."""
+    handle = goals.start(FIRST)
+    goals.update(1.0)
+    goals.cancel()
+    goals.update(1.1)
+    assert handle.outcome is None
+    goals.on_odometry_lost()
+    assert handle.outcome is GoalOutcome.CANCELLED and not robot.is_commanding
+    assert 'no odometry' in handle.reason
+
+
+def test_time_passes_where_odometry_is_lost(goals, robot):
+    """By the clock of the node, from the goal on; the goal for another object begins then."""
+    handle = goals.start(dataclasses.replace(FIRST, time_limit=5.0))
+    robot.now += 4.0
+    goals.on_odometry_lost()
+    assert handle.outcome is None
+    robot.now += 2.0
+    goals.on_odometry_lost()
+    assert handle.outcome is GoalOutcome.TIMED_OUT
+    goals.start(FIRST)
+    second = goals.start(SECOND, prepare=lambda: None)
+    goals.on_odometry_lost()
+    assert goals.current is second

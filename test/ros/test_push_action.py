@@ -64,11 +64,16 @@ class Client:
 
     def measure(self):
         """Let time pass by one measurement each of robot and object."""
-        self.now += PERIOD
+        self.let_time_pass()
         self.b.publish('object_pose', to_object_pose_message(ObjectPose(self.now, OBJECT), 'odom'))
         self.b.publish('odom', to_odometry_message(Odometry(self.now, ROBOT, STOP), 'odom',
                                                    'base_link'))
         self.b.spin(0.01)
+
+    def let_time_pass(self):
+        """Let time pass without a measurement."""
+        self.now += PERIOD
+        self.b.clock(self.now)
 
     def measure_until(self, condition):
         """Let time pass until a condition holds."""
@@ -290,3 +295,27 @@ def test_a_goal_without_a_plan_is_given_up(client):
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.error_code == client.action.Result.NO_VALID_PLAN
     assert PlanFailure.NOT_CONVERGED.value in ended.result.error_msg
+
+
+def test_a_goal_ends_at_its_time_limit_without_odometry(client):
+    """Its client is told why the robot has not moved."""
+    _, result = client.send(GOAL, time_limit=Duration(sec=5))
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
+    began = client.now
+    while not result.done():
+        client.let_time_pass()
+        client.b.spin(0.02)
+        assert client.now - began < 60.0
+    ended = result.result().result
+    assert ended.error_code == client.action.Result.TIMEOUT and client.now - began > 4.0
+    assert 'no odometry comes' in ended.error_msg
+
+
+def test_a_client_is_told_that_the_controller_ends(client):
+    """Ctrl-C: the goal is aborted before the node is gone. The last test: it ends the node."""
+    _, result = client.send(GOAL)
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
+    client.b.processes.stop(CONTROLLER)
+    client.b.wait_until(result.done)
+    assert result.result().status == GoalStatus.STATUS_ABORTED
+    assert result.result().result.error_code == client.action.Result.INTERRUPTED
