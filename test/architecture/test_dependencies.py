@@ -16,8 +16,8 @@ NAME = re.compile(r'[\w.-]+')
 # Names of the same things for pip and for rosdep.
 ROSDEP_KEYS = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'casadi': 'casadi-pip',
                'numba': 'python3-numba', 'pyyaml': 'python3-yaml', 'setuptools': None}
-EXTRA_KEYS = {'python3-matplotlib', 'python3-pil', 'python3-rosbags-pip', 'python3-tqdm',
-              'python3-mujoco-pip', 'python3-pytest', 'rviz2'}
+EXTRA_KEYS = {'python3-aiohttp', 'python3-matplotlib', 'python3-pil', 'python3-rosbags-pip',
+              'python3-tqdm', 'python3-mujoco-pip', 'python3-pytest', 'rviz2'}
 # Modules that the extras bring, some of them through others.
 EXTRA_MODULES = ['aiohttp', 'dask', 'distributed', 'matplotlib', 'mcap', 'mujoco', 'PIL',
                  'rosbags', 'selenium', 'tqdm']
