@@ -31,9 +31,10 @@ TRACE_STEPS = 12
 NOISE_POSES = 30
 NOISY_RATIO = 1.6
 # Standard deviations that odometry which was wrong adds to the robot's position [m] and heading
-# [rad]; chosen: what the robot covers before that is noticed.
-DISTRUST_STD = 0.03
-DISTRUST_HEADING_STD = 0.03
+# [rad]: by a jump, which is not added up, and otherwise; chosen: what it covers before that is
+# noticed and until it stands.
+JUMP_STD = 0.03, 0.03
+DISTRUST_STD = 0.08, 0.05
 # Errors of the object at rest over the standard deviations of an ensemble that estimates a bias,
 # which is too sure; measured: 1.1 to 1.3 in the root mean square.
 DEVIATION_FACTOR = 1.3
@@ -214,10 +215,10 @@ class TaskPerception:
             be added up.
         """
         self._has_jumped = has_jumped
-        localization = self.localization
+        localization, deviations = self.localization, JUMP_STD if has_jumped else DISTRUST_STD
         # Once: however many messages are wrong, the robot stands soon.
-        if localization.is_initialized and localization.position_deviation < DISTRUST_STD:
-            localization.inflate_covariance(DISTRUST_STD, DISTRUST_HEADING_STD)
+        if localization.is_initialized and localization.position_deviation < deviations[0]:
+            localization.inflate_covariance(*deviations)
 
     def _predict(self, odometry: Odometry) -> None:
         """Move the robot by odometry; by its twist alone where its pose has jumped."""

@@ -1,0 +1,92 @@
+"""A supervisor that is stopped, or cannot go on, states why, and gives up after a while."""
+
+import math
+
+import numpy as np
+from push_control.observation import Observation
+from push_control.safety.status import SafetyReason
+from push_control.task.progress import MAX_SAFETY_STOPS
+from push_control.task.status import TaskFailure, TaskState
+from push_control.task.supervisor import REST_REPORT_TIME, REST_TIME_LIMIT, Supervisor
+from push_model.geometry import Pose
+from push_model.signals import ObjectPose, Odometry, STOP
+from push_scenario.definition.loader import load_scenario
+import pytest
+
+PERIOD = 0.1
+# Of object poses that come seldom, but are not stale [s].
+SLOW_PERIOD = 0.25
+SCENARIO = load_scenario('task_tap')
+
+
+def supervisor():
+    """Make a supervisor with a goal."""
+    made = Supervisor(SCENARIO.object, SCENARIO.robot, SCENARIO.control, SCENARIO.task.drive,
+                      SCENARIO.task.supervision)
+    made.set_goal(SCENARIO.goal.pose)
+    return made
+
+
+def measured(time, noise=(0.0, 0.0, 0.0)):
+    """Observe a robot and an object at rest."""
+    pose = Pose(*(a + b for a, b in zip(SCENARIO.start.object.pose, noise)))
+    return Observation(time, Odometry(time, SCENARIO.robot_start, STOP), ObjectPose(time, pose))
+
+
+@pytest.mark.slow
+def test_poses_that_are_too_noisy_are_named_and_end_the_task():
+    """With what their noise is, and what it should be."""
+    made, rng = supervisor(), np.random.default_rng(1)
+    reasons = {}
+    for time in np.arange(0.0, REST_TIME_LIMIT + 2.0, SLOW_PERIOD).tolist():
+        noise = rng.standard_normal(3) * (0.02, 0.02, 0.02)
+        assert made.step(measured(time, noise.tolist()), SLOW_PERIOD) == STOP
+        reasons[time] = made.status.state, made.status.reason
+    state, reason = reasons[REST_REPORT_TIME + 1.0]
+    assert state is TaskState.PLAN and 'the object is not at rest' in reason
+    assert 'noise of 2.0 mm' in reason
+    assert made.status.state is TaskState.FAILED
+    assert made.status.failure is TaskFailure.NOT_AT_REST and made.plan_request is None
+
+
+def test_a_hold_lasts_until_it_is_released():
+    """Nothing is requested meanwhile; then the task goes on by itself."""
+    made = supervisor()
+    made.hold('no map')
+    for i in range(30):
+        assert made.step(measured(i * PERIOD), PERIOD if i else 0.0) == STOP
+    assert made.status.reason == 'no map' and made.plan_request is None
+    made.hold('')
+    for i in range(30, 40):
+        made.step(measured(i * PERIOD), PERIOD)
+    assert made.plan_request is not None and made.status.reason != 'no map'
+
+
+def test_a_robot_that_is_stopped_again_and_again_fails_with_the_reason():
+    """What is the same in state, history and failure."""
+    made, stop = supervisor(), SafetyReason.FOLLOWS_LATE.report(delay=0.5)
+    for number in range(MAX_SAFETY_STOPS):
+        assert made.status.state is TaskState.PLAN and made.status.recoveries == number
+        made.on_safety_report(stop, stop)
+        made.step(measured(0.2 + number), 0.1)
+        made.on_safety_report(None, None)
+        made.step(measured(0.3 + number), 0.1)
+    assert made.status.state is TaskState.FAILED
+    assert made.status.failure is TaskFailure.ROBOT_STOPPED
+    assert 'the robot follows its commands 0.5 s late' in made.status.reason
+
+
+def test_a_jump_of_odometry_is_not_added_up():
+    """The robot stays where it was, a little less certain."""
+    made = supervisor()
+    for i in range(20):
+        made.step(measured(i * PERIOD), PERIOD if i else 0.0)
+    before = made.status.robot_pose
+    jump = SafetyReason.ODOMETRY_JUMPED.report(distance=2.0, rotation=90.0)
+    far = measured(2.1)
+    far = far._replace(odometry=far.odometry._replace(pose=Pose(5.0, 5.0, 1.0)))
+    made.on_safety_report(jump, jump)
+    made.step(far, 0.1)
+    after = made.status.robot_pose
+    assert math.hypot(after.x - before.x, after.y - before.y) < 0.02
+    assert made.status.reason == str(jump)
