@@ -54,13 +54,13 @@ setup(
     entry_points={
         'console_scripts': [
             'controller = push_ros.start:controller',
-            'identify = push_scenario.recordings.cli:main',
+            'identify = push_ros.start:identify',
             'planner = push_ros.start:planner',
-            'play = push_view.cli:main',
-            'push-study = push_study.cli:main',
-            'replay = push_scenario.cli:main',
+            'play = push_ros.start:play',
+            'push-study = push_ros.start:study',
+            'replay = push_ros.start:replay',
             'sim = push_ros.start:sim',
-            'study = push_study.cli:main',
+            'study = push_ros.start:study',
             'tf_tracker = push_ros.start:tf_tracker',
             'view = push_ros.start:view',
         ],

@@ -1,7 +1,7 @@
 """ROS node of the controller."""
 
 import sys
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Callable, Mapping
 
 from builtin_interfaces.msg import Time
 from push_control.goal import GoalOutcome
@@ -449,15 +449,5 @@ def _names_object_only(values: Mapping[str, Any]) -> bool:
     return OBJECT_NAME in values and not any(name.startswith(OBJECT_PREFIX) for name in values)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run the controller.
-
-    :param arguments: command line; None for that of the process.
-    :return: exit status.
-    """
-    return run(ControllerNode, arguments)
-
-
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(run(ControllerNode))

@@ -300,15 +300,5 @@ def _one_line_per_site(sites: Sequence[Any]) -> Mapping[str, Any]:
     return {f'site {number}': site for number, site in enumerate(sites, 1)}
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run the planner.
-
-    :param arguments: command line; None for that of the process.
-    :return: exit status.
-    """
-    return run(PlannerNode, arguments)
-
-
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(run(PlannerNode))

@@ -1,7 +1,8 @@
 """
-Commands that start the nodes: signals first, then the imports, which take seconds.
+Commands of the package: signals first, then the imports, which take seconds.
 
-Until a node is made there is nothing to end in order, so that Ctrl-C ends the process at once.
+Until a node is made, or the main function of a tool has begun, there is nothing to end in order,
+so that Ctrl-C ends the process at once, and quietly.
 """
 
 import importlib
@@ -10,9 +11,18 @@ import signal
 import sys
 from types import FrameType
 
-NODES = {'controller': 'push_control.controller_node', 'planner': 'push_planner.planner_node',
-         'sim': 'push_sim_node.sim_node', 'tf_tracker': 'push_tracker.tracker_node',
-         'view': 'push_view.view_node'}
+# Module and class of each node, and module of each other command, which has a function main.
+NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
+         'planner': ('push_planner.planner_node', 'PlannerNode'),
+         'sim': ('push_sim_node.sim_node', 'SimNode'),
+         'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode')}
+# A node with options of its own, which its function main reads.
+VIEW = 'push_view.view_node'
+TOOLS = {'identify': 'push_scenario.recordings.cli', 'play': 'push_view.cli',
+         'replay': 'push_scenario.cli', 'study': 'push_study.cli'}
+# Exit statuses of a shell for a tool that Ctrl-C ends, and for one whose reader has gone.
+INTERRUPTED = 130
+BROKEN_PIPE = 141
 
 
 def controller() -> int:
@@ -37,7 +47,28 @@ def tf_tracker() -> int:
 
 def view() -> int:
     """Run the page; return its exit status."""
-    return start('view')
+    _leave_on_signals()
+    return importlib.import_module(VIEW).main()
+
+
+def identify() -> int:
+    """Identify friction from recorded pushes; return the exit status."""
+    return start_tool('identify')
+
+
+def play() -> int:
+    """Serve the page of a simulation; return the exit status."""
+    return start_tool('play')
+
+
+def replay() -> int:
+    """Replay a scenario; return the exit status."""
+    return start_tool('replay')
+
+
+def study() -> int:
+    """Compute and draw studies; return the exit status."""
+    return start_tool('study')
 
 
 def start(name: str, arguments: list[str] | None = None) -> int:
@@ -48,13 +79,43 @@ def start(name: str, arguments: list[str] | None = None) -> int:
     :param arguments: command line; None for that of the process.
     :return: exit status.
     """
+    _leave_on_signals()
+    module, node = NODES[name]
+    make_node = getattr(importlib.import_module(module), node)
+    return importlib.import_module('push_ros.executor').run(make_node, arguments)
+
+
+def start_tool(name: str) -> int:
+    """
+    Run a command that is no node; one whose output nobody reads any more ends quietly.
+
+    :param name: of ``TOOLS``.
+    :return: exit status.
+    """
+    signal.signal(signal.SIGINT, _leave_tool)
+    main = importlib.import_module(TOOLS[name]).main
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        status = main()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # What is left in the buffer goes nowhere; else its last flush would fail again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    return status
+
+
+def _leave_on_signals() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _leave)
-    return importlib.import_module(NODES[name]).main(arguments)
 
 
 def _leave(number: int, frame: FrameType | None) -> None:
     os._exit(0)
+
+
+def _leave_tool(number: int, frame: FrameType | None) -> None:
+    os._exit(INTERRUPTED)
 
 
 if __name__ == '__main__':

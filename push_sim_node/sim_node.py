@@ -264,15 +264,5 @@ class SimNode(PushNode):
         self.reporter.report(level, text, values)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """
-    Run the simulator.
-
-    :param arguments: command line; None for that of the process.
-    :return: exit status.
-    """
-    return run(SimNode, arguments)
-
-
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(run(SimNode))

@@ -41,6 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.action(options)
     except KeyboardInterrupt:
         return _complain('interrupted; the same command continues', EXIT_INTERRUPTED)
+    except BrokenPipeError:
+        # Nobody reads on, as behind ``| head``.
+        raise
     except (ValueError, OSError, RuntimeError) as error:
         return _complain(str(error), EXIT_MISUSE)
     return EXIT_DONE

@@ -151,15 +151,5 @@ class TrackerNode(PushNode):
             self.reporter.report(OK, 'tracks the object', values)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run the tracker.
-
-    :param arguments: command line; None for that of the process.
-    :return: exit status.
-    """
-    return run(TrackerNode, arguments)
-
-
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(run(TrackerNode))

@@ -37,8 +37,8 @@ import sysconfig
 from xml.etree import ElementTree
 
 from helpers.architecture import ROOT
+from helpers.extras import import_extra
 import pytest
-from rosbags.typesys import get_typestore, Stores
 
 CACHE = ROOT / 'build' / 'interfaces'
 WHEELS = Path(__file__).with_name('wheels.cmake')
@@ -103,7 +103,12 @@ def available(source):
 @contextlib.contextmanager
 def available_tf2_msgs():
     """Make ``tf2_msgs.msg.TFMessage`` importable, with the definition that rosbags knows."""
-    definition, _ = get_typestore(Stores.ROS2_JAZZY).generate_msgdef('tf2_msgs/msg/TFMessage')
+    if 'tf2_msgs' not in _built and _is_installed('tf2_msgs'):
+        yield
+        return
+    typesys = import_extra('rosbags', 'record', 'rosbags.typesys')
+    definition, _ = typesys.get_typestore(typesys.Stores.ROS2_JAZZY).generate_msgdef(
+        'tf2_msgs/msg/TFMessage')
     # The definitions of what it consists of follow after a line of equals signs.
     source = write_package(CACHE / 'sources' / 'tf2_msgs',
                            {'msg/TFMessage.msg': definition.partition('=' * 80)[0]},
