@@ -224,8 +224,8 @@ def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
 
 
 def _run_last_callbacks(node: PolledNode, executor: SingleThreadedExecutor) -> None:
-    """Send what the end of a node has left to be sent, as results of goals; begin nothing new."""
-    node.background.is_open = False
+    """Send what the end of a node has left to be sent, as results of goals."""
+    node.background.is_open = True
     for _ in range(BACKGROUND_CALLBACKS):
         executor.spin_once(timeout_sec=0.0)
 

@@ -93,6 +93,11 @@ class Client:
         assert handle.accepted
         return handle, handle.get_result_async()
 
+    def measure_until_planning(self):
+        """Let time pass until the robot waits for a plan."""
+        self.measure_until(lambda: self.statuses
+                           and self.statuses[-1].state == self.statuses[-1].PLANNING)
+
     def errors(self):
         """List the errors that were reported."""
         return [status.message for message in self.b.received['diagnostics']
@@ -217,7 +222,7 @@ def test_a_goal_may_name_another_object(client):
     """The robot turns to it, and says so; the planner is told what it is, and so back again."""
     requests = client.b.received['push_request']
     _, first = client.send(GOAL)
-    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
+    client.measure_until_planning()
     refused = client.set_parameter('object_name', 'carton')
     assert not refused.successful and 'while a goal is pursued' in refused.reason
     for name, obj in (('bin', BIN), ('box_04', SCENARIO.object)):
@@ -271,7 +276,7 @@ def test_a_goal_ends_at_its_time_limit_and_by_the_service(client):
     assert ended.result.error_code == client.action.Result.TIMEOUT
     assert client.now - began > 1.0 and seconds(ended.result.duration) > 1.0
     _, result = client.send(GOAL)
-    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
+    client.measure_until_planning()
     client.b.call('controller/stop')
     client.measure_until(result.done)
     assert result.result().status == GoalStatus.STATUS_ABORTED
@@ -300,7 +305,7 @@ def test_a_goal_without_a_plan_is_given_up(client):
 def test_a_goal_ends_at_its_time_limit_without_odometry(client):
     """Its client is told why the robot has not moved."""
     _, result = client.send(GOAL, time_limit=Duration(sec=5))
-    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
+    client.measure_until_planning()
     began = client.now
     while not result.done():
         client.let_time_pass()
@@ -314,7 +319,7 @@ def test_a_goal_ends_at_its_time_limit_without_odometry(client):
 def test_a_client_is_told_that_the_controller_ends(client):
     """Ctrl-C: the goal is aborted before the node is gone. The last test: it ends the node."""
     _, result = client.send(GOAL)
-    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].PLANNING)
+    client.measure_until(lambda: client.feedback)
     client.b.processes.stop(CONTROLLER)
     client.b.wait_until(result.done)
     assert result.result().status == GoalStatus.STATUS_ABORTED
