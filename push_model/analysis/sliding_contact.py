@@ -230,7 +230,8 @@ def _newton_step(arms: _Arms, slide: FloatArray, slopes: tuple[FloatArray, Float
         for j in range(2):
             both = (slopes[i] * slopes[j]).sum(axis=-1)
             hessian[:, i, j] = (weights * (both - along[i] * along[j] / size ** 2)).sum(axis=1)
-    return -np.linalg.solve(hessian, gradient[..., None])[..., 0]
+    step = np.linalg.solve(hessian, -gradient[..., None])[..., 0]
+    return np.asarray(step, dtype=np.float64)
 
 
 def _damped(unknowns: FloatArray, step: FloatArray, power: Any, smoothing: float) -> FloatArray:

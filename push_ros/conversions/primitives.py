@@ -15,8 +15,8 @@ LEAST_QUATERNION = 1e-3
 # Angle between the z axes of a pose and of the world above which it is no pose in the plane [rad];
 # chosen: the rotation of a tag errs by less, and an object on another face is off by far more.
 LARGEST_TILT = 0.26
-# Largest coordinate of a pose [m], and largest velocity [m/s], [rad/s]; chosen: far beyond any floor
-# and any robot, and far below where products of such numbers overflow.
+# Largest coordinate of a pose [m], and largest velocity [m/s], [rad/s]; chosen: far beyond any
+# floor and any robot, and far below where products of such numbers overflow.
 LARGEST_POSITION = 1e7
 LARGEST_VELOCITY = 1e3
 Stamp = TypeVar('Stamp', Time, Duration)

@@ -108,9 +108,9 @@ def make_safety_layer(scenario: Scenario) -> SafetyLayer:
     :param scenario: the ``Scenario``.
     """
     task = scenario.task
-    return SafetyLayer(scenario.robot, scenario.object,
-                       heading_count=scenario.control.heading_count, is_odometry_absolute=task is not None
-                       and task.supervision.odometry_reference == 'absolute')
+    is_absolute = task is not None and task.supervision.odometry_reference == 'absolute'
+    return SafetyLayer(scenario.robot, scenario.object, is_odometry_absolute=is_absolute,
+                       heading_count=scenario.control.heading_count)
 
 
 def control_settings(scenario: Scenario, control_law: str | None = None) -> ControlSettings:
