@@ -23,7 +23,7 @@ OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO
 PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'),
               'use_sim_time': True, 'lockstep': True, 'control.max_reapproaches': 0}
-SPEED, PERIOD = 0.2, 0.1
+PERIOD = 0.1
 
 
 def texts(b):
@@ -47,19 +47,24 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
         b.connect(OBJECT, ROBOT)
         bearing = math.atan2(GOAL.y - OBJECT.y, GOAL.x - OBJECT.x)
         aside = math.atan2(0.08, math.hypot(GOAL.x - OBJECT.x, GOAL.y - OBJECT.y))
-        way = 0.0
+        course = bearing + aside - ROBOT.theta
+        time, distance_moved, command = 0.0, 0.0, (0.0, 0.0, 0.0)
         while not any('beside the goal' in text for text in texts(b)):
-            way += SPEED * PERIOD
-            assert way < 3.0
-            move = (way * math.cos(bearing + aside), way * math.sin(bearing + aside))
+            time += PERIOD
+            speed = math.hypot(command[0], command[1])
+            distance_moved += speed * PERIOD
+            assert time < 30.0
+            move = (distance_moved * math.cos(bearing + aside),
+                    distance_moved * math.sin(bearing + aside))
             place, pose = (Pose(start.x + move[0], start.y + move[1], start.theta)
                            for start in (ROBOT, OBJECT))
-            command = b.odometry(way / SPEED, place, twist=Twist(SPEED, 0.0, 0.0))
-            command = b.object_pose(way / SPEED, pose)
+            twist = Twist(speed * math.cos(course), speed * math.sin(course), 0.0)
+            b.odometry(time, place, twist=twist)
+            command = b.object_pose(time, pose)
         assert command == (0.0, 0.0, 0.0)
         requests = b.received['push_request']
         b.wait_until(lambda: requests)
-        b.odometry(way / SPEED + PERIOD, place)
+        b.odometry(time + PERIOD, place)
         b.spin(0.3)
     assert len(requests) == 1
     request = from_request_message(requests[0], 'odom')

@@ -96,6 +96,6 @@ def test_in_a_map_nothing_is_touched(tmp_path):
     """The map reaches both nodes before the task begins: the robot comes through the door."""
     result = run_over_dds(scenario('task_map', time_limit=16.0), None, tmp_path, record=False)
     assert result.outcome is Outcome.TIME_LIMIT
-    assert result.pushes == 1 and not result.recoveries
+    assert result.pushes == 1
     assert result.tape['robot_x'][0] > 0.0 > result.tape['robot_x'][-1]
     assert measure(result).within_map
