@@ -234,7 +234,7 @@ def test_settings_that_change_during_an_approach_wait_for_the_next_one(monkeypat
     robot, target, loaded = ROBOTS['differential'], unsteered_push(box(), MIDDLE, 0.3), []
     known = load_primitives(box(), robot)
 
-    def load(obj, robot, settings):
+    def load(obj, robot, settings, belief):
         loaded.append(settings.robot_speed)
         return known
     monkeypatch.setattr(behavior_factory, 'load_primitives', load)
