@@ -177,7 +177,7 @@ def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, pri
         return primitives.table
 
     monkeypatch.setattr(store, 'build_table', build)
-    monkeypatch.setattr(store, 'solve_cost_to_go', lambda *_: primitives.cost_to_go)
+    monkeypatch.setattr(store, 'solve_cost_to_go', lambda *_, **__: primitives.cost_to_go)
     store.forget()
     with futures.ThreadPoolExecutor(2) as pool:
         # Locks of files are between descriptors, so that threads are as good as processes.
