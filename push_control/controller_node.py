@@ -11,7 +11,7 @@ from push_control.ros.commands import CommandPublisher
 from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.measurements import LatestMeasurements, OdometryState
 from push_control.ros.mode import ControllerParameters, Mode
-from push_control.ros.object_catalogue import ObjectCatalogue
+from push_control.ros.objects.catalogue import ObjectCatalogue
 from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.single_push import SinglePushMode

@@ -7,10 +7,10 @@ from typing import Any
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.observation import Observation
-from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.ros.map_reader import MapReader
 from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.mode import ControllerParameters, Mode
+from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.task_report import TaskReporter

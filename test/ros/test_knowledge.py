@@ -2,7 +2,7 @@
 
 from helpers.objects import bin_, box
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
-from push_control.ros.knowledge import KnowledgeFile, KnowledgeMemory
+from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
 import pytest

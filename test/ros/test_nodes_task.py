@@ -9,7 +9,7 @@ from helpers.node_bench import bench
 import numpy as np
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.ros.commands import STOP_COMMANDS
-from push_control.ros.knowledge import KnowledgeFile
+from push_control.ros.objects.knowledge import KnowledgeFile
 from push_model.contact import find_contact
 from push_model.files.flat_values import to_parameter_values
 from push_model.friction import friction_center

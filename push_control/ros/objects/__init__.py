@@ -1,0 +1,1 @@
+"""Objects by name, and what is kept of each between goals and runs."""
