@@ -11,16 +11,21 @@ from push_ros.diagnostics import Reporter
 from push_ros.executor import BackgroundGroup, PolledNode, take_message
 from push_ros.parameters import ParameterHooks, ParameterSet, Section
 from push_ros.topics import SERVICES, TOPICS
+from rcl_interfaces.msg import Log
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
-# Longest wait until somebody reads the log of a node that ends at once, and time for the log to
-# get there [s]; chosen: discovery takes some tenths of a second, more on a busy machine.
+# Longest waits until somebody reads the log of a node that ends at once, and until all of it has
+# got there [s]; chosen: discovery takes some tenths of a second, more on a busy machine.
 ROSOUT_WAIT = 3.0
-ROSOUT_DELIVERY = 0.3
+ROSOUT_DELIVERY = 5.0
+# As rcl keeps the log: for those who come late.
+ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # Characters of a traceback that are logged, and how often one is [s]; chosen: all of most, and few
 # enough for a fault that comes with every message.
 MAX_TRACEBACK = 4000
@@ -161,11 +166,15 @@ class PushNode(PolledNode):
         :param reason: one sentence.
         """
         self.get_logger().fatal(f'refused to start: {reason}')
-        # The log is kept for those who come late, as long as this process lives.
+        # The publisher of the log itself is not accessible. One that is made after it meets
+        # subscribers after it, and they acknowledge what it sends after what the log has sent.
+        publisher = self.create_publisher(Log, '/rosout', ROSOUT)
         end = time.monotonic() + ROSOUT_WAIT
-        while time.monotonic() < end and self.count_subscribers('/rosout') == 0:
+        while time.monotonic() < end and publisher.get_subscription_count() == 0:
             time.sleep(0.05)
-        time.sleep(ROSOUT_DELIVERY)
+        publisher.publish(Log(stamp=self.now(), level=Log.DEBUG, name=self.get_name(),
+                              msg='ends'))
+        publisher.wait_for_all_acked(Duration(seconds=ROSOUT_DELIVERY))
 
     @property
     def default_callback_group(self) -> BackgroundGroup:

@@ -19,7 +19,7 @@ import yaml
 
 # No wait of a test is a measure of speed: what is awaited comes, or a node dies, which ends the
 # wait at once. This only keeps a suite from hanging [s].
-TIMEOUT = 600.0
+TIMEOUT = 200.0
 # Wall time after which a service is called again [s].
 ANSWER_WAIT = 3.0
 REPEAT_PERIOD = 0.2
