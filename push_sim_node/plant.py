@@ -154,6 +154,17 @@ class Plant:
         for i in range(layout.X, layout.A_OMEGA + 1):
             self._arrays.state[i] = state[i]
 
+    def stand_at(self, object_pose: Pose, robot_pose: Pose) -> None:
+        """
+        Put object and robot where they have been before, at rest and without contact force.
+
+        :param object_pose: ``Pose`` of the object frame in the world.
+        :param robot_pose: ``Pose`` of the robot in the world.
+        """
+        state = initial_state(self.obj, Pose(*object_pose), Pose(*robot_pose))
+        for i in range(layout.X, layout.TANGENTIAL_FORCE + 1):
+            self._arrays.state[i] = state[i]
+
     def set_velocities(self, object_twist: Twist, robot_twist: Twist) -> None:
         """
         Let object and robot move, as if they had done so before.

@@ -69,6 +69,32 @@ def believed_friction(controller: Controller | Supervisor, count: int) -> tuple[
             *(support.friction_coefficient for support in obj.supports))
 
 
+class BeliefSampler:
+    """
+    Looks up what is believed at one row after the other, friction at some of them.
+
+    :param count: number of supports.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._friction: tuple[float, ...] = ()
+        self._friction_row = -FRICTION_STRIDE
+
+    def sample(self, row: int, controller: Controller | Supervisor) -> tuple[float, ...]:
+        """
+        Look up what is believed now.
+
+        :param row: number of the row of the tape; one that is lower than before is of another run.
+        :param controller: the ``Controller`` of a single push, or the ``Supervisor`` of a task.
+        :return: numbers in the order of ``belief_columns``.
+        """
+        if not self._friction_row <= row < self._friction_row + FRICTION_STRIDE:
+            self._friction_row = row
+            self._friction = believed_friction(controller, self._count)
+        return believed_poses(controller) + self._friction
+
+
 class BeliefRecorder:
     """
     Records what is believed at every row of the tape; an ``Intervention`` that disturbs nothing.
@@ -78,10 +104,8 @@ class BeliefRecorder:
 
     def __init__(self, obj: PushedObject) -> None:
         self.columns = belief_columns(obj)
-        self._count = len(obj.supports)
+        self._sampler = BeliefSampler(len(obj.supports))
         self._rows: dict[int, tuple[float, ...]] = {}
-        self._friction: tuple[float, ...] = ()
-        self._friction_row = -FRICTION_STRIDE
 
     def __call__(self, simulation: Simulation, controller: Controller | Supervisor) -> None:
         """
@@ -91,12 +115,8 @@ class BeliefRecorder:
         :param controller: the ``Controller`` of a single push, or the ``Supervisor`` of a task.
         """
         row = len(simulation.rows) - 1
-        if row in self._rows:
-            return
-        if row >= self._friction_row + FRICTION_STRIDE or row < self._friction_row:
-            self._friction_row = row
-            self._friction = believed_friction(controller, self._count)
-        self._rows[row] = believed_poses(controller) + self._friction
+        if row not in self._rows:
+            self._rows[row] = self._sampler.sample(row, controller)
 
     def row(self, number: int) -> tuple[float, ...]:
         """
@@ -110,4 +130,3 @@ class BeliefRecorder:
     def clear(self) -> None:
         """Forget everything, as for another run."""
         self._rows.clear()
-        self._friction_row = -FRICTION_STRIDE

@@ -23,6 +23,7 @@ from push_navigation.path import Path
 from push_planner.sequence.planner import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
 from push_scenario.definition.scenario import Bounds, Scenario
+from push_view.wall_contact import WallContact
 
 Message = dict[str, Any]
 
@@ -147,6 +148,17 @@ def map_message(time: float, occupancy_map: OccupancyMap | None) -> Message:
             rows=[''.join(OCCUPIED if cell else FREE for cell in row)
                   for row in occupancy_map.occupied.tolist()])
     return message
+
+
+def collision_message(time: float, contact: WallContact) -> Message:
+    """
+    Show where something touches a wall.
+
+    :param time: [s].
+    :param contact: the ``WallContact``.
+    """
+    return {'type': 'collision', 'time': rounded((time,))[0], 'body': contact.body.value,
+            'point': rounded(contact.point)}
 
 
 def push_message(time: float, trajectory: PushTrajectory) -> Message:

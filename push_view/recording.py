@@ -11,9 +11,10 @@ from push_sim_node.disturbance import change_times, friction_factors
 from push_sim_node.tape import Tape
 from push_view.belief import BeliefRecorder
 from push_view.messages import (
-    displacement_message, goal_message, map_message, Message, plan_message, push_message,
-    rows_message, scenario_message, state_message, truth_message,
+    collision_message, displacement_message, goal_message, map_message, Message, plan_message,
+    push_message, rows_message, scenario_message, state_message, truth_message,
 )
+from push_view.wall_contact import WallContactDetector
 
 
 def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[Message]:
@@ -39,6 +40,7 @@ def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[
     messages += [state_message(change) for change in result.history]
     if tape is not None:
         messages += _displacements(result, tape)
+        messages += _collisions(result, tape)
         messages.append(rows_message(tape.rows if beliefs is None else [
             (*row, *beliefs.row(number)) for number, row in enumerate(tape.rows.tolist())]))
     messages.append({'type': 'ending', 'time': result.duration, 'outcome': result.outcome.value,
@@ -74,3 +76,13 @@ def _displacements(result: RunResult, tape: Tape) -> Iterator[Message]:
         if 0 < row < len(times):
             yield displacement_message(displacement.time, Pose(*poses[row - 1]),
                                        Pose(*poses[row]))
+
+
+def _collisions(result: RunResult, tape: Tape) -> Iterator[Message]:
+    """Yield what touched a wall: in a run that is over, nothing has stopped it there."""
+    scenario = result.scenario
+    if scenario.task is None or scenario.task.occupancy_map is None:
+        return
+    detector = WallContactDetector(scenario.true_object, scenario.true_robot)
+    for time, contact in detector.contacts_of(tape, scenario.task.occupancy_map):
+        yield collision_message(time, contact)

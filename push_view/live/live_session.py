@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from push_scenario.definition.scenario import Scenario
 from push_view.live.session import Session
-from push_view.server.commands import CommandRefused, parse_command
+from push_view.server.commands import AddWall, CommandRefused, parse_command
 from push_view.server.message_log import MessageLog
 
 # Period of the simulation [s of wall time], and the most that it may compute in it before commands
@@ -82,13 +82,11 @@ class LiveSession:
         self._clock = clock
         self._session: Session | None = None
         self._worker = Worker()
+        self._is_ready_for_walls = False
 
     async def run(self) -> None:
         """Prepare the session, then let time pass until this is cancelled."""
-        self.log.replace({'type': 'notice', 'text': 'preparing the simulation; at the very first '
-                          'time the dynamics are compiled, which takes a minute'})
-        session = await self._worker.call(lambda: Session(self._scenario, self.log))
-        self.log.replace({'type': 'notice', 'text': ''})
+        session = await self._prepare('simulation', lambda: Session(self._scenario, self.log))
         self._session = session
         before = shown = self._clock()
         shown_time = session.time
@@ -104,7 +102,7 @@ class LiveSession:
                 session.speed * passed, lambda: self._clock() > deadline))
             if now - shown > SPEED_PERIOD:
                 achieved = (session.time - shown_time) / (now - shown)
-                session.show_run(achieved if achieved > 0.0 else math.nan)
+                session.show_speed(achieved if achieved > 0.0 else math.nan)
                 shown, shown_time = now, session.time
 
     async def handle(self, text: str) -> None:
@@ -118,4 +116,15 @@ class LiveSession:
         session = self._session
         if session is None:
             raise CommandRefused('the simulation is not ready yet')
+        if isinstance(command, AddWall) and not self._is_ready_for_walls:
+            self._is_ready_for_walls = True
+            await self._prepare('planner for walls', session.prepare_for_walls)
         await self._worker.call(lambda: session.handle(command))
+
+    async def _prepare(self, name: str, function: Callable[[], Result]) -> Result:
+        """Show on the page why nothing moves meanwhile."""
+        self.log.replace({'type': 'notice', 'text': f'preparing the {name}; at the very first '
+                          'time it is compiled, which takes about a minute'})
+        result = await self._worker.call(function)
+        self.log.replace({'type': 'notice', 'text': ''})
+        return result

@@ -12,7 +12,7 @@ RESOLUTION = 0.05
 THICKNESS = 0.1
 # Half the side of the floor round the object that such a map covers [m]; all outside it is
 # occupied.
-HALF_SIDE = 3.0
+HALF_SIDE = 5.0
 
 
 def open_floor(center: Coordinates) -> OccupancyMap:

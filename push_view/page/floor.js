@@ -30,6 +30,7 @@ class Floor {
     if (goal && !(edit && edit.body === 'goal')) this.drawGoal(goal.pose);
     if (!recording.isEmpty) this.drawBodies(recording, time);
     this.drawDisplacement(recording.latest('displacement', time), time);
+    this.drawCollisions(recording, time, goal);
     if (edit) this.drawEdit(edit);
   }
 
@@ -312,6 +313,22 @@ class Floor {
   drawDisplacement(message, time) {
     if (!message || time > message.time + 2) return;
     this.arrow(message.before, message.after, this.colors.force);
+  }
+
+  // Where robot or object touched a wall: a ring with a cross in it, since the last goal.
+  drawCollisions(recording, time, goal) {
+    const since = recording.isLive && goal ? goal.time : -Infinity, c = this.context;
+    for (const collision of recording.collisions) {
+      if (collision.time > time + 1e-9 || collision.time < since) continue;
+      const [x, y] = this.camera.toScreen(collision.point);
+      this.circle(collision.point, 12, { fill: this.colors.paper, stroke: this.colors.force, width: 3 });
+      c.beginPath();
+      for (const side of [-1, 1]) {
+        c.moveTo(x - 5, y - 5 * side);
+        c.lineTo(x + 5, y + 5 * side);
+      }
+      c.stroke();
+    }
   }
 
   drawEdit(edit) {

@@ -102,12 +102,14 @@ class App {
   }
 
   onRun(message) {
-    this.player.isPlaying = !message.paused;
+    // While it shows again what has been, time stands.
+    if (!message.paused || this.player.isFollowing) this.player.isPlaying = !message.paused;
     if (!message.paused) this.player.isFollowing = true;
     this.player.speed = message.speed;
+    this.player.rate = message.achieved === null ? message.speed : Math.max(message.achieved, LEAST_RATE);
     byId('speed').value = message.speed;
     const isSlow = message.achieved !== null && message.achieved < 0.8 * message.speed;
-    setText(byId('achieved'), isSlow ? `(${message.achieved} × here)` : '');
+    setText(byId('achieved'), isSlow ? `(this machine: ${message.achieved} ×)` : '');
   }
 
   showMessage(text, duration = Infinity) {

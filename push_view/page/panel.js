@@ -3,7 +3,8 @@
 
 const STATES = {
   idle: 'idle', plan: 'plans', approach: 'drives to the object', align: 'probes for contact', push: 'pushes',
-  retreat: 'backs off', done: 'done', failed: 'failed', paused: 'paused' };
+  retreat: 'backs off', done: 'done', failed: 'failed', paused: 'paused',
+  stopped: 'stopped' };
 // The panel is renewed this often while time runs [ms].
 const PANEL_PERIOD = 100;
 
@@ -32,6 +33,7 @@ const LEGEND = [
   ['friction cone', '<path d="M3 9 27 2v14z" fill="var(--cone)" fill-opacity=".15" stroke="var(--cone)" stroke-dasharray="5 2 1 2"/>'],
   ['true friction centre', '<path d="m10 4 10 10m0-10L10 14" stroke="var(--object)" stroke-width="3"/>'],
   ['believed friction centre, 2 σ', '<path d="M15 3v12M9 9h12" stroke="var(--believed)" stroke-width="2.5"/><ellipse cx="15" cy="9" rx="13" ry="8" fill="none" stroke="var(--believed)"/>'],
+  ['a wall was touched', '<circle cx="15" cy="9" r="7" fill="var(--paper)" stroke="var(--force)" stroke-width="2.5"/><path d="m12 6 6 6m0-6-6 6" stroke="var(--force)" stroke-width="2"/>'],
   ['friction of a foot: true, nominal', '<circle cx="9" cy="9" r="5" fill="var(--object)" fill-opacity=".5"/><circle cx="22" cy="9" r="5" fill="none" stroke="var(--faint)" stroke-dasharray="3 2"/>'],
 ];
 
@@ -82,7 +84,8 @@ class Panel {
   }
 
   showState(state, ending) {
-    const name = state ? state.state : 'idle';
+    const isStopped = state && state.state === 'idle' && state.reason && !state.requested;
+    const name = isStopped ? 'stopped' : state ? state.state : 'idle';
     byId('state').dataset.state = name;
     setText(byId('state'), STATES[name] || name);
     setText(byId('reason'), state && state.reason || ending && ending.reason || '');
@@ -135,7 +138,7 @@ class Panel {
   }
 
   showEvents(recording, time) {
-    const version = `${recording.states.length},${recording.goals.length},${recording.displacements.length},${recording.endings.length}`;
+    const version = `${recording.states.length},${recording.goals.length},${recording.displacements.length},${recording.collisions.length},${recording.endings.length}`;
     if (version !== this.eventsVersion) {
       this.eventsVersion = version;
       this.listEvents(recording);
@@ -160,6 +163,7 @@ class Panel {
       }),
       ...recording.goals.slice(1).map((message) => [message.time, 'new goal']),
       ...recording.displacements.map((message) => [message.time, 'somebody moves the object']),
+      ...recording.collisions.map((message) => [message.time, `the ${message.body} touches a wall`]),
       ...recording.endings.map((message) => [message.time, `run over: ${message.outcome}`]),
     ].sort((one, other) => one[0] - other[0]);
     byId('events').textContent = '';

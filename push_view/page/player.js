@@ -5,12 +5,15 @@ const REPORT_SPEEDS = [0.25, 0.5, 1, 2, 5, 10];
 const LIVE_SPEEDS = [1, 2, 3, 5, 10];
 // A live page shows what is this old, so that it moves evenly between messages [s of wall time].
 const LIVE_DELAY = 0.1;
+// Rows of a live page are expected to come at this rate at least, however busy the machine is.
+const LEAST_RATE = 0.2;
 
 class Player {
   constructor(recording) {
     this.recording = recording;
     this.time = 0;
     this.speed = 1;
+    this.rate = 1;  // live: at which rows come
     this.isPlaying = false;
     this.isFollowing = false;  // live, at the newest rows
     this.send = null;
@@ -30,20 +33,26 @@ class Player {
   }
 
   setSpeed(speed) {
-    this.speed = speed;
+    this.speed = this.rate = speed;
     if (this.isLive && this.ownsTime) this.send({ type: 'run', speed });
   }
 
   toggle() {
-    if (this.isLive) {
-      const isPaused = this.isPlaying && this.isFollowing;
-      this.isFollowing = true;
-      this.isPlaying = !isPaused;
-      if (this.ownsTime) this.send({ type: 'run', paused: isPaused });
+    // Of a simulation that was scrubbed back it is first shown again what has been.
+    const isReplay = !this.isLive || this.ownsTime && !this.isFollowing;
+    if (!isReplay) {
+      this.follow(!(this.isPlaying && this.isFollowing));
       return;
     }
-    if (!this.isPlaying && this.time >= this.recording.end) this.time = this.recording.start;
+    if (!this.isLive && !this.isPlaying && this.time >= this.recording.end) this.time = this.recording.start;
     this.isPlaying = !this.isPlaying;
+  }
+
+  // Live: show the newest, and let time go on or stop.
+  follow(isPlaying) {
+    this.isFollowing = true;
+    this.isPlaying = isPlaying;
+    if (this.ownsTime) this.send({ type: 'run', paused: !isPlaying });
   }
 
   pause() {
@@ -79,17 +88,17 @@ class Player {
         return;
       }
       // Faster where it lags behind, slower where it is about to run out of rows.
-      const lag = recording.end - this.time, aim = LIVE_DELAY * this.speed;
+      const lag = recording.end - this.time, aim = LIVE_DELAY * this.rate;
       if (lag < 0 || lag > 10 * aim + 1) this.time = recording.end - aim;
-      this.time = Math.min(recording.end, this.time + dt * this.speed * Math.max(0, 1 + 0.5 * (lag - aim) / aim));
+      this.time = Math.min(recording.end, this.time + dt * this.rate * Math.max(0, 1 + 0.5 * (lag - aim) / aim));
       return;
     }
     if (!this.isPlaying) return;
     this.time += dt * this.speed;
-    if (this.time >= recording.end) {
-      this.time = recording.end;
-      this.isPlaying = false;
-    }
+    if (this.time < recording.end) return;
+    this.time = recording.end;
+    this.isPlaying = false;
+    if (this.isLive) this.follow(true);
   }
 
   show() {

@@ -10,6 +10,7 @@ from helpers.tapes import make_result, make_tape, straight_plan, TIMES
 import numpy as np
 from push_control.task.status import StateChange, TaskState
 from push_model.friction import friction_center
+from push_scenario.definition.floor_map import FloorMap
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.task import LaterGoal
@@ -75,6 +76,20 @@ def test_a_recording_holds_what_changes_under_way():
     assert before['friction_center'] == pytest.approx(friction_center(task.true_object), abs=1e-5)
     displaced, = of_kind(messages, 'displacement')
     assert displaced['after'][0] - displaced['before'][0] == pytest.approx(0.1)
+
+
+def test_a_recording_shows_what_touched_a_wall():
+    """Once each, where and when the rim came in, and not while it stays inside."""
+    task = load_scenario('task_tap')
+    walled = dataclasses.replace(task, task=dataclasses.replace(
+        task.task, map=FloorMap(0.5, '\n'.join(['....#'] * 4), Placement(-1.0, -1.0, 0.0))))
+    tape = make_tape(object_x=0.1 * TIMES, robot_x=-0.5)
+    messages = recording(RunResult(walled, 'feedback', Outcome.DONE, '', tape, 9.0, ()))
+    collision, = of_kind(messages, 'collision')
+    reach = max(x for x, _ in task.true_object.outline)
+    assert collision['body'] == 'object'
+    assert collision['time'] == pytest.approx((1.0 - reach) / 0.1, abs=0.2)
+    assert collision['point'][0] == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_report_needs_nothing_but_itself(tmp_path):

@@ -59,7 +59,7 @@ def test_a_task_is_done_and_the_next_goal_too(session):
     believed = column(session, 'believed_object_x')
     assert np.nanmax(np.abs(believed - column(session, 'object_x'))[50:]) < 0.02
     # Nothing piles up in a session that lasts.
-    assert not session._simulation.rows
+    assert not session._run._simulation.rows
 
 
 def test_an_object_that_is_moved_is_where_it_was_put(session):
@@ -69,7 +69,7 @@ def test_an_object_that_is_moved_is_where_it_was_put(session):
     moved, = messages(session, 'displacement')
     assert moved['after'] == pytest.approx([0.3, -0.5, 1.0])
     robot = [column(session, f'robot_{name}')[-1] for name in ('x', 'y')]
-    with pytest.raises(CommandRefused, match='the robot stands there'):
+    with pytest.raises(CommandRefused, match='the robot is in the way'):
         session.handle(command('displace', pose=[*robot, 0.0]))
     assert tuple(session.object_pose) == pytest.approx((0.3, -0.5, 1.0))
 
@@ -91,11 +91,39 @@ def test_a_wall_replaces_the_plan(session):
     shown = messages(session, 'map')[-1]
     assert any('#' in row for row in shown['rows'])
     for place in ([0.0, 0.0], [column(session, f'robot_{name}')[-1] for name in ('x', 'y')]):
-        with pytest.raises(CommandRefused, match='through robot or object'):
+        with pytest.raises(CommandRefused, match='robot or object is in the way'):
             session.handle(command('wall', start=place, end=place))
     assert messages(session, 'map')[-1] == shown
     session.handle(command('clear_walls'))
     assert messages(session, 'map')[-1]['rows'] == []
+
+
+def test_nothing_gets_through_a_wall(session):
+    """The robot stops at one that is not on its map, says why, and takes the next goal."""
+    session.handle(command('displace', pose=[0.0, -1.5, 0.0]))
+    run = session._run
+    x, y, _ = run._simulation.plant.robot_pose
+    # A ring of walls that the robot has not been told of.
+    ring = open_floor((x, y))
+    corners = [(x + u * 0.4, y + v * 0.4) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    for start, end in zip(corners, corners[1:] + corners[:1]):
+        ring = with_wall(ring, start, end)
+    run._map = ring
+    while not session.is_standing and session.time < 60.0:
+        session.advance(0.1)
+    session.advance(0.2)
+    hit, = messages(session, 'collision')
+    assert hit['body'] == 'robot' and ring.clearance([hit['point']])[0] < 0.0
+    state = messages(session, 'state')[-1]
+    assert (state['state'], state['reason']) == ('idle', 'the robot touches a wall')
+    places = np.column_stack([column(session, 'robot_x'), column(session, 'robot_y')])
+    assert ring.clearance(places).min() > 0.15
+    assert np.hypot(*(places[-1] - places[-5])) == 0.0
+    with pytest.raises(CommandRefused, match='a wall is in the way'):
+        session.handle(command('displace', pose=[*corners[0], 0.0]))
+    session.handle(command('clear_walls'))
+    session.advance(1.0)
+    assert not session.is_standing
 
 
 def test_true_friction_changes_under_way(session):
@@ -116,7 +144,7 @@ def test_sensors_change_under_way(session):
     for name in ('pose_noise', 'pose_heading_noise', 'pose_latency', 'pose_drop_probability'):
         session.handle(command('set', name=name, value=0.0))
     session.advance(0.5)
-    measured = session._loop.observation.object_pose
+    measured = session._run._loop.observation.object_pose
     assert tuple(measured.pose) == pytest.approx(tuple(session.object_pose), abs=1e-9)
 
 

@@ -1,0 +1,54 @@
+"""What the page has been shown of a run, and what of it is new."""
+
+from push_scenario.simulation.robot_control import TaskControl
+from push_sim_node.simulation import Simulation
+from push_view.belief import BeliefSampler
+from push_view.messages import plan_message, rows_message, state_message
+from push_view.server.message_log import MessageLog
+
+
+class RunDisplay:
+    """
+    Sends the page what is new of a run: rows of the tape, changes of state, plans.
+
+    ``time``: of the last row [s], at which the page shows what is changed now.
+
+    :param log: where the messages go.
+    :param simulation: the ``Simulation``.
+    :param robot: the ``TaskControl``.
+    :param support_count: number of supports of the object.
+    """
+
+    def __init__(self, log: MessageLog, simulation: Simulation, robot: TaskControl,
+                 support_count: int) -> None:
+        self.time = 0.0
+        self._log = log
+        self._simulation = simulation
+        self._robot = robot
+        self._belief = BeliefSampler(support_count)
+        self._rows: list[tuple[float, ...]] = []
+        self._row_count = 0
+        self._shown = (0, 0)
+
+    def take_rows(self) -> None:
+        """Move new rows of the tape, with what is believed at them, and show events."""
+        for row in self._simulation.rows:
+            self._rows.append(
+                (*row, *self._belief.sample(self._row_count, self._robot.controller)))
+            self._row_count += 1
+            self.time = row[0]
+        # A session may last for hours.
+        self._simulation.rows.clear()
+        states, plans = self._shown
+        history, found = self._robot.history, self._robot.plans
+        for change in history[states:]:
+            self._log.add(state_message(change))
+        for plan in found[plans:]:
+            self._log.add(plan_message(self._simulation.time, plan))
+        self._shown = len(history), len(found)
+
+    def send_rows(self) -> None:
+        """Show the rows that were taken."""
+        if self._rows:
+            self._log.add(rows_message(self._rows))
+            self._rows = []

@@ -1,0 +1,143 @@
+"""What a session simulates, and what its user has chosen of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+import dataclasses
+from typing import Any
+
+from push_control.settings import LAWS
+from push_model.files.data import share_directory
+from push_model.files.parameter_files import (
+    files_by_name, named_file, read_object, read_robot,
+)
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject
+from push_planner.settings import TaskMethod
+from push_scenario.definition.placement import Placement
+from push_scenario.definition.scenario import Scenario
+from push_scenario.definition.task import Task
+from push_sim_node.sensors import SensorSettings
+from push_view.live.settings import setting_messages
+from push_view.messages import controls_message, Message
+from push_view.server.commands import CommandRefused
+
+METHODS: tuple[TaskMethod, ...] = ('primitives', 'sequences')
+# A task has no open loop.
+TASK_LAWS = tuple(law for law in LAWS if law != 'open_loop')
+
+
+@dataclasses.dataclass(frozen=True)
+class Setup:
+    """
+    A scenario with a task, and the names of what is in it.
+
+    :param scenario: the ``Scenario``.
+    :param task: its ``Task``.
+    :param choices: names of ``object``, ``robot``, ``law`` and ``method``.
+    """
+
+    scenario: Scenario
+    task: Task
+    choices: Mapping[str, str]
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Setup:
+        """
+        Start from a scenario.
+
+        :param scenario: the ``Scenario``.
+        :raises ValueError: where it has no task.
+        """
+        if scenario.task is None:
+            raise ValueError(f'{scenario.name}: got a single push, expected a task')
+        return cls(scenario, scenario.task, {
+            'object': _name_of(scenario.object, 'objects', read_object),
+            'robot': _name_of(scenario.robot, 'robots', read_robot),
+            'law': scenario.control.control_law, 'method': scenario.task.planning.method})
+
+    def with_choices(self, choices: Mapping[str, str]) -> Setup:
+        """
+        Put something else in it; its true parameters are the nominal ones at first.
+
+        :param choices: names to names, some of those of ``choices``.
+        :raises CommandRefused: where there is no such thing.
+        """
+        setup = self
+        for name, value in choices.items():
+            setup = setup._with_choice(name, value)
+        return dataclasses.replace(setup, choices={**self.choices, **choices})
+
+    def with_true_object(self, obj: PushedObject) -> Setup:
+        """
+        Change the truth, of which the robot is not told.
+
+        :param obj: the true ``PushedObject``.
+        """
+        return self._with_scenario(true_object=obj)
+
+    def with_sensors(self, sensors: SensorSettings) -> Setup:
+        """
+        Change what the robot measures with.
+
+        :param sensors: ``SensorSettings``.
+        """
+        return self._with_scenario(sensors=sensors)
+
+    def with_goal(self, goal: Pose) -> Setup:
+        """
+        Change the first goal.
+
+        :param goal: ``Pose`` of the object.
+        """
+        return self._with_scenario(goal=Placement(*goal))
+
+    def controls(self) -> Message:
+        """Describe what can be chosen and changed, with its present values."""
+        options = {'object': _names('objects'), 'robot': _names('robots'), 'law': TASK_LAWS,
+                   'method': METHODS}
+        choices = [{'name': name, 'value': value,
+                    'options': list(dict.fromkeys((value, *options[name])))}
+                   for name, value in self.choices.items()]
+        settings = setting_messages(self.scenario.true_object, self.scenario.sensors)
+        return controls_message(('goal', 'object', 'wall'), choices=choices, settings=settings,
+                                owns_time=True)
+
+    def _with_scenario(self, **fields: Any) -> Setup:
+        return dataclasses.replace(self, scenario=dataclasses.replace(self.scenario, **fields))
+
+    def _with_choice(self, name: str, value: str) -> Setup:
+        if name == 'object':
+            obj = read_object(_known('objects', value))
+            return self._with_scenario(object=obj, true_object=obj)
+        if name == 'robot':
+            robot = read_robot(_known('robots', value))
+            return self._with_scenario(robot=robot, true_robot=robot)
+        if name == 'law' and value in TASK_LAWS:
+            return self._with_scenario(control=dataclasses.replace(
+                self.scenario.control, control_law=value))
+        if name == 'method' and value in METHODS:
+            task = dataclasses.replace(self.task, planning=dataclasses.replace(
+                self.task.planning, method=value))
+            return dataclasses.replace(self._with_scenario(task=task), task=task)
+        raise CommandRefused(
+            f'choose.{name[:60]}: got {value[:60]!r}, expected an object, a robot, a law '
+            f'({", ".join(TASK_LAWS)}) or a method ({", ".join(METHODS)})')
+
+
+def _known(folder: str, value: str) -> Any:
+    if value not in _names(folder):
+        raise CommandRefused(f'choose: got {value[:60]!r}, expected one of {folder}: '
+                             + ', '.join(_names(folder)))
+    return named_file(folder, value)
+
+
+def _names(folder: str) -> list[str]:
+    """List the files of objects or robots of the package."""
+    return sorted(files_by_name(share_directory() / 'config' / folder))
+
+
+def _name_of(value: Any, folder: str, read: Callable[[Any], Any]) -> str:
+    """Find out which file of the package describes an object or a robot."""
+    return next((name for name in _names(folder) if read(named_file(folder, name)) == value),
+                'as in the scenario')
