@@ -24,6 +24,8 @@ class PlanRequest(NamedTuple):
     :param center_deviation: standard deviation of the centre of friction of ``obj`` along either
         axis [m].
     :param contact_friction_deviation: standard deviation of its contact friction.
+    :param odometry_slope: growth of the deviation of the robot's place per distance [m/m].
+    :param odometry_drift: standard deviation of the drift of its heading [rad/m].
     """
 
     object_pose: Pose
@@ -36,6 +38,8 @@ class PlanRequest(NamedTuple):
     robot_deviation: float = 0.005
     center_deviation: float = 0.03
     contact_friction_deviation: float = 0.1
+    odometry_slope: float = 0.0
+    odometry_drift: float = 0.0
 
 
 class PlanFailure(enum.Enum):

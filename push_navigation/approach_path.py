@@ -20,14 +20,15 @@ from push_navigation.manoeuvres import (
     DIRECTION, FIRST_RADIUS, LAST_RADIUS, lay_out, LENGTH, MANOEUVRE_SIZE, Manoeuvring,
     MAX_SEGMENTS, moved, NO_LENGTH, refine, REVERSES, scan, SEGMENT_SIZE, SHAPES, THETA, X, Y,
 )
+from push_navigation.map_clearance import CERTAIN, map_clearance, PlaceUncertainty, Room
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import (
     differential_path, holonomic_path, NoPathFound, Path, sample_path, Waypoint,
 )
 from push_navigation.path_planner import (
-    check_goal, check_robot, check_start, finite_pose, map_margin, MAX_ARC_ANGLE,
-    MAX_DEPARTURE_ANGLE, path_with_clearance, with_enough_room,
+    check_goal, check_robot, check_start, finite_pose, MAX_ARC_ANGLE, MAX_DEPARTURE_ANGLE,
+    path_with_clearance, with_enough_room,
 )
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import LATERAL_FRACTION, travel_time
@@ -102,6 +103,7 @@ class Approach(NamedTuple):
 def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
                   contact_pose: Pose, settings: DriveSettings, *,
                   occupancy_map: OccupancyMap | None = None,
+                  uncertainty: PlaceUncertainty = CERTAIN,
                   final_straight: float = FINAL_STRAIGHT, end_speed: float = END_SPEED) -> Path:
     """
     Plan the quickest path to a contact, which ends moving along the line of the push.
@@ -114,6 +116,7 @@ def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start
         a holonomic base keeps the heading that it has.
     :param settings: ``DriveSettings``.
     :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
+    :param uncertainty: ``PlaceUncertainty`` of the robot, for its clearance from obstacles.
     :param final_straight: length of the straight line on to the object, at least [m].
     :param end_speed: speed at the contact, 0 where the robot stops there [m/s].
     :return: ``Path`` up to the contact.
@@ -122,20 +125,21 @@ def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start
     """
     approach = Approach(robot, obj, *_finite(object_pose, start, contact_pose), settings,
                         final_straight, end_speed)
-    return with_enough_room(settings, occupancy_map, lambda drive: _plan(
-        approach._replace(settings=drive), occupancy_map))
+    return with_enough_room(
+        settings, None if occupancy_map is None else Room(occupancy_map, uncertainty),
+        lambda drive, room: _plan(approach._replace(settings=drive), room))
 
 
-def _plan(approach: Approach, occupancy_map: OccupancyMap | None) -> Path:
-    is_free = _free_of_obstacles(approach, occupancy_map)
+def _plan(approach: Approach, room: Room | None) -> Path:
+    is_free = _free_of_obstacles(approach, room)
     for number, (time, segments) in enumerate(_manoeuvres(approach)):
         path = _to_path(approach, segments)
         if is_free(path):
             if number == 0 and not _may_be_slower(approach, time):
                 return path
             # What meets obstacles may be replaced by something quicker than this.
-            return min((path, *_stopping_paths(approach, occupancy_map)), key=approach.time)
-    return _stopping_path(approach, occupancy_map)
+            return min((path, *_stopping_paths(approach, room)), key=approach.time)
+    return _stopping_path(approach, room)
 
 
 def approach_time(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
@@ -311,21 +315,21 @@ def _to_path(approach: Approach, segments: FloatArray) -> Path:
     return differential_path(approach.start, approach.goal, waypoints, backwards)
 
 
-def _stopping_path(approach: Approach, occupancy_map: OccupancyMap | None) -> Path:
+def _stopping_path(approach: Approach, room: Room | None) -> Path:
     """Plan a path that stops before the contact, and goes straight on to it."""
     goal, direction = approach.goal, approach.contact_pose.theta
     distance = approach.settings.standoff
     standoff = goal._replace(x=goal.x - distance * math.cos(direction),
                              y=goal.y - distance * math.sin(direction))
     path = path_with_clearance(approach.robot, approach.obj, approach.object_pose, approach.start,
-                               standoff, approach.settings, occupancy_map=occupancy_map)
+                               standoff, approach.settings, room=room)
     return Path((*path.poses, goal), (*path.arc_angles, 0.0))
 
 
-def _stopping_paths(approach: Approach, occupancy_map: OccupancyMap | None) -> list[Path]:
+def _stopping_paths(approach: Approach, room: Room | None) -> list[Path]:
     """List the path that stops before the contact, if there is one."""
     try:
-        return [_stopping_path(approach, occupancy_map)]
+        return [_stopping_path(approach, room)]
     except NoPathFound:
         return []
 
@@ -341,12 +345,10 @@ def _may_be_slower(approach: Approach, time: float) -> bool:
     return is_short or not math.isfinite(time)
 
 
-def _free_of_obstacles(approach: Approach,
-                       occupancy_map: OccupancyMap | None) -> Callable[[Path], bool]:
+def _free_of_obstacles(approach: Approach, room: Room | None) -> Callable[[Path], bool]:
     """Return the test whether a path keeps clear of the obstacles of a map."""
-    if occupancy_map is None:
+    if room is None:
         return lambda path: True
-    robot = approach.robot
-    margin = map_margin(robot, approach.start, approach.goal, approach.settings, occupancy_map)
-    return lambda path: occupancy_map.robot_is_free(
-        robot, sample_path(path, robot, occupancy_map.resolution), margin)
+    robot, spacing = approach.robot, room.occupancy_map.resolution
+    kept = map_clearance(robot, approach.start, approach.goal, approach.settings, room)
+    return lambda path: kept.is_free(sample_path(path, robot, spacing))

@@ -1,8 +1,10 @@
 """
-Grid planner: shortest routes among the obstacles of a map, the object included.
+Grid planner: routes among the obstacles of a map, the object included, that keep off both.
 
 A grid graph links neighbouring points where the robot fits; Dijkstra's algorithm finds the
-shortest route on it, and shortcuts between points that see each other pull that straight.
+shortest route on it, on which lengths near obstacles count more, so that it keeps to the middle
+of passages. Shortcuts between points that see each other pull it straight, as long as they come no
+nearer to obstacles.
 """
 
 import functools
@@ -11,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Pose
+from push_navigation.map_clearance import MapClearance
 from push_navigation.obstacle import InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Waypoint
@@ -25,6 +28,12 @@ SPACING = 0.08
 LINK_RANGE = 2.0
 # Start and goal are surrounded by at least this much of the map [m]. Chosen: the width of a room.
 WINDOW_MARGIN = 4.0
+# Gap of the robot from obstacles from which on it is no concern [m], and by which part a length
+# counts more where there is none; chosen: a detour of a decimetre at a door is worth 5 cm of gap.
+COMFORTABLE_GAP = 0.15
+NEARNESS_COST = 1.0
+# Gap that a shortcut may lose [m]; chosen: below a cell, so that routes get straight.
+SHORTCUT_LOSS = 0.02
 
 
 class GridGraph(NamedTuple):
@@ -33,23 +42,24 @@ class GridGraph(NamedTuple):
 
     :param points: (x, y) in the world, shape (n, 2) [m].
     :param edges: numbers of the points at both ends of each edge, shape (m, 2).
+    :param clearances: least distance from obstacles on each edge, shape (m,) [m].
     :param spacing: distance between neighbours along a row [m].
     """
 
     points: FloatArray
     edges: IntArray
+    clearances: FloatArray
     spacing: float
 
 
-def grid_waypoints(occupancy_map: OccupancyMap, clearance: float, body: InflatedObstacle,
-                   object_pose: Pose, start: Coordinates, goal: Coordinates) -> list[Waypoint]:
+def grid_waypoints(kept: MapClearance, body: InflatedObstacle, object_pose: Pose,
+                   start: Coordinates, goal: Coordinates) -> list[Waypoint]:
     """
-    Find the shortest route on a grid, and pull it straight.
+    Find the best route on a grid, and pull it straight.
 
     It is searched up to ``WINDOW_MARGIN`` beyond start and goal.
 
-    :param occupancy_map: ``OccupancyMap``.
-    :param clearance: distance from obstacles that the robot's centre keeps [m].
+    :param kept: ``MapClearance`` of the path.
     :param body: ``InflatedObstacle`` that the robot's centre keeps out of.
     :param object_pose: ``Pose`` of the object.
     :param start: (x, y) in the world [m].
@@ -57,16 +67,24 @@ def grid_waypoints(occupancy_map: OccupancyMap, clearance: float, body: Inflated
     :return: list of ``Waypoint`` behind the start, with straight segments.
     :raises NoPathFound: where there is none.
     """
-    space = _FreeSpace(occupancy_map, clearance, body, object_pose)
+    space = _FreeSpace(kept, body, object_pose)
     ends = np.array([start, goal], dtype=float)
-    if space.sees(ends[0], ends[1:])[0]:
+    if space.sees(ends[0], ends[1:], kept.radius + COMFORTABLE_GAP)[0]:
         return [Waypoint(*goal)]
-    grid = _grid_graph(occupancy_map, clearance, _window(occupancy_map, ends))
+    occupancy_map = kept.room.occupancy_map
+    grid = _grid_graph(occupancy_map, kept.radius + kept.margin, _window(occupancy_map, ends))
     links = [_links(space, grid, len(grid.points) + i, place) for i, place in enumerate(ends)]
     points = np.concatenate([grid.points, ends])
-    edges = np.concatenate([grid.edges[space.keeps_off_object(grid)], *links])
+    free = space.keeps_off_object(grid) & (
+        grid.clearances >= kept.required(grid.points)[grid.edges].max(axis=1))
+    edges = np.concatenate([grid.edges[free], *links])
+    clearances = np.concatenate([grid.clearances[free], *(
+        occupancy_map.clearance(points[link[:, 1]]) for link in links)])
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    route = _shortest_route(edges, lengths, len(points))
+    shortfalls = np.clip(1.0 - (clearances - kept.radius) / COMFORTABLE_GAP, 0.0, 1.0)
+    # Rounded, so that ties do not depend on how the map lies in the world.
+    costs = np.round(lengths * (1.0 + NEARNESS_COST * shortfalls), 6)
+    route = _shortest_route(edges, costs, len(points))
     if not route:
         raise NoPathFound('obstacles of the map, or the object between them, are in the way')
     corners = _straightened(space, points[route], grid.spacing)
@@ -76,10 +94,9 @@ def grid_waypoints(occupancy_map: OccupancyMap, clearance: float, body: Inflated
 class _FreeSpace:
     """Places where the robot's centre may be."""
 
-    def __init__(self, occupancy_map: OccupancyMap, clearance: float, body: InflatedObstacle,
-                 object_pose: Pose) -> None:
-        self._map = occupancy_map
-        self._clearance = clearance
+    def __init__(self, kept: MapClearance, body: InflatedObstacle, object_pose: Pose) -> None:
+        self._kept = kept
+        self._map = kept.room.occupancy_map
         self._body = body
         c, s = math.cos(object_pose.theta), math.sin(object_pose.theta)
         self._object_rotation = np.array([[c, -s], [s, c]])
@@ -89,12 +106,19 @@ class _FreeSpace:
         """Distance of points from the inflated object."""
         return self._body.distances((points - self._object_position) @ self._object_rotation)
 
-    def sees(self, place: FloatArray, points: FloatArray) -> BoolArray:
-        """Tell to which points the straight line from a place is free."""
+    def gap_distances(self, points: FloatArray) -> FloatArray:
+        """Distance of points from obstacles, as far as that is of concern."""
+        return np.minimum(self._map.clearance(points), self._kept.radius + COMFORTABLE_GAP)
+
+    def sees(self, place: FloatArray, points: FloatArray,
+             clearances: FloatArray | float = 0.0) -> BoolArray:
+        """Tell to which points the straight line from a place is free, with such clearances."""
         samples = _between(place[None, :], points, self._map.resolution / 2)
-        free = self._map.clearance(samples) >= self._clearance - 1e-9
+        found = self._map.clearance(samples)
+        free = found >= self._kept.required(samples) - 1e-9
         free[free] = self.distances(samples[free]) >= -1e-6
-        return np.all(free.reshape(len(points), -1), axis=1)
+        least = found.reshape(len(points), -1).min(axis=1, initial=math.inf)
+        return np.all(free.reshape(len(points), -1), axis=1) & (least >= clearances)
 
     def keeps_off_object(self, grid: GridGraph) -> BoolArray:
         """Tell which edges of a grid keep out of the inflated object."""
@@ -141,8 +165,9 @@ def _grid_graph(occupancy_map: OccupancyMap, clearance: float,
     edges = np.concatenate(pairs)
     edges = edges[free[edges].all(axis=1)]
     samples = _between(points[edges[:, 0]], points[edges[:, 1]], occupancy_map.resolution / 2)
-    clear = occupancy_map.clearance(samples).reshape(len(edges), -1) >= clearance
-    return GridGraph(points, edges[clear.all(axis=1)], cells * occupancy_map.resolution)
+    found = occupancy_map.clearance(samples).reshape(len(edges), -1).min(axis=1, initial=math.inf)
+    clear = found >= clearance
+    return GridGraph(points, edges[clear], found[clear], cells * occupancy_map.resolution)
 
 
 def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
@@ -168,13 +193,13 @@ def _links(space: _FreeSpace, grid: GridGraph, number: int, place: FloatArray) -
     return np.stack((np.full_like(seen, number), seen), axis=1)
 
 
-def _shortest_route(edges: IntArray, lengths: FloatArray, count: int) -> list[int]:
+def _shortest_route(edges: IntArray, costs: FloatArray, count: int) -> list[int]:
     """Numbers of the points from the last but one to the last; empty where none leads there."""
     # Imported here: without a map nothing of scipy is needed.
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import dijkstra
     start, goal = count - 2, count - 1
-    graph = csr_matrix((lengths, edges.T), shape=(count, count))
+    graph = csr_matrix((costs, edges.T), shape=(count, count))
     away, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
     if not math.isfinite(away[goal]):
         return []
@@ -194,10 +219,13 @@ def _straightened(space: _FreeSpace, corners: FloatArray, spacing: float) -> Flo
 
 
 def _shortcut(space: _FreeSpace, points: FloatArray) -> FloatArray:
-    """Go on from each point to the last that it sees."""
+    """Go on from each point to the last that it sees, without coming nearer to obstacles."""
     kept, last = [points[0]], 0
+    gaps = space.gap_distances(points)
     while last < len(points) - 1:
-        seen = np.flatnonzero(space.sees(points[last], points[last + 1:]))
+        # Between points of the route it may be a little nearer than at them.
+        least = np.minimum.accumulate(gaps[last:])[1:] - SHORTCUT_LOSS
+        seen = np.flatnonzero(space.sees(points[last], points[last + 1:], least))
         last += 1 + (int(seen[-1]) if seen.size else 0)
         kept.append(points[last])
     return np.array(kept)

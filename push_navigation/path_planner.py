@@ -7,13 +7,13 @@ a map.
 """
 
 from collections.abc import Callable, Sequence
-import contextlib
 import math
 from typing import NamedTuple
 
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.grid_planner import grid_waypoints
+from push_navigation.map_clearance import CERTAIN, map_clearance, PlaceUncertainty, Room
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import (
@@ -28,12 +28,15 @@ MAX_ARC_ANGLE = 2.0
 # A differential drive leaves the object along its heading where that is within this angle of the
 # normal. Chosen: at 75 degrees it already moves four times the clearance to get clear.
 MAX_DEPARTURE_ANGLE = math.radians(75.0)
-# Parts of the clearances that a path keeps where there is no room for more; chosen: 2 of the usual
-# 5 cm from obstacles are twice the error with which a path is followed.
-REDUCED_CLEARANCES = (0.6, 0.4)
+# Parts of the clearances that a path keeps, and standard deviations of the robot's place; the later
+# ones where there is no room for more. Chosen: 2 of the usual 5 cm from obstacles are twice the
+# error with which a path is followed, and no path is nearer to them than is to be expected.
+CLEARANCE_STEPS = ((1.0, 2.0), (0.6, 1.5), (0.4, 1.0))
 # The goal of a path may overlap the object by this much: contact, give or take a few millimetres
 # of localization [m]. Chosen.
 CONTACT_TOLERANCE = 0.005
+# Clearance that a path along a grid may lack between places where it was looked at [m]; chosen.
+GRID_SLACK = 1e-3
 # Rounding of positions on the surface of the inflated object [m].
 SURFACE_TOLERANCE = 1e-7
 
@@ -69,7 +72,8 @@ class PathEnds(NamedTuple):
 
 
 def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose, goal: Pose,
-              settings: DriveSettings, *, occupancy_map: OccupancyMap | None = None) -> Path:
+              settings: DriveSettings, *, occupancy_map: OccupancyMap | None = None,
+              uncertainty: PlaceUncertainty = CERTAIN) -> Path:
     """
     Plan the quickest path to a pose that keeps clear of the object, and of obstacles.
 
@@ -85,6 +89,7 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
     :param goal: ``Pose`` of the robot.
     :param settings: ``DriveSettings``.
     :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
+    :param uncertainty: ``PlaceUncertainty`` of the robot, for its clearance from obstacles.
     :return: ``Path``.
     :raises NoPathFound: where a pose lies inside the object, or obstacles are in the way.
     :raises ValueError: naming what is not finite, or a robot that is not round.
@@ -92,33 +97,37 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
     check_robot(robot)
     object_pose, start, goal = (finite_pose(name, pose) for name, pose in (
         ('object_pose', object_pose), ('start', start), ('goal', goal)))
-    return with_enough_room(settings, occupancy_map, lambda drive: path_with_clearance(
-        robot, obj, object_pose, start, goal, drive, occupancy_map=occupancy_map))
+    return with_enough_room(
+        settings, None if occupancy_map is None else Room(occupancy_map, uncertainty),
+        lambda drive, room: path_with_clearance(robot, obj, object_pose, start, goal, drive,
+                                                room=room))
 
 
-def with_enough_room(settings: DriveSettings, occupancy_map: OccupancyMap | None,
-                     plan: Callable[[DriveSettings], Path]) -> Path:
+def with_enough_room(settings: DriveSettings, room: Room | None,
+                     plan: Callable[[DriveSettings, Room | None], Path]) -> Path:
     """
     Plan a path with the clearances of the settings, or with less where a map has no room for them.
 
     :param settings: ``DriveSettings``.
-    :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
-    :param plan: plans the path with ``DriveSettings``, or raises ``NoPathFound``.
+    :param room: ``Room``, or None for free floor all around.
+    :param plan: plans the path with ``DriveSettings`` in a ``Room``, or raises ``NoPathFound``.
     :return: ``Path``.
     :raises NoPathFound: as with the clearances of the settings.
     """
-    try:
-        return plan(settings)
-    except NoPathFound:
-        for fraction in () if occupancy_map is None else REDUCED_CLEARANCES:
-            with contextlib.suppress(NoPathFound):
-                return plan(settings.with_clearances(fraction))
-        raise
+    if room is None:
+        return plan(settings, None)
+    first_failure: NoPathFound | None = None
+    for fraction, sigmas in CLEARANCE_STEPS:
+        try:
+            return plan(settings.with_clearances(fraction), room._replace(sigmas=sigmas))
+        except NoPathFound as failure:
+            first_failure = first_failure or failure
+    raise first_failure or NoPathFound('no clearance is allowed')
 
 
 def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
                         goal: Pose, settings: DriveSettings, *,
-                        occupancy_map: OccupancyMap | None = None) -> Path:
+                        room: Room | None = None) -> Path:
     """
     Plan the same path, with the clearances of the settings.
 
@@ -128,7 +137,7 @@ def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose,
     :param start: ``Pose`` of the robot, finite.
     :param goal: ``Pose`` of the robot, finite.
     :param settings: ``DriveSettings``.
-    :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
+    :param room: ``Room``, or None for free floor all around.
     :return: ``Path``.
     :raises NoPathFound: where a pose lies inside the object, or obstacles are in the way.
     """
@@ -147,14 +156,18 @@ def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose,
         waypoints = [Waypoint(*object_pose.transform((x, y)), arc_angle)
                      for x, y, arc_angle in route]
         paths += assemble_paths(robot, ends, waypoints, reversing)
-    if occupancy_map is not None:
-        margin = map_margin(robot, start, goal, settings, occupancy_map)
-        paths = [path for path in paths if occupancy_map.robot_is_free(
-            robot, sample_path(path, robot, occupancy_map.resolution), margin)]
+    if room is not None:
+        kept = map_clearance(robot, start, goal, settings, room)
+        spacing = room.occupancy_map.resolution
+        paths = [path for path in paths if kept.is_free(sample_path(path, robot, spacing))]
         if not paths:
-            waypoints = grid_waypoints(occupancy_map, robot.radius + margin, body, object_pose,
-                                       ends.departure.place, ends.arrival.place)
-            paths = assemble_paths(robot, ends, waypoints, reversing)
+            waypoints = grid_waypoints(kept, body, object_pose, ends.departure.place,
+                                       ends.arrival.place)
+            paths = [path for path in assemble_paths(robot, ends, waypoints, reversing)
+                     if kept.is_free(sample_path(path, robot, spacing), GRID_SLACK)]
+        if not paths:
+            raise NoPathFound('obstacles of the map leave no room for a robot whose place is '
+                              'uncertain')
     return min(paths, key=lambda path: travel_time(path, robot, settings))
 
 
@@ -340,29 +353,6 @@ def assemble_paths(robot: RoundRobot, ends: PathEnds, waypoints: Sequence[Waypoi
         paths.append(differential_path(start, goal, joined, backwards))
     forwards, reversing = paths
     return paths if reversing.length <= max_reverse_distance else [forwards]
-
-
-def map_margin(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
-               occupancy_map: OccupancyMap) -> float:
-    """
-    Find the distance that a path keeps from obstacles of a map [m].
-
-    :param robot: the ``RoundRobot``.
-    :param start: ``Pose`` of the robot.
-    :param goal: ``Pose`` of the robot.
-    :param settings: ``DriveSettings``.
-    :param occupancy_map: ``OccupancyMap``.
-    :raises NoPathFound: where the robot would overlap an obstacle at one of both.
-    """
-    here, there = occupancy_map.clearance([start[:2], goal[:2]]) - robot.radius
-    if here < 0.0:
-        raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m is in an obstacle of '
-                          'the map, or too near to one')
-    margin = min(settings.map_clearance, here)
-    if there < margin:
-        raise NoPathFound(f'the goal of the path, {goal.x:.2f} m, {goal.y:.2f} m, is too near to '
-                          'an obstacle of the map')
-    return margin
 
 
 def finite_pose(name: str, pose: Pose) -> Pose:

@@ -24,9 +24,10 @@ class DriveSettings:
                                        high=1000.0, default=5.0)
     clearance: float = quantity('distance that a robot whose pose is certain keeps from the '
                                 'object', 'm', above=0.0, high=1.0, default=0.03)
-    map_clearance: float = quantity('distance that the robot keeps from obstacles of a map, and '
-                                    'twice that of the object; 0.4 of it where there is no more '
-                                    'room', 'm', 0.0, 1.0, default=0.05)
+    map_clearance: float = quantity('distance that the robot keeps from obstacles of a map, more '
+                                    'where its place is uncertain; the object keeps half of it '
+                                    'besides the uncertainty of the push; 0.4 of both where there '
+                                    'is no more room', 'm', 0.0, 1.0, default=0.05)
     standoff: float = quantity('gap at which the straight final approach to the contact begins',
                                'm', 0.0, 1.0, default=0.06)
     retreat_distance: float = quantity('length of the straight path off the object after a push',

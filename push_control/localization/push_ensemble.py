@@ -49,6 +49,7 @@ from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, PoseCovariance
+from push_navigation.map_clearance import PlaceUncertainty
 
 # Time for which former poses are kept [s]; chosen: longer than object poses are late.
 HISTORY_TIME = 0.4
@@ -80,6 +81,9 @@ LOST_POSITION_STD = 0.03
 LOST_HEADING_STD = 0.05
 # Below this a step of odometry is rest [m], [rad].
 REST = 1e-9
+# Drift [rad/m] over the random walk of the heading [rad/sqrt(m)] that moves a robot as far in a
+# metre: sqrt(1/3) to 1/2.
+HEADING_WALK_SHARE = 2.0 / math.sqrt(3.0)
 POSE = 3
 
 
@@ -217,6 +221,16 @@ class PushEnsemble:
     def position_deviation(self) -> float:
         """Standard deviation of x or y of the robot, the greater one [m]."""
         return float(self.standard_deviations[:2].max())
+
+    @property
+    def place_uncertainty(self) -> PlaceUncertainty:
+        """``PlaceUncertainty`` of the robot; random walks count as they do after a metre."""
+        noise, parameters = self._odometry_noise, self.members.parameters
+        scale, drift = parameters[:, [SCALE, DRIFT]].std(axis=0).tolist()
+        return PlaceUncertainty(
+            self.position_deviation,
+            math.hypot(float(self.standard_deviations[2]), scale, noise.walk),
+            math.hypot(drift, HEADING_WALK_SHARE * noise.heading_walk))
 
     @property
     def contact_ratio(self) -> float:

@@ -106,7 +106,8 @@ class Approach(Behavior):
         context, drive = self._context, self._drive(perception, object_pose)
         path = plan_path(context.robot, context.obj, object_pose, perception.robot_pose,
                          self._pre_push_pose(object_pose), drive,
-                         occupancy_map=context.occupancy_map)
+                         occupancy_map=context.occupancy_map,
+                         uncertainty=perception.localization.place_uncertainty)
         return PathExecution(context.robot, drive, path, context.supervision.stall_timeout)
 
     def _drive(self, perception: TaskPerception, object_pose: Pose) -> DriveSettings:
@@ -180,7 +181,9 @@ class MovingApproach(Approach):
             MAX_HANDOVER_MARGIN, HANDOVER_SIGMAS * perception.localization.position_deviation)
         path = plan_approach(context.robot, context.obj, object_pose, perception.robot_pose,
                              object_pose @ self._line.start, drive,
-                             occupancy_map=context.occupancy_map, end_speed=self._end_speed,
+                             occupancy_map=context.occupancy_map,
+                             uncertainty=perception.localization.place_uncertainty,
+                             end_speed=self._end_speed,
                              final_straight=handover_distance + SETTLING_DISTANCE)
         return PathExecution(context.robot, drive, path, context.supervision.stall_timeout,
                              end_speed=self._end_speed, handover_distance=handover_distance)

@@ -33,7 +33,8 @@ class Inspection(PathBehavior):
         object_pose = perception.localization.object_pose
         return plan_path(context.robot, context.obj, object_pose, robot_pose,
                          viewing_pose(context, robot_pose, object_pose), context.drive,
-                         occupancy_map=context.occupancy_map)
+                         occupancy_map=context.occupancy_map,
+                         uncertainty=perception.localization.place_uncertainty)
 
 
 def viewing_pose(context: BehaviorContext, robot_pose: Pose, object_pose: Pose) -> Pose:

@@ -19,6 +19,9 @@ ATTEMPTS_PER_REDUCTION = 2
 MAX_INSPECTIONS = 3
 # Stops by the safety layer in one task; chosen: one may be a person, and one the next time.
 MAX_SAFETY_STOPS = 3
+# Pushes to waypoints as planned that may bring the object no nearer to its goal, over the attempts
+# that may; chosen: a detour through three rooms takes some thirty pushes.
+WAYPOINTS_PER_ATTEMPT = 4
 
 
 class GoalCheck(enum.Enum):
@@ -61,6 +64,7 @@ class ProgressMonitor:
         self._least_error = math.inf
         self._least_time = math.inf
         self._attempts = 0
+        self._waypoints = 0
         self._last_failure = ''
         self._failed_request: _FailedRequest | None = None
         self._planning_failure = ''
@@ -75,6 +79,13 @@ class ProgressMonitor:
         self._attempts += 1
         self._inspections = 0
         self._last_failure = failure_reason or self._last_failure
+
+    def count_waypoint(self) -> None:
+        """Count a push that has brought the object where the plan has it on its way."""
+        self._inspections = 0
+        self._waypoints += 1
+        if self._waypoints % WAYPOINTS_PER_ATTEMPT == 0:
+            self._attempts += 1
 
     def count_safety_stop(self) -> bool:
         """Count a stop by the safety layer; return whether it is one too many."""
@@ -154,6 +165,7 @@ class ProgressMonitor:
             self._least_time = remaining_time
         if is_nearer or is_sooner:
             self._attempts = 0
+            self._waypoints = 0
             self._last_failure = ''
 
     @property

@@ -17,6 +17,8 @@ MIN_GAP_RATIO = 0.5
 # The same of a longer path that leads off slantwise, where no other does, as after a contact that
 # has rolled to where the robot passes the object; chosen: within 80 degrees of the normal.
 LEAST_GAP_RATIO = 0.17
+# Standard deviations of the robot's place by which it keeps clear of obstacles of a map.
+CERTAIN_SIGMAS = 2.0
 
 
 class Retreat(PathBehavior):
@@ -41,11 +43,11 @@ class Retreat(PathBehavior):
         :return: ``Path``, or None where drive or map allow none that leads away.
         """
         return retreat_path(self.context, perception.robot_pose, perception.object_pose.pose,
-                            self._distance)
+                            self._distance, perception.localization.position_deviation)
 
 
 def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
-                 retreat_distance: float) -> Path | None:
+                 retreat_distance: float, deviation: float = 0.0) -> Path | None:
     """
     Find the straight path off an object; half as long or slantwise where no other is free.
 
@@ -53,6 +55,7 @@ def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
     :param robot_pose: ``Pose`` of the robot, at the object.
     :param object_pose: ``Pose`` of the object.
     :param retreat_distance: length of the path [m].
+    :param deviation: standard deviation of the robot's place [m].
     :return: ``Path``, or None where drive or map allow none that leads away.
     """
     robot = context.robot
@@ -61,6 +64,7 @@ def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
     directions = [normal + math.pi]
     if robot.drive == 'differential':
         directions = [heading + math.pi, heading]
+    margin = max(context.drive.map_clearance, CERTAIN_SIGMAS * deviation)
     attempts = ((retreat_distance, MIN_GAP_RATIO), (0.5 * retreat_distance, MIN_GAP_RATIO),
                 (2.0 * retreat_distance, LEAST_GAP_RATIO))
     limit = context.drive.reverse_limit if robot.drive == 'differential' else math.inf
@@ -70,12 +74,12 @@ def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
             end = Pose(x + length * math.cos(direction), y + length * math.sin(direction), heading)
             path = Path((robot_pose, end))
             gain = find_contact(context.obj, object_pose, end[:2], robot.radius).gap - gap
-            if gain > ratio * length and _is_free(path, context):
+            if gain > ratio * length and _is_free(path, context, margin):
                 return path
     return None
 
 
-def _is_free(path: Path, context: BehaviorContext) -> bool:
+def _is_free(path: Path, context: BehaviorContext, margin: float) -> bool:
     occupancy_map, robot = context.occupancy_map, context.robot
     return occupancy_map is None or occupancy_map.robot_is_free(
-        robot, sample_path(path, robot, SPACING), context.drive.map_clearance)
+        robot, sample_path(path, robot, SPACING), margin)

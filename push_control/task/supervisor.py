@@ -24,11 +24,11 @@ from push_control.task.perception import ObjectAtRest, TaskPerception
 from push_control.task.progress import GoalCheck, ProgressMonitor
 from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_control.task.status import StateChange, SupervisorStatus, TaskFailure, TaskState
-from push_model.geometry import Pose
+from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
-from push_model.trajectory import PushTrajectory
+from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 
@@ -44,6 +44,9 @@ STOP_TIME_LIMIT = 10.0
 # up [s]; chosen: longer than poses are averaged, and than somebody carries the object about.
 REST_REPORT_TIME = 3.0
 REST_TIME_LIMIT = 60.0
+# Distance and rotation from the planned end of a push to a waypoint within which it has gone as
+# planned [m, rad]; chosen: a standard deviation of long pushes.
+WAYPOINT_DISTANCE, WAYPOINT_ANGLE = 0.12, 0.3
 
 
 class Transitions(NamedTuple):
@@ -417,10 +420,12 @@ class Supervisor:
         elif check is GoalCheck.MISSED:
             self._behaviors.correct_overlap(perception)
             localization, knowledge = perception.localization, perception.localization.knowledge
+            uncertainty = localization.place_uncertainty
             request = PlanRequest(
                 object_at_rest.pose, perception.robot_pose, self._goal, localization.obj,
-                self._progress.cone_fraction, *self._aim, localization.position_deviation,
-                knowledge.center_deviation, knowledge.contact_friction_deviation)
+                self._progress.cone_fraction, *self._aim, uncertainty.position,
+                knowledge.center_deviation, knowledge.contact_friction_deviation,
+                uncertainty.slope, uncertainty.drift)
             self._pending = _PendingRequest(request, now)
 
     def _await_rest(self) -> None:
@@ -449,13 +454,25 @@ class Supervisor:
 
     def _advance(self) -> None:
         state = self._entered.state
-        if state is TaskState.PUSH:
+        if state is TaskState.PUSH and self._is_at_waypoint:
+            self._progress.count_waypoint()
+        elif state is TaskState.PUSH:
             self._progress.count_attempt()
         next_state = TRANSITIONS[state].success
         if next_state is TaskState.ALIGN and self._is_unsteered:
             # Such a push finds the contact by itself, without a stop before it.
             next_state = TaskState.PUSH
         self._enter(next_state)
+
+    @property
+    def _is_at_waypoint(self) -> bool:
+        """Whether the object is where the plan of a push to a waypoint has it."""
+        plan = self._plan
+        if plan is None or plan.style is not PushStyle.WAYPOINT:
+            return False
+        end, pose = Pose(*plan.object_poses[-1].tolist()), self._perception.object_pose.pose
+        return (distance(end, pose) < WAYPOINT_DISTANCE
+                and abs(wrap_angle(end.theta - pose.theta)) < WAYPOINT_ANGLE)
 
     @property
     def _is_unsteered(self) -> bool:

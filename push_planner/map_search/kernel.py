@@ -24,7 +24,9 @@ from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray, IntArray
 from push_planner.map_search.object_distance import length_at, UNREACHED
 from push_planner.map_search.priority_queue import push, remove_first
-from push_planner.map_search.robot_reach import fill_reach, HALF_WINDOW, path_length
+from push_planner.map_search.robot_reach import (
+    fill_reach, HALF_WINDOW, needed_gap, path_length,
+)
 from push_planner.map_search.scene import clearance, object_clearance
 from push_primitives.cost_to_go import interpolate_cost
 
@@ -142,6 +144,7 @@ class Problem(NamedTuple):
     :param grid: ``DistanceGrid`` to the goal.
     :param open_floor: ``OpenFloor``.
     :param margins: ``RobotMargins``.
+    :param first_margins: likewise on the way to the first push.
     :param query: ``Query``.
     """
 
@@ -150,6 +153,7 @@ class Problem(NamedTuple):
     grid: Any
     open_floor: OpenFloor
     margins: Any
+    first_margins: Any
     query: Query
 
 
@@ -340,8 +344,10 @@ def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
     v = start[1] - STANDOFF * math.sin(start[2])
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
     x, y = node[X] + c * u - s * v, node[Y] + s * u + c * v
-    scene, margins, counters = problem.scene, problem.margins, memory.counters
-    if clearance(scene.floor, x, y) < scene.robot_radius + margins.obstacles:
+    scene, counters = problem.scene, memory.counters
+    margins = problem.first_margins if number == 0 else problem.margins
+    straight = math.sqrt((x - node[ROBOT_X]) ** 2 + (y - node[ROBOT_Y]) ** 2)
+    if clearance(scene.floor, x, y) < scene.robot_radius + needed_gap(margins, straight):
         return UNREACHED
     half = query.first_half if number == 0 else HALF_WINDOW
     if counters[REACH_FILLED] == 0:

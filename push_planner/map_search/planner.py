@@ -6,6 +6,7 @@ search finds a sequence of straight pushes to the goal, or to where the floor is
 first push is planned exactly, the others when their turn comes.
 """
 
+from collections.abc import Iterator
 import contextlib
 import functools
 import math
@@ -17,6 +18,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
 from push_planner.map_search.object_distance import (
     distance_grid, DistanceGrid, length_at, narrowest_place, UNREACHED,
@@ -27,8 +29,8 @@ from push_planner.map_search.search import (
     MapSearch, Margins, SearchEnd, SearchResult, SearchSettings,
 )
 from push_planner.primitive_push.planner import (
-    ApproachPaths, checked_request, friction_belief, lay_out, plan_primitive_push, PrimitivePlan,
-    primitives_for,
+    ApproachPaths, checked_request, friction_belief, lay_out, place_uncertainty,
+    plan_primitive_push, PrimitivePlan, primitives_for,
 )
 from push_planner.primitive_push.trajectory import greatest_speed
 from push_planner.problem import PlanningFailed
@@ -41,11 +43,10 @@ from push_primitives.weights import draw_weights
 # Part of the clearance of the settings that the object keeps, besides the uncertainty of a push;
 # chosen: half of 5 cm leaves doors of 1.25 times the width of the object.
 OBJECT_FRACTION = 0.5
-# Parts of all clearances with which a sequence is sought, and standard deviations of a push; the
-# later ones only where nothing is found before. Chosen: the robot never keeps less than 2 of its
-# usual 5 cm, which is twice the error of its place.
-FRACTIONS = (1.0, 0.6, 0.4)
+# Standard deviations of a push that are added to the clearance of the object, for each of the
+# ``CLEARANCE_STEPS``, of which the later ones are only for where nothing is found before; chosen.
 SPREAD_FACTORS = (1.0, 0.5, 0.0)
+LEAST_FRACTION = CLEARANCE_STEPS[-1][0]
 # Part of the tolerances within which a last push ends, as planned.
 GOAL_FRACTION = 0.7
 # First pushes whose paths are planned, until one is found.
@@ -157,7 +158,7 @@ class _MapPlanner:
         request, scene = self._request, self._scene
         start, robot, goal = (self._map.origin.inverse() @ pose for pose in (
             request.object_pose, request.robot_pose, request.goal))
-        needed = scene.inner_radius + FRACTIONS[-1] * OBJECT_FRACTION * self._drive.map_clearance
+        needed = scene.inner_radius + LEAST_FRACTION * OBJECT_FRACTION * self._drive.map_clearance
         grid = _distance_grid(self._map, (goal.x, goal.y), needed)
         if length_at(grid, start.x, start.y) >= UNREACHED:
             raise self._too_narrow(start, goal, 2.0 * needed)
@@ -172,11 +173,10 @@ class _MapPlanner:
         paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
         first_failure: SearchResult | None = None
         expansions = 0
-        for fraction, spread_factor in zip(FRACTIONS, SPREAD_FACTORS):
+        for margins in self._margins():
             blocked = np.zeros(len(pushes.numbers), dtype=np.bool_)
             for _ in range(MAX_FIRST_PUSHES):
-                result = search.run(start, robot, goal, self._margins(fraction, spread_factor),
-                                    blocked)
+                result = search.run(start, robot, goal, margins, blocked)
                 expansions += result.expansions
                 if result.end is not SearchEnd.FOUND:
                     first_failure = first_failure or result
@@ -206,10 +206,13 @@ class _MapPlanner:
         later = tuple(self._map.origin @ push.end for push in result.pushes[1:])
         return MapPlan(first, later, expansions)
 
-    def _margins(self, fraction: float, spread_factor: float) -> Margins:
-        drive = self._drive.with_clearances(fraction)
-        return Margins(OBJECT_FRACTION * drive.map_clearance, spread_factor, drive.map_clearance,
-                       drive.clearance)
+    def _margins(self) -> Iterator[Margins]:
+        """Generate margins, the widest first."""
+        uncertainty = place_uncertainty(self._request)
+        for (fraction, sigmas), spread_factor in zip(CLEARANCE_STEPS, SPREAD_FACTORS):
+            drive = self._drive.with_clearances(fraction)
+            yield Margins(OBJECT_FRACTION * drive.map_clearance, spread_factor,
+                          drive.map_clearance, drive.clearance, uncertainty, sigmas)
 
     def _search_settings(self, primitives: PushPrimitives) -> SearchSettings:
         request, costs = self._request, primitives.settings

@@ -42,10 +42,16 @@ class RobotMargins(NamedTuple):
 
     :param obstacles: from obstacles of the map [m].
     :param object: from the object [m].
+    :param position: what it keeps from obstacles at least as its place is uncertain [m].
+    :param slope: growth of that per distance from where it starts [m/m]; both add as squares.
+    :param drift: further growth per squared distance [1/m].
     """
 
     obstacles: float
     object: float  # noqa: A003
+    position: float = 0.0
+    slope: float = 0.0
+    drift: float = 0.0
 
 
 @compiled
@@ -85,7 +91,8 @@ def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
                 if lengths[a, b] <= length + 1e-6 or last - first >= size:
                     continue
                 if lengths[a, b] >= UNREACHED and not _may_enter(
-                        scene, margins, pose, (a - half, b - half), (i - half, j - half)):
+                        scene, margins, pose, (a - half, b - half), (i - half, j - half),
+                        needed_gap(margins, length)):
                     continue
                 lengths[a, b] = length
                 queue[last % size] = a * side + b
@@ -115,16 +122,30 @@ def path_length(reach: Any, pose: Any, half: int, x: float, y: float) -> float:
 
 
 @compiled
+def needed_gap(margins: Any, length: float) -> float:
+    """
+    Compute what the robot keeps from obstacles.
+
+    :param margins: ``RobotMargins``.
+    :param length: of its path [m].
+    :return: gap [m].
+    """
+    rising, bending = margins.slope * length, margins.drift * length * length
+    return max(margins.obstacles, math.sqrt(
+        margins.position * margins.position + rising * rising + bending * bending))
+
+
+@compiled
 def _may_enter(scene: Any, margins: Any, pose: Any, point: tuple[int, int],
-               before: tuple[int, int]) -> bool:
+               before: tuple[int, int], needed: float) -> bool:
     """Tell whether the robot may come to a grid point (row, column) from the one before."""
     gap, away = _distances(scene, pose, point[0], point[1])
-    if gap >= margins.obstacles and away >= margins.object:
+    if gap >= needed and away >= margins.object:
         return True
     if gap < 0.0 or away < 0.0:
         return False
     gap_before, away_before = _distances(scene, pose, before[0], before[1])
-    return ((gap >= margins.obstacles or gap > gap_before)
+    return ((gap >= needed or gap > gap_before)
             and (away >= margins.object or away > away_before))
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from push_model.geometry import Pose
+from push_navigation.map_clearance import CERTAIN, PlaceUncertainty, WINDING
 from push_planner.map_search import kernel
 from push_planner.map_search.kernel import Memory, OpenFloor, Problem, Query
 from push_planner.map_search.object_distance import DistanceGrid
@@ -50,12 +51,16 @@ class Margins(NamedTuple):
     :param spread_factor: standard deviations of a vertex after a push that are added to it.
     :param robot: clearance of the robot from obstacles [m].
     :param robot_to_object: clearance of the robot from the object between pushes [m].
+    :param uncertainty: ``PlaceUncertainty`` of the robot on its way to the first push.
+    :param sigmas: standard deviations of its place by which it keeps clear of obstacles there.
     """
 
     object: float  # noqa: A003
     spread_factor: float
     robot: float
     robot_to_object: float
+    uncertainty: PlaceUncertainty = CERTAIN
+    sigmas: float = 1.0
 
 
 class SearchSettings(NamedTuple):
@@ -154,7 +159,7 @@ class MapSearch:
         memory.counters.fill(0)
         problem = Problem(
             self._scene, self._pushes, self._grid, self._open_floor,
-            RobotMargins(margins.robot, margins.robot_to_object),
+            RobotMargins(margins.robot, margins.robot_to_object), _first_margins(margins),
             Query(np.array(start), np.array(robot[:2]), np.array(goal),
                   self._settings.position_tolerance, self._settings.heading_tolerance,
                   self._settings.open_radius, margins.object, margins.spread_factor,
@@ -189,6 +194,13 @@ class MapSearch:
             float(nodes[last, kernel.COST]) + remaining, int(memory.counters[kernel.EXPANDED]),
             float(np.hypot(*away.T).max()),
             np.column_stack([nodes[:, :3], links[:, kernel.PARENT].astype(float)]))
+
+
+def _first_margins(margins: Margins) -> RobotMargins:
+    uncertainty, sigmas = margins.uncertainty, margins.sigmas
+    return RobotMargins(
+        margins.robot, margins.robot_to_object, sigmas * uncertainty.position,
+        sigmas * uncertainty.slope / WINDING, 0.5 * sigmas * uncertainty.drift / WINDING)
 
 
 def _closing_time(cost_to_go: CostToGo, settings: SearchSettings) -> float:

@@ -15,6 +15,7 @@ from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.approach_path import plan_approach
+from push_navigation.map_clearance import PlaceUncertainty
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Path
 from push_navigation.settings import DriveSettings
@@ -181,6 +182,16 @@ def friction_belief(request: PlanRequest) -> FrictionBelief:
                           request.center_deviation, request.contact_friction_deviation)
 
 
+def place_uncertainty(request: PlanRequest) -> PlaceUncertainty:
+    """
+    Gather how uncertain the robot's place is.
+
+    :param request: ``PlanRequest``.
+    """
+    return PlaceUncertainty(request.robot_deviation, request.odometry_slope,
+                            request.odometry_drift)
+
+
 class ApproachPaths:
     """
     Paths to the starts of primitives.
@@ -200,6 +211,7 @@ class ApproachPaths:
         self._robot = robot
         self._drive = drive.for_uncertain_robot(request.robot_deviation)
         self._map = occupancy_map
+        self._uncertainty = place_uncertainty(request)
         self._speed = touch_speed(1.0, settings)
         self._paths: dict[Pose, Path] = {}
         self.reason = ''
@@ -222,7 +234,8 @@ class ApproachPaths:
         try:
             path = plan_approach(self._robot, request.obj, request.object_pose,
                                  request.robot_pose, request.object_pose @ start, self._drive,
-                                 occupancy_map=self._map, end_speed=self._speed)
+                                 occupancy_map=self._map, uncertainty=self._uncertainty,
+                                 end_speed=self._speed)
         except NoPathFound as failure:
             self.reason = failure.reason
             return float('inf')

@@ -25,7 +25,8 @@ PARAMETERS = 'object.'
 CONE_FRACTION = 'cone_fraction'
 # Numbers above 0, and of at least 0, that are fields of the request under the same name.
 TOLERANCES = ('position_tolerance', 'heading_tolerance')
-DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation')
+DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation',
+              'odometry_slope', 'odometry_drift')
 # Parameters of any object that are one number, and those that are lists.
 NUMBERS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
                 if spec.kind is float)

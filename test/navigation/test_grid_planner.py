@@ -6,19 +6,21 @@ from helpers.maps import RESOLUTION, room_with_door, true_distances, walled_room
 from helpers.objects import square_outline
 import numpy as np
 from push_model.geometry import Pose
-from push_navigation.grid_planner import grid_waypoints
+from push_navigation.grid_planner import COMFORTABLE_GAP, grid_waypoints
+from push_navigation.map_clearance import MapClearance, Room
 from push_navigation.obstacle import inflate
 from push_navigation.path import NoPathFound
 import pytest
 
-CLEARANCE = 0.22
+RADIUS, CLEARANCE = 0.17, 0.22
 BODY = inflate(square_outline(), 0.0, 0.22)
 ASIDE = Pose(-2.2, -2.2, 0.4)
 
 
 def corners(occupancy_map, start, goal, object_pose=ASIDE):
     """Return start and waypoints, shape (n, 2)."""
-    waypoints = grid_waypoints(occupancy_map, CLEARANCE, BODY, object_pose, start, goal)
+    kept = MapClearance(Room(occupancy_map), RADIUS, start, CLEARANCE - RADIUS, 1.0)
+    waypoints = grid_waypoints(kept, BODY, object_pose, start, goal)
     assert all(waypoint.arc_angle == 0.0 for waypoint in waypoints)
     return np.array([start, *(waypoint[:2] for waypoint in waypoints)])
 
@@ -56,26 +58,36 @@ def test_a_route_keeps_clear_and_ends_where_it_should(seed):
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
 def test_a_route_round_a_wall_is_little_longer_than_the_taut_one(side):
-    """Round one corner the taut length is known: two tangents and an arc between them."""
+    """Round one corner taut lengths are known: two tangents, an arc; it leaves a passing gap."""
     wall = (-0.05, 0.05, -3.0, 0.0) if side > 0.0 else (-0.05, 0.05, 0.0, 3.0)
     start, goal = (-1.5, -side), (1.5, -side)
     found = corners(walled_room(wall), start, goal)
     tip = np.array((0.05, 0.0))
     away = math.hypot(1.5 - tip[0], 1.0)
-    tangent = math.sqrt(away ** 2 - CLEARANCE ** 2)
-    bearing = math.atan2(1.0, 1.5 - tip[0]) + math.asin(CLEARANCE / away)
-    taut = 2.0 * tangent + 2.0 * bearing * CLEARANCE + 2.0 * tip[0]
-    assert taut - 1e-6 < length(found) < 1.04 * taut
+    nearest, widest = (
+        2.0 * math.sqrt(away ** 2 - gap ** 2) + 2.0 * tip[0] + 2.0 * gap * (
+            math.atan2(1.0, 1.5 - tip[0]) + math.asin(gap / away))
+        for gap in (CLEARANCE, RADIUS + COMFORTABLE_GAP))
+    assert nearest - 1e-6 < length(found) < 1.04 * widest
     assert (side * found[1:-1, 1] > 0.0).all()
 
 
 def test_no_waypoint_can_be_left_out():
-    """Any two that follow with one between them do not see each other, and no other passes."""
+    """Any two that follow with one between them do not see each other with a passing gap."""
     occupancy_map = room_with_door(0.8)
     found = corners(occupancy_map, (-1.5, -0.5), (1.5, -0.5))
     assert len(found) > 2
     for first, last in zip(found, found[2:]):
-        assert occupancy_map.clearance(samples(np.array([first, last]))).min() < CLEARANCE
+        assert occupancy_map.clearance(samples(np.array([first, last]))).min() < (
+            RADIUS + COMFORTABLE_GAP)
+
+
+def test_a_route_keeps_to_the_middle_of_a_door():
+    """Where it can pass nearer to the posts it does not, as far as that is of concern."""
+    occupancy_map = room_with_door(0.8)
+    found = samples(corners(occupancy_map, (-1.5, -0.5), (1.5, -0.5)))
+    gap = occupancy_map.clearance(found).min() - RADIUS
+    assert gap > COMFORTABLE_GAP - 0.05 > CLEARANCE - RADIUS
 
 
 def test_mirrored_rooms_have_mirrored_lengths():

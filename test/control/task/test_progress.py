@@ -7,6 +7,7 @@ from push_control.settings import ControlSettings
 from push_control.task.perception import ObjectAtRest
 from push_control.task.progress import (
     CAUTION_FACTOR, GoalCheck, MAX_INSPECTIONS, MIN_CONE_FRACTION, ProgressMonitor,
+    WAYPOINTS_PER_ATTEMPT,
 )
 from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_model.geometry import Pose
@@ -49,6 +50,18 @@ def test_attempts_count_from_the_last_progress():
     monitor.check_goal(beside_goal(0.4), GOAL)
     monitor.count_attempt('slipped')
     assert 'slipped' in monitor.abort_reason
+
+
+def test_pushes_to_waypoints_as_planned_are_no_failures():
+    """A long detour of them is neither aborted nor planned with more caution; a circle is."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    for number in range(30):
+        monitor.check_goal(beside_goal(0.3 + 0.1 * number), GOAL)
+        monitor.count_waypoint()
+        assert not monitor.abort_reason
+    for _ in range(WAYPOINTS_PER_ATTEMPT * SUPERVISION.max_attempts):
+        monitor.count_waypoint()
+    assert 'no progress' in monitor.abort_reason
 
 
 def test_an_object_that_goes_a_long_distance_round_makes_progress():

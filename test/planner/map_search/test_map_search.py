@@ -14,7 +14,7 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import sample_path
 from push_navigation.settings import DriveSettings
 from push_planner.map_search.object_distance import distance_grid, narrowest_place
-from push_planner.map_search.planner import FRACTIONS, plan_push_in_map
+from push_planner.map_search.planner import LEAST_FRACTION, plan_push_in_map
 from push_planner.map_search.priority_queue import push, remove_first
 from push_planner.map_search.robot_reach import (
     fill_reach, HALF_WINDOW, path_length, Reach, RobotMargins, SPACING, UNREACHED,
@@ -32,7 +32,7 @@ HOLONOMIC = dataclasses.replace(ROBOT, drive='holonomic')
 BOX = box()
 SETTINGS, DRIVE = PlannerSettings(), DriveSettings()
 HERE, START = Pose(-1.6, 0.2, 0.4), Pose(-0.9, -1.1, 1.0)
-LEAST_CLEARANCE = FRACTIONS[-1] * DRIVE.map_clearance
+LEAST_CLEARANCE = LEAST_FRACTION * DRIVE.map_clearance
 
 
 def plan(occupancy_map, goal, robot=ROBOT, here=HERE, start=START):

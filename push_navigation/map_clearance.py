@@ -1,0 +1,143 @@
+"""
+Clearance from the obstacles of a map, for a robot whose place is not certain.
+
+Odometry drifts, so that the standard deviation of the robot's place grows as it drives,
+
+    sigma^2 = p^2 + (a r)^2 + (d s r / 2)^2,
+
+with that at the start p, the errors of heading and distance a, the drift of the heading d, the
+distance r from the start and the length s driven. A path keeps some standard deviations clear.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from push_model.geometry import FloatArray, Pose
+from push_model.parameters import RoundRobot
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import NoPathFound
+from push_navigation.settings import DriveSettings
+
+# Clearance that a robot gains per distance from a start where it has less than it should; chosen:
+# it leads away from the obstacle within 30 degrees.
+GAIN = 0.5
+# Length of a path over the distance of its ends, where it is not known yet; chosen: that of a path
+# through a door round a corner.
+WINDING = 1.3
+
+
+class PlaceUncertainty(NamedTuple):
+    """
+    How uncertain the robot's place is, and how that grows.
+
+    :param position: standard deviation of x or y [m].
+    :param slope: by which it grows per distance from the start: that of the heading, and of
+        measured distances [m/m].
+    :param drift: standard deviation of the drift of the heading [rad/m].
+    """
+
+    position: float = 0.0
+    slope: float = 0.0
+    drift: float = 0.0
+
+    def deviations(self, lengths: FloatArray, away: FloatArray) -> FloatArray:
+        """
+        Predict the standard deviations of the place along a path.
+
+        :param lengths: driven to each place, shape (n,) [m].
+        :param away: distance of each place from the start, shape (n,) [m].
+        :return: shape (n,) [m].
+        """
+        return np.sqrt(self.position ** 2 + (self.slope * away) ** 2
+                       + (0.5 * self.drift * lengths * away) ** 2)
+
+
+CERTAIN = PlaceUncertainty()
+
+
+class Room(NamedTuple):
+    """
+    What limits the room for a path.
+
+    :param occupancy_map: the ``OccupancyMap``.
+    :param uncertainty: ``PlaceUncertainty`` of the robot.
+    :param sigmas: standard deviations of its place by which it keeps clear of obstacles.
+    """
+
+    occupancy_map: OccupancyMap
+    uncertainty: PlaceUncertainty = CERTAIN
+    sigmas: float = 2.0
+
+
+class MapClearance(NamedTuple):
+    """
+    Clearance that one path keeps from obstacles.
+
+    :param room: ``Room``.
+    :param radius: of the robot [m].
+    :param start: of the path (x, y) [m].
+    :param margin: kept everywhere [m].
+    :param gap: of the robot at the start [m].
+    """
+
+    room: Room
+    radius: float
+    start: tuple[float, float]
+    margin: float
+    gap: float
+
+    def required(self, points: FloatArray, lengths: FloatArray | None = None) -> FloatArray:
+        """
+        Compute the clearance that the robot's centre needs [m].
+
+        :param points: (x, y), shape (n, 2) [m].
+        :param lengths: driven to each of them, shape (n,) [m]; None where it is not known.
+        :return: shape (n,).
+        """
+        away = np.hypot(*(np.asarray(points)[:, :2] - self.start).T)
+        deviations = self.room.uncertainty.deviations(
+            WINDING * away if lengths is None else lengths, away)
+        # What the start lacks cannot be had near it.
+        margins = np.minimum(self.room.sigmas * deviations, self.gap + GAIN * away)
+        return self.radius + np.maximum(self.margin, margins)
+
+    def is_free(self, poses: FloatArray, slack: float = 0.0) -> bool:
+        """
+        Tell whether a path keeps clear.
+
+        :param poses: (x, y, theta) along it, from its start on, shape (n, 3).
+        :param slack: that the clearance may lack [m].
+        """
+        points = np.asarray(poses)[:, :2]
+        lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        clearance = self.room.occupancy_map.clearance(points)
+        return bool(np.all(clearance >= self.required(points, lengths) - slack))
+
+
+def map_clearance(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
+                  room: Room) -> MapClearance:
+    """
+    Find what a path keeps clear of obstacles, no more than it has at its start.
+
+    :param robot: the ``RoundRobot``.
+    :param start: ``Pose`` of the robot.
+    :param goal: ``Pose`` of the robot.
+    :param settings: ``DriveSettings``.
+    :param room: ``Room``.
+    :raises NoPathFound: where the robot would overlap an obstacle at the start, or be too near to
+        one at the goal.
+    """
+    here, there = room.occupancy_map.clearance([start[:2], goal[:2]]).tolist()
+    if here < robot.radius:
+        raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m is in an obstacle of '
+                          'the map, or too near to one')
+    gap = here - robot.radius
+    kept = MapClearance(room, robot.radius, start[:2], min(settings.map_clearance, gap), gap)
+    if there < kept.radius + kept.margin:
+        raise NoPathFound(f'the goal of the path, {goal.x:.2f} m, {goal.y:.2f} m, is too near to '
+                          'an obstacle of the map')
+    straight = np.array([np.hypot(goal.x - start.x, goal.y - start.y)])
+    if there < float(kept.required(np.array([goal[:2]]), straight)[0]):
+        raise NoPathFound('the place of the robot is too uncertain for the goal of its path, '
+                          f'{goal.x:.2f} m, {goal.y:.2f} m, so near to an obstacle of the map')
+    return kept
