@@ -21,7 +21,7 @@ from push_control.task.settings import SupervisionSettings
 from push_model.files.flat_values import parameter_specs
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
-from push_navigation.settings import DriveSettings
+from push_navigation.settings import DriveSettings, MapSettings
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.diagnostics import ERROR, OK, WARN
@@ -38,7 +38,8 @@ from rclpy.clock_type import ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
             ('drive.', DriveSettings), ('supervision.', SupervisionSettings),
-            ('base.', BaseSettings), ('', Frames), ('', ControllerOptions))
+            ('map.', MapSettings), ('base.', BaseSettings), ('', Frames),
+            ('', ControllerOptions))
 DYNAMIC_GROUPS = ('control.', 'drive.', 'supervision.')
 # What the filter of robot and object is made with, and what was learned is kept with.
 FILTER_PARAMETERS = {
@@ -98,7 +99,8 @@ class ControllerNode(ManagedNode):
 
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``control.*``; ``drive.*`` and ``supervision.*`` of
-        a task; ``base.*``, what the base's own node must be set to; ``world_frame``,
+        a task; ``map.*``, how maps are read; ``base.*``, what the base's own node must be set to;
+        ``world_frame``,
         ``object_frame``, ``base_frame``; and those of ``ControllerOptions``. ``SETTABLE`` says
         which may be set, and when: those of the object and its name while no goal is pursued.
 
@@ -117,7 +119,7 @@ class ControllerNode(ManagedNode):
 
     def __init__(self) -> None:
         super().__init__(CONTROLLER, SECTIONS, SETTABLE)
-        *_, self._base_settings, self._frames, self._options = self.settings
+        *_, self._map_settings, self._base_settings, self._frames, self._options = self.settings
         self._catalogue = ObjectCatalogue(self._options.object_folder)
         self._catalogue.remember(*self._present_object)
         self._object = self._present_object
@@ -148,13 +150,12 @@ class ControllerNode(ManagedNode):
             ``object_folder``.
         """
         self._catalogue.check_folder()
-        kind = TaskMode if self._options.task else SinglePushMode
-        frame = self._frames.world_frame
         parameters = self._present_parameters
         self._scene = ScenePublisher(self, parameters.object, parameters.robot, self._frames,
                                      self._options)
-        self._mode = kind(self, parameters, frame, self._options, self._scene)
-        self._goals = GoalEntry(self, self._mode, frame, is_lockstep=self._options.lockstep)
+        self._mode = self._make_mode(parameters)
+        self._goals = GoalEntry(self, self._mode, self._frames.world_frame,
+                                is_lockstep=self._options.lockstep)
         self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
         self._base = BaseCheck(self, self._base_settings)
         self._gate = CommandGate(self, self._mode, parameters, self._options)
@@ -243,6 +244,12 @@ class ControllerNode(ManagedNode):
         else:
             self._turn_to_object()
 
+    def _make_mode(self, parameters: ControllerParameters) -> Mode:
+        given = self, parameters, self._frames.world_frame, self._options, self._scene
+        if self._options.task:
+            return TaskMode(*given, map_settings=self._map_settings)
+        return SinglePushMode(*given)
+
     def _make_action(self) -> PushActionServer | None:
         interfaces = import_push_interfaces()
         if interfaces is None:
@@ -296,7 +303,7 @@ class ControllerNode(ManagedNode):
 
     @property
     def _present_parameters(self) -> ControllerParameters:
-        *sections, _, _, _ = self.settings
+        *sections, _, _, _, _ = self.settings
         return ControllerParameters(*sections)
 
     def _on_odometry(self, message: Any) -> None:

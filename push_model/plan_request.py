@@ -69,6 +69,7 @@ class PlanFailure(enum.Enum):
     NO_FEASIBLE_SITE = 'no contact site is feasible'
     NO_SEQUENCE = 'no sequence of pushes leads to the goal'
     NOT_FREE = 'the object does not fit into the map at its start or goal'
+    UNUSABLE_MAP = 'the map cannot be used'
     BLOCKED = 'obstacles or the end of the map are in the way'
     INVALID_REQUEST = 'the request cannot be read'
     INVALID_PLAN = 'the plan cannot be read'

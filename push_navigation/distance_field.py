@@ -11,6 +11,7 @@ inner minimum is the lower envelope of parabolas, between two columns (Felzenszw
 Huttenlocher, 2012), so that the time is proportional to the number of cells.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,9 @@ INSIDE = -1.5
 INTERPOLATION_ERROR = 0.14
 # More than any distance that is measured [cells].
 FAR = 1e9
+# Cells that are filled without a pause; chosen: that takes a few ms, during which no other thread of
+# the process runs, as one that answers measurements does.
+CELLS_AT_A_TIME = 50_000
 
 
 def distance_field(occupied: BoolArray) -> NDArray[np.float32]:
@@ -37,41 +41,55 @@ def distance_field(occupied: BoolArray) -> NDArray[np.float32]:
     """
     rows, columns = occupied.shape
     result = np.empty((rows, columns), dtype=np.float32)
-    count = max(rows, columns)
-    _fill(np.ascontiguousarray(occupied), result, np.empty(count), np.empty(count + 1),
-          np.empty(count, dtype=np.int64), np.empty(count))
+    occupied = np.ascontiguousarray(occupied)
+    for first, last in _portions(columns, rows):
+        _along_columns(occupied, result, first, last)
+    memory = (np.empty(columns), np.empty(columns + 1), np.empty(columns, dtype=np.int64),
+              np.empty(columns))
+    for first, last in _portions(rows, columns):
+        _along_rows(occupied, result, first, last, *memory)
     return result
 
 
+def _portions(count: int, length: int) -> Iterator[tuple[int, int]]:
+    """Divide rows, or columns, of a length: first of each portion, and first of the next."""
+    size = max(1, CELLS_AT_A_TIME // length)
+    for first in range(0, count, size):
+        yield first, min(first + size, count)
+
+
 @compiled
-def _fill(occupied: Any, result: Any, row: Any, bounds: Any, lowest: Any, squares: Any) -> None:
-    """Write the distances; the last four are memory to work with."""
-    rows, columns = occupied.shape
-    for j in range(columns):
-        _along_column(occupied, result, j)
+def _along_columns(occupied: Any, result: Any, first: int, last: int) -> None:
+    """Write distances from the squares of the same column, of some columns."""
+    rows = occupied.shape[0]
     for i in range(rows):
+        for j in range(first, last):
+            if occupied[i, j]:
+                result[i, j] = 0.0
+            elif i == 0:
+                result[i, j] = FAR
+            else:
+                # Half a cell from the centre of a square to its edge.
+                result[i, j] = result[i - 1, j] + (0.5 if occupied[i - 1, j] else 1.0)
+    for i in range(rows - 2, -1, -1):
+        for j in range(first, last):
+            if not occupied[i, j]:
+                result[i, j] = min(result[i, j], result[i + 1, j]
+                                   + (0.5 if occupied[i + 1, j] else 1.0))
+
+
+@compiled
+def _along_rows(occupied: Any, result: Any, first: int, last: int, row: Any, bounds: Any,
+                lowest: Any, squares: Any) -> None:
+    """Write the distances of some rows; the last four are memory to work with."""
+    columns = occupied.shape[1]
+    for i in range(first, last):
         for j in range(columns):
             squares[j] = float(result[i, j]) * float(result[i, j])
             row[j] = squares[j]
         _between_columns(squares, columns, row, bounds, lowest)
         for j in range(columns):
             result[i, j] = INSIDE if occupied[i, j] else min(FAR, np.sqrt(row[j]))
-
-
-@compiled
-def _along_column(occupied: Any, result: Any, j: int) -> None:
-    """Write distances from the squares of the same column."""
-    rows = occupied.shape[0]
-    last = -FAR
-    for i in range(rows):
-        if occupied[i, j]:
-            last = i
-        result[i, j] = max(0.0, min(FAR, i - last - 0.5))
-    last = 2.0 * FAR
-    for i in range(rows - 1, -1, -1):
-        if occupied[i, j]:
-            last = i
-        result[i, j] = min(result[i, j], max(0.0, last - i - 0.5))
 
 
 @compiled

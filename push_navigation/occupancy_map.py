@@ -15,6 +15,9 @@ from push_navigation.obstacle import inflate
 # Points on the rim of an object, per cell; chosen: a corner of an obstacle that pokes between two
 # of them is an eighth of a cell nearer than it seems.
 RIM_POINTS_PER_CELL = 4
+# Distance from obstacles that were freed up to which clearances are computed anew [m]; chosen: more
+# than object and robot ever need.
+FREED_REACH = 2.0
 
 
 class OccupancyMap:
@@ -45,7 +48,7 @@ class OccupancyMap:
         # With a border of occupied cells round the map, and nowhere too long.
         self._distances = distance_field(np.pad(cells, 1, constant_values=True))
         self._distances -= INTERPOLATION_ERROR
-        self._distances *= self.resolution
+        self._distances *= np.float32(self.resolution)
         self._distances.setflags(write=False)
 
     def _place(self, origin: Pose) -> None:
@@ -62,6 +65,38 @@ class OccupancyMap:
         """
         result = copy.copy(self)
         result._place(correction @ self.origin)
+        return result
+
+    def freed(self, cells: BoolArray) -> 'OccupancyMap':
+        """
+        Return the same map with some cells free.
+
+        Only distances near them are computed anew: those of more than ``FREED_REACH`` may be too
+        short.
+
+        :param cells: whether each cell is to be free, shape (rows, columns).
+        :return: the map itself where they are free already.
+        """
+        rows, columns = np.nonzero(self.occupied & cells)
+        if not rows.size:
+            return self
+        result = copy.copy(self)
+        result.occupied = self.occupied & ~cells
+        result._distances = self._distances.copy()
+        reach = math.ceil(FREED_REACH / self.resolution)
+        # In the grid with its border; obstacles count that are as far from what is computed.
+        inner, outer = (tuple(
+            slice(max(0, int(places.min()) + 1 - far), int(places.max()) + 2 + far)
+            for places in (rows, columns)) for far in (reach, 2 * reach))
+        nearby = distance_field(_bordered(result.occupied, outer))
+        shift = tuple(slice(part.start - whole.start, part.start - whole.start
+                            + len(range(*part.indices(size))))
+                      for part, whole, size in zip(inner, outer, self._distances.shape))
+        distances = self.resolution * (nearby[shift] - INTERPOLATION_ERROR)
+        result._distances[inner] = np.maximum(result._distances[inner],
+                                              np.minimum(distances, FREED_REACH))
+        for array in (result.occupied, result._distances):
+            array.setflags(write=False)
         return result
 
     def to_map(self, points: ArrayLike) -> FloatArray:
@@ -184,6 +219,16 @@ class OccupancyMap:
         :param margin: distance [m].
         """
         return self.first_object_collision(obj, poses, margin) is None
+
+
+def _bordered(occupied: BoolArray, window: tuple[slice, ...]) -> BoolArray:
+    """Cut a window out of a grid with a border of one occupied cell, without making all of it."""
+    padding, parts = [], []
+    for part, size in zip(window, occupied.shape):
+        start, stop = part.start, min(part.stop, size + 2)
+        padding.append((int(start == 0), int(stop == size + 2)))
+        parts.append(slice(max(start - 1, 0), min(stop - 1, size)))
+    return np.pad(occupied[tuple(parts)], padding, constant_values=True)
 
 
 def _first(collides: BoolArray) -> int | None:

@@ -73,6 +73,30 @@ class DriveSettings:
         return dataclasses.replace(self, clearance=min(1.0, self.clearance + added))
 
 
+@dataclasses.dataclass(frozen=True)
+class MapSettings:
+    """What counts as an obstacle in a map; names as in Nav2, where it has the same."""
+
+    allow_unknown: bool = quantity('cells of which nothing is known are free, else obstacles',
+                                   default=False)
+    lethal_cost_threshold: float = quantity(
+        'value from which on a cell is an obstacle: probability in percent, in a costmap its '
+        'cost, where 99 is the robot itself and 100 the obstacle', '', 1.0, 100.0, default=50.0)
+    footprint_clearing_enabled: bool = quantity(
+        'obstacles where object or robot have been since the map was made are none: for costmaps '
+        'that show the object or the robot as obstacles', default=False)
+    footprint_clearing_margin: float = quantity(
+        'distance from the footprint up to which an obstacle that does not go on beyond it is '
+        'cleared, too', 'm', 0.0, 0.5, default=0.08)
+    footprint_clearing_time: float = quantity(
+        'age that measurements in a map may have at its stamp, as those of the laser in a '
+        'costmap', 's', 0.0, 60.0, default=1.0)
+
+    def __post_init__(self) -> None:
+        """Validate the fields."""
+        check(self)
+
+
 # Asked for at every path; a process has a handful of robots and settings.
 @functools.lru_cache(maxsize=64)
 def _limited(settings: DriveSettings, robot: RoundRobot) -> DriveSettings:

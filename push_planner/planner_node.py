@@ -1,5 +1,6 @@
 """ROS node of the planner."""
 
+import contextlib
 import sys
 from typing import Any, Callable, Mapping, Sequence
 
@@ -9,7 +10,7 @@ from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry
-from push_navigation.settings import DriveSettings
+from push_navigation.settings import DriveSettings, MapSettings
 from push_planner.plan import Plan
 from push_planner.problem import PlannerSettings, PlanningFailed
 from push_planner.ros.sequence_planner import (
@@ -21,7 +22,7 @@ from push_planner.single_push.site_selection import SiteChoice
 from push_ros.conversions.map import map_text
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
-from push_ros.conversions.primitives import MessageRefused, nanoseconds
+from push_ros.conversions.primitives import MessageRefused, nanoseconds, seconds
 from push_ros.diagnostics import ERROR, FAILURE, HAS_MAP, OK, WARN
 from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
@@ -34,13 +35,15 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', PlannerSettings),
-            ('drive.', DriveSettings), ('task.', TaskSettings), ('', Frames),
-            ('', PlannerOptions))
+            ('drive.', DriveSettings), ('task.', TaskSettings), ('map.', MapSettings),
+            ('', Frames), ('', PlannerOptions))
 DYNAMIC_GROUPS = ('planner.', 'drive.', 'task.')
 SETTABLE = {spec.name: DYNAMIC for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
             for spec in parameter_specs(cls, prefix)}
 # Period at which a request waits for measurements [s]; chosen: that of slow object poses.
 MEASUREMENT_WAIT = 0.05
+# Period at which a map is looked for that is being read [s]; chosen: short for who waits for it.
+MAP_PERIOD = 0.1
 
 
 class PlannerNode(ManagedNode):
@@ -56,7 +59,8 @@ class PlannerNode(ManagedNode):
     ``planner.site`` at ``best`` the plan of a robot at rest starts at the quickest site of the
     object; the diagnostics say where the robot must stand for it, warn where it does not, and list
     all sites. With ``planner.site`` at ``sequence`` the plan starts from the poses of the request,
-    and keeps clear of the obstacles of the ``map``, if there is one.
+    and keeps clear of the obstacles of the ``map``, if there is one; after a map that is refused
+    there is no plan until another one comes.
 
     The answer has the stamp of the request; where there is no plan, or the request is refused, it
     has no points and its only joint name is the code of the reason, which is an error on
@@ -76,8 +80,8 @@ class PlannerNode(ManagedNode):
         measurements; and those of the lifecycle.
 
     ROS parameters
-        ``object.*`` and ``robot.*``, nominal; ``planner.*``; ``drive.*`` and ``task.*`` of
-        sequences; ``world_frame``, ``object_frame``, ``base_frame``; and those of
+        ``object.*`` and ``robot.*``, nominal; ``planner.*``; ``drive.*``, ``task.*`` and ``map.*``
+        of sequences; ``world_frame``, ``object_frame``, ``base_frame``; and those of
         ``PlannerOptions``. Those of ``DYNAMIC_GROUPS`` may be set at any time.
 
     Frames
@@ -119,11 +123,17 @@ class PlannerNode(ManagedNode):
         self._timer = self.create_timer(MEASUREMENT_WAIT, self.guarded(self._plan_when_measured),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._timer.cancel()
+        self._map_timer = self.create_timer(MAP_PERIOD, self.guarded(self._take_map),
+                                            clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._map_timer.cancel()
+        if self._sequences.clearing.is_enabled:
+            self._record_footprints()
         self.reporter.report(OK, 'waits for a request')
 
     def deactivate(self) -> None:
         """Forget what was requested."""
         self.destroy_timer(self._timer)
+        self.destroy_timer(self._map_timer)
         self._forget()
 
     def clean_up(self) -> None:
@@ -159,15 +169,46 @@ class PlannerNode(ManagedNode):
         self._former_plan: Plan | None = None
 
     def _on_map(self, message: Any) -> None:
+        self._sequences.on_map(message)
+        self._take_map()
+
+    def _take_map(self) -> None:
+        """Use a map that was read, or look again a little later."""
         try:
-            self._sequences.on_map(message)
+            message = self._sequences.take_map()
         except MessageRefused as error:
             self._report(ERROR, str(error))
         else:
-            self._report(OK, map_text(message), {HAS_MAP: True})
+            if message is not None:
+                self._report(OK, map_text(message), {HAS_MAP: True})
+        if self._sequences.reads_map:
+            self._map_timer.reset()
+        else:
+            self._map_timer.cancel()
 
     def _refuse_map(self, error: MessageRefused, message: Any) -> None:
+        self._sequences.refuse_map(str(error))
         self._report(ERROR, str(error))
+
+    def _record_footprints(self) -> None:
+        """Follow object and robot, whose footprints are cleared from maps."""
+        clearing = self._sequences.clearing
+
+        # The controller reports what it cannot use of the same topics.
+        def on_object_pose(message: Any) -> None:
+            with contextlib.suppress(MessageRefused):
+                measured = from_object_pose_message(message, self._world_frame)
+                clearing.record(seconds(message.header.stamp), measured.pose, None)
+
+        def on_odometry(message: Any) -> None:
+            with contextlib.suppress(MessageRefused):
+                odometry = from_odometry_message(message, self._world_frame)
+                clearing.record(seconds(message.header.stamp), None, odometry.pose)
+
+        self.subscribe('odom', on_odometry)
+        self.subscribe('object_pose', self._world.receiver('object_pose', Handlers(
+            on_object_pose, lambda error, message: None)),
+            with_covariance=self._options.object_pose_with_covariance)
 
     def on_unexpected_error(self, error: Exception) -> None:
         """
@@ -262,6 +303,8 @@ class PlannerNode(ManagedNode):
 
     def _plan_sequence(self, request: PlanRequest, stamp: Time) -> str:
         """Plan a sequence of pushes, and publish the first."""
+        self._sequences.wait_for_map()
+        self._take_map()
         task_plan = self._sequences.plan(request)
         messages = self._sequences.messages(task_plan, stamp)
         self._plans.publish(messages.plan)

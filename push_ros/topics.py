@@ -81,8 +81,8 @@ TOPICS = {
     'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,
                        "goal pose of the object; RViz's 2D Goal Pose"),
     'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
-                 'free floor for object and robot in a task; unknown cells and those of 50 or '
-                 'more are obstacles, as is everything outside; latched'),
+                 'free floor for object and robot in a task; map.* says which cells are '
+                 'obstacles, everything outside is one; latched'),
     'push_request': Topic(
         JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
         'request for a plan, one point whose joint names say what each number is: x, y '

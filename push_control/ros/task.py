@@ -7,7 +7,6 @@ from typing import Any
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.observation import Observation
-from push_control.ros.map_reader import MapReader
 from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
@@ -19,11 +18,14 @@ from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskFailure, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance, Pose, wrap_angle
-from push_model.plan_request import PlanFailure
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import Twist
+from push_navigation.footprint_clearing import FootprintClearing
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import MapSettings
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import MessageRefused
+from push_ros.map_reader import MapChange, MapReader, ReadMap
 from push_ros.node import PushNode, ServiceAnswer
 from push_ros.node_settings import ControllerOptions
 
@@ -44,7 +46,8 @@ class TaskMode(Mode):
     reports_events = True
 
     def __init__(self, node: PushNode, parameters: ControllerParameters, frame: str,
-                 options: ControllerOptions, scene: ScenePublisher) -> None:
+                 options: ControllerOptions, scene: ScenePublisher,
+                 *, map_settings: MapSettings) -> None:
         """
         Wait for a goal.
 
@@ -53,6 +56,7 @@ class TaskMode(Mode):
         :param frame: id of the world frame.
         :param options: ``ControllerOptions``.
         :param scene: the ``ScenePublisher``.
+        :param map_settings: ``MapSettings``.
         :raises ValueError: where ``knowledge_file`` cannot be read.
         """
         self._parameters = parameters
@@ -62,8 +66,11 @@ class TaskMode(Mode):
         file = KnowledgeFile(Path(options.knowledge_file)) if options.knowledge_file else None
         self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
         self._covariance_check = CovarianceCheck(parameters.supervision)
-        self._occupancy_map: OccupancyMap | None = None
-        self._map_reader = MapReader(frame)
+        self._map: ReadMap | None = None
+        self._map_reader = MapReader(frame, map_settings)
+        self._clearing = FootprintClearing(map_settings, parameters.object, parameters.robot)
+        # The request for which footprints were last cleared.
+        self._cleared_for: PlanRequest | None = None
         self._goal: PushGoal | None = None
         self._requester = PlanRequester(node, frame)
         self._reporter = TaskReporter(node, scene)
@@ -103,7 +110,7 @@ class TaskMode(Mode):
     def reset(self) -> None:
         """Forget all but goal and map, which are kept for ``start``, and what was learned."""
         self._supervisor = Supervisor(*self._parameters, knowledge=self._memory.recall())
-        self._supervisor.set_map(self._occupancy_map)
+        self._supervisor.set_map(self._cleared_map)
         self._supervisor.hold(self._map_reader.fault)
         self._observation: Observation | None = None
         self._requester.reset()
@@ -147,6 +154,7 @@ class TaskMode(Mode):
         except ValueError as error:
             self._logger.warning(f'knowledge_file: {error}; nothing is known of this object')
         former = self._supervisor
+        self._clearing.set_object(parameters.object)
         self._goal = None
         self.reset()
         self._supervisor.take_over_robot(former)
@@ -208,10 +216,20 @@ class TaskMode(Mode):
             found = self._map_reader.take()
         finally:
             self._supervisor.hold(self._map_reader.fault)
-        if found is not None:
-            self._occupancy_map = found.occupancy_map
-            self._supervisor.set_map(found.occupancy_map)
+        if found is None:
+            return
+        self._map = found
+        if found.change is MapChange.NEW:
+            self._supervisor.set_map(self._cleared_map)
             self._reporter.report_map(found.message)
+        elif found.change is MapChange.MOVED:
+            self._supervisor.move_map(self._cleared_map)
+
+    @property
+    def _cleared_map(self) -> OccupancyMap | None:
+        """The map without the footprints of object and robot."""
+        return None if self._map is None else self._clearing.clear(self._map.occupancy_map,
+                                                                   self._map.stamp)
 
     def move_goal(self, correction: Pose) -> None:
         """
@@ -230,9 +248,10 @@ class TaskMode(Mode):
 
         :param correction: ``Pose``, as of ``Mode``.
         """
-        if self._occupancy_map is not None:
-            self._occupancy_map = self._occupancy_map.moved(correction)
-            self._supervisor.move_map(self._occupancy_map)
+        moved = self._map_reader.move(correction)
+        if moved is not None:
+            self._map = moved
+            self._supervisor.move_map(self._cleared_map)
 
     def on_plan(self, message: Any) -> None:
         """
@@ -292,17 +311,31 @@ class TaskMode(Mode):
         :return: ``Twist``.
         """
         self._observation = observation
+        self._record_footprints(observation)
         if self._map_reader.is_busy:
             try:
                 self._take_map()
             except MessageRefused as error:
                 self._reporter.warn(str(error), observation)
         command = self._supervisor.step(observation, dt)
+        self._clear_footprints()
         self._requester.update(self._supervisor.plan_request, observation.time)
         if self._memory.is_due(self._supervisor.status.state):
             self._reporter.warn(self._memory.keep(self._supervisor.knowledge), observation)
         self._reporter.warn(self._covariance_check.update(observation.odometry), observation)
         return command
+
+    def _record_footprints(self, observation: Observation) -> None:
+        measured = observation.object_pose
+        self._clearing.record(observation.time, None if measured is None else measured.pose,
+                              observation.odometry.pose)
+
+    def _clear_footprints(self) -> None:
+        """Clear those that were made since the last plan; the next one starts from here."""
+        request = self._supervisor.plan_request
+        if request is not self._cleared_for and self._clearing.is_enabled:
+            self._supervisor.move_map(self._cleared_map)
+        self._cleared_for = request
 
     def report(self, stamp: Any, time: float) -> None:
         """

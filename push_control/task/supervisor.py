@@ -224,11 +224,11 @@ class Supervisor:
         if self._goal is not None:
             self._goal = pose
 
-    def move_map(self, occupancy_map: OccupancyMap) -> None:
+    def move_map(self, occupancy_map: OccupancyMap | None) -> None:
         """
-        Move the map a little, likewise.
+        Move the map a little, likewise; planning that failed in it fails again.
 
-        :param occupancy_map: the ``OccupancyMap``.
+        :param occupancy_map: the ``OccupancyMap``, or None for open floor.
         """
         self._behaviors.occupancy_map = occupancy_map
 

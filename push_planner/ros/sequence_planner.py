@@ -4,17 +4,19 @@ from typing import Any, Mapping, NamedTuple
 
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.plan_request import PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest
+from push_navigation.footprint_clearing import FootprintClearing
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.settings import DriveSettings
+from push_navigation.settings import DriveSettings, MapSettings
 from push_planner.map_search.planner import warm_up as warm_up_search
 from push_planner.primitive_push.planner import warm_up
+from push_planner.problem import PlanningFailed
 from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.sequence.steps import sequence_poses
 from push_planner.settings import PlannerSettings, TaskSettings
-from push_ros.conversions.map import from_map_message
 from push_ros.conversions.plan import to_path_message, to_plan_message
 from push_ros.conversions.plan_request import from_request_message
+from push_ros.map_reader import MapChange, MapReader, ReadMap
 
 # Spacing of the poses in ``planned_path`` [m]; chosen: a smooth line in a display.
 PATH_SPACING = 0.05
@@ -29,6 +31,7 @@ class PlannerParameters(NamedTuple):
     :param planner: ``PlannerSettings``.
     :param drive: ``DriveSettings``; for sequences.
     :param task: ``TaskSettings``; for sequences.
+    :param map_settings: ``MapSettings``; for sequences.
     """
 
     object: PushedObject
@@ -36,6 +39,7 @@ class PlannerParameters(NamedTuple):
     planner: PlannerSettings
     drive: DriveSettings
     task: TaskSettings
+    map_settings: MapSettings
 
 
 class SequencePlanMessages(NamedTuple):
@@ -61,7 +65,11 @@ class SequenceRequestHandler:
         :param frame: id of the world frame.
         """
         self._frame = frame
-        self._occupancy_map: OccupancyMap | None = None
+        self._map_reader = MapReader(frame, parameters.map_settings)
+        self._map: ReadMap | None = None
+        self.clearing = FootprintClearing(parameters.map_settings, parameters.object,
+                                          parameters.robot)
+        self._cleared_object = parameters.object
         self.set_parameters(parameters)
         if self._plans_unsteered_pushes:
             # Compiles the planner and makes the table of the object where there is none yet.
@@ -83,16 +91,44 @@ class SequenceRequestHandler:
 
     def on_map(self, message: Any) -> None:
         """
-        Set the map.
+        Begin to read the map; ``take_map`` returns it.
 
         :param message: ``nav_msgs/OccupancyGrid``.
-        :raises MessageRefused: where it cannot be used; the former one stays.
         """
-        occupancy_map = from_map_message(message, self._frame)
-        if self._occupancy_map is None and self._plans_unsteered_pushes:
+        self._map_reader.start(message)
+
+    @property
+    def reads_map(self) -> bool:
+        """Whether there is a map to be taken, now or later."""
+        return self._map_reader.is_busy
+
+    def refuse_map(self, reason: str) -> None:
+        """
+        Plan no more until a map can be used.
+
+        :param reason: why this one cannot, one sentence.
+        """
+        self._map_reader.refuse(reason)
+
+    def wait_for_map(self) -> None:
+        """Wait until the map has been read that came last."""
+        self._map_reader.wait()
+
+    def take_map(self) -> Any:
+        """
+        Use the map that was read, from the next plan on.
+
+        :return: ``nav_msgs/OccupancyGrid`` of a new map; None where there is none.
+        :raises MessageRefused: where it cannot be used; there are no plans until one can.
+        """
+        found = self._map_reader.take()
+        if found is None:
+            return None
+        if self._map is None and self._plans_unsteered_pushes:
             parameters = self._parameters
             warm_up_search(parameters.object, parameters.robot, parameters.drive)
-        self._occupancy_map = occupancy_map
+        self._map = found
+        return None if found.change is not MapChange.NEW else found.message
 
     def move_map(self, correction: Pose) -> None:
         """
@@ -101,8 +137,7 @@ class SequenceRequestHandler:
         :param correction: ``Pose`` that takes its former origin to the new one,
             ``correction @ origin``.
         """
-        if self._occupancy_map is not None:
-            self._occupancy_map = self._occupancy_map.moved(correction)
+        self._map = self._map_reader.move(correction)
 
     def read(self, message: Any) -> PlanRequest:
         """
@@ -124,7 +159,21 @@ class SequenceRequestHandler:
         """
         parameters = self._parameters
         return plan_for_request(request, parameters.robot, parameters.planner, parameters.drive,
-                                parameters.task, self._occupancy_map)
+                                parameters.task, self._map_for(request))
+
+    def _map_for(self, request: PlanRequest) -> OccupancyMap | None:
+        """Return the map without the footprints of object and robot."""
+        if self._map_reader.fault:
+            raise PlanningFailed(PlanFailure.UNUSABLE_MAP, self._map_reader.fault)
+        if self._map is None:
+            return None
+        shape = request.obj.outline, request.obj.radius
+        if shape != (self._cleared_object.outline, self._cleared_object.radius):
+            self._cleared_object = request.obj
+            self.clearing.set_object(request.obj)
+        # Where they are now, whatever has been measured before.
+        self.clearing.record(self._map.stamp, request.object_pose, request.robot_pose)
+        return self.clearing.clear(self._map.occupancy_map, self._map.stamp)
 
     def messages(self, task_plan: TaskPlan, stamp: Any) -> SequencePlanMessages:
         """

@@ -1,11 +1,14 @@
 """Occupancy maps to messages and back."""
 
+import array
 import math
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import OccupancyGrid
 import numpy as np
+from push_model.geometry import Pose
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import MapSettings
 from push_ros.conversions.primitives import (
     check_frame, check_upright, from_pose_message, MessageRefused, to_pose_message,
 )
@@ -14,8 +17,6 @@ from push_ros.conversions.primitives import (
 UNKNOWN = -1
 FREE = 0
 FULL = 100
-# Probability from which on a cell counts as an obstacle; chosen: as likely as not.
-OCCUPIED = 50
 
 
 def to_map_message(occupancy_map: OccupancyMap, stamp: Time, frame: str) -> OccupancyGrid:
@@ -31,17 +32,21 @@ def to_map_message(occupancy_map: OccupancyMap, stamp: Time, frame: str) -> Occu
     message.info.map_load_time, message.info.resolution = stamp, occupancy_map.resolution
     message.info.height, message.info.width = occupancy_map.occupied.shape
     message.info.origin = to_pose_message(occupancy_map.origin)
-    message.data = np.where(occupancy_map.occupied, FULL, FREE).ravel().tolist()
+    # An array is taken as it is, a list number by number.
+    cells = np.where(occupancy_map.occupied, FULL, FREE).astype(np.int8)
+    message.data = array.array('b', cells.tobytes())
     return message
 
 
-def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map') -> OccupancyMap:
+def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map', *,
+                     settings: MapSettings | None = None) -> OccupancyMap:
     """
-    Read a map; what is unknown counts as occupied.
+    Read a map.
 
     :param message: ``nav_msgs/OccupancyGrid``.
     :param frame: id of the world frame.
     :param topic: what errors call the message.
+    :param settings: ``MapSettings``, or None for the defaults.
     :return: ``OccupancyMap``.
     :raises MessageRefused: naming what is wrong with it.
     """
@@ -57,10 +62,24 @@ def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map') -> 
     if len(wrong):
         raise MessageRefused(f'{topic}: got {cells[wrong[0]]} in cell {wrong[0]}, expected '
                              f'{UNKNOWN} to {FULL}')
-    check_upright(info.origin.orientation, f'{topic}: origin')
-    origin = from_pose_message(info.origin, f'{topic}: origin')
-    occupied = (cells >= OCCUPIED) | (cells == UNKNOWN)
-    return OccupancyMap(info.resolution, origin, occupied.reshape(info.height, info.width))
+    settings = settings or MapSettings()
+    occupied = cells >= settings.lethal_cost_threshold
+    if not settings.allow_unknown:
+        occupied |= cells == UNKNOWN
+    return OccupancyMap(info.resolution, map_origin(message, topic),
+                        occupied.reshape(info.height, info.width))
+
+
+def map_origin(message: OccupancyGrid, topic: str = 'map') -> Pose:
+    """
+    Read where the outer corner of the first cell is.
+
+    :param message: ``nav_msgs/OccupancyGrid``.
+    :param topic: what errors call the message.
+    :raises MessageRefused: where it is tilted, or not finite.
+    """
+    check_upright(message.info.origin.orientation, f'{topic}: origin')
+    return from_pose_message(message.info.origin, f'{topic}: origin')
 
 
 def map_text(message: OccupancyGrid) -> str:

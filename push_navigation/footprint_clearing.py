@@ -1,0 +1,171 @@
+"""
+Footprints of object and robot in a map of obstacles.
+
+A costmap of what a laser sees shows the object, and maybe the robot, as obstacles where they were
+when they were seen. No obstacle of the floor can be where either has been since. Of cells beside
+these places only those are cleared that do not go on as an obstacle beyond them: a wall beside the
+object stays whole, while the rim of the object is cleared that the laser saw too far out.
+"""
+
+from collections import deque
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_model.geometry import BoolArray, distance, FloatArray, Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.obstacle import inflate, InflatedObstacle
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import MapSettings
+from scipy.ndimage import label
+
+# Motion after which a pose is remembered [m], [rad]; chosen: half a cell of usual maps, and as much
+# at the corner of an object.
+SPACING = 0.025
+ANGULAR_SPACING = 0.1
+# Poses that are remembered of each body; chosen: 25 m, far more than between two maps.
+MAX_POSES = 1000
+# Neighbours of a cell that belong to the same obstacle: all eight.
+NEIGHBOURS = np.ones((3, 3), dtype=np.int_)
+
+
+class _Stay(NamedTuple):
+    """A pose, and until when the body was there [s]."""
+
+    pose: Pose
+    until: float
+
+
+class _Trail:
+    """Where a body has been."""
+
+    def __init__(self, shape: InflatedObstacle) -> None:
+        self.shape = shape
+        self._stays: deque[_Stay] = deque(maxlen=MAX_POSES)
+
+    def record(self, pose: Pose, time: float) -> None:
+        if self._stays:
+            last = self._stays[-1].pose
+            if (distance(last, pose) < SPACING
+                    and abs(wrap_angle(last.theta - pose.theta)) < ANGULAR_SPACING):
+                self._stays[-1] = _Stay(last, time)
+                return
+        self._stays.append(_Stay(pose, time))
+
+    def since(self, time: float) -> list[Pose]:
+        """Poses that the body had since a time, the last one in any case."""
+        return ([stay.pose for stay in self._stays if stay.until >= time]
+                or [stay.pose for stay in list(self._stays)[-1:]])
+
+
+class FootprintClearing:
+    """
+    Remembers where object and robot were, and clears their footprints from maps.
+
+    :param settings: ``MapSettings``.
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    """
+
+    def __init__(self, settings: MapSettings, obj: PushedObject, robot: RoundRobot) -> None:
+        self._settings = settings
+        self._robot = _Trail(inflate((), robot.radius, 0.0))
+        self.set_object(obj)
+        # The last map and what became of it.
+        self._former: tuple[OccupancyMap, BoolArray, OccupancyMap] | None = None
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether footprints are cleared at all."""
+        return self._settings.footprint_clearing_enabled
+
+    def set_object(self, obj: PushedObject) -> None:
+        """
+        Turn to another object, which has been nowhere yet.
+
+        :param obj: the ``PushedObject``.
+        """
+        self._object = _Trail(inflate(obj.outline, obj.radius, 0.0))
+
+    def record(self, time: float, object_pose: Pose | None, robot_pose: Pose | None) -> None:
+        """
+        Remember where object and robot are.
+
+        :param time: of the poses [s].
+        :param object_pose: ``Pose`` of the object, or None.
+        :param robot_pose: ``Pose`` of the robot, or None.
+        """
+        for trail, pose in ((self._object, object_pose), (self._robot, robot_pose)):
+            if pose is not None and self.is_enabled:
+                trail.record(pose, time)
+
+    def clear(self, occupancy_map: OccupancyMap, stamp: float) -> OccupancyMap:
+        """
+        Clear the footprints.
+
+        :param occupancy_map: the ``OccupancyMap`` as it came.
+        :param stamp: its time [s].
+        :return: the map without them; the same one again as long as nothing changes.
+        """
+        if not self.is_enabled:
+            return occupancy_map
+        since = stamp - self._settings.footprint_clearing_time
+        cells = np.zeros_like(occupancy_map.occupied)
+        for trail in (self._object, self._robot):
+            _mark(occupancy_map, trail.shape, trail.since(since),
+                  self._settings.footprint_clearing_margin, cells)
+        if self._former is not None:
+            former_map, former_cells, result = self._former
+            if former_map is occupancy_map and np.array_equal(former_cells, cells):
+                return result
+        result = occupancy_map.freed(cells)
+        self._former = occupancy_map, cells, result
+        return result
+
+
+def _mark(occupancy_map: OccupancyMap, shape: InflatedObstacle, poses: list[Pose],
+          margin: float, cells: BoolArray) -> None:
+    """Mark the occupied cells that a body has made."""
+    if not poses:
+        return
+    size, resolution = _radius(shape), occupancy_map.resolution
+    places = occupancy_map.to_map([pose[:2] for pose in poses])
+    # With a rim, in which obstacles that go on are seen.
+    rim = size + margin + 2.0 * resolution
+    first = np.maximum(np.floor((places.min(axis=0) - rim) / resolution), 0).astype(int)
+    last = np.maximum(np.ceil((places.max(axis=0) + rim) / resolution), 0).astype(int)
+    window = slice(first[1], last[1]), slice(first[0], last[0])
+    occupied = occupancy_map.occupied[window]
+    rows, columns = np.nonzero(occupied)
+    if not rows.size:
+        return
+    points = occupancy_map.from_map(
+        resolution * np.stack((columns + first[0] + 0.5, rows + first[1] + 0.5), axis=1))
+    away = _distances(shape, poses, points, size + rim)
+    inside = away < 0.0
+    # Obstacles in what is left.
+    left = occupied.copy()
+    left[rows[inside], columns[inside]] = False
+    numbers = np.empty(left.shape, dtype=np.int_)
+    label(left, NEIGHBOURS, output=numbers)
+    of_cells = numbers[rows, columns]
+    kept = np.unique(of_cells[away > margin])
+    cleared = inside | ~np.isin(of_cells, kept)
+    cells[window][rows[cleared], columns[cleared]] = True
+
+
+def _distances(shape: InflatedObstacle, poses: list[Pose], points: FloatArray,
+               reach: float) -> FloatArray:
+    """Distances of points from a body at any of its poses [m]; large ones are not exact."""
+    result = np.full(len(points), math.inf)
+    for pose in poses:
+        near = np.flatnonzero(np.hypot(*(points - pose[:2]).T) < reach)
+        if near.size:
+            c, s = math.cos(pose.theta), math.sin(pose.theta)
+            local = (points[near] - pose[:2]) @ np.array([[c, -s], [s, c]])
+            result[near] = np.minimum(result[near], shape.distances(local))
+    return result
+
+
+def _radius(shape: InflatedObstacle) -> float:
+    return max(math.hypot(*corner) for corner in shape.core) + shape.radius
