@@ -25,7 +25,8 @@ def page_html(title: str, document: Message | None = None) -> str:
 
     :param title: of the page.
     :param document: for a report ``runs``, a list of mappings with ``name`` and ``messages``, and
-        ``table``, the lines of a table; None for a page that asks the server it came from.
+        ``table``, the lines of a table; for one of a batch see ``batch_report``; None for a page
+        that asks the server it came from.
     :return: HTML.
     """
     text = page_source('index.html')
@@ -35,7 +36,7 @@ def page_html(title: str, document: Message | None = None) -> str:
     text = text.replace(CONNECTIONS[False], CONNECTIONS[document is not None], 1)
     if document is not None:
         opening, closing = RECORDING.split('><')
-        text = text.replace(RECORDING, f'{opening}>{_packed(document)}<{closing}', 1)
+        text = text.replace(RECORDING, f'{opening}>{packed(document)}<{closing}', 1)
     return text
 
 
@@ -49,7 +50,11 @@ def page_source(name: str) -> str:
     return folder.joinpath(name).read_text('utf-8')
 
 
-def _packed(document: Any) -> str:
-    """Compress a document; equal ones give equal text."""
+def packed(document: Any) -> str:
+    """
+    Compress a document; equal ones give equal text.
+
+    :param document: as JSON has it.
+    """
     text = json.dumps(document, separators=(',', ':'), allow_nan=False)
     return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode('ascii')

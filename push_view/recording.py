@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 import dataclasses
+import re
 
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
@@ -17,16 +18,25 @@ from push_view.messages import (
 from push_view.wall_contact import WallContactDetector
 
 
-def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[Message]:
+# Columns of the tape that the page does not show.
+HIDDEN_COLUMNS = re.compile(
+    r'object_(v_x|v_y|omega)|robot_omega|command_\w+|mode|pushing_angle|energy_\w+|support_\w+')
+
+
+def recording(result: RunResult, beliefs: BeliefRecorder | None = None, *,
+              only_shown: bool = False) -> list[Message]:
     """
     Turn a run into messages.
 
     :param result: the ``RunResult``.
     :param beliefs: what the robot believed in it, where that was recorded.
+    :param only_shown: leave out what the page does not show of the tape.
     :return: messages: the scene first, then the rest, each kind in order of time. One of a goal
         that was refused has no rows.
     """
     scenario, tape = result.scenario, result.tape
+    if tape is not None and only_shown:
+        tape = _shown(tape)
     columns = () if tape is None else tape.columns
     if beliefs is not None:
         columns = (*columns, *beliefs.columns)
@@ -46,6 +56,11 @@ def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[
     messages.append({'type': 'ending', 'time': result.duration, 'outcome': result.outcome.value,
                      'reason': result.reason, 'notes': list(report_notes(result))})
     return messages
+
+
+def _shown(tape: Tape) -> Tape:
+    names = tuple(name for name in tape.columns if not HIDDEN_COLUMNS.fullmatch(name))
+    return Tape(names, tape.rows[:, [tape.columns.index(name) for name in names]])
 
 
 def _truths(result: RunResult) -> Iterator[Message]:

@@ -8,23 +8,22 @@ one task and prints what happened.
 """
 
 import argparse
-import dataclasses
 import math
 from pathlib import Path
 import sys
 
 from benchmarks.controller.tables import Job, Record
+from benchmarks.task_page import write_page
 from benchmarks.tasks.cases import (
-    Case, IN_MAPS, jobs, KINDS, METHODS, OPEN, PARTS, STRICT,
+    IN_MAPS, jobs, KINDS, METHODS, OPEN, PARTS, STRICT,
 )
 from benchmarks.tasks.picture import picture
 from benchmarks.tasks.reference import refer
 from benchmarks.tasks.report import text
-from benchmarks.tasks.run import drawn, run, run_case
+from benchmarks.tasks.run import disturbed, drawn, run, run_case
 from push_scenario.batch.batch import run_batch
 from push_scenario.batch.chunks import JobFunction
 from push_scenario.definition.loader import scenario_text
-from push_scenario.definition.scenario import Scenario
 from tqdm import tqdm
 
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
@@ -162,14 +161,6 @@ def one(chosen: argparse.Namespace) -> None:
         print(f'written: {path}; replay {path} --in-process')
 
 
-def disturbed(case: Case) -> Scenario:
-    """Return the scenario with the displacement that the intervention made."""
-    displacement = None if case.intervention is None else case.intervention.displacement
-    return dataclasses.replace(case.scenario, simulation=dataclasses.replace(
-        case.scenario.simulation,
-        object_displacements=() if displacement is None else (displacement,)))
-
-
 def main() -> int:
     """Measure, print, write; or run one task."""
     chosen = options()
@@ -183,6 +174,7 @@ def main() -> int:
         return INTERRUPTED
     written = text(all_jobs, all_records)
     print(written)
+    print(write_page(chosen.records / 'tasks.html', all_jobs, all_records))
     if chosen.out:
         chosen.out.mkdir(parents=True, exist_ok=True)
         (chosen.out / 'tasks.md').write_text(written, encoding='utf-8')

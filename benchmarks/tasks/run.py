@@ -1,5 +1,6 @@
 """Simulation of one random task; its figures as a flat record."""
 
+import dataclasses
 import math
 import time
 from typing import Optional, Union
@@ -12,6 +13,7 @@ from push_control.push.controller import Controller
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.plan_request import PlanRequest
+from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.corrections import correcting_pushes
 from push_scenario.evaluation.metrics import distance_travelled
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, simulate
@@ -109,6 +111,14 @@ def run_case(case: Case) -> tuple[RunResult, PlanningClock]:
     """
     clock = PlanningClock(case.intervention)
     return simulate(case.scenario, intervene=clock), clock
+
+
+def disturbed(case: Case) -> Scenario:
+    """Return the scenario with the displacement that the intervention made."""
+    displacement = None if case.intervention is None else case.intervention.displacement
+    return dataclasses.replace(case.scenario, simulation=dataclasses.replace(
+        case.scenario.simulation,
+        object_displacements=() if displacement is None else (displacement,)))
 
 
 def _tape(result: RunResult) -> Tape:

@@ -119,13 +119,25 @@ class App {
     if (duration < Infinity) this.messageTimer = setTimeout(() => this.showMessage(''), duration);
   }
 
+  openRun(messages) {
+    messages.forEach((message) => this.apply(message));
+    this.fitOnce();
+    this.player.isPlaying = !matchMedia('(prefers-reduced-motion: reduce)').matches;
+  }
+
+  openBatch(report) {
+    this.player.showSpeeds(REPORT_SPEEDS);
+    setText(byId('title'), report.title);
+    this.batch = new Batch(report, (messages, table, name) => {
+      this.openRun(messages);
+      setText(byId('title'), `${report.title}: ${name}`);
+      this.panel.showResults(table, messages[messages.length - 1].notes);
+    });
+  }
+
   // A report: one of its runs at a time.
   openDocument(report) {
-    const open = (run) => {
-      run.messages.forEach((message) => this.apply(message));
-      this.fitOnce();
-      this.player.isPlaying = !matchMedia('(prefers-reduced-motion: reduce)').matches;
-    };
+    const open = (run) => this.openRun(run.messages);
     this.player.showSpeeds(REPORT_SPEEDS);
     report.runs.forEach((run, i) => byId('run').append(new Option(run.name, i)));
     byId('run-choice').hidden = report.runs.length < 2;
@@ -169,5 +181,7 @@ class App {
 
 const app = new App();
 embeddedDocument().then((report) => {
-  if (report) app.openDocument(report); else app.openConnection();
+  if (!report) app.openConnection();
+  else if (report.tables) app.openBatch(report);
+  else app.openDocument(report);
 });

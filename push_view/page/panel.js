@@ -183,6 +183,7 @@ class Panel {
   // The table of a report: a head, and lines of cells.
   showResults(lines, notes) {
     const table = byId('results').querySelector('table');
+    for (const part of [table.tHead, table.tBodies[0], byId('notes')]) part.textContent = '';
     const head = table.tHead.insertRow();
     lines[0].forEach((text) => { cell(head, text, 'th').scope = 'col'; });
     for (const line of lines.slice(1)) {

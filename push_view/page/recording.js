@@ -139,10 +139,14 @@ function poseOf(values, body) {
   return [values(body + '_x'), values(body + '_y'), values(body + '_theta')];
 }
 
-// Unpack what the report holds: a document with runs and a table, or null on a live page.
+// What the report holds: a document, or null on a live page.
 async function embeddedDocument() {
   const text = document.getElementById('recording').textContent.trim();
-  if (!text) return null;
+  return text ? unpack(text) : null;
+}
+
+// JSON that was compressed and written in letters.
+async function unpack(text) {
   const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
   return JSON.parse(await new Response(stream).text());
