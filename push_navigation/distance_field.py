@@ -47,7 +47,7 @@ def distance_field(occupied: BoolArray) -> NDArray[np.float32]:
     memory = (np.empty(columns), np.empty(columns + 1), np.empty(columns, dtype=np.int64),
               np.empty(columns))
     for first, last in _portions(rows, columns):
-        _along_rows(occupied, result, first, last, *memory)
+        _along_rows(occupied, result, first, last, memory)
     return result
 
 
@@ -79,9 +79,9 @@ def _along_columns(occupied: Any, result: Any, first: int, last: int) -> None:
 
 
 @compiled
-def _along_rows(occupied: Any, result: Any, first: int, last: int, row: Any, bounds: Any,
-                lowest: Any, squares: Any) -> None:
-    """Write the distances of some rows; the last four are memory to work with."""
+def _along_rows(occupied: Any, result: Any, first: int, last: int, memory: Any) -> None:
+    """Write the distances of some rows."""
+    row, bounds, lowest, squares = memory
     columns = occupied.shape[1]
     for i in range(first, last):
         for j in range(columns):

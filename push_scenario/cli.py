@@ -13,7 +13,7 @@ from push_control.settings import LAWS
 from push_model.files.parameter_files import named_file
 from push_scenario.batch.interrupts import Interrupts
 from push_scenario.definition.loader import (
-    find_scenario, read_scenario, read_sensors, scenario_names, scenario_text,
+    find_scenario, read_scenario, read_sensors, scenario_names, scenario_text, with_map,
 )
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import is_as_expected
@@ -130,6 +130,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--sensors', metavar='NAME',
                         help="sensors of the simulator, in place of the scenario's: path of a "
                         'file, or name of one of config/sensors')
+    parser.add_argument('--map', metavar='FILE', type=Path,
+                        help="map of a task, in place of the scenario's: YAML file of "
+                        'nav2_map_server, or one drawn in characters as in config/maps')
     parser.add_argument('--in-process', action='store_true',
                         help='run planner, controller and simulator in one process, without ROS')
     parser.add_argument('--real-time', action='store_true',
@@ -164,6 +167,8 @@ def _replay(options: argparse.Namespace) -> int:
     if options.sensors:
         scenario = dataclasses.replace(
             scenario, sensors=read_sensors(named_file('sensors', options.sensors)))
+    if options.map:
+        scenario = with_map(scenario, options.map)
     laws = list(dict.fromkeys(options.law or [scenario.control.control_law]))
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')

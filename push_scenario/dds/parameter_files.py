@@ -65,13 +65,15 @@ def _planner_sections(scenario: Scenario) -> list[Section]:
         return [*_nominal_sections(scenario), ('planner.', planner)]
     return [*_nominal_sections(scenario),
             ('planner.', dataclasses.replace(planner, site='sequence')),
-            ('drive.', task.drive), ('task.', task.planning)]
+            ('drive.', task.drive), ('task.', task.planning), ('map.', task.map_reading)]
 
 
 def _controller_sections(scenario: Scenario, settings: ControlSettings) -> list[Section]:
     sections = [*_nominal_sections(scenario), ('control.', settings)]
     if scenario.task is not None:
-        sections += [('drive.', scenario.task.drive), ('supervision.', scenario.task.supervision)]
+        task = scenario.task
+        sections += [('drive.', task.drive), ('supervision.', task.supervision),
+                     ('map.', task.map_reading)]
     return sections
 
 

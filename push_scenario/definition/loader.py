@@ -3,15 +3,20 @@ Scenario files: YAML to ``Scenario`` and back.
 
 ``object``, ``robot`` and ``sensors`` may name a file of ``config/objects``, ``config/robots`` or
 ``config/sensors`` (key ``file``) and change parts of it; ``true_object`` and ``true_robot`` hold
-only what differs from them. A map may name a file of ``config/maps``.
+only what differs from them. A map may name a file of ``config/maps``, or one of
+``nav2_map_server``.
 """
 
+import dataclasses
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from push_model.files.data import share_directory
 from push_model.files.mapping import expect_mapping, from_mapping, Location, merge, to_mapping
 from push_model.files.strict_yaml import load_yaml, ParameterFileError, parse_yaml
+from push_navigation.map_file import read_map
+from push_navigation.settings import MapSettings
+from push_scenario.definition.floor_map import floor_map_values, FloorMap
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.sensors import SensorSettings
 import yaml
@@ -105,6 +110,22 @@ def read_sensors(path: str | Path) -> SensorSettings:
     return from_mapping(SensorSettings, load_yaml(Path(path)), Location(path))
 
 
+def with_map(scenario: Scenario, path: str | Path) -> Scenario:
+    """
+    Let a task be done in another map.
+
+    :param scenario: the ``Scenario``.
+    :param path: map file, drawn in characters or of ``nav2_map_server``.
+    :raises ParameterFileError: naming what is wrong.
+    """
+    task, at = scenario.task, Location(path)
+    if task is None:
+        raise ParameterFileError(f'{scenario.name}: got a map for a single push, expected a task')
+    values = map_file_values(Path(path), to_mapping(task.map_reading), at)
+    floor_map = from_mapping(FloorMap, values, at)
+    return dataclasses.replace(scenario, task=dataclasses.replace(task, map=floor_map))
+
+
 def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | None) -> Scenario:
     """Make a scenario; ``directory`` is where the files that it names are looked for first."""
     data = dict(data)
@@ -121,9 +142,36 @@ def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | N
         data['sensors'] = _with_file(data['sensors'], at.key('sensors'), 'sensors', directory)
     task = data.get('task')
     if isinstance(task, dict) and 'map' in task:
-        floor_map = _with_file(task['map'], at.key('task').key('map'), 'maps', directory)
-        data['task'] = {**task, 'map': floor_map}
+        data['task'] = {**task, 'map': _floor_map(cast(dict[str, Any], task), at.key('task'),
+                                                  directory)}
     return from_mapping(Scenario, {'name': name, **data}, at)
+
+
+def _floor_map(task: dict[str, Any], at: Location, directory: Path | None) -> dict[str, Any]:
+    """Read the map of a task; one that is a text names a file."""
+    values, at = task['map'], at.key('map')
+    if isinstance(values, str):
+        values = {'file': values}
+    if isinstance(values, dict) and set(cast(dict[str, Any], values)) == {'file'}:
+        path = _file(cast(dict[str, Any], values)['file'], at.key('file'), 'maps', directory)
+        return map_file_values(path, task.get('map_reading'), at)
+    return _with_file(values, at, 'maps', directory)
+
+
+def map_file_values(path: Path, reading: object, at: Location) -> dict[str, Any]:
+    """
+    Read a map file as the mapping that a scenario holds.
+
+    :param path: the file, drawn in characters or of ``nav2_map_server``.
+    :param reading: mapping of ``MapSettings``, or None for the defaults.
+    :param at: where the file is named.
+    :raises ParameterFileError: naming file and field, what came and what was expected.
+    """
+    values = load_yaml(path)
+    if 'image' not in values:
+        return values
+    settings = from_mapping(MapSettings, reading or {}, at)
+    return floor_map_values(read_map(path), settings.lethal_cost_threshold)
 
 
 def _with_file(values: object, at: Location, folder: str,
@@ -132,15 +180,20 @@ def _with_file(values: object, at: Location, folder: str,
     mapping = expect_mapping(values, at)
     if 'file' not in mapping:
         return mapping
-    name = mapping['file']
+    path = _file(mapping['file'], at.key('file'), folder, directory)
+    changes = {key: value for key, value in mapping.items() if key != 'file'}
+    return merge(load_yaml(path), changes, at)
+
+
+def _file(name: object, at: Location, folder: str, directory: Path | None) -> Path:
+    """Find a file that is named, beside the scenario or in a folder of the package."""
     if not isinstance(name, str):
-        raise at.key('file').error(f'got {name!r}, expected the name of a file')
+        raise at.error(f'got {name!r}, expected the name of a file')
     candidates = [share_directory() / 'config' / folder / name]
     if directory is not None:
         candidates.insert(0, directory / name)
     for path in candidates:
         if path.is_file():
-            changes = {key: value for key, value in mapping.items() if key != 'file'}
-            return merge(load_yaml(path), changes, at)
-    raise at.key('file').error(f'got {name!r}, expected a file in '
+            return path
+    raise at.error(f'got {name!r}, expected a file in '
                                + ' or '.join(str(path.parent) for path in candidates))

@@ -6,7 +6,7 @@ import functools
 from push_control.task.settings import SupervisionSettings
 from push_model.quantity import check, quantity
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.settings import DriveSettings
+from push_navigation.settings import DriveSettings, MapSettings
 from push_planner.settings import TaskSettings
 from push_scenario.definition.floor_map import FloorMap
 from push_scenario.definition.placement import Placement
@@ -32,6 +32,7 @@ class Task:
     supervision: SupervisionSettings = SupervisionSettings()
     planning: TaskSettings = TaskSettings()
     map: FloorMap | None = None
+    map_reading: MapSettings = MapSettings()
     goals: tuple[LaterGoal, ...] = quantity('goals that are given later', default=())
 
     def __post_init__(self) -> None:
@@ -44,4 +45,4 @@ class Task:
     @functools.cached_property
     def occupancy_map(self) -> OccupancyMap | None:
         """``OccupancyMap`` of the map, or None."""
-        return None if self.map is None else self.map.occupancy_map
+        return None if self.map is None else self.map.read(self.map_reading)

@@ -7,10 +7,13 @@ from push_model.files.mapping import from_mapping, Location, to_mapping
 from push_model.files.strict_yaml import ParameterFileError
 from push_model.geometry import Pose
 from push_scenario.definition.floor_map import FloorMap
-from push_scenario.definition.loader import load_scenario
+from push_scenario.definition.loader import (
+    load_scenario, read_scenario, scenario_from_text, scenario_text, with_map,
+)
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.task import Task
 import pytest
+import yaml
 
 
 def test_a_drawn_map_has_its_first_row_at_the_top():
@@ -38,3 +41,25 @@ def test_later_goals_must_be_later(times):
     goals = [{'time': time, 'goal': {'x': 1.0}} for time in times]
     with pytest.raises(ParameterFileError, match='goals'):
         from_mapping(Task, {**case, 'goals': goals}, Location('case'))
+
+
+def test_a_map_of_map_server_is_read_with_a_scenario_and_in_place_of_its_own(tmp_path):
+    """Cells, thresholds and origin; what is unknown is free where the scenario says so."""
+    (tmp_path / 'floor.pgm').write_bytes(b'P5 3 2 255\n' + bytes([254, 0, 205, 254, 254, 254]))
+    (tmp_path / 'floor.yaml').write_text(
+        'image: floor.pgm\nresolution: 0.5\norigin: [1.0, 2.0, 0.5]\noccupied_thresh: 0.65\n'
+        'free_thresh: 0.196\n')
+    text = scenario_text(load_scenario('task_map'))
+    values = yaml.safe_load(text)
+    for name in ('floor.yaml', {'file': 'floor.yaml'}):
+        values['task'].update(map=name, map_reading={'allow_unknown': True})
+        (tmp_path / 'case.yaml').write_text(yaml.safe_dump(values))
+        task = read_scenario(tmp_path / 'case.yaml').task
+        assert task.occupancy_map.occupied.tolist() == [[False] * 3, [False, True, False]]
+        assert task.occupancy_map.origin == Pose(1.0, 2.0, 0.5)
+    other = with_map(load_scenario('task_map'), tmp_path / 'floor.yaml')
+    assert other.task.occupancy_map.occupied.tolist() == [[False] * 3, [False, True, True]]
+    again = scenario_from_text(scenario_text(other), other.name)
+    assert np.array_equal(again.task.occupancy_map.occupied, other.task.occupancy_map.occupied)
+    with pytest.raises(ParameterFileError, match='expected a task'):
+        with_map(load_scenario('straight_push'), tmp_path / 'floor.yaml')
