@@ -6,6 +6,7 @@ from typing import Any, Sequence
 from push_dynamics import layout
 from push_model.contact import find_contact
 from push_model.geometry import Pose
+from push_model.load_transfer import load_gradients
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
 
@@ -29,7 +30,8 @@ def body_numbers(obj: PushedObject, robot: RoundRobot, smoothing: float,
     """
     com_x, com_y = obj.center_of_mass
     return [obj.mass, obj.inertia, com_x, com_y, obj.radius, robot.radius,
-            obj.contact_friction_coefficient, smoothing, creep]
+            obj.contact_friction_coefficient, smoothing, creep, obj.contact_height,
+            obj.center_of_mass_height]
 
 
 def drive_numbers(robot: RoundRobot) -> list[float]:
@@ -42,17 +44,20 @@ def drive_numbers(robot: RoundRobot) -> list[float]:
 
 
 def support_rows(obj: PushedObject, capacities: Sequence[float],
-                 factors: Sequence[float]) -> list[tuple[float, float, float, float]]:
+                 factors: Sequence[float]) -> list[tuple[float, ...]]:
     """
     Encode the supports, columns in the order of ``layout``.
 
     :param obj: the ``PushedObject``.
-    :param capacities: friction capacity of each support [N].
+    :param capacities: friction capacity of each support, under its load at rest [N].
     :param factors: factor on the friction of each support.
     """
     com_x, com_y = obj.center_of_mass
-    return [(support.x - com_x, support.y - com_y, factor * capacity, factor * capacity)
-            for support, factor, capacity in zip(obj.supports, factors, capacities)]
+    weight = sum(obj.loads)
+    return [(support.x - com_x, support.y - com_y, factor * capacity, factor * capacity, 1.0,
+             load / weight, *gradient)
+            for support, factor, capacity, load, gradient
+            in zip(obj.supports, factors, capacities, obj.loads, load_gradients(obj))]
 
 
 def resolve_overlap(obj: PushedObject, robot: RoundRobot, object_pose: Pose,

@@ -66,7 +66,7 @@ def set_local_capacities(floor: Any, supports: Any, x: float, y: float, c: float
     Set the friction capacity of every support to that on the floor under it.
 
     :param floor: rows of ``floor_rows``, shape (k, 8).
-    :param supports: rows in the order of ``layout``, shape (n, 4): CAPACITY is written.
+    :param supports: rows in the order of ``layout``, shape (n, 8): CAPACITY is written.
     :param x: mass centre in the world, x [m].
     :param y: mass centre in the world, y [m].
     :param c: cosine of the object's orientation.

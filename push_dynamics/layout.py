@@ -37,7 +37,10 @@ IMPACT_LOSS = 21
 ITERATIONS = 22
 STEPS = 23
 UNSOLVED_STEPS = 24
-STATE_SIZE = 25
+# State: centre of pressure of the last step relative to the mass centre, world axes [m].
+PRESSURE_X = 25
+PRESSURE_Y = 26
+STATE_SIZE = 27
 
 # Body: what does not change during a simulation.
 MASS = 0
@@ -49,6 +52,8 @@ ROBOT_RADIUS = 5
 CONTACT_FRICTION = 6
 SMOOTHING_SPEED = 7
 CONTACT_CREEP = 8
+CONTACT_HEIGHT = 9
+CENTER_OF_MASS_HEIGHT = 10
 
 # Drive of the robot.
 TIME_CONSTANT = 0
@@ -56,11 +61,18 @@ MAX_ACCELERATION = 1
 MAX_YAW_ACCELERATION = 2
 
 # Columns of a support: position relative to the mass centre, object axes [m]; friction capacity
-# on the floor that is under it now, and on plain floor [N].
+# on the floor that is under it now, and on plain floor, under its load at rest [N]; its load over
+# that at rest; its fraction of the weight at rest, and the gradient of that fraction by the centre
+# of pressure, object axes [1/m].
 SUPPORT_X = 0
 SUPPORT_Y = 1
 CAPACITY = 2
 PLAIN_CAPACITY = 3
+LOAD_RATIO = 4
+LOAD_FRACTION = 5
+GRADIENT_X = 6
+GRADIENT_Y = 7
+SUPPORT_SIZE = 8
 
 # Number of columns of a floor patch, see ``floor.floor_rows``.
 PATCH_SIZE = 8

@@ -6,7 +6,7 @@ matrix, v = (v_x, v_y, omega) the velocity of the mass centre at the end of the 
 start, J_i, J_n and J_t the rows that map v to the velocity of support i and to the normal and
 tangential velocity of the contact point, l_n and l_t the contact impulses. The friction weights
 ``D_i = h q_i / |v_i|`` depend on v: they are iterated, and for given weights the contact is solved
-in closed form.
+in closed form. Where a push shifts the loads, ``load_transfer`` iterates on them around this.
 
 Arguments are named as in ``step``; ``c`` and ``s`` are cosine and sine of the orientation of the
 object, ``guess`` is the predicted v, ``contact`` and ``surface`` are what

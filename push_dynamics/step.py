@@ -26,6 +26,7 @@ from push_dynamics.layout import (
     ROBOT_X, ROBOT_Y, STEPS, SUPPORT_LOSS, TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK,
     X, Y,
 )
+from push_dynamics.load_transfer import solve_with_loads, transfers_loads
 from push_dynamics.solver import solve, StepSolution
 from push_dynamics.support_friction import Velocity, write_friction_forces
 
@@ -140,7 +141,10 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
     if len(floor) > 0:
         set_local_capacities(floor, supports, state[X] + 0.5 * h * guess.v_x,
                              state[Y] + 0.5 * h * guess.v_y, c, s)
-    solution = solve(state, body, supports, c, s, h, guess, contact, surface)
+    if transfers_loads(body):
+        solution = solve_with_loads(state, body, supports, c, s, h, guess, contact, surface)
+    else:
+        solution = solve(state, body, supports, c, s, h, guess, contact, surface)
     power = write_friction_forces(forces, body, supports, c, s, solution.weight_velocity,
                                   solution.velocity)
     add_energies(state, body, contact, surface, solution, h * power)

@@ -1,15 +1,18 @@
 """
 Support friction inside the implicit step: weights ``D_i = h q_i / |v_i|`` added to the mass.
 
-q_i is the friction capacity of support i, v_i its velocity (smoothed near 0, see
-``push_model.friction.friction_weight``), h the step. ``M + sum D_i J_i^T J_i`` is symmetric, its
-translational block a multiple of the identity: it is inverted by eliminating the translation.
+q_i is the friction capacity of support i under its present load, v_i its velocity (smoothed near
+0, see ``push_model.friction.friction_weight``), h the step. ``M + sum D_i J_i^T J_i`` is
+symmetric, its translational block a multiple of the identity: it is inverted by eliminating the
+translation.
 """
 
 from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled, friction_weight
-from push_dynamics.layout import INERTIA, MASS, SMOOTHING_SPEED
+from push_dynamics.layout import (
+    CAPACITY, INERTIA, LOAD_RATIO, MASS, SMOOTHING_SPEED, SUPPORT_X, SUPPORT_Y,
+)
 
 
 class Velocity(NamedTuple):
@@ -43,7 +46,7 @@ def augmented_mass(body: Any, supports: Any, c: float, s: float, h: float,
     Compute ``M + sum D_i J_i^T J_i``.
 
     :param body: numbers in the order of ``layout``.
-    :param supports: rows in the order of ``layout``, shape (k, 4).
+    :param supports: rows in the order of ``layout``, shape (k, 8).
     :param c: cosine of the object's orientation.
     :param s: sine of it.
     :param h: step [s].
@@ -52,7 +55,8 @@ def augmented_mass(body: Any, supports: Any, c: float, s: float, h: float,
     """
     mass, inertia, b_x, b_y = body[MASS], body[INERTIA], 0.0, 0.0
     for i in range(len(supports)):
-        s_x, s_y, capacity, _ = supports[i]
+        s_x, s_y = supports[i][SUPPORT_X], supports[i][SUPPORT_Y]
+        capacity = supports[i][CAPACITY] * supports[i][LOAD_RATIO]
         r_x, r_y = c * s_x - s * s_y, s * s_x + c * s_y
         weight = h * friction_weight(capacity, velocity.v_x - velocity.omega * r_y,
                                      velocity.v_y + velocity.omega * r_x, body[SMOOTHING_SPEED])
@@ -87,7 +91,7 @@ def write_friction_forces(forces: Any, body: Any, supports: Any, c: float, s: fl
 
     :param forces: friction on each support (x, y, x, y, ...) [N], shape (2 k,): is written.
     :param body: numbers in the order of ``layout``.
-    :param supports: rows in the order of ``layout``, shape (k, 4).
+    :param supports: rows in the order of ``layout``, shape (k, 8).
     :param c: cosine of the object's orientation.
     :param s: sine of it.
     :param weight_velocity: ``Velocity`` that the friction weights belong to.
@@ -95,7 +99,8 @@ def write_friction_forces(forces: Any, body: Any, supports: Any, c: float, s: fl
     """
     power = 0.0
     for i in range(len(supports)):
-        s_x, s_y, capacity, _ = supports[i]
+        s_x, s_y = supports[i][SUPPORT_X], supports[i][SUPPORT_Y]
+        capacity = supports[i][CAPACITY] * supports[i][LOAD_RATIO]
         r_x, r_y = c * s_x - s * s_y, s * s_x + c * s_y
         weight = friction_weight(capacity, weight_velocity.v_x - weight_velocity.omega * r_y,
                                  weight_velocity.v_y + weight_velocity.omega * r_x,

@@ -16,6 +16,9 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 from push_model.friction import friction_weight
+from push_model.load_transfer import (
+    LoadTransfer, slide_direction, SlidingSupport, transferred_capacities,
+)
 from push_model.parameters import PushedObject
 
 STATE = ('x', 'y', 'theta', 'omega', 'gamma', 'c_x', 'c_y')
@@ -36,6 +39,7 @@ class ObjectTerms(NamedTuple):
     :param com_x: mass centre in the object frame, x [m].
     :param com_y: mass centre in the object frame, y [m].
     :param supports: (x, y [m], friction capacity q [N]) of each support, object frame.
+    :param transfer: ``LoadTransfer``; None where contact and mass centre are at floor height.
     """
 
     mass: Any
@@ -43,6 +47,7 @@ class ObjectTerms(NamedTuple):
     com_x: Any
     com_y: Any
     supports: tuple[tuple[Any, Any, Any], ...]
+    transfer: LoadTransfer | None = None
 
     @classmethod
     def of(cls, obj: PushedObject) -> 'ObjectTerms':
@@ -52,7 +57,7 @@ class ObjectTerms(NamedTuple):
         :param obj: the ``PushedObject``.
         """
         supports = tuple((s.x, s.y, q) for s, q in zip(obj.supports, obj.capacities))
-        return cls(obj.mass, obj.inertia, *obj.center_of_mass, supports)
+        return cls(obj.mass, obj.inertia, *obj.center_of_mass, supports, LoadTransfer.of(obj))
 
 
 class State(NamedTuple):
@@ -101,7 +106,8 @@ def moment_balance(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[An
     state, inputs = State(*state), Input(*inputs)
     r_x, r_y = _lever(terms, state)
     bias_x, bias_y = _bias(terms, state, inputs, rolling)
-    _, _, moment = _support_friction(terms, state, inputs, smoothing)
+    _, _, moment = _support_friction(terms, state, inputs, smoothing, (
+        bias_x - omega_dot * r_y, bias_y + omega_dot * r_x))
     inertia = terms.inertia + terms.mass * (r_x * r_x + r_y * r_y)
     return inertia * omega_dot + terms.mass * (r_x * bias_y - r_y * bias_x) - moment
 
@@ -114,9 +120,14 @@ def yaw_acceleration(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[
     Arguments as for ``moment_balance``.
     """
     state = State(*state)
-    r_x, r_y = _lever(terms, state)
-    inertia = terms.inertia + terms.mass * (r_x * r_x + r_y * r_y)
-    return -moment_balance(terms, state, inputs, 0.0, rolling, smoothing) / inertia
+    at_rest = moment_balance(terms, state, inputs, 0.0, rolling, smoothing)
+    if terms.transfer is None:
+        r_x, r_y = _lever(terms, state)
+        inertia = terms.inertia + terms.mass * (r_x * r_x + r_y * r_y)
+    else:
+        # Loads, and with them friction, are linear in the acceleration of the mass centre.
+        inertia = moment_balance(terms, state, inputs, 1.0, rolling, smoothing) - at_rest
+    return -at_rest / inertia
 
 
 def derivative(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any], rolling: Rolling,
@@ -166,9 +177,10 @@ def contact_force(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any
     state, inputs = State(*state), Input(*inputs)
     r_x, r_y = _lever(terms, state)
     bias_x, bias_y = _bias(terms, state, inputs, rolling)
-    f_x, f_y, _ = _support_friction(terms, state, inputs, smoothing)
-    force_x = terms.mass * (bias_x - omega_dot * r_y) - f_x
-    force_y = terms.mass * (bias_y + omega_dot * r_x) - f_y
+    a_x, a_y = bias_x - omega_dot * r_y, bias_y + omega_dot * r_x
+    f_x, f_y, _ = _support_friction(terms, state, inputs, smoothing, (a_x, a_y))
+    force_x = terms.mass * a_x - f_x
+    force_y = terms.mass * a_y - f_y
     return _along_normal(state.gamma, force_x, force_y)
 
 
@@ -235,14 +247,31 @@ def _bias(terms: ObjectTerms, state: State, inputs: Input, rolling: Rolling) -> 
             inputs.a_y - state.omega ** 2 * r_y + centripetal * ca.sin(state.gamma))
 
 
-def _support_friction(terms: ObjectTerms, state: State, inputs: Input,
-                      smoothing: Any) -> tuple[Any, Any, Any]:
+def _support_friction(terms: ObjectTerms, state: State, inputs: Input, smoothing: Any,
+                      acceleration: tuple[Any, Any]) -> tuple[Any, Any, Any]:
     """Sum of the friction forces f_i (x, y), and their moment about C."""
     force_x, force_y, moment = 0.0, 0.0, 0.0
-    for s_x, s_y, capacity in terms.supports:
+    capacities = _capacities(terms, state, inputs, smoothing, acceleration)
+    for (s_x, s_y, _), capacity in zip(terms.supports, capacities):
         arm_x, arm_y = _rotated(state.theta, s_x - state.c_x, s_y - state.c_y)
         v_x, v_y = inputs.v_x - state.omega * arm_y, inputs.v_y + state.omega * arm_x
         weight = friction_weight(capacity, v_x, v_y, smoothing)
         force_x, force_y = force_x - weight * v_x, force_y - weight * v_y
         moment = moment + weight * (arm_y * v_x - arm_x * v_y)
     return force_x, force_y, moment
+
+
+def _capacities(terms: ObjectTerms, state: State, inputs: Input, smoothing: Any,
+                acceleration: tuple[Any, Any]) -> list[Any]:
+    """Friction capacities of the supports, under the loads that G's acceleration shifts."""
+    if terms.transfer is None:
+        return [capacity for _, _, capacity in terms.supports]
+    sliding: list[SlidingSupport] = []
+    for (s_x, s_y, capacity), support in zip(terms.supports, terms.transfer.supports):
+        arm_x, arm_y = _rotated(state.theta, s_x - state.c_x, s_y - state.c_y)
+        slide = slide_direction(inputs.v_x - state.omega * arm_y,
+                                inputs.v_y + state.omega * arm_x, smoothing)
+        gradient = _rotated(state.theta, support.gradient_x, support.gradient_y)
+        sliding.append(SlidingSupport(capacity, support.friction_coefficient, *gradient, *slide))
+    return transferred_capacities(terms.transfer, sliding, terms.mass * acceleration[0],
+                                  terms.mass * acceleration[1])

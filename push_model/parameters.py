@@ -71,6 +71,11 @@ class PushedObject:
                                                    default=(0.0, 0.0))
     contact_friction_coefficient: float = quantity('Coulomb friction between outline and robot',
                                                    '', 0.0, 10.0, default=0.5)
+    contact_height: float = quantity('height above the floor at which the robot touches the '
+                                     'outline; with both heights 0 a push shifts no load', 'm',
+                                     0.0, default=0.0)
+    center_of_mass_height: float = quantity('height of the mass centre above the floor', 'm', 0.0,
+                                            default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields and the shape."""

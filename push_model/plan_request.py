@@ -53,6 +53,7 @@ class PlanFailure(enum.Enum):
     ROBOT_NOT_ROUND = 'the robot is not round'
     NO_SUPPORT_FRICTION = 'the object slides without friction'
     NO_CONTACT_FRICTION = 'the contact has no friction'
+    TIPS = 'the object would tip over'
     AT_GOAL = 'the object is at the goal already'
     ROBOT_TOO_SLOW = 'the pushing speed is beyond the robot'
     NOT_IN_CONTACT = 'the robot does not touch the object'

@@ -5,12 +5,16 @@ Symbols: C contact point, F centre of friction, r their distance, e the directio
 the limit-surface ratio [m^2] (``friction.c_squared``), omega the yaw rate of the object.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 import math
 from typing import Any, NamedTuple
 
 from push_model.friction import c_squared, ellipsoid_c_squared, friction_center, friction_weight
 from push_model.geometry import Coordinates
+from push_model.load_transfer import (
+    has_heights, LoadTransfer, slide_direction, SlidingSupport, straight_push,
+    transferred_capacities,
+)
 from push_model.parameters import PushedObject
 
 # Support friction becomes viscous below this fraction of the contact's speed. Chosen: far below
@@ -20,6 +24,10 @@ SMOOTHING_RATIO = 1e-9
 # times width ** 2 / first width, and evaluations more than bisection needs; as in its paper.
 TRUNCATION_FACTOR = 0.2
 EXTRA_EVALUATIONS = 1
+# Of the search for the centre of friction under a push: change at which it ends [m], and most
+# iterations; chosen: each shrinks the change by mu z over the distance, far below 1.
+CENTER_TOLERANCE = 1e-12
+CENTER_ITERATIONS = 50
 
 
 class Vehicle(NamedTuple):
@@ -65,23 +73,50 @@ def vehicle(obj: PushedObject, contact_point: Coordinates,
     """
     Describe an object that is pushed at a point as a vehicle.
 
+    With heights, centre of friction and c^2 are those under the loads that the push shifts.
+
     :param obj: the ``PushedObject``.
     :param contact_point: C in the object frame (x, y) [m].
     :param center: centre of friction to use in place of the object's own (x, y) [m].
     :return: ``Vehicle``.
     :raises ValueError: where C coincides with the centre of friction: nothing steers there.
     """
-    x_f, y_f = friction_center(obj) if center is None else center
+    x_f, y_f = pushed_friction_center(obj, contact_point) if center is None else center
     x_c, y_c = contact_point
     arm = math.hypot(x_f - x_c, y_f - y_c)
     if arm < 1e-6:
         raise ValueError(f'contact_point: got {contact_point}, the friction centre itself, '
                          'expected a point apart from it')
     angle = math.atan2(y_f - y_c, x_f - x_c)
-    square = c_squared(obj, angle)
+    if has_heights(obj):
+        square = straight_push(obj, (x_c, y_c), angle, (x_f, y_f)).c_squared
+    else:
+        square = c_squared(obj, angle)
     ahead = square / arm
     return Vehicle(arm, square, angle, (x_c, y_c),
                    (x_f + ahead * math.cos(angle), y_f + ahead * math.sin(angle)))
+
+
+def pushed_friction_center(obj: PushedObject, contact_point: Coordinates) -> tuple[float, float]:
+    """
+    Find the centre of friction straight ahead of a push, object frame (x, y) [m].
+
+    With heights it lies further ahead than at rest, and where friction differs from support to
+    support also to the side of it.
+
+    :param obj: the ``PushedObject``.
+    :param contact_point: C in the object frame (x, y) [m].
+    """
+    center = friction_center(obj)
+    if not has_heights(obj):
+        return center
+    x_c, y_c = contact_point
+    for _ in range(CENTER_ITERATIONS):
+        angle = math.atan2(center[1] - y_c, center[0] - x_c)
+        center, previous = straight_push(obj, (x_c, y_c), angle).center, center
+        if math.dist(center, previous) < CENTER_TOLERANCE:
+            break
+    return center
 
 
 def quasi_static_yaw_rate(obj: PushedObject, contact_point: Coordinates, v_x: float,
@@ -98,22 +133,41 @@ def quasi_static_yaw_rate(obj: PushedObject, contact_point: Coordinates, v_x: fl
     speed = math.hypot(v_x, v_y)
     if speed == 0.0:
         return 0.0
-    arms = [(s.x - contact_point[0], s.y - contact_point[1], q)
-            for s, q in zip(obj.supports, obj.capacities)]
+    arms = [(s.x - contact_point[0], s.y - contact_point[1]) for s in obj.supports]
+    transfer = LoadTransfer.of(obj)
 
     def moment(omega: float) -> float:
         total = 0.0
-        for x, y, capacity in arms:
-            slide_x, slide_y = v_x - omega * y, v_y + omega * x
+        slides = [(v_x - omega * y, v_y + omega * x) for x, y in arms]
+        capacities = sliding_capacities(obj, transfer, slides, SMOOTHING_RATIO * speed)
+        for (x, y), (slide_x, slide_y), capacity in zip(arms, slides, capacities):
             weight = friction_weight(capacity, slide_x, slide_y, SMOOTHING_RATIO * speed)
             total += weight * (y * slide_x - x * slide_y)
         return total
 
     # At this rate the farthest support slides backwards; others may need a higher one.
-    bound = 2.0 * speed / max(math.hypot(x, y) for x, y, _ in arms)
+    bound = 2.0 * speed / max(math.hypot(x, y) for x, y in arms)
     while moment(bound) * moment(-bound) > 0.0:
         bound *= 2.0
     return find_root(moment, -bound, bound, 1e-13 * bound)
+
+
+def sliding_capacities(obj: PushedObject, transfer: LoadTransfer | None,
+                       slides: Sequence[tuple[float, float]],
+                       smoothing: float) -> Sequence[float]:
+    """
+    Friction capacities of the supports in slow sliding [N].
+
+    :param obj: the ``PushedObject``.
+    :param transfer: its ``LoadTransfer``, or None.
+    :param slides: sliding velocity of each support, object frame (x, y) [m/s].
+    :param smoothing: speed below which support friction becomes viscous [m/s].
+    """
+    if transfer is None:
+        return obj.capacities
+    return transferred_capacities(transfer, (
+        SlidingSupport(capacity, *support, *slide_direction(*slide, smoothing))
+        for capacity, support, slide in zip(obj.capacities, transfer.supports, slides)))
 
 
 def ellipsoid_yaw_rate(square: Any, x_c: Any, y_c: Any, v_x: Any, v_y: Any) -> Any:
@@ -158,7 +212,8 @@ def compare_yaw_rates(obj: PushedObject, contact_point: tuple[float, float],
     :param angles: alpha of each row [rad].
     :return: list of ``YawRates``.
     """
-    view, (x_f, y_f) = vehicle(obj, contact_point), friction_center(obj)
+    view = vehicle(obj, contact_point)
+    x_f, y_f = pushed_friction_center(obj, contact_point)
     x_c, y_c = contact_point[0] - x_f, contact_point[1] - y_f
     rows: list[YawRates] = []
     for angle in angles:

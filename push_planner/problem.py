@@ -9,11 +9,11 @@ from push_model.contact import (
     contact_point, curvature_radius, find_contact, rolling_constants, RollingConstants,
 )
 from push_model.dynamics import ObjectTerms
-from push_model.friction import friction_center
 from push_model.geometry import Coordinates, Pose, wrap_angle
+from push_model.load_transfer import check_tipping
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
-from push_model.quasi_static import Vehicle, vehicle
+from push_model.quasi_static import pushed_friction_center, Vehicle, vehicle
 from push_planner.push_parameters import PushKind, PushParameters
 from push_planner.settings import PlannerSettings
 
@@ -113,8 +113,8 @@ class PushProblem:
 
     @functools.cached_property
     def friction_center(self) -> tuple[float, float]:
-        """Centre of friction F in the object frame, (x, y) [m]."""
-        return friction_center(self.obj)
+        """Centre of friction F under the push, in the object frame, (x, y) [m]."""
+        return pushed_friction_center(self.obj, self.contact_point)
 
     @functools.cached_property
     def relative_goal(self) -> Pose:
@@ -218,3 +218,16 @@ def check_robot_is_round(robot: RoundRobot) -> None:
         raise PlanningFailed(PlanFailure.ROBOT_NOT_ROUND,
                              f'the robot has a radius of {robot.radius:g} m: plans are made for '
                              'round robots and points, not for flat pushers')
+
+
+def check_object_stands(obj: PushedObject) -> None:
+    """
+    Refuse an object that tips when it is pushed at its contact height.
+
+    :param obj: the ``PushedObject``.
+    :raises PlanningFailed: with the height at which it tips.
+    """
+    try:
+        check_tipping(obj)
+    except ValueError as error:
+        raise PlanningFailed(PlanFailure.TIPS, str(error)) from error

@@ -11,12 +11,14 @@ with t the tangent, lam the normal ratio of the rolling contact, R_face the robo
 the contact travels along a face and R_disc the object's radius where it travels round a disc.
 """
 
+from collections.abc import Sequence
 from typing import Any, get_args, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
 from push_model.dynamics import ObjectTerms
 from push_model.geometry import FloatArray
+from push_model.load_transfer import LoadTransfer, SupportTransfer
 
 # How the contact moves with the robot: held in place on the object by a robot that rotates with
 # it, rolling on a robot that does not rotate, or held by a differential drive, which steers.
@@ -30,6 +32,25 @@ VERTEX_MARGIN = 0.02
 UNLIMITED = 1e3
 # Scalars of ``PushParameters`` besides those of the supports: 4 of the object and 9 more.
 PARAMETER_COUNT = 13
+
+
+class SupportLayout(NamedTuple):
+    """
+    What decides on the number of parameters.
+
+    :param support_count: k, number of supports.
+    :param transfers_loads: whether a push shifts loads, which takes two heights and three more
+        numbers for each support.
+    """
+
+    support_count: int
+    transfers_loads: bool = False
+
+    @property
+    def column_size(self) -> int:
+        """Number of parameters: 13 + 3 k, or 15 + 6 k with heights."""
+        heights = 2 + 3 * self.support_count if self.transfers_loads else 0
+        return PARAMETER_COUNT + 3 * self.support_count + heights
 
 
 class ContactFrame(NamedTuple):
@@ -74,26 +95,38 @@ class PushParameters(NamedTuple):
     heading_offset: Any
 
     @classmethod
-    def symbols(cls, supports: int) -> tuple['PushParameters', Any]:
+    def symbols(cls, supports: SupportLayout) -> tuple['PushParameters', Any]:
         """
         Make symbols for an object on a number of supports.
 
-        :param supports: k, number of supports.
-        :return: (``PushParameters`` of symbols, the same as one column of 13 + 3 k rows).
+        :param supports: ``SupportLayout``.
+        :return: (``PushParameters`` of symbols, the same as one column).
         """
-        column = ca.SX.sym('parameters', PARAMETER_COUNT + 3 * supports)
+        column = ca.SX.sym('parameters', supports.column_size)
         scalars = ca.vertsplit(column)
-        of_supports = tuple(
-            (scalars[i], scalars[i + 1], scalars[i + 2])
-            for i in range(PARAMETER_COUNT, PARAMETER_COUNT + 3 * supports, 3))
+        end = PARAMETER_COUNT + 3 * supports.support_count
+        of_supports = _triples(scalars[PARAMETER_COUNT:end])
+        transfer = None
+        if supports.transfers_loads:
+            transfer = LoadTransfer(scalars[end], scalars[end + 1], tuple(
+                SupportTransfer(*triple) for triple in _triples(scalars[end + 2:])))
         mass, inertia, com_x, com_y = scalars[:4]
-        terms = ObjectTerms(mass, inertia, com_x, com_y, of_supports)
+        terms = ObjectTerms(mass, inertia, com_x, com_y, of_supports, transfer)
         return cls(terms, *scalars[4:PARAMETER_COUNT]), column
 
+    @property
+    def supports(self) -> SupportLayout:
+        """Layout of the supports."""
+        return SupportLayout(len(self.terms.supports), self.terms.transfer is not None)
+
     def column(self) -> FloatArray:
-        """Return the numbers in the order of ``symbols``, shape (13 + 3 k,)."""
+        """Return the numbers in the order of ``symbols``."""
         of_supports = [value for support in self.terms.supports for value in support]
-        return np.array([*self.terms[:4], *self[1:], *of_supports])
+        transfer: list[Any] = []
+        if self.terms.transfer is not None:
+            transfer = [*self.terms.transfer[:2], *(
+                value for support in self.terms.transfer.supports for value in support)]
+        return np.array([*self.terms[:4], *self[1:], *of_supports, *transfer])
 
 
 def contact_frame(parameters: PushParameters, theta: Any, phi: Any) -> ContactFrame:
@@ -126,3 +159,7 @@ def contact_frames(parameters: PushParameters, theta: FloatArray, phi: FloatArra
     frame = contact_frame(parameters, theta, phi)
     # What does not depend on the rotations is a number: spread it over all of them.
     return ContactFrame(*(value + 0.0 * theta for value in frame))
+
+
+def _triples(values: Sequence[Any]) -> tuple[tuple[Any, Any, Any], ...]:
+    return tuple((values[i], values[i + 1], values[i + 2]) for i in range(0, len(values), 3))

@@ -49,9 +49,9 @@ def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, 
     """
     Evaluate the mean cost-to-go of stopping after every distance of every arc.
 
-    :param states: shape (n, 25).
-    :param bodies: shape (n, 9).
-    :param supports: shape (n, k, 4).
+    :param states: shape (n, 27).
+    :param bodies: shape (n, 11).
+    :param supports: shape (n, k, 8).
     :param outline: vertices in the object frame [m].
     :param floor: no rows: a plain floor.
     :param forces: scratch, 2 k numbers.

@@ -87,6 +87,8 @@ def reference_object(obj: PushedObject) -> PushedObject:
     :param obj: the ``PushedObject``, with its friction as known by now.
     :return: ``PushedObject`` of the same shape, mass centre, radius of gyration and supports.
     """
+    # Slow pushes know heights by mu z_C alone.
+    ratio = float(f'{sum(obj.capacities) / sum(obj.loads) / REFERENCE_SUPPORT_FRICTION:.6g}')
     supports = tuple(dataclasses.replace(support,
                                          friction_coefficient=REFERENCE_SUPPORT_FRICTION)
                      for support in obj.supports)
@@ -94,7 +96,9 @@ def reference_object(obj: PushedObject) -> PushedObject:
     squared_radius = float(f'{obj.inertia / obj.mass:.6g}')
     return dataclasses.replace(obj, supports=supports, mass=REFERENCE_MASS,
                                inertia=REFERENCE_MASS * squared_radius,
-                               contact_friction_coefficient=REFERENCE_CONTACT_FRICTION)
+                               contact_friction_coefficient=REFERENCE_CONTACT_FRICTION,
+                               contact_height=ratio * obj.contact_height,
+                               center_of_mass_height=ratio * obj.center_of_mass_height)
 
 
 def load_primitives(obj: PushedObject, robot: RoundRobot,

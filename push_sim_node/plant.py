@@ -16,6 +16,7 @@ from push_dynamics.encoding import (
 from push_dynamics.floor import floor_rows, FloorPatch
 from push_dynamics.step import advance
 from push_model.geometry import Pose
+from push_model.load_transfer import check_tipping
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
 from push_sim_node.truth import ContactMode, Energy, Truth
@@ -78,6 +79,9 @@ class Plant:
     """
     Round robot, point or flat pusher against a rigid object on frictional supports.
 
+    The object stays flat on the floor. With heights, loads shift from support to support at every
+    step, and supports may lift.
+
     The robot is velocity-controlled: nothing that it touches slows it down. It starts at rest; a
     robot that overlaps the object by up to 5 mm is moved back along the normal until it touches.
 
@@ -92,13 +96,15 @@ class Plant:
         surface moves.
     :param interpret: whether to run it as plain Python, which is ready at once and slower, with
         the same results but for rounding.
-    :raises ValueError: where robot and object overlap by more than 5 mm.
+    :raises ValueError: where robot and object overlap by more than 5 mm, or where a slow push
+        would tip the object.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  step: float = 2e-3, smoothing: float = 1e-5, *,
                  floor: Sequence[FloorPatch] = (), creep: float = 0.0,
                  interpret: bool = False) -> None:
+        check_tipping(obj)
         self._kernel = _make_kernel(interpret)
         array = self._kernel.array
         self.obj = obj
@@ -151,7 +157,7 @@ class Plant:
         if resolve_overlap(self.obj, self.robot, pose, robot_pose) != robot_pose:
             raise ValueError(f'pose: got {tuple(pose)}, expected one beside the robot')
         state = initial_state(self.obj, pose, robot_pose)
-        for i in range(layout.X, layout.A_OMEGA + 1):
+        for i in (*range(layout.X, layout.A_OMEGA + 1), layout.PRESSURE_X, layout.PRESSURE_Y):
             self._arrays.state[i] = state[i]
 
     def stand_at(self, object_pose: Pose, robot_pose: Pose) -> None:
@@ -263,6 +269,9 @@ class Plant:
             force_n=state[layout.NORMAL_FORCE],
             force_t=state[layout.TANGENTIAL_FORCE],
             support_forces=tuple(zip(forces[::2], forces[1::2])),
+            support_loads=tuple(
+                load * float(row[layout.LOAD_RATIO])
+                for load, row in zip(self.obj.loads, self._arrays.supports)),
             energy=self._energy_of(state))
 
     def _energy_of(self, state: Any) -> Energy:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from push_dynamics.actuation import limit_command
 from push_model.geometry import Pose
+from push_model.load_transfer import has_heights
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_sim_node.disturbance import change_times, friction_factors
@@ -166,9 +167,16 @@ class Simulation:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns of ``rows``: ``COLUMNS``, then the friction on each support."""
-        return COLUMNS + tuple(f'support_{i}_{axis}' for i in range(len(self.obj.supports))
-                               for axis in 'xy')
+        """
+        Names of the columns of ``rows``: ``COLUMNS``, then the friction on each support.
+
+        The loads of the supports follow where pushes shift them.
+        """
+        supports = range(len(self.obj.supports))
+        columns = COLUMNS + tuple(f'support_{i}_{axis}' for i in supports for axis in 'xy')
+        if has_heights(self.obj):
+            columns += tuple(f'support_{i}_load' for i in supports)
+        return columns
 
     @property
     def tape(self) -> Tape:
@@ -290,7 +298,8 @@ class Simulation:
                 *truth.robot_twist, *self._active_command(), float(truth.mode.code),
                 truth.force_n, truth.force_t, truth.gap, truth.pushing_angle,
                 *truth.contact_point, truth.normal, *truth.energy,
-                *itertools.chain.from_iterable(truth.support_forces))
+                *itertools.chain.from_iterable(truth.support_forces),
+                *(truth.support_loads if has_heights(self.obj) else ()))
 
 
 def _nanoseconds(seconds: float) -> int:

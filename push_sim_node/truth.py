@@ -79,6 +79,7 @@ class Truth(NamedTuple):
         [N].
     :param force_t: the same along t, the normal rotated by +90 degrees [N].
     :param support_forces: friction force on each support, world axes, (x, y) [N].
+    :param support_loads: normal load on each support [N].
     :param energy: ``Energy``.
     """
 
@@ -95,4 +96,5 @@ class Truth(NamedTuple):
     force_n: float
     force_t: float
     support_forces: tuple[tuple[float, float], ...]
+    support_loads: tuple[float, ...]
     energy: Energy

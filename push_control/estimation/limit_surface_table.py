@@ -5,8 +5,11 @@ import math
 import numpy as np
 from push_model.friction import friction_weight
 from push_model.geometry import Coordinates, FloatArray
+from push_model.load_transfer import LoadTransfer
 from push_model.parameters import PushedObject
-from push_model.quasi_static import quasi_static_yaw_rate, Vehicle, vehicle
+from push_model.quasi_static import (
+    quasi_static_yaw_rate, sliding_capacities, Vehicle, vehicle,
+)
 
 # Range and spacing of the tabulated alpha [rad]. Chosen: wider than any push that is commanded,
 # and fine enough for one percent of the turning rate (held by a test).
@@ -105,9 +108,10 @@ def _force_angle(obj: PushedObject, point: Coordinates, push: tuple[float, float
                  omega: float) -> float:
     """Direction of the force that drags the supports along, object frame [rad]."""
     total_x = total_y = 0.0
-    for support, capacity in zip(obj.supports, obj.capacities):
-        v_x = push[0] - omega * (support.y - point[1])
-        v_y = push[1] + omega * (support.x - point[0])
+    slides = [(push[0] - omega * (support.y - point[1]),
+               push[1] + omega * (support.x - point[0])) for support in obj.supports]
+    capacities = sliding_capacities(obj, LoadTransfer.of(obj), slides, 1e-9)
+    for (v_x, v_y), capacity in zip(slides, capacities):
         weight = friction_weight(capacity, v_x, v_y, 1e-9)
         total_x, total_y = total_x + weight * v_x, total_y + weight * v_y
     return math.atan2(total_y, total_x)

@@ -10,10 +10,9 @@ from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.laws.contact_steering import ContactSteering, SteeringCommand
 from push_control.path.path import CurvatureLimits, flat_output_pose
 from push_control.settings import ControlSettings
-from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.quasi_static import Vehicle, vehicle
+from push_model.quasi_static import pushed_friction_center, Vehicle, vehicle
 from push_model.trajectory import PushTrajectory
 
 
@@ -58,7 +57,7 @@ class ContactModel:
     One robot at one contact of an object.
 
     ``is_differential``: whether the base is a differential drive. ``nominal``: the nominal object
-    as ``Vehicle``, pushed at the start. ``center``: its centre of friction (x, y) [m].
+    as ``Vehicle``, pushed at the start. ``center``: its centre of friction under the push (x, y) [m].
     ``steering``: ``ContactSteering``. ``motion``: ``PushMotion``.
     """
 
@@ -78,7 +77,7 @@ class ContactModel:
         self.is_differential = robot.drive == 'differential'
         site = initial_contact_site(obj, robot, target)
         self.nominal = vehicle(obj, site.point)
-        self.center = friction_center(obj)
+        self.center = pushed_friction_center(obj, site.point)
         supports = LimitSurfaceTable(obj, site.point)
         self.steering = ContactSteering(obj, robot, settings, site, supports)
         self.motion = PushMotion(robot.radius, site, supports)

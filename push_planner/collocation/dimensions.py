@@ -3,7 +3,7 @@
 import enum
 from typing import Any, NamedTuple
 
-from push_planner.push_parameters import PushKind
+from push_planner.push_parameters import PushKind, SupportLayout
 
 # Radau points of a step. Chosen: two, of order 3 at the end of a step, keep the program small; the
 # rollout makes up for what they miss.
@@ -31,6 +31,7 @@ class Dimensions(NamedTuple):
     :param jumps: whether the pushing angle jumps between steps, or changes linearly.
     :param straight_end: whether the end is a straight push through the centre of friction.
     :param heading_free: whether the heading at the goal is free.
+    :param transfers_loads: whether the push shifts loads from support to support.
     """
 
     kind: PushKind
@@ -39,6 +40,12 @@ class Dimensions(NamedTuple):
     jumps: bool
     straight_end: bool
     heading_free: bool
+    transfers_loads: bool = False
+
+    @property
+    def supports(self) -> SupportLayout:
+        """Layout of the supports among the parameters."""
+        return SupportLayout(self.support_count, self.transfers_loads)
 
     @property
     def state_count(self) -> int:

@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from push_model.contact import face_length, normal_range
 from push_model.geometry import FloatArray, wrap_angle
+from push_model.load_transfer import has_heights
 from push_planner.collocation.collocation import radau
 from push_planner.collocation.dimensions import BoundaryValues, Dimensions, Limits, POINTS
 from push_planner.collocation.mesh import build_mesh, Mesh
@@ -117,7 +118,7 @@ def formulate(problem: PushProblem, route: InitialRoute,
     mesh = build_mesh(problem, route.path_length, route.final_straight, refined)
     dimensions = Dimensions(problem.kind, len(problem.obj.supports), len(mesh.lengths),
                             settings.pushing_angles == 'constant', route.final_straight > 0.0,
-                            settings.heading_free)
+                            settings.heading_free, has_heights(problem.obj))
     boundary = _boundary_values(problem, route)
     common = np.concatenate([problem.push_parameters.column(), _limits(problem), boundary])
     bounds = _bounds(problem)

@@ -231,7 +231,7 @@ def object_origin(kind: PushKind, parameters: PushParameters, node: Node) -> tup
 
 
 def _common_symbols(dimensions: Dimensions) -> _Symbols:
-    parameters, column = PushParameters.symbols(dimensions.support_count)
+    parameters, column = PushParameters.symbols(dimensions.supports)
     limits = ca.SX.sym('limits', len(Limits._fields))
     boundary = ca.SX.sym('boundary', len(BoundaryValues._fields))
     return _Symbols(parameters, Limits(*ca.vertsplit(limits)),

@@ -54,7 +54,8 @@ def tightest_turns(problem: PushProblem) -> Optional[TurnPair]:
     elif settings.angle_limit == 'angle':
         max_angle = settings.max_pushing_angle
     dynamic = settings.motion_model == 'dynamic'
-    key = TurnKey(tuple(problem.push_parameters.column()), offset,
+    parameters = problem.push_parameters
+    key = TurnKey(parameters.supports, tuple(parameters.column()), offset,
                   settings.pushing_speed ** 2 if dynamic else 0.0)
     turns = steady_turns(key).limits(slope, max_angle, offset)
     if turns is None or not (turns[0].curvature > 0.0 > turns[1].curvature):

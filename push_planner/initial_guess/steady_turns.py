@@ -15,7 +15,7 @@ import numpy as np
 from push_model.geometry import FloatArray
 from push_planner.collocation.collocation import moment_and_force, MotionPoint, Step
 from push_planner.collocation.nlp_solver import BufferedFunction
-from push_planner.push_parameters import contact_frame, PARAMETER_COUNT, PushParameters
+from push_planner.push_parameters import contact_frame, PushParameters, SupportLayout
 
 # Directions in the table, and the largest of them [rad]. Chosen: 3.4 degrees apart, interpolated
 # between; the largest is about 70 degrees, outside every friction cone.
@@ -104,11 +104,13 @@ class TurnKey(NamedTuple):
     """
     What steady turns depend on.
 
-    :param column: the ``PushParameters`` as numbers.
+    :param supports: ``SupportLayout`` of the ``PushParameters``.
+    :param column: the same as numbers.
     :param offset: of the normal from the line C to F [rad].
     :param v_squared: V [m^2/s^2].
     """
 
+    supports: SupportLayout
     column: tuple[float, ...]
     offset: float
     v_squared: float
@@ -123,14 +125,13 @@ def steady_turns(key: TurnKey) -> SteadyTurns:
     """
     steering_angles: FloatArray = np.linspace(-MAX_STEERING_ANGLE, MAX_STEERING_ANGLE, DIRECTIONS,
                                               dtype=np.float64)
-    supports = (len(key.column) - PARAMETER_COUNT) // 3
-    rates, forces = _table(supports)(steering_angles[:, None] - key.offset, key.v_squared,
+    rates, forces = _table(key.supports)(steering_angles[:, None] - key.offset, key.v_squared,
                                      np.array(key.column))
     return SteadyTurns(steering_angles, rates.ravel(), forces)
 
 
 @functools.lru_cache(maxsize=16)
-def _table(supports: int) -> BufferedFunction:
+def _table(supports: SupportLayout) -> BufferedFunction:
     """Build the function (pushing angles, V, parameters) -> (w, forces), solved by bisection."""
     parameters, column = PushParameters.symbols(supports)
     angle, v_squared, w = ca.SX.sym('angle'), ca.SX.sym('v_squared'), ca.SX.sym('w')

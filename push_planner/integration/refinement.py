@@ -252,7 +252,7 @@ def _program_maps(problem: PushProblem, formulation: Formulation, solution: Solu
 @functools.lru_cache(maxsize=16)
 def _linearized_steps(dimensions: Dimensions) -> BufferedFunction:
     """Build the derivatives of the program's steps, by the implicit function theorem."""
-    parameters, column = PushParameters.symbols(dimensions.support_count)
+    parameters, column = PushParameters.symbols(dimensions.supports)
     node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
     data, free_length = ca.SX.sym('data', 5), ca.SX.sym('free_length')
     change = ca.SX.sym('change')

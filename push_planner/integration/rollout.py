@@ -23,7 +23,7 @@ from push_planner.collocation.collocation import collocate, contact_impulse, Nod
 from push_planner.collocation.formulation import Formulation
 from push_planner.collocation.nlp_solver import BufferedFunction
 from push_planner.problem import PushProblem
-from push_planner.push_parameters import PARAMETER_COUNT, PushKind, PushParameters
+from push_planner.push_parameters import PushKind, PushParameters, SupportLayout
 
 # Radau points of a part. Chosen: order 5 at its end.
 POINTS = 3
@@ -150,7 +150,7 @@ def settling_distance(problem: PushProblem) -> float:
 
 
 @functools.lru_cache(maxsize=64)
-def chained_steps(kind: PushKind, supports: int, jumps: bool, parts: int,
+def chained_steps(kind: PushKind, supports: SupportLayout, jumps: bool, parts: int,
                   count: int) -> BufferedFunction:
     """
     Build the rollout over steps of equally many parts, each from the end of the one before.
@@ -160,7 +160,7 @@ def chained_steps(kind: PushKind, supports: int, jumps: bool, parts: int,
     row for each step: node at the end, change, node after a jump, samples, forces.
 
     :param kind: how the contact moves with the robot.
-    :param supports: number of supports.
+    :param supports: ``SupportLayout``.
     :param jumps: whether the pushing angle jumps at the begin of a step.
     :param parts: number of parts of a step.
     :param count: number of steps.
@@ -170,20 +170,20 @@ def chained_steps(kind: PushKind, supports: int, jumps: bool, parts: int,
 
 
 @functools.lru_cache(maxsize=64)
-def separate_steps(kind: PushKind, supports: int, jumps: bool, parts: int,
+def separate_steps(kind: PushKind, supports: SupportLayout, jumps: bool, parts: int,
                    count: int) -> BufferedFunction:
     """Build steps with a begin of their own each; arguments as of ``chained_steps``."""
     return BufferedFunction(one_step(kind, supports, jumps, parts).map(count))
 
 
 @functools.lru_cache(maxsize=64)
-def one_step(kind: PushKind, supports: int, jumps: bool, parts: int) -> Any:
+def one_step(kind: PushKind, supports: SupportLayout, jumps: bool, parts: int) -> Any:
     """Build one step; arguments as of ``chained_steps``."""
     node, reference, gains = (ca.MX.sym(name, NODE_SIZE) for name in ('node', 'reference',
                                                                       'gains'))
     change, scalars = ca.MX.sym('change'), ca.MX.sym('scalars', STEP_SCALARS)
     fractions = ca.MX.sym('fractions', parts)
-    column = ca.MX.sym('column', PARAMETER_COUNT + 3 * supports)
+    column = ca.MX.sym('column', supports.column_size)
     corrected, begin = _begin_step(kind, supports, jumps)(node, reference, gains, change, column)
     along = 0.0 if jumps else corrected
     # Within a step w goes on smoothly, and so does the guess.
@@ -199,7 +199,7 @@ def one_step(kind: PushKind, supports: int, jumps: bool, parts: int) -> Any:
 
 
 @functools.lru_cache(maxsize=16)
-def _begin_step(kind: PushKind, supports: int, jumps: bool) -> Any:
+def _begin_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Any:
     """Build the begin of a step: its corrected change, and the node after a jump."""
     parameters, column = PushParameters.symbols(supports)
     node, reference, gains = (ca.SX.sym(name, NODE_SIZE) for name in ('node', 'reference',
@@ -215,7 +215,7 @@ def _begin_step(kind: PushKind, supports: int, jumps: bool) -> Any:
 
 
 @functools.lru_cache(maxsize=16)
-def _part(kind: PushKind, supports: int, newton_steps: int) -> Any:
+def _part(kind: PushKind, supports: SupportLayout, newton_steps: int) -> Any:
     """
     Build one part of a step, solved by Newton's method.
 
@@ -389,7 +389,7 @@ class ClosedLoopRollout:
                   times: int = 1) -> BufferedFunction:
         dimensions = self._dimensions
         count, parts = group.fractions.shape
-        return build(dimensions.kind, dimensions.support_count, dimensions.jumps, parts,
+        return build(dimensions.kind, dimensions.supports, dimensions.jumps, parts,
                      times * count)
 
 

@@ -21,7 +21,7 @@ from push_navigation.path import NoPathFound, Path
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
 from push_planner.primitive_push.trajectory import greatest_speed, push_trajectory, touch_speed
-from push_planner.problem import check_robot_is_round, PlanningFailed
+from push_planner.problem import check_object_stands, check_robot_is_round, PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_primitives.cost_to_go import CostSettings
 from push_primitives.selection import select_push, SelectedPush, SelectionQuery
@@ -94,6 +94,7 @@ def checked_request(request: PlanRequest, robot: RoundRobot) -> PlanRequest:
     :raises PlanningFailed: where the robot is not round, or a pose not finite.
     """
     check_robot_is_round(robot)
+    check_object_stands(request.obj)
     for name in ('object_pose', 'robot_pose', 'goal'):
         if not Pose(*getattr(request, name)).is_finite():
             raise PlanningFailed(PlanFailure.INVALID_VALUE,

@@ -22,7 +22,7 @@ from push_navigation.settings import DriveSettings
 from push_planner.map_search.planner import plan_push_in_map
 from push_planner.plan import Plan
 from push_planner.primitive_push.planner import plan_primitive_push, PrimitivePlan
-from push_planner.problem import check_robot_is_round, PlanningFailed
+from push_planner.problem import check_object_stands, check_robot_is_round, PlanningFailed
 from push_planner.sequence.candidates import (
     Candidate, CandidateReport, Outcome, RejectedCandidate, SequenceCandidate,
     SinglePushCandidate, solve_in_order, SolvedCandidate,
@@ -343,6 +343,7 @@ def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pos
     :raises PlanningFailed: with the reason.
     """
     check_robot_is_round(robot)
+    check_object_stands(obj)
     poses = {'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal}
     for name, pose in poses.items():
         if not Pose(*pose).is_finite():

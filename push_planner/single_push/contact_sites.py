@@ -8,7 +8,9 @@ from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
-from push_planner.problem import check_robot_is_round, PlanningFailed, PushProblem
+from push_planner.problem import (
+    check_object_stands, check_robot_is_round, PlanningFailed, PushProblem,
+)
 from push_planner.push_parameters import VERTEX_MARGIN
 from push_planner.settings import PlannerSettings
 
@@ -57,6 +59,7 @@ def site_problems(obj: PushedObject, robot: RoundRobot, start: Pose, goal: Pose,
     :raises PlanningFailed: where there is no centre of friction, or the robot is not round.
     """
     check_robot_is_round(robot)
+    check_object_stands(obj)
     try:
         center = friction_center(obj)
     except ValueError as error:

@@ -6,7 +6,7 @@ from push_model.friction import friction_center
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import rotation_range
-from push_planner.problem import check_finite, PlanningFailed, PushProblem
+from push_planner.problem import check_finite, check_object_stands, PlanningFailed, PushProblem
 from push_planner.settings import PlannerSettings
 
 # Part of the cone that must be left for steering [rad]. Chosen: with less, a push turns with a
@@ -82,6 +82,7 @@ def _check_values(problem: PushProblem) -> None:
         friction_center(problem.obj)
     except ValueError as error:
         raise PlanningFailed(PlanFailure.NO_SUPPORT_FRICTION, str(error)) from error
+    check_object_stands(problem.obj)
     cone = problem.settings.angle_limit == 'cone'
     if cone and problem.obj.contact_friction_coefficient == 0.0:
         raise PlanningFailed(PlanFailure.NO_CONTACT_FRICTION, 'the contact has no friction: a '

@@ -82,7 +82,7 @@ def test_mass_matrix_with_friction_weights(obj):
     for _ in range(30):
         theta, velocity = rng.uniform(-3.0, 3.0), rng.normal(size=3)
         matrix = np.diag([obj.mass, obj.mass, obj.inertia])
-        for s_x, s_y, capacity, _ in supports:
+        for s_x, s_y, capacity, *_ in supports:
             x, y = Pose(0.0, 0.0, theta).rotate((s_x, s_y))
             rows = np.array([[1.0, 0.0, -y], [0.0, 1.0, x]])
             matrix += STEP * capacity / np.hypot(*rows @ velocity) * rows.T @ rows

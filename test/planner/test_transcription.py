@@ -27,7 +27,7 @@ def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.1
     x, y = problem.contact_point
     rest = Node(0.0, angle, 0.0, x, y)
     begin = rest._replace(w=float(contact_impulse(problem.kind, parameters, rest).w_jump))
-    step = one_step(problem.kind, len(problem.obj.supports), jumps, count)
+    step = one_step(problem.kind, parameters.supports, jumps, count)
     v_squared = problem.settings.pushing_speed ** 2
     end, _, _, samples, _ = step(list(begin), list(begin), change, np.zeros(6),
                                  [length, v_squared, 0.0, smoothing], np.full(count, 1.0 / count),
