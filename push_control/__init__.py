@@ -3,13 +3,26 @@ Feedback control of a push, and of tasks of several pushes: measurements in, com
 
 ``Controller`` follows one planned push; ``Supervisor`` brings an object to its goal with as many
 pushes as that takes. Both answer an ``Observation`` with a ``Twist`` of the robot, and know
-neither a clock nor ROS.
+neither a clock nor ROS. The modules behind these names are imported at first use.
 """
 
-from push_control.observation import Observation
-from push_control.push.controller import Controller
-from push_control.settings import ControlSettings
-from push_control.task.settings import SupervisionSettings
-from push_control.task.supervisor import Supervisor
+from typing import TYPE_CHECKING
+
+from push_model.files.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from push_control.observation import Observation
+    from push_control.push.controller import Controller
+    from push_control.settings import ControlSettings
+    from push_control.task.settings import SupervisionSettings
+    from push_control.task.supervisor import Supervisor
 
 __all__ = ['ControlSettings', 'Controller', 'Observation', 'SupervisionSettings', 'Supervisor']
+
+__getattr__, __dir__ = lazy_names(__name__, {
+    'push_control.observation': ('Observation',),
+    'push_control.push.controller': ('Controller',),
+    'push_control.settings': ('ControlSettings',),
+    'push_control.task.settings': ('SupervisionSettings',),
+    'push_control.task.supervisor': ('Supervisor',),
+})

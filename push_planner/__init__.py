@@ -8,8 +8,9 @@ A push is planned in a few lines; the modules behind these names are imported at
     print(plan.trajectory.duration, verify(plan))
 """
 
-import importlib
 from typing import TYPE_CHECKING
+
+from push_model.files.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from push_model.plan_request import PlanFailure, PlanRequest
@@ -31,7 +32,7 @@ __all__ = [
     'Verification', 'verify',
 ]
 
-_MODULES = {
+__getattr__, __dir__ = lazy_names(__name__, {
     'push_model.plan_request': ('PlanFailure', 'PlanRequest'),
     'push_planner.plan': ('Plan',),
     'push_planner.problem': ('InitialMotion', 'PlanningFailed', 'problem_from_placement',
@@ -42,19 +43,4 @@ _MODULES = {
     'push_planner.single_push.replanning': ('plan_from_measurements',),
     'push_planner.single_push.site_selection': ('choose_site', 'SiteChoice'),
     'push_planner.verification.verification': ('Verification', 'verify'),
-}
-_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
-
-
-def __getattr__(name: str) -> object:
-    """Import what is asked for: casadi alone takes longer to import than most commands run."""
-    if name not in _MODULE_OF:
-        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    value = getattr(importlib.import_module(_MODULE_OF[name]), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """List the public names too."""
-    return sorted({*globals(), *__all__})
+})

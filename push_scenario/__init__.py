@@ -11,8 +11,9 @@ first use, and matplotlib only for drawing::
     draw_figure([result], 'task.png')
 """
 
-import importlib
 from typing import TYPE_CHECKING
+
+from push_model.files.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from push_model.files.parameter_files import read_object, read_robot
@@ -40,7 +41,7 @@ __all__ = [
     'simulate', 'Start', 'Task', 'VariedPush',
 ]
 
-_MODULES = {
+__getattr__, __dir__ = lazy_names(__name__, {
     'push_model.files.parameter_files': ('read_object', 'read_robot'),
     'push_model.files.strict_yaml': ('ParameterFileError',),
     'push_scenario.batch.batch': ('BatchResult', 'run_batch', 'seeds'),
@@ -56,19 +57,4 @@ _MODULES = {
     'push_scenario.plots.figure': ('draw_figure',),
     'push_scenario.simulation.loop': ('Progress', 'simulate'),
     'push_scenario.simulation.result': ('Outcome', 'RunResult'),
-}
-_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
-
-
-def __getattr__(name: str) -> object:
-    """Import what is asked for: reading a file must not wait for planner and matplotlib."""
-    if name not in _MODULE_OF:
-        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    value = getattr(importlib.import_module(_MODULE_OF[name]), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """List the public names too."""
-    return sorted({*globals(), *__all__})
+})

@@ -106,14 +106,14 @@ class Bench:
         while time.monotonic() < end:
             self.executor.spin_once(timeout_sec=0.02)
 
-    def repeat_until(self, action, condition):
+    def repeat_until(self, action, condition, period=REPEAT_PERIOD):
         """Repeat an action until a condition holds: best effort may fail at first."""
         end = time.monotonic() + TIMEOUT
         while not condition():
             self.processes.check()
             assert time.monotonic() < end, 'timed out'
             action()
-            self.spin(REPEAT_PERIOD)
+            self.spin(period)
 
     def connect(self, object_pose, robot_pose):
         """Offer the first measurements until each is answered, and let all answers come in."""

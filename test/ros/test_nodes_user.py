@@ -8,7 +8,7 @@ import sys
 import time
 
 from geometry_msgs.msg import PoseStamped
-from helpers.node_bench import bench
+from helpers.node_bench import bench, TIMEOUT
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from push_control.ros.commands import STOP_COMMANDS
@@ -25,6 +25,7 @@ from push_scenario.definition.loader import find_scenario, read_scenario
 import pytest
 from rcl_interfaces.msg import Log, Parameter as ParameterMessage
 from rcl_interfaces.srv import DescribeParameters, SetParameters
+from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
@@ -71,16 +72,14 @@ class Setup:
 
     def measure_until(self, condition):
         """Publish measurements until a condition holds."""
-        while not condition():
-            self.b.processes.check()
-            self.measure()
+        self.b.repeat_until(self.measure, condition, period=0.0)
 
     def publish_once(self, message):
         """Publish a goal as ``ros2 topic pub --once`` does: to the first subscriber it meets."""
         publisher = self.b.node.create_publisher(PoseStamped, 'goal_pose', 10)
         self.b.wait_until(publisher.get_subscription_count)
         publisher.publish(message)
-        self.b.spin(0.1)
+        publisher.wait_for_all_acked(Duration(seconds=TIMEOUT))
         self.b.node.destroy_publisher(publisher)
 
     def call(self, kind, service, request):
