@@ -61,8 +61,8 @@ class Camera {
     const scene = recording.scene;
     if (!scene || !this.width) return;
     const extent = Math.max(...outlineOf(scene.object).map((vertex) => Math.hypot(...vertex)));
-    for (const point of recording.paths.object) add(point.x, point.y, extent);
-    for (const point of recording.paths.robot) add(point.x, point.y, scene.robot.radius);
+    for (const point of recording.paths.object) add(point[0], point[1], extent);
+    for (const point of recording.paths.robot) add(point[0], point[1], scene.robot.radius);
     for (const goal of recording.goals) add(goal.pose[0], goal.pose[1], extent);
     const map = recording.latest('map', Infinity);
     if (map && map.rows.length && !recording.isLive && map.rows.length * map.resolution < 8) {
@@ -74,7 +74,7 @@ class Camera {
     if (!xs.length) return;
     // Room to drag things to.
     const [goal] = recording.goals, [object] = recording.paths.object, [robot] = recording.paths.robot;
-    const middle = goal ? goal.pose : object ? [object.x, object.y] : robot && [robot.x, robot.y];
+    const middle = goal ? goal.pose : object || robot;
     if (recording.isLive && middle) add(middle[0], middle[1], LIVE_EXTENT);
     const span = (list) => [Math.min(...list), Math.max(...list)];
     const [left, right] = span(xs), [low, high] = span(ys);

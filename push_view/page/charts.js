@@ -57,20 +57,23 @@ class Chart {
     this.canvas.addEventListener('pointerdown', scrub);
     this.canvas.addEventListener('pointermove', scrub);
     this.drawn = { version: -1, at: -Infinity };
+    // Asking the canvas at every frame would have the page laid out each time.
+    new ResizeObserver(() => { this.drawn.version = -1; this.drawn.at = -Infinity; }).observe(this.canvas);
   }
 
-  show(recording, time, now) {
+  // The strip moves at every frame, its number is written at some.
+  show(recording, time, now, isWritten) {
     if (recording.isEmpty) return;
-    if (recording.version !== this.drawn.version && now - this.drawn.at > CHART_PERIOD
-        || this.canvas.clientWidth !== this.width) {
+    if (recording.version !== this.drawn.version && now - this.drawn.at > CHART_PERIOD) {
       this.drawn = { version: recording.version, at: now };
       this.draw(recording);
     }
     const x = LEFT + (time - this.start) / (this.end - this.start) * (this.width - LEFT);
     this.cursor.hidden = false;
     this.cursor.style.transform = `translateX(${Math.min(x, this.width - 2)}px)`;
+    if (!isWritten) return;
     const value = this.definition.value(recording, recording.rowAt(time));
-    this.output.textContent = Number.isFinite(value) ? value.toFixed(this.definition.digits) : '–';
+    setText(this.output, Number.isFinite(value) ? value.toFixed(this.definition.digits) : '–');
   }
 
   draw(recording) {

@@ -2,88 +2,32 @@
 // Draws the floor at one instant.
 
 const GRAVITY = 9.81;
-const PUSH_COLOR_COUNT = 6;
 
-class Floor {
+class Floor extends Pen {
   constructor(canvas, camera) {
-    this.context = canvas.getContext('2d');
-    this.camera = camera;
-    this.setTheme();
+    super(canvas.getContext('2d', { alpha: false }), camera);
+    this.ground = new Ground(camera);
   }
 
-  setTheme() { this.colors = themeColors(); }
+  setTheme() {
+    super.setTheme();
+    if (this.ground) this.ground.setTheme();
+  }
 
   // edit: what is being dragged, or null.
   draw(recording, time, edit) {
-    const c = this.context, camera = this.camera;
-    c.setTransform(camera.ratio, 0, 0, camera.ratio, 0, 0);
-    c.fillStyle = this.colors.paper;
-    c.fillRect(0, 0, camera.width, camera.height);
-    this.drawGrid();
+    if (!this.camera.canvas.width) return;  // nothing is seen of it yet
+    this.ground.show(this, recording, time);
     const scene = recording.scene;
     if (!scene) return;
     this.outline = outlineOf(scene.object);
-    this.drawMap(recording.latest('map', time));
     const goal = recording.latest('goal', time);
-    this.drawTrails(recording, time, goal);
     this.drawPlan(recording, time, goal);
     if (goal && !(edit && edit.body === 'goal')) this.drawGoal(goal.pose);
     if (!recording.isEmpty) this.drawBodies(recording, time);
     this.drawDisplacement(recording.latest('displacement', time), time);
     this.drawCollisions(recording, time, goal);
     if (edit) this.drawEdit(edit);
-  }
-
-  line(points, color, width, dash = []) {
-    if (points.length < 2) return;
-    const c = this.context;
-    c.beginPath();
-    points.forEach((point, i) => {
-      const [x, y] = this.camera.toScreen(point);
-      if (i) c.lineTo(x, y); else c.moveTo(x, y);
-    });
-    c.setLineDash(dash);
-    c.lineWidth = width;
-    c.strokeStyle = color;
-    c.stroke();
-    c.setLineDash([]);
-  }
-
-  shape(points, { fill, stroke, width = 1.5, dash = [], alpha = 1 }) {
-    const c = this.context;
-    c.beginPath();
-    points.forEach((point) => c.lineTo(...this.camera.toScreen(point)));
-    c.closePath();
-    if (fill) {
-      c.globalAlpha = alpha;
-      c.fillStyle = fill;
-      c.fill();
-      c.globalAlpha = 1;
-    }
-    c.setLineDash(dash);
-    c.lineWidth = width;
-    c.strokeStyle = stroke;
-    c.stroke();
-    c.setLineDash([]);
-  }
-
-  circle(point, radius, { fill, stroke, width = 1.5, dash = [], alpha = 1 }) {
-    const c = this.context;
-    c.beginPath();
-    c.arc(...this.camera.toScreen(point), radius, 0, 2 * Math.PI);
-    if (fill) {
-      c.globalAlpha = alpha;
-      c.fillStyle = fill;
-      c.fill();
-      c.globalAlpha = 1;
-    }
-    if (stroke) {
-      c.setLineDash(dash);
-      c.lineWidth = width;
-      c.strokeStyle = stroke;
-      c.stroke();
-      c.setLineDash([]);
-    }
   }
 
   // The object with a bar that marks its front.
@@ -97,87 +41,6 @@ class Floor {
   drawRobot(pose, radius, style) {
     this.circle(pose, radius * this.camera.scale, style);
     this.line([pose, transform(pose, [radius, 0])], style.stroke, style.width, style.dash);
-  }
-
-  drawGrid() {
-    const c = this.context, camera = this.camera;
-    const step = [0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * camera.scale > 56) || 10;
-    const [left, top] = camera.toFloor(0, 0), [right, bottom] = camera.toFloor(camera.width, camera.height);
-    c.strokeStyle = this.colors.grid;
-    c.lineWidth = 1;
-    c.fillStyle = this.colors.faint;
-    c.font = '11px system-ui, sans-serif';
-    c.textAlign = 'left';
-    c.textBaseline = 'alphabetic';
-    const digits = step < 1 ? 1 : 0;
-    c.beginPath();
-    for (let i = Math.ceil(left / step); i * step <= right; i += 1) {
-      const x = camera.toScreen([i * step, 0])[0];
-      c.moveTo(x, 0);
-      c.lineTo(x, camera.height);
-      c.fillText((i * step).toFixed(digits), x + 3, camera.height - 4);
-    }
-    for (let i = Math.ceil(bottom / step); i * step <= top; i += 1) {
-      const y = camera.toScreen([0, i * step])[1];
-      c.moveTo(0, y);
-      c.lineTo(camera.width, y);
-      if (y < camera.height - 16) c.fillText((i * step).toFixed(digits) + (i ? '' : ' m'), 4, y - 3);
-    }
-    c.stroke();
-  }
-
-  drawMap(map) {
-    if (!map || !map.rows.length) return;
-    const c = this.context, side = map.resolution;
-    // Outside the map nothing may move either.
-    const right = side * map.rows[0].length, top = side * map.rows.length;
-    this.shape([[0, 0], [right, 0], [right, top], [0, top]].map((corner) => transform(map.origin, corner)),
-               { stroke: this.colors.wall, width: 1.5, dash: [2, 6] });
-    c.fillStyle = this.colors.wall;
-    c.strokeStyle = this.colors.wall;
-    c.lineWidth = 1;
-    map.rows.forEach((row, j) => {
-      // Neighbours in a row are one rectangle.
-      for (let i = row.indexOf('#'); i >= 0;) {
-        let end = i;
-        while (row[end] === '#') end += 1;
-        c.beginPath();
-        for (const [u, v] of [[i, j], [end, j], [end, j + 1], [i, j + 1]]) {
-          c.lineTo(...this.camera.toScreen(transform(map.origin, [u * side, v * side])));
-        }
-        c.closePath();
-        c.fill();
-        c.stroke();
-        i = row.indexOf('#', end);
-      }
-    });
-  }
-
-  pushColor(number) { return this.colors['push-' + number % PUSH_COLOR_COUNT]; }
-
-  drawTrails(recording, time, goal) {
-    const since = recording.isLive && goal ? goal.time : -Infinity;
-    const between = (path, start, end) => path.filter((point) => point.t >= start && point.t <= end);
-    const points = (path) => path.map((point) => [point.x, point.y]);
-    this.line(points(between(recording.paths.robot, since, time)), this.colors.faint, 1.5, [1, 4]);
-    for (const push of recording.pushes()) {
-      if (push.start > time || push.end < since) continue;
-      const end = Math.min(push.end, time), color = this.pushColor(push.number);
-      const trail = points(between(recording.paths.object, push.start, end));
-      this.line(trail, color, 3.5);
-      const robot = recording.at(push.start);
-      this.label(String(push.number + 1), poseOf(robot, 'robot'), color);
-    }
-  }
-
-  label(text, point, color) {
-    const c = this.context, [x, y] = this.camera.toScreen(point);
-    this.circle(point, 9, { fill: this.colors.paper, stroke: color, width: 2 });
-    c.fillStyle = this.colors.ink;
-    c.font = 'bold 11px system-ui, sans-serif';
-    c.textAlign = 'center';
-    c.textBaseline = 'middle';
-    c.fillText(text, x, y + 0.5);
   }
 
   // The plan that is under way: until another state than approach, align and push.

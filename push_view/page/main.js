@@ -171,7 +171,7 @@ class App {
       this.needsDrawing = false;
       this.floor.draw(recording, player.time, this.editor.edit);
       this.panel.show(recording, player.time, now, isForced || !player.isPlaying);
-      player.show();
+      player.show(now);
       this.frames.push(performance.now() - started);
       if (this.frames.length > 600) this.frames.splice(0, 300);
     }

@@ -72,8 +72,9 @@ class Panel {
 
   show(recording, time, now, isForced) {
     if (!recording.scene) return;
-    this.charts.forEach((chart) => chart.show(recording, time, now));
-    if (!isForced && now - this.renewedAt < PANEL_PERIOD) return;
+    const isRenewed = isForced || now - this.renewedAt >= PANEL_PERIOD;
+    this.charts.forEach((chart) => chart.show(recording, time, now, isRenewed));
+    if (!isRenewed) return;
     this.renewedAt = now;
     const values = recording.at(time), state = recording.latest('state', time);
     const ending = recording.latest('ending', time);

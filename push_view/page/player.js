@@ -8,12 +8,16 @@ const LIVE_DELAY = 0.1;
 // Rows of a live page are expected to come at this rate at least, however busy the machine is.
 const LEAST_RATE = 0.2;
 
+// Slider and clock are renewed this often while time runs [ms].
+const CLOCK_PERIOD = 60;
+
 class Player {
   constructor(recording) {
     this.recording = recording;
     this.time = 0;
     this.speed = 1;
     this.rate = 1;  // live: at which rows come
+    this.shownAt = -Infinity;
     this.isPlaying = false;
     this.isFollowing = false;  // live, at the newest rows
     this.send = null;
@@ -101,7 +105,10 @@ class Player {
     if (this.isLive) this.follow(true);
   }
 
-  show() {
+  // Slider and clock, at some of the frames while time runs.
+  show(now) {
+    if (this.isPlaying && now - this.shownAt < CLOCK_PERIOD) return;
+    this.shownAt = now;
     const slider = byId('time'), { recording } = this;
     slider.min = recording.start;
     slider.max = Math.max(recording.end, recording.start + 0.01);

@@ -12,6 +12,16 @@ function wrapAngle(angle) {
   return Math.atan2(Math.sin(angle), Math.cos(angle));
 }
 
+// Number of the last item of a list in order of time that is not later; -1 where all are.
+function lastNotLater(list, time, timeOf) {
+  let low = -1, high = list.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (timeOf(list[middle]) <= time) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+
 class Recording {
   constructor() {
     this.version = 0;
@@ -25,6 +35,7 @@ class Recording {
     this.time = this.columns.time || [];
     this.paths = { object: [], robot: [] };
     for (const kind of KINDS) this[kind + 's'] = [];
+    this.pushCache = { count: 0, list: [] };
     this.version += 1;
   }
 
@@ -53,12 +64,11 @@ class Recording {
 
   extendPath(body) {
     const last = this.time.length - 1, path = this.paths[body];
-    const point = { t: this.time[last], x: this.columns[body + '_x'][last],
-                    y: this.columns[body + '_y'][last] };
-    if (!Number.isFinite(point.x)) return;
+    const x = this.columns[body + '_x'][last], y = this.columns[body + '_y'][last];
+    if (!Number.isFinite(x)) return;
     const before = path[path.length - 1];
-    if (!before || Math.hypot(point.x - before.x, point.y - before.y) > PATH_STEP) {
-      path.push(point);
+    if (!before || Math.hypot(x - before[0], y - before[1]) > PATH_STEP) {
+      path.push([x, y, this.time[last]]);
       if (path.length > MOST_ROWS) path.splice(0, MOST_ROWS / 2);
     }
   }
@@ -68,14 +78,13 @@ class Recording {
   get end() { return this.isEmpty ? 0 : this.time[this.time.length - 1]; }
   has(name) { return name in this.columns; }
 
-  // Number of the last row that is not later.
-  rowAt(time) {
-    let low = 0, high = this.time.length - 1;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (this.time[middle] <= time) low = middle; else high = middle - 1;
-    }
-    return low;
+  // Number of the last row that is not later; the first where all are.
+  rowAt(time) { return Math.max(0, lastNotLater(this.time, time, (value) => value)); }
+
+  // Points (x, y) of the path of a body, from the last one before a time to another time.
+  path(body, start, end) {
+    const path = this.paths[body], timeOf = (point) => point[2];
+    return path.slice(Math.max(0, lastNotLater(path, start, timeOf)), lastNotLater(path, end, timeOf) + 1);
   }
 
   // Values at a time: a function of the name of a column.
@@ -96,12 +105,7 @@ class Recording {
   // The latest of a kind that is not later than a time; kinds come in order of time.
   latest(kind, time) {
     const list = this[kind + 's'];
-    let found = null;
-    for (const message of list) {
-      if (message.time > time + 1e-9) break;
-      found = message;
-    }
-    return found;
+    return list[lastNotLater(list, time + 1e-9, (message) => message.time)] || null;
   }
 
   // Whether a push begins with a state: reasons may change under way.
@@ -111,6 +115,11 @@ class Recording {
 
   // Pushes as {number, start, end}.
   pushes() {
+    if (this.pushCache.count !== this.states.length) this.pushCache = { count: this.states.length, list: this.findPushes() };
+    return this.pushCache.list;
+  }
+
+  findPushes() {
     const found = [];
     this.states.forEach((message, i) => {
       if (this.isPushStart(i)) found.push({ number: found.length, start: message.time, end: Infinity });

@@ -1,25 +1,15 @@
 """The browser of the distribution, without a window, as a user's."""
 
 import base64
-from contextlib import contextmanager
+from contextlib import contextmanager, ExitStack
 import io
-import shutil
-import sys
 
+from benchmarks.page.chromium import open_chromium
 from helpers.extras import import_extra
 import pytest
 
-BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
-DRIVERS = ('chromedriver', 'chromium.chromedriver')
-OPTIONS = ('--headless=new', '--no-sandbox', '--disable-dev-shm-usage', '--hide-scrollbars',
-           '--disable-background-networking', '--no-first-run')
 # Longest wait for what a page does [s]; on a busy machine it may take seconds.
 PATIENCE = 60.0
-
-
-def find(names):
-    """Return the first of some programs that is installed, or None."""
-    return next(filter(None, map(shutil.which, names)), None)
 
 
 class Browser:
@@ -84,17 +74,9 @@ class Browser:
 def open_browser():
     """Start a browser; skip the test where there is none."""
     import_extra('selenium', 'test')
-    program, driver = find(BROWSERS), find(DRIVERS)
-    if program is None or driver is None or sys.platform != 'linux':
-        pytest.skip('no chromium with its chromedriver, which are packages of the distribution')
-    from selenium import webdriver
-    options = webdriver.ChromeOptions()
-    options.binary_location = program
-    for option in OPTIONS:
-        options.add_argument(option)
-    options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
-    chrome = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
-    try:
+    with ExitStack() as stack:
+        try:
+            chrome = stack.enter_context(open_chromium())
+        except FileNotFoundError as error:
+            pytest.skip(str(error))
         yield Browser(chrome)
-    finally:
-        chrome.quit()

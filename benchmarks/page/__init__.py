@@ -1,0 +1,1 @@
+"""Frames that the page shows in a second."""
