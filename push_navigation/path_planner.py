@@ -28,7 +28,7 @@ MAX_ARC_ANGLE = 2.0
 # A differential drive leaves the object along its heading where that is within this angle of the
 # normal. Chosen: at 75 degrees it already moves four times the clearance to get clear.
 MAX_DEPARTURE_ANGLE = math.radians(75.0)
-# Parts of the clearances that a path keeps, and standard deviations of the robot's place; the later
+# Parts of the clearances that a path keeps, and standard deviations of the place; the later
 # ones where there is no room for more. Chosen: 2 of the usual 5 cm from obstacles are twice the
 # error with which a path is followed, and no path is nearer to them than is to be expected.
 CLEARANCE_STEPS = ((1.0, 2.0), (0.6, 1.5), (0.4, 1.0))

@@ -91,8 +91,8 @@ TOPICS = {
         'object.outline.0 and so on), the fraction of the friction cone that the plan should use '
         '(cone_fraction), the tolerances of the goal (position_tolerance, heading_tolerance), and '
         "standard deviations of what is known: robot_deviation of the robot's place, "
-        'center_deviation of the centre of friction, contact_friction_deviation, and odometry_slope '
-        'and odometry_drift, by which the first grows as the robot drives; latched'),
+        'center_deviation of the centre of friction, contact_friction_deviation, and '
+        'odometry_slope and odometry_drift, by which the first grows per distance; latched'),
     'push_plan': Topic(
         MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
         'plan: joints object, contact and robot over time; the second is called free_contact '

@@ -24,9 +24,7 @@ from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray, IntArray
 from push_planner.map_search.object_distance import length_at, UNREACHED
 from push_planner.map_search.priority_queue import push, remove_first
-from push_planner.map_search.robot_reach import (
-    fill_reach, HALF_WINDOW, needed_gap, path_length,
-)
+from push_planner.map_search.robot_reach import fill_reach, needed_gap, path_length
 from push_planner.map_search.scene import clearance, object_clearance
 from push_primitives.cost_to_go import interpolate_cost
 
@@ -40,9 +38,10 @@ LINK_SIZE = 4
 # Counters of a search.
 NODES, QUEUED, EXPANDED, REACH_FILLED, NEAREST = range(5)
 COUNTER_SIZE = 5
-# Of a push that ends at the goal: its length [m], and its miss over the tolerances.
-LENGTH_TO_GOAL, MISS = range(2)
-FINAL_SIZE = 2
+# Of a node: length of a push from it that ends at the goal [m], the miss of that over the
+# tolerances, and the clearance of the object [m].
+LENGTH_TO_GOAL, MISS, GAP = range(3)
+FINAL_SIZE = 3
 # How a search ends, where it finds nothing: all nodes are expanded, or as many as allowed.
 EXHAUSTED, LIMIT = -1, -2
 # Cells of the lattice in which only the cheapest node is kept: side [m], headings of a turn; and
@@ -50,6 +49,9 @@ EXHAUSTED, LIMIT = -1, -2
 CELL, HEADINGS = 0.06, 24
 FINE_FACTOR = 3
 FINE_DISTANCE, FINE_ANGLE = 0.25, 0.6
+# Distance from the start along either axis within which the object may keep the clearance that it
+# has [m]; chosen: along a wall until there is room behind it.
+START_RANGE = 0.6
 # Distance and rotation after which the estimate charges another contact [m, rad]; fitted to
 # plans: without the charge ten times as many nodes are expanded.
 CONTACT_DISTANCE, CONTACT_ROTATION = 0.8, 0.6
@@ -79,6 +81,9 @@ MARGIN_SLOPE = 0.3
 SLIDING_LENGTH = 0.3
 # Cosine between the normals of faces that are opposite.
 OPPOSITE = -0.9
+# Clearance that is no longer looked at [m], the least that start and goal are taken to have, and
+# what a push may lose where there is little [m]; chosen.
+ENOUGH, LEAST_GAP, LOST_GAP = 0.3, -0.02, 0.003
 # First length of which the sweep is looked at: shorter ones move the object by less than a margin.
 FIRST_SWEEP = 0.04
 
@@ -95,8 +100,7 @@ class Query(NamedTuple):
     :param open_radius: clearance from which on the floor counts as open [m].
     :param object_margin: clearance of the object [m], but at start and goal.
     :param spread_factor: standard deviations of a vertex that are added to it.
-    :param start_margin: clearance of the start, to which the first push may keep [m].
-    :param goal_margin: likewise of the goal [m].
+    :param goal_margin: clearance of the goal, to which a push may keep there [m].
     :param blocked: whether a push may not come first, shape (n,).
     :param contact_time: of a contact besides pushing and driving [s].
     :param pushing_speed: [m/s].
@@ -104,7 +108,8 @@ class Query(NamedTuple):
     :param closing_time: that the cost-to-go of open floor has in excess at ``CLOSE_DISTANCE`` [s].
     :param weight: of the estimate, at least 1.
     :param max_expansions: number of nodes that are expanded at most.
-    :param first_half: half the side of the window in which the robot comes to the first contact.
+    :param half: half the side of the window in which the robot comes from one contact to another.
+    :param first_half: likewise to the first contact.
     """
 
     start: FloatArray
@@ -115,7 +120,6 @@ class Query(NamedTuple):
     open_radius: float
     object_margin: float
     spread_factor: float
-    start_margin: float
     goal_margin: float
     blocked: NDArray[np.bool_]
     contact_time: float
@@ -124,6 +128,7 @@ class Query(NamedTuple):
     closing_time: float
     weight: float
     max_expansions: int
+    half: int
     first_half: int
 
 
@@ -141,6 +146,7 @@ class Problem(NamedTuple):
 
     :param scene: ``Scene``.
     :param pushes: ``Pushes``.
+    :param first_pushes: likewise, of a robot whose place is as uncertain as it is now.
     :param grid: ``DistanceGrid`` to the goal.
     :param open_floor: ``OpenFloor``.
     :param margins: ``RobotMargins``.
@@ -150,6 +156,7 @@ class Problem(NamedTuple):
 
     scene: Any
     pushes: Any
+    first_pushes: Any
     grid: Any
     open_floor: OpenFloor
     margins: Any
@@ -290,14 +297,19 @@ def wrapped(angle: float) -> float:
 @compiled
 def _expand(problem: Any, memory: Any, number: int) -> None:
     """Add the successors of a node."""
-    node, query, pushes = memory.nodes[number], problem.query, problem.pushes
+    node, query, pushes = memory.nodes[number], problem.query, _pushes_from(problem, number)
     memory.counters[REACH_FILLED] = 0
     d_x, d_y = query.goal[0] - node[X], query.goal[1] - node[Y]
     is_near = d_x * d_x + d_y * d_y < FINAL_RANGE * FINAL_RANGE
     memory.final[LENGTH_TO_GOAL] = 0.0
+    memory.final[GAP] = UNREACHED
+    if (abs(query.start[0] - node[X]) < START_RANGE
+            and abs(query.start[1] - node[Y]) < START_RANGE):
+        memory.final[GAP] = max(LEAST_GAP, object_clearance(
+            problem.scene, node[X], node[Y], node[THETA], ENOUGH) - LOST_GAP)
     for begin in range(pushes.starts.shape[0]):
         if is_near:
-            _find_final_length(problem, node, begin, memory.final)
+            _find_final_length(query, pushes, node, begin, memory.final)
         if memory.final[LENGTH_TO_GOAL] == 0.0 and not pushes.coarse[begin]:
             continue
         if number == 0 and query.blocked[begin]:
@@ -308,9 +320,14 @@ def _expand(problem: Any, memory: Any, number: int) -> None:
 
 
 @compiled
-def _find_final_length(problem: Any, node: Any, begin: int, final: Any) -> None:
+def _pushes_from(problem: Any, number: int) -> Any:
+    """Return the pushes from a node: behind the first one the robot knows where it is."""
+    return problem.first_pushes if number == 0 else problem.pushes
+
+
+@compiled
+def _find_final_length(query: Any, pushes: Any, node: Any, begin: int, final: Any) -> None:
     """Write after which length a push ends at the goal, 0 where it passes it by, and its miss."""
-    query, pushes = problem.query, problem.pushes
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
     d_x, d_y = query.goal[0] - node[X], query.goal[1] - node[Y]
     x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, wrapped(query.goal[2] - node[THETA])
@@ -347,9 +364,9 @@ def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
     scene, counters = problem.scene, memory.counters
     margins = problem.first_margins if number == 0 else problem.margins
     straight = math.sqrt((x - node[ROBOT_X]) ** 2 + (y - node[ROBOT_Y]) ** 2)
-    if clearance(scene.floor, x, y) < scene.robot_radius + needed_gap(margins, straight):
+    if clearance(scene.floor, x, y) < scene.robot_radius + needed_gap(margins, straight, straight):
         return UNREACHED
-    half = query.first_half if number == 0 else HALF_WINDOW
+    half = query.first_half if number == 0 else query.half
     if counters[REACH_FILLED] == 0:
         fill_reach(scene, margins, node, (node[ROBOT_X], node[ROBOT_Y]), half, memory.reach)
         counters[REACH_FILLED] = 1
@@ -359,7 +376,7 @@ def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
 @compiled
 def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: float) -> None:
     """Add pushes that begin alike, and end after several lengths or at the goal."""
-    pushes, query, node = problem.pushes, problem.query, memory.nodes[number]
+    pushes, query, node = _pushes_from(problem, number), problem.query, memory.nodes[number]
     cost = node[COST] + query.contact_time + travel / query.robot_speed
     final_length = memory.final[LENGTH_TO_GOAL]
     for step in range(1, pushes.last[begin] + 1):
@@ -373,7 +390,7 @@ def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: floa
                     cost + final_length / query.pushing_speed + correction)
         if length < FIRST_SWEEP:
             continue
-        _place(problem, node, begin, step, memory.pose)
+        _place(pushes.means[begin, step], node, memory.pose)
         if not _is_free(problem, memory, number, begin, step):
             return
         if pushes.coarse[begin] and pushes.is_end[step]:
@@ -382,9 +399,8 @@ def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: floa
 
 
 @compiled
-def _place(problem: Any, node: Any, begin: int, step: int, pose: Any) -> None:
-    """Write the pose of the object after a length of a push."""
-    mean = problem.pushes.means[begin, step]
+def _place(mean: Any, node: Any, pose: Any) -> None:
+    """Write the pose of the object after a mean displacement."""
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
     pose[0] = node[X] + c * mean[0] - s * mean[1]
     pose[1] = node[Y] + s * mean[0] + c * mean[1]
@@ -394,13 +410,12 @@ def _place(problem: Any, node: Any, begin: int, step: int, pose: Any) -> None:
 @compiled
 def _is_free(problem: Any, memory: Any, number: int, begin: int, step: int) -> bool:
     """Tell whether object and robot are free after a length of a push, the object at a pose."""
-    scene, query, pushes, pose = problem.scene, problem.query, problem.pushes, memory.pose
+    scene, query, pose = problem.scene, problem.query, memory.pose
+    pushes = _pushes_from(problem, number)
     length = pushes.lengths[step]
     margin = query.object_margin + query.spread_factor * pushes.spreads[begin, step]
     # What start and goal lack cannot be had near them.
-    if number == 0:
-        beyond = max(0.0, length - SLIDING_LENGTH)
-        margin = min(margin, query.start_margin + MARGIN_SLOPE * beyond)
+    margin = min(margin, memory.final[GAP] + MARGIN_SLOPE * max(0.0, length - SLIDING_LENGTH))
     d_x, d_y = query.goal[0] - pose[0], query.goal[1] - pose[1]
     margin = min(margin, query.goal_margin + MARGIN_SLOPE * math.sqrt(d_x * d_x + d_y * d_y))
     if object_clearance(scene, pose[0], pose[1], pose[2], margin) < margin:

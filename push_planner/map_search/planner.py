@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import distance, Pose
+from push_model.geometry import distance, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
@@ -23,7 +23,7 @@ from push_navigation.settings import DriveSettings
 from push_planner.map_search.object_distance import (
     distance_grid, DistanceGrid, length_at, narrowest_place, UNREACHED,
 )
-from push_planner.map_search.pushes import make_pushes
+from push_planner.map_search.pushes import make_pushes, Pushes
 from push_planner.map_search.scene import Floor, make_scene
 from push_planner.map_search.search import (
     MapSearch, Margins, SearchEnd, SearchResult, SearchSettings,
@@ -44,8 +44,13 @@ from push_primitives.weights import draw_weights
 # chosen: half of 5 cm leaves doors of 1.25 times the width of the object.
 OBJECT_FRACTION = 0.5
 # Standard deviations of a push that are added to the clearance of the object, for each of the
-# ``CLEARANCE_STEPS``, of which the later ones are only for where nothing is found before; chosen.
+# ``CLEARANCE_STEPS``, of which the later ones are only for where nothing is found before; and how
+# far each search goes. Chosen: most answers take fewer than 100 expansions, a few thousand of
+# which take a second.
 SPREAD_FACTORS = (1.0, 0.5, 0.0)
+MAX_EXPANSIONS = (700, 400, 400)
+# The last search goes farther, or where all was searched the robot does: round through rooms.
+LAST_EXPANSIONS, WIDE_EXPANSIONS = 4000, 300
 LEAST_FRACTION = CLEARANCE_STEPS[-1][0]
 # Part of the tolerances within which a last push ends, as planned.
 GOAL_FRACTION = 0.7
@@ -164,20 +169,21 @@ class _MapPlanner:
             raise self._too_narrow(start, goal, 2.0 * needed)
         primitives = primitives_for(request, self._robot, self._drive)
         weights = draw_weights(primitives.table.draws, friction_belief(request))
-        displacements = (primitives.unsure_displacements
-                         if request.robot_deviation > UNSURE_DEVIATION
-                         else primitives.localized_displacements)
-        pushes = make_pushes(primitives, request.obj, self._robot.radius, displacements, weights)
-        search = MapSearch(scene, pushes, grid, primitives.cost_to_go,
+        pushes, first_pushes = self._pushes(primitives, weights)
+        search = MapSearch(scene, (pushes, first_pushes), grid, primitives.cost_to_go,
                            self._search_settings(primitives))
         paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
         first_failure: SearchResult | None = None
         expansions = 0
+        is_exhausted = False
         for margins in self._margins():
+            if is_exhausted and margins.max_expansions == LAST_EXPANSIONS:
+                margins = margins._replace(max_expansions=WIDE_EXPANSIONS, is_wide=True)
             blocked = np.zeros(len(pushes.numbers), dtype=np.bool_)
             for _ in range(MAX_FIRST_PUSHES):
                 result = search.run(start, robot, goal, margins, blocked)
                 expansions += result.expansions
+                is_exhausted = result.end is SearchEnd.EXHAUSTED
                 if result.end is not SearchEnd.FOUND:
                     first_failure = first_failure or result
                     break
@@ -192,6 +198,16 @@ class _MapPlanner:
                 # The search sees the robot's path on a grid only.
                 blocked[first.begin] = True
         raise self._no_sequence(first_failure)
+
+    def _pushes(self, primitives: PushPrimitives, weights: FloatArray) -> tuple[Pushes, Pushes]:
+        """Prepare the pushes of a localized robot, and those of it as it is now."""
+        request, radius = self._request, self._robot.radius
+        pushes = make_pushes(primitives, request.obj, radius, primitives.localized_displacements,
+                             weights)
+        if request.robot_deviation <= UNSURE_DEVIATION:
+            return pushes, pushes
+        return pushes, make_pushes(primitives, request.obj, radius,
+                                   primitives.unsure_displacements, weights)
 
     def _lay_out(self, result: SearchResult, selected: SelectedPush, primitives: PushPrimitives,
                  paths: ApproachPaths, expansions: int) -> MapPlan:
@@ -209,10 +225,15 @@ class _MapPlanner:
     def _margins(self) -> Iterator[Margins]:
         """Generate margins, the widest first."""
         uncertainty = place_uncertainty(self._request)
-        for (fraction, sigmas), spread_factor in zip(CLEARANCE_STEPS, SPREAD_FACTORS):
+        margins: Margins | None = None
+        for (fraction, sigmas), spread_factor, limit in zip(CLEARANCE_STEPS, SPREAD_FACTORS,
+                                                            MAX_EXPANSIONS):
             drive = self._drive.with_clearances(fraction)
-            yield Margins(OBJECT_FRACTION * drive.map_clearance, spread_factor,
-                          drive.map_clearance, drive.clearance, uncertainty, sigmas)
+            margins = Margins(OBJECT_FRACTION * drive.map_clearance, spread_factor,
+                              drive.map_clearance, drive.clearance, uncertainty, sigmas, limit)
+            yield margins
+        if margins is not None:
+            yield margins._replace(max_expansions=LAST_EXPANSIONS)
 
     def _search_settings(self, primitives: PushPrimitives) -> SearchSettings:
         request, costs = self._request, primitives.settings
@@ -234,9 +255,10 @@ class _MapPlanner:
 
     def _no_sequence(self, result: SearchResult | None) -> PlanningFailed:
         """Say how far the search came."""
-        if result is None:
-            return PlanningFailed(PlanFailure.BLOCKED, 'the robot gets to no place from where it '
-                                  'could push the object on')
+        if result is None or result.farthest == 0.0:
+            return PlanningFailed(
+                PlanFailure.BLOCKED, 'the robot gets to no place from where it could push the '
+                'object on: obstacles are in its way, or its place is too uncertain')
         report = {'expansions': result.expansions}
         here = self._request.object_pose
         if result.end is SearchEnd.EXHAUSTED and result.farthest < SHUT_IN_DISTANCE:

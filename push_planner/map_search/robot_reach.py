@@ -15,9 +15,9 @@ from push_planner.map_search.scene import clearance, distance_to_object
 
 # Spacing of the grid [m]; chosen: a third of the radius of a small robot.
 SPACING = 0.05
-# Half the side of the window between pushes, in spacings; chosen: 1.4 m, all round a table. What
-# leads farther away is not found.
-HALF_WINDOW = 28
+# Half the side of the window between pushes, in spacings; chosen: 1.4 m, all round a table, and
+# 5 m, round through another room, where nothing is found in that.
+HALF_WINDOW, WIDE_WINDOW = 28, 100
 # Where the robot does not get [m]. Finite, see ``object_distance``.
 UNREACHED = 1e9
 DIAGONAL = math.sqrt(2.0)
@@ -43,8 +43,8 @@ class RobotMargins(NamedTuple):
     :param obstacles: from obstacles of the map [m].
     :param object: from the object [m].
     :param position: what it keeps from obstacles at least as its place is uncertain [m].
-    :param slope: growth of that per distance from where it starts [m/m]; both add as squares.
-    :param drift: further growth per squared distance [1/m].
+    :param slope: growth of that per distance from where it starts [m/m]; all add as squares.
+    :param drift: further growth per distance and length driven [1/m].
     """
 
     obstacles: float
@@ -80,6 +80,7 @@ def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
     queue[0] = row * side + column
     first, last = 0, 1
     size = queue.shape[0]
+    first_row, first_column = row, column
     while first < last:
         number = queue[first % size]
         first += 1
@@ -90,9 +91,11 @@ def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
                 length = lengths[i, j] + step
                 if lengths[a, b] <= length + 1e-6 or last - first >= size:
                     continue
+                away = SPACING * math.sqrt(float(
+                    (a - first_row) * (a - first_row) + (b - first_column) * (b - first_column)))
                 if lengths[a, b] >= UNREACHED and not _may_enter(
                         scene, margins, pose, (a - half, b - half), (i - half, j - half),
-                        needed_gap(margins, length)):
+                        needed_gap(margins, length, away)):
                     continue
                 lengths[a, b] = length
                 queue[last % size] = a * side + b
@@ -122,15 +125,16 @@ def path_length(reach: Any, pose: Any, half: int, x: float, y: float) -> float:
 
 
 @compiled
-def needed_gap(margins: Any, length: float) -> float:
+def needed_gap(margins: Any, length: float, away: float) -> float:
     """
     Compute what the robot keeps from obstacles.
 
     :param margins: ``RobotMargins``.
     :param length: of its path [m].
+    :param away: from where it starts [m].
     :return: gap [m].
     """
-    rising, bending = margins.slope * length, margins.drift * length * length
+    rising, bending = margins.slope * away, margins.drift * length * away
     return max(margins.obstacles, math.sqrt(
         margins.position * margins.position + rising * rising + bending * bending))
 

@@ -7,12 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from push_model.geometry import Pose
-from push_navigation.map_clearance import CERTAIN, PlaceUncertainty, WINDING
+from push_navigation.map_clearance import CERTAIN, PlaceUncertainty
 from push_planner.map_search import kernel
 from push_planner.map_search.kernel import Memory, OpenFloor, Problem, Query
 from push_planner.map_search.object_distance import DistanceGrid
 from push_planner.map_search.pushes import Pushes
-from push_planner.map_search.robot_reach import HALF_WINDOW, Reach, RobotMargins, SPACING
+from push_planner.map_search.robot_reach import (
+    HALF_WINDOW, Reach, RobotMargins, SPACING, WIDE_WINDOW,
+)
 from push_planner.map_search.scene import object_clearance, Scene
 from push_primitives.cost_to_go import CostToGo
 
@@ -20,19 +22,15 @@ from push_primitives.cost_to_go import CostToGo
 # of two that they fill to a quarter.
 MAX_NODES = 120000
 SLOTS = 1 << 19
-# Margin of the window round object and robot in which the robot comes to its first push [m], and
-# the largest half side of it [spacings]; chosen: a robot may be two rooms away.
-WINDOW_MARGIN = 2.0
+# Margins of the window round object and robot in which the robot comes to its first push [m], the
+# second where nothing is found in the first, and the largest half side [spacings]; chosen: a robot
+# may be two rooms away, and the door to them beyond a third.
+WINDOW_MARGINS = 2.0, 10.0
 LARGEST_HALF = 1000
 # Places in the queue of grid points that wait; the rim of the area that is filled is shorter.
 QUEUE_SIZE = 1 << 16
 # Bearings of the goal over which the cost-to-go is averaged [rad].
 BEARINGS = tuple(np.linspace(-math.pi, math.pi, 8, endpoint=False).tolist())
-# Clearance that is no longer looked at [m], and the least that start and goal are taken to have.
-ENOUGH = 0.3
-LEAST_CLEARANCE = -0.02
-# What a push may lose of the clearance of a start or goal that has little [m]; chosen.
-LOST_CLEARANCE = 0.003
 
 
 class SearchEnd(enum.Enum):
@@ -45,7 +43,7 @@ class SearchEnd(enum.Enum):
 
 class Margins(NamedTuple):
     """
-    Margins of a search.
+    Margins of a search, and how far it goes.
 
     :param object: clearance of the object from obstacles [m].
     :param spread_factor: standard deviations of a vertex after a push that are added to it.
@@ -53,6 +51,8 @@ class Margins(NamedTuple):
     :param robot_to_object: clearance of the robot from the object between pushes [m].
     :param uncertainty: ``PlaceUncertainty`` of the robot on its way to the first push.
     :param sigmas: standard deviations of its place by which it keeps clear of obstacles there.
+    :param max_expansions: of the search.
+    :param is_wide: whether the robot may go round through other rooms.
     """
 
     object: float  # noqa: A003
@@ -61,14 +61,12 @@ class Margins(NamedTuple):
     robot_to_object: float
     uncertainty: PlaceUncertainty = CERTAIN
     sigmas: float = 1.0
+    max_expansions: int = 2000
+    is_wide: bool = False
 
 
 class SearchSettings(NamedTuple):
-    """
-    What a search weighs and how far it goes; fields as of ``kernel.Query``.
-
-    :param max_expansions: chosen: most answers take fewer than 100, and 2000 a second or more.
-    """
+    """What a search weighs; fields as of ``kernel.Query``."""
 
     position_tolerance: float
     heading_tolerance: float
@@ -77,7 +75,6 @@ class SearchSettings(NamedTuple):
     pushing_speed: float
     robot_speed: float
     weight: float = 1.5
-    max_expansions: int = 2000
 
 
 class SearchPush(NamedTuple):
@@ -123,13 +120,13 @@ class MapSearch:
     Search from one pose of object and robot; all in the frame of the map.
 
     :param scene: ``Scene``.
-    :param pushes: ``Pushes``.
+    :param pushes: ``Pushes`` of a robot that is localized, and of it as it is now.
     :param grid: ``DistanceGrid`` to the goal.
     :param cost_to_go: ``CostToGo`` of open floor.
     :param settings: ``SearchSettings``.
     """
 
-    def __init__(self, scene: Scene, pushes: Pushes, grid: DistanceGrid, cost_to_go: CostToGo,
+    def __init__(self, scene: Scene, pushes: tuple[Pushes, Pushes], grid: DistanceGrid, cost_to_go: CostToGo,
                  settings: SearchSettings) -> None:
         self._scene = scene
         self._pushes = pushes
@@ -152,27 +149,30 @@ class MapSearch:
         :return: ``SearchResult``.
         """
         away = max(abs(robot.x - start.x), abs(robot.y - start.y))
-        half = min(LARGEST_HALF, max(HALF_WINDOW, math.ceil((away + WINDOW_MARGIN) / SPACING)))
+        half = WIDE_WINDOW if margins.is_wide else HALF_WINDOW
+        first_half = min(LARGEST_HALF, max(half, math.ceil(
+            (away + WINDOW_MARGINS[margins.is_wide]) / SPACING)))
+        side = 2 * first_half + 1
         memory = self._memory._replace(reach=Reach(
-            np.empty((2 * half + 1, 2 * half + 1)), np.empty(QUEUE_SIZE, dtype=np.int64)))
+            np.empty((side, side)), np.empty(QUEUE_SIZE, dtype=np.int64)))
         memory.cells.fill(-1)
         memory.counters.fill(0)
         problem = Problem(
-            self._scene, self._pushes, self._grid, self._open_floor,
+            self._scene, *self._pushes, self._grid, self._open_floor,
             RobotMargins(margins.robot, margins.robot_to_object), _first_margins(margins),
             Query(np.array(start), np.array(robot[:2]), np.array(goal),
                   self._settings.position_tolerance, self._settings.heading_tolerance,
                   self._settings.open_radius, margins.object, margins.spread_factor,
-                  self._clearance(start), self._clearance(goal), blocked,
+                  self._clearance(goal), blocked,
                   self._settings.contact_time, self._settings.pushing_speed,
                   self._settings.robot_speed, self._closing_time, self._settings.weight,
-                  self._settings.max_expansions, half))
+                  margins.max_expansions, half, first_half))
         found = int(kernel.search(problem, memory))
         return self._result(problem, memory, found)
 
     def _clearance(self, pose: Pose) -> float:
-        found = float(object_clearance(self._scene, *pose, ENOUGH))
-        return max(LEAST_CLEARANCE, found - LOST_CLEARANCE)
+        found = float(object_clearance(self._scene, *pose, kernel.ENOUGH))
+        return max(kernel.LEAST_GAP, found - kernel.LOST_GAP)
 
     def _result(self, problem: Problem, memory: Memory, found: int) -> SearchResult:
         ends = {kernel.EXHAUSTED: SearchEnd.EXHAUSTED, kernel.LIMIT: SearchEnd.LIMIT}
@@ -200,7 +200,7 @@ def _first_margins(margins: Margins) -> RobotMargins:
     uncertainty, sigmas = margins.uncertainty, margins.sigmas
     return RobotMargins(
         margins.robot, margins.robot_to_object, sigmas * uncertainty.position,
-        sigmas * uncertainty.slope / WINDING, 0.5 * sigmas * uncertainty.drift / WINDING)
+        sigmas * uncertainty.slope, 0.5 * sigmas * uncertainty.drift)
 
 
 def _closing_time(cost_to_go: CostToGo, settings: SearchSettings) -> float:

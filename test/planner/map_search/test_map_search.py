@@ -120,6 +120,18 @@ def test_where_object_or_goal_do_not_fit_there_is_no_plan():
         assert failure.value.code is PlanFailure.NOT_FREE
 
 
+def test_the_robot_comes_from_another_room():
+    """Through a door far from both, where it knows its place; else the reason says so."""
+    occupancy_map = walled_room((-2.0, 3.0, -0.1, 0.1))
+    start, here = Pose(2.0, -1.0, 1.0), Pose(2.0, 1.2, 0.4)
+    found = plan(occupancy_map, Pose(0.0, 1.5, 0.0), here=here, start=start)
+    assert found.first.approach_path.length > 7.0
+    request = PlanRequest(here, start, Pose(0.0, 1.5, 0.0), BOX, odometry_slope=0.1,
+                          odometry_drift=0.1)
+    with pytest.raises(PlanningFailed, match='gets to no place .* too uncertain'):
+        plan_push_in_map(request, ROBOT, SETTINGS, DRIVE, occupancy_map)
+
+
 def test_a_plan_does_not_depend_on_the_frame():
     """A map that lies elsewhere gives the same plan there."""
     origin = Pose(4.0, -3.0, 2.1)
