@@ -21,7 +21,7 @@ import types
 from typing import Any, Callable, cast, TypeVar
 
 import numpy as np
-from push_model import friction, geometry, load_transfer
+from push_model import friction, geometry
 
 # Environment variable that keeps the kernel in plain Python, to debug it.
 INTERPRET = 'PUSH_SIM_INTERPRET'
@@ -144,12 +144,12 @@ def _source_digest(folder: pathlib.Path) -> str:
         folders.add(HERE.parent / 'push_primitives')
     sources = [source for part in sorted(folders) for source in sorted(part.glob('*.py'))]
     digest = hashlib.sha256()
-    for source in [*sources, geometry.__file__, friction.__file__, load_transfer.__file__]:
+    for source in [*sources, geometry.__file__, friction.__file__]:
         digest.update(pathlib.Path(source).read_bytes())
     return digest.hexdigest()[:16]
 
 
 friction_weight = compiled(friction.friction_weight)
-load_moment = compiled(load_transfer.load_moment)
+load_moment = compiled(friction.load_moment)
 closest_on_polygon = compiled(geometry.closest_on_polygon)
 lowest_vertex = compiled(geometry.lowest_vertex)

@@ -5,8 +5,8 @@ from typing import Any, Sequence
 
 from push_dynamics import layout
 from push_model.contact import find_contact
+from push_model.friction import load_gradients
 from push_model.geometry import Pose
-from push_model.load_transfer import load_gradients
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
 

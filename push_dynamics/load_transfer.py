@@ -1,7 +1,7 @@
 """
 Loads of the supports in the compiled step, shifted by a push above the floor.
 
-The law is that of ``push_model.load_transfer``: the centre of pressure p, from the mass centre,
+The law is that of ``push_model.friction``: the centre of pressure p, from the mass centre,
 makes the load of support i ``N_i0 + m g eta_i . p``. Once a support would pull it lifts: between
 the p where the first one lifts and the p on the edge of the hull, where two supports carry all,
 loads are interpolated. Both ends balance, hence all between them; up to four supports leave no

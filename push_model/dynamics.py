@@ -15,9 +15,8 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import casadi as ca
-from push_model.friction import friction_weight
-from push_model.load_transfer import (
-    LoadTransfer, slide_direction, SlidingSupport, transferred_capacities,
+from push_model.friction import (
+    friction_weight, LoadTransfer, slide_direction, SlidingSupport, transferred_capacities,
 )
 from push_model.parameters import PushedObject
 

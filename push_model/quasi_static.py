@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterable, Sequence
 import math
 from typing import Any, NamedTuple
 
-from push_model.friction import c_squared, ellipsoid_c_squared, friction_center, friction_weight
-from push_model.geometry import Coordinates
-from push_model.load_transfer import (
-    has_heights, LoadTransfer, slide_direction, SlidingSupport, straight_push,
-    transferred_capacities,
+import numpy as np
+from push_model.friction import (
+    c_squared, ellipsoid_c_squared, friction_center, friction_weight, has_heights, load_gradients,
+    LoadTransfer, slide_direction, SlidingSupport, transferred_capacities,
 )
+from push_model.geometry import Coordinates
 from push_model.parameters import PushedObject
 
 # Support friction becomes viscous below this fraction of the contact's speed. Chosen: far below
@@ -95,6 +95,61 @@ def vehicle(obj: PushedObject, contact_point: Coordinates,
     ahead = square / arm
     return Vehicle(arm, square, angle, (x_c, y_c),
                    (x_f + ahead * math.cos(angle), y_f + ahead * math.sin(angle)))
+
+
+class StraightPush(NamedTuple):
+    """
+    An object that is pushed straight, loads transferred; first order about that motion.
+
+    :param center: centre of friction under the push, object frame (x, y) [m].
+    :param c_squared: c^2 that gives the wheelbase ``(r^2 + c^2) / r`` from that centre [m^2].
+    """
+
+    center: tuple[float, float]
+    c_squared: float
+
+
+def straight_push(obj: PushedObject, contact_point: tuple[float, float], angle: float,
+                  center: tuple[float, float] | None = None) -> StraightPush:
+    """
+    Centre of friction and c^2 of an object that slides in one direction.
+
+    With x_i along and y_i across the push, from the centre of friction under the transferred
+    loads, and r' its distance from the contact:
+
+        Z = z_C (sum mu_i eta_iy y_i + z_C (sum mu_i eta_iy) (sum mu_i eta_ix y_i)
+                 / (1 - z_C sum mu_i eta_ix))
+        c^2 = <x_i^2> r' / (r' - Z)
+
+    For supports of one mu, Z = mu z_C: the wheelbase is then ``r + mu z_C + (c_0^2 - (mu z_C)^2)
+    / r``, with r and c_0 those at rest.
+
+    :param obj: the ``PushedObject``.
+    :param contact_point: C in the object frame (x, y) [m].
+    :param angle: direction of the push in the object frame [rad].
+    :param center: centre of friction under the push, where it is known [m].
+    :return: ``StraightPush``.
+    """
+    push = np.array([math.cos(angle), math.sin(angle)])
+    across = np.array([-push[1], push[0]])
+    places = np.array([(support.x, support.y) for support in obj.supports])
+    friction = np.array([support.friction_coefficient for support in obj.supports])
+    gradients = np.array(load_gradients(obj))
+    transfer = LoadTransfer.of(obj)
+    capacities = np.array(obj.capacities)
+    if transfer is not None:
+        capacities = np.array(transferred_capacities(transfer, (
+            SlidingSupport(capacity, *support, *push)
+            for capacity, support in zip(obj.capacities, transfer.supports))))
+    mean = capacities @ places / capacities.sum()
+    x, y = (places - mean) @ push, (places - mean) @ across
+    by_x, by_y = friction * (gradients @ push), friction * (gradients @ across)
+    height = obj.contact_height
+    sideways = height * (by_y @ y + height * by_y.sum() * (by_x @ y) / (1.0 - height * by_x.sum()))
+    reached = mean if center is None else np.array(center)
+    arm = float((reached - contact_point) @ push)
+    square = float(capacities @ x ** 2 / capacities.sum()) * arm / (arm - float(sideways))
+    return StraightPush((float(reached[0]), float(reached[1])), square)
 
 
 def pushed_friction_center(obj: PushedObject, contact_point: Coordinates) -> tuple[float, float]:

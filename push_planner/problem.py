@@ -9,8 +9,8 @@ from push_model.contact import (
     contact_point, curvature_radius, find_contact, rolling_constants, RollingConstants,
 )
 from push_model.dynamics import ObjectTerms
+from push_model.friction import check_tipping
 from push_model.geometry import Coordinates, Pose, wrap_angle
-from push_model.load_transfer import check_tipping
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
 from push_model.quasi_static import pushed_friction_center, Vehicle, vehicle

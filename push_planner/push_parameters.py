@@ -17,8 +17,8 @@ from typing import Any, get_args, Literal, NamedTuple
 import casadi as ca
 import numpy as np
 from push_model.dynamics import ObjectTerms
+from push_model.friction import LoadTransfer, SupportTransfer
 from push_model.geometry import FloatArray
-from push_model.load_transfer import LoadTransfer, SupportTransfer
 
 # How the contact moves with the robot: held in place on the object by a robot that rotates with
 # it, rolling on a robot that does not rotate, or held by a differential drive, which steers.

@@ -15,8 +15,8 @@ from push_dynamics.encoding import (
 )
 from push_dynamics.floor import floor_rows, FloorPatch
 from push_dynamics.step import advance
+from push_model.friction import check_tipping
 from push_model.geometry import Pose
-from push_model.load_transfer import check_tipping
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
 from push_sim_node.truth import ContactMode, Energy, Truth

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 from push_dynamics.actuation import limit_command
+from push_model.friction import has_heights
 from push_model.geometry import Pose
-from push_model.load_transfer import has_heights
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_sim_node.disturbance import change_times, friction_factors

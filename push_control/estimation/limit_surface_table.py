@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from push_model.friction import friction_weight
+from push_model.friction import friction_weight, LoadTransfer
 from push_model.geometry import Coordinates, FloatArray
-from push_model.load_transfer import LoadTransfer
 from push_model.parameters import PushedObject
 from push_model.quasi_static import (
     quasi_static_yaw_rate, sliding_capacities, Vehicle, vehicle,

@@ -5,8 +5,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from push_model.contact import face_length, normal_range
+from push_model.friction import has_heights
 from push_model.geometry import FloatArray, wrap_angle
-from push_model.load_transfer import has_heights
 from push_planner.collocation.collocation import radau
 from push_planner.collocation.dimensions import BoundaryValues, Dimensions, Limits, POINTS
 from push_planner.collocation.mesh import build_mesh, Mesh

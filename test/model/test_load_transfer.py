@@ -7,8 +7,9 @@ from helpers.objects import bin_, box
 import numpy as np
 from push_model.files.data import config_file
 from push_model.files.parameter_files import read_object
-from push_model.friction import friction_center
-from push_model.load_transfer import check_tipping, load_gradients, tipping_height
+from push_model.friction import (
+    check_tipping, friction_center, load_gradients, tipping_height,
+)
 from push_model.parameters import PushedObject, Support
 from push_model.quasi_static import (
     compare_yaw_rates, pushed_friction_center, quasi_static_yaw_rate, vehicle,
@@ -32,7 +33,8 @@ def test_wheelbase_of_like_supports_is_the_closed_form(height):
 
 
 @pytest.mark.parametrize('obj, point', [
-    (box(**UNEVEN, contact_height=0.2), MID_FACE), (box(**UNEVEN, contact_height=0.3), (-0.2, 0.1)),
+    (box(**UNEVEN, contact_height=0.2), MID_FACE),
+    (box(**UNEVEN, contact_height=0.3), (-0.2, 0.1)),
     (bin_(contact_height=0.15), (-0.2, 0.0)),
     (dataclasses.replace(FIVE_FEET, contact_height=0.2), (-0.1, -0.2))])
 def test_vehicle_is_the_slow_push_on_the_supports_near_straight(obj, point):
