@@ -12,7 +12,7 @@ from push_ros.conversions.footprint import (
     pushing_footprint, robot_footprint, to_footprint_message,
 )
 from push_ros.conversions.markers import (
-    erased, estimate_markers, goal_markers, GREY, MarkerHeader, plan_markers, scene_markers,
+    BELIEVED, erased, estimate_markers, goal_markers, MarkerHeader, plan_markers, scene_markers,
     text_markers,
 )
 from push_ros.conversions.primitives import to_stamp
@@ -166,7 +166,7 @@ class ScenePublisher:
     def _draw(self, scene: Scene, stamp: Time) -> None:
         header = self._header('controller', stamp)
         drawn = [scene_markers(header, self._object, self._robot, scene.estimate.pose,
-                               scene.robot_pose, color=GREY),
+                               scene.robot_pose, color=BELIEVED),
                  estimate_markers(header, self._object, scene.estimate)]
         if scene.text:
             drawn.append(text_markers(header, scene.robot_pose, scene.text))

@@ -16,14 +16,23 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 Color = tuple[float, float, float]
-# Colours (r, g, b): the true object of the simulator brown, the estimated one of the controller
-# grey; the paths of object, contact and robot in a plan blue, orange and green.
-BROWN: Color = (0.72, 0.53, 0.31)
-GREEN: Color = (0.2, 0.65, 0.35)
-GREY: Color = (0.35, 0.35, 0.4)
-BLUE: Color = (0.15, 0.45, 0.85)
-RED: Color = (0.85, 0.2, 0.2)
-ORANGE: Color = (0.95, 0.6, 0.1)
+
+
+def _color(text: str) -> Color:
+    """Read a colour ``#rrggbb``."""
+    red, green, blue = (int(text[i:i + 2], 16) / 255.0 for i in (1, 3, 5))
+    return red, green, blue
+
+
+# Colours of the page (``push_view/page/page.css``), in which everything looks the same.
+OBJECT = _color('#0b3c8c')
+GOAL = _color('#007a5e')
+ROBOT = _color('#6d737b')
+BELIEVED = _color('#b35c00')
+FORCE = _color('#b3261e')
+CONE = _color('#6a3d9a')
+PLAN = _color('#4c5159')
+INK = _color('#1c1e21')
 ORIGIN = Pose(0.0, 0.0, 0.0)
 # Sizes [m], chosen by eye for objects of about half a metre.
 LINE_WIDTH = 0.01
@@ -64,7 +73,7 @@ class MarkerHeader(NamedTuple):
 
 def scene_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
                   object_pose: Coordinates, robot_pose: Coordinates, *,
-                  color: Color = BROWN) -> MarkerArray:
+                  color: Color = OBJECT) -> MarkerArray:
     """
     Draw object, supports, robot and their contact.
 
@@ -79,7 +88,7 @@ def scene_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
     outline = _marker(header, 'object', Marker.LINE_STRIP, object_pose, color)
     _set_scale(outline, LINE_WIDTH)
     outline.points = [_point(p) for p in _closed_outline(obj)]
-    supports = _marker(header, 'supports', Marker.SPHERE_LIST, object_pose, GREY)
+    supports = _marker(header, 'supports', Marker.SPHERE_LIST, object_pose, color)
     _set_scale(supports, SUPPORT_SIZE, SUPPORT_SIZE, SUPPORT_SIZE)
     supports.points = [_point((support.x, support.y)) for support in obj.supports]
     return MarkerArray(markers=[
@@ -97,11 +106,11 @@ def estimate_markers(header: MarkerHeader, obj: PushedObject,
     :param estimate: ``ObjectEstimate``.
     :return: ``MarkerArray``.
     """
-    markers = [_body(header, obj, estimate.pose, GREY, OBJECT_ALPHA)]
+    markers = [_body(header, obj, estimate.pose, BELIEVED, OBJECT_ALPHA)]
     if estimate.covariance is not None:
         markers.append(_ellipse(header, estimate.pose, estimate.covariance))
     x, y = estimate.pose.transform(estimate.friction_center)
-    center = _marker(header, 'friction_center', Marker.SPHERE, Pose(x, y, 0.0), ORANGE)
+    center = _marker(header, 'friction_center', Marker.SPHERE, Pose(x, y, 0.0), BELIEVED)
     _set_scale(center, CENTER_SIZE, CENTER_SIZE, CENTER_SIZE)
     center.pose.position.z = OBJECT_HEIGHT
     return MarkerArray(markers=[*markers, center])
@@ -116,7 +125,7 @@ def goal_markers(header: MarkerHeader, obj: PushedObject, pose: Coordinates) -> 
     :param pose: goal ``Pose``.
     :return: ``MarkerArray``.
     """
-    ghost = _body(header, obj, pose, GREEN, GHOST_ALPHA)
+    ghost = _body(header, obj, pose, GOAL, GHOST_ALPHA)
     ghost.lifetime = Duration()
     return MarkerArray(markers=[ghost])
 
@@ -128,7 +137,7 @@ def erased(header: MarkerHeader) -> MarkerArray:
     :param header: ``MarkerHeader``.
     :return: ``MarkerArray``.
     """
-    marker = _marker(header, 'all', Marker.CUBE, ORIGIN, GREY)
+    marker = _marker(header, 'all', Marker.CUBE, ORIGIN, INK)
     marker.action = Marker.DELETEALL
     return MarkerArray(markers=[marker])
 
@@ -142,9 +151,9 @@ def plan_markers(header: MarkerHeader, trajectory: PushTrajectory) -> MarkerArra
     :return: ``MarkerArray``.
     """
     lines: list[Any] = []
-    for name, poses, color in (('object', trajectory.object_poses, BLUE),
-                               ('contact', trajectory.contact_poses, ORANGE),
-                               ('robot', trajectory.robot_poses, GREEN)):
+    for name, poses, color in (('object', trajectory.object_poses, PLAN),
+                               ('contact', trajectory.contact_poses, FORCE),
+                               ('robot', trajectory.robot_poses, ROBOT)):
         line = _marker(header, name, Marker.LINE_STRIP, ORIGIN, color)
         _set_scale(line, LINE_WIDTH / 2)
         # It stays until the next plan.
@@ -163,7 +172,7 @@ def text_markers(header: MarkerHeader, pose: Coordinates, text: str) -> MarkerAr
     :param text: what is written.
     :return: ``MarkerArray``.
     """
-    marker = _marker(header, 'text', Marker.TEXT_VIEW_FACING, pose, GREY)
+    marker = _marker(header, 'text', Marker.TEXT_VIEW_FACING, pose, INK)
     _set_scale(marker, 0.0, 0.0, TEXT_HEIGHT)
     marker.pose.position.z = TEXT_ELEVATION
     marker.text = text
@@ -189,7 +198,7 @@ def _ellipse(header: MarkerHeader, pose: Pose, covariance: PoseCovariance) -> An
     """Draw where a place may be, as a disc on top of the object."""
     variances, axes = np.linalg.eigh(covariance.matrix[:2, :2])
     direction = math.atan2(axes[1, 1], axes[0, 1])
-    ellipse = _marker(header, 'ellipse', Marker.CYLINDER, Pose(pose.x, pose.y, direction), BLUE)
+    ellipse = _marker(header, 'ellipse', Marker.CYLINDER, Pose(pose.x, pose.y, direction), BELIEVED)
     minor, major = (2.0 * ELLIPSE_SIGMAS * np.sqrt(np.maximum(0.0, variances))).tolist()
     _set_scale(ellipse, max(major, FLAT), max(minor, FLAT), FLAT)
     ellipse.pose.position.z = OBJECT_HEIGHT
@@ -213,13 +222,13 @@ def _extruded(outline: Sequence[Coordinates]) -> list[Point]:
 def _robot_markers(header: MarkerHeader, robot: RoundRobot, pose: Coordinates) -> list[Any]:
     """Draw the robot and its heading; a point robot as a thin disc, a flat pusher as a bar."""
     radius = max(robot.radius, LINE_WIDTH)
-    body = _marker(header, 'robot', Marker.CYLINDER, pose, GREEN)
+    body = _marker(header, 'robot', Marker.CYLINDER, pose, ROBOT)
     _set_scale(body, 2 * radius, 2 * radius, ROBOT_HEIGHT)
     if math.isinf(robot.radius):
         body.type = Marker.CUBE
         _set_scale(body, LINE_WIDTH, PUSHER_LENGTH, ROBOT_HEIGHT)
     body.pose.position.z = ROBOT_HEIGHT / 2
-    heading = _marker(header, 'heading', Marker.ARROW, pose, GREY)
+    heading = _marker(header, 'heading', Marker.ARROW, pose, INK)
     _set_scale(heading, min(radius, ARROW_LENGTH), ARROW_WIDTH, ARROW_WIDTH)
     heading.pose.position.z = ROBOT_HEIGHT
     return [body, heading]
@@ -231,13 +240,13 @@ def _contact_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
     contact, normal_angle, _ = find_contact(obj, object_pose, robot_pose, robot.radius)
     point = Pose(*object_pose).transform(contact_point(obj, contact))
     pose = Pose(*point, normal_angle)
-    cone = _marker(header, 'friction_cone', Marker.LINE_LIST, pose, RED)
+    cone = _marker(header, 'friction_cone', Marker.LINE_LIST, pose, CONE)
     _set_scale(cone, LINE_WIDTH)
     friction_angle = math.atan(obj.contact_friction_coefficient)
     for angle in (-friction_angle, friction_angle):
         cone.points += [_point((0.0, 0.0)), _point((ARROW_LENGTH * math.cos(angle),
                                                     ARROW_LENGTH * math.sin(angle)))]
-    normal = _marker(header, 'contact', Marker.ARROW, pose, RED)
+    normal = _marker(header, 'contact', Marker.ARROW, pose, FORCE)
     _set_scale(normal, ARROW_LENGTH, LINE_WIDTH, LINE_WIDTH)
     return [cone, normal]
 

@@ -1,10 +1,13 @@
 """Views for RViz and Foxglove: they show what the nodes publish, and give what these expect."""
 
 import json
+import re
 
 from push_model.files.data import config_file
+from push_ros.conversions import markers
 from push_ros.node_settings import Frames
 from push_ros.topics import TOPICS
+from push_view.page_file import page_source
 from rcl_interfaces.msg import Log
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 import yaml
@@ -35,7 +38,7 @@ DURABILITY = {'Volatile': DurabilityPolicy.VOLATILE,
 # What a 3D panel of Foxglove draws, and the settings of each; all have ``visible``.
 SCENE = {
     'geometry_msgs/msg/PolygonStamped': {'color'},
-    'geometry_msgs/msg/PoseStamped': {'type', 'axisScale'},
+    'geometry_msgs/msg/PoseStamped': {'type', 'axisScale', 'color'},
     'nav_msgs/msg/OccupancyGrid': set(),
     'nav_msgs/msg/Odometry': {'type', 'axisScale'},
     'nav_msgs/msg/Path': {'type', 'lineWidth', 'gradient'},
@@ -135,3 +138,21 @@ def test_every_panel_has_its_place():
     assert {name.split('!')[0] for name in FOXGLOVE['configById']} == {
         '3D', 'Plot', *SHOWN_ELSEWHERE}
     assert {'globalVariables', 'userNodes', 'playbackConfig'} < set(FOXGLOVE)
+
+
+def test_everything_has_the_color_that_it_has_on_the_page():
+    """In markers, RViz and Foxglove: goal, path of the plan, robot and what else is drawn."""
+    light = page_source('page.css').partition('@media')[0]
+    page = {name: text for name, text in re.findall(r'--([a-z]+): (#[0-9a-f]{6});', light)}
+    for name in ('object', 'goal', 'robot', 'believed', 'force', 'cone', 'plan', 'ink'):
+        color = getattr(markers, name.upper())
+        assert '#' + ''.join(f'{round(255 * value):02x}' for value in color) == page[name]
+    scene, = panel('3D')
+    topics = scene['topics']
+    assert topics['/goal_pose']['color'] == page['goal'] + 'ff'
+    assert topics['/footprint']['color'][:7] == page['robot']
+    assert set(topics['/planned_path']['gradient']) == {page['plan'] + 'ff'}
+    displayed = {display['Name']: display.get('Color') for display in RVIZ['Displays']}
+    for name, title in (('goal', 'Goal'), ('robot', 'Footprint'), ('plan', 'Planned path')):
+        numbers = [str(int(page[name][i:i + 2], 16)) for i in (1, 3, 5)]
+        assert displayed[title] == '; '.join(numbers)
