@@ -15,7 +15,7 @@ ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif
 
-.PHONY: help demo play test test-fast lint lint-style lint-types lock clean
+.PHONY: help demo play faults test test-fast lint lint-style lint-types lock clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -26,6 +26,9 @@ demo: .venv/installed ## push a box to its goal over DDS; results in out/
 
 play: .venv/installed ## open a page on which you drag goal and box, draw walls, change friction
 	$(BIN)/play $(ARGS)
+
+faults: .venv/installed ## how faults of sensors and of the base end; half an hour
+	$(BIN)/python -m benchmarks.faults
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile
 

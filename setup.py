@@ -47,8 +47,8 @@ setup(
         'plot': ['matplotlib', 'pillow', 'tqdm'],
         'record': ['rosbags'],
         'validation': ['mujoco'],
-        'test': ['catkin-pkg', 'colcon-core', 'colcon-ros', 'mcap', 'pytest', 'pytest-xdist',
-                 'selenium'],
+        'test': ['catkin-pkg', 'colcon-core', 'colcon-ros', 'hypothesis', 'mcap', 'pytest',
+                 'pytest-xdist', 'selenium'],
     },
     zip_safe=False,
     entry_points={

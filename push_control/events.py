@@ -19,7 +19,15 @@ class PushEvent(enum.Enum):
     NO_OBJECT_POSE = 'no object pose yet'
     OBJECT_POSE_NOT_FINITE = 'object pose is not finite'
     OBJECT_POSE_STALE = 'object pose is stale: {age:.2f} s old, at most {limit:g} s'
+    OBJECT_POSE_JUMPS = (
+        'object pose jumps by {distance:.2f} m and {rotation:.0f} deg, not believed until some '
+        'agree')
+    OBJECT_POSE_FROZEN = (
+        'object pose repeats itself more than {count} times: the tracker is frozen')
     ODOMETRY_STALE = 'odometry is stale: {age:.2f} s old, at most {limit:g} s'
+
+    # The push has failed: it has waited long enough.
+    GAVE_UP_WAITING = 'gave up after {limit:g} s: {reason}'
 
     # The safety layer has stopped the robot.
     SAFETY_STOP = '{reason}'
@@ -48,6 +56,8 @@ class PushEvent(enum.Enum):
 
     # The push has failed, but another plan may bring the object to its goal.
     PATH_TOO_LONG = 'aborted after {travelled:.1f} m, planned: {planned:.1f} m'
+    OFF_PATH = (
+        'off its path: the object is {lateral:.2f} m beside it, at most {limit:g} m')
     GOAL_MISSED = 'ended {lateral:.0f} mm and {heading:.1f} deg beside the goal'
 
     def report(self, **values: Any) -> EventReport:

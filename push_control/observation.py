@@ -2,6 +2,7 @@
 
 from typing import NamedTuple, Optional
 
+from push_control.events import EventReport
 from push_model.signals import ObjectPose, Odometry
 
 
@@ -12,11 +13,13 @@ class Observation(NamedTuple):
     :param time: now: time of the newest measurement or of the call [s].
     :param odometry: robot pose (world frame, drifting) and twist (robot's axes).
     :param object_pose: the last object pose that arrived, or None before the first.
+    :param pose_doubt: ``EventReport`` of why a newer pose is not believed, or None.
     """
 
     time: float
     odometry: Odometry
     object_pose: Optional[ObjectPose] = None
+    pose_doubt: Optional[EventReport] = None
 
     @property
     def stamps(self) -> tuple[float, float, Optional[float]]:

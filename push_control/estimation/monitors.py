@@ -40,6 +40,8 @@ def measurement_fault(observation: Observation, last_pose_time: float | None,
         return PushEvent.OBJECT_POSE_NOT_FINITE.report()
     age = observation.time - last_pose_time
     if age > settings.pose_timeout:
+        if observation.pose_doubt is not None:
+            return observation.pose_doubt
         return PushEvent.OBJECT_POSE_STALE.report(age=age, limit=settings.pose_timeout)
     age = observation.time - odometry.time
     if age > settings.odometry_timeout:

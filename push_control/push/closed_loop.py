@@ -268,6 +268,10 @@ class ClosedLoopPush(PushExecution):
         projection = self._guidance.update(
             flat_output, projection, replan_limits=replan_limits, hard_limits=hard_limits,
             travelled_distance=self.travelled_distance, dt=dt)
+        if abs(projection.lateral_error) > self._settings.max_path_deviation:
+            self._fail(PushEvent.OFF_PATH.report(lateral=abs(projection.lateral_error),
+                                                 limit=self._settings.max_path_deviation))
+            return projection
         if projection.remaining_distance > self._settings.stop_distance:
             return projection
         again = self._guidance.arrive(flat_output, projection, replan_limits)

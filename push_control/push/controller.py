@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from push_control.estimation.measurement_watch import MeasurementWatch
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
 from push_control.events import EventReport, PushEvent
 from push_control.laws.closed_form import ClosedFormLaw
@@ -16,8 +17,13 @@ from push_control.push.status import ControllerStatus, Phase
 from push_control.safety.status import SafetyReport
 from push_control.settings import ControlSettings
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import Odometry, STOP, Twist
+from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
+
+
+# Time for which a push that has begun waits for measurements [s]; chosen: longer than an occlusion
+# by somebody who passes, and shorter than anybody's patience.
+WAITING_TIME_LIMIT = 20.0
 
 
 class _State(NamedTuple):
@@ -61,6 +67,7 @@ class Controller:
         self._target: PushTrajectory | None = None
         self._push: PushExecution | None = None
         self._pose_time: float | None = None
+        self._watch = MeasurementWatch()
         self._state = _State()
         self._answer = _Answer()
 
@@ -121,8 +128,10 @@ class Controller:
     def _command(self, target: PushTrajectory, observation: Observation, dt: float) -> Twist:
         """Wait, start a push or go on with it, whichever the measurements allow."""
         fault = self._measurement_fault(observation)
+        if self._push is not None:
+            fault = self._watch.update(fault, observation.time)
         if fault is not None:
-            return self._wait(fault, observation.odometry)
+            return self._wait(fault, observation)
         if self._push is None:
             fault = self._start(target, observation)
         if self._push is None or fault is not None:
@@ -159,11 +168,15 @@ class Controller:
             return PushEvent.TARGET_REFUSED.report(error=error)
         return start_fault(self._robot, self._settings, target, observation)
 
-    def _wait(self, fault: EventReport, odometry: Odometry) -> Twist:
-        """Stand while the measurements cannot be used."""
+    def _wait(self, fault: EventReport, observation: Observation) -> Twist:
+        """Stand while the measurements cannot be used, for a while."""
         self._state = _State(Phase.WAITING, fault)
+        odometry = observation.odometry
         if self._push is not None:
             self._push.pause(odometry if is_finite_odometry(odometry) else None)
+        if self._watch.waited(observation.time) > WAITING_TIME_LIMIT:
+            self._state = _State(Phase.FAILED, PushEvent.GAVE_UP_WAITING.report(
+                limit=WAITING_TIME_LIMIT, reason=fault))
         return STOP
 
 

@@ -139,7 +139,16 @@ class GoalEntry:
             self._later = sorted([*self._later, goal])
             return
         self._note_clock_difference(message)
+        if self._is_pursued(goal.pose):
+            self._node.get_logger().debug('goal_pose: the goal that is pursued came again')
+            return
         self.start(PushGoal(goal.pose))
+
+    def _is_pursued(self, pose: Pose) -> bool:
+        """Whether a goal is the present one, which some source repeats."""
+        current = self._current
+        return (current is not None and current.pending_outcome is None and self._next is None
+                and self._mode.is_commanding and current.goal == PushGoal(pose))
 
     def move(self, correction: Pose) -> None:
         """
@@ -152,6 +161,8 @@ class GoalEntry:
             goal = self._next.handle.goal
             self._next.handle.goal = dataclasses.replace(goal, pose=correction @ goal.pose)
         elif self._current is not None:
+            goal = self._current.goal
+            self._current.goal = dataclasses.replace(goal, pose=correction @ goal.pose)
             self._mode.move_goal(correction)
 
     def start(self, goal: PushGoal, on_end: Callable[[GoalHandle], None] | None = None,

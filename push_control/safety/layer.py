@@ -12,6 +12,7 @@ from push_control.observation import Observation
 from push_control.safety.heading_check import HeadingCheck
 from push_control.safety.motion_monitor import MotionMonitor, RESPONSE_TIME
 from push_control.safety.odometry_check import OdometryCheck
+from push_control.safety.pose_check import PoseCheck
 from push_control.safety.status import SafetyReason, SafetyReport, SafetyState
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
@@ -67,6 +68,7 @@ class SafetyLayer:
         """
         self._obj = obj
         self._heading_check = HeadingCheck(obj, self._heading_count)
+        self._pose_check = PoseCheck()
         self._object_pose: tuple[ObjectPose, ObjectPose] | None = None
 
     def release(self) -> None:
@@ -104,17 +106,20 @@ class SafetyLayer:
 
     def believed(self, observation: Observation) -> Observation:
         """
-        Take back what a tracker mistakes: headings in which the object looks the same.
+        Take back what a tracker mistakes, and hold back what cannot be true.
 
         :param observation: ``Observation``.
-        :return: the same, with the object pose as it is believed.
+        :return: the same, with the object pose as it is believed: with another heading where the
+            object looks the same, and the last one that was possible.
         """
         measured = observation.object_pose
         if measured is None:
             return observation
         if self._object_pose is None or measured is not self._object_pose[0]:
-            self._object_pose = measured, self._heading_check.believed(measured)
-        return observation._replace(object_pose=self._object_pose[1])
+            continued = self._heading_check.believed(measured)
+            self._object_pose = measured, self._pose_check.believed(continued)
+        return observation._replace(object_pose=self._object_pose[1],
+                                    pose_doubt=self._pose_check.doubt)
 
     def filter(self, command: Twist, time: float) -> Twist:
         """

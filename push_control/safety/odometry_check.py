@@ -4,7 +4,8 @@ Does odometry agree with itself: steps of its pose and its twist compared.
 The twist v at both ends of a step of duration dt means that the pose moves by about ``v dt``. One
 step that is far off is a jump: a base that has restarted, another source, a slip of a map. Small
 differences that add up, within a sliding window, are a contradiction: values that are frozen, a
-twist that is not filled in, or in other units or axes than the pose.
+twist that is not filled in, or in other units or axes than the pose. A pose whose heading is off
+leads along another direction than its twist, which shows over a distance, however fast it is.
 """
 
 from collections import deque
@@ -12,7 +13,7 @@ import math
 from typing import NamedTuple
 
 from push_control.safety.status import SafetyReason, SafetyReport
-from push_model.geometry import Pose, wrap_angle
+from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry
 
@@ -32,6 +33,13 @@ WINDOW = 0.6
 WINDOW_DISTANCE = 0.03
 WINDOW_ROTATION = 0.1
 WINDOW_RATIO = 0.4
+# Distance over which the direction of the steps is compared with that of the twist [m], and what
+# the two may differ by: constant part [m], and over the distance; chosen: 17 deg.
+DIRECTION_DISTANCE = 0.3
+DIRECTION_TOLERANCE = 0.03
+DIRECTION_RATIO = 0.2
+# Angle from which on it is the direction that is wrong, and not the unit [rad]; chosen.
+LEAST_DIRECTION_ERROR = 0.2
 # Time for which the same pose may come again from a robot that moves [s], and what counts as that
 # [m/s], [rad/s]; chosen: messages may be more frequent than what they are made of.
 REPETITION_TIME = 0.15
@@ -55,6 +63,20 @@ class _Sample(NamedTuple):
     integrated: Pose
 
 
+class _Course(NamedTuple):
+    """
+    Where the robot has come, in axes of the world.
+
+    :param travelled: path length of its poses [m].
+    :param position: (x, y) of its pose [m].
+    :param expected: sum of its twists, each along the heading of the pose at that time [m].
+    """
+
+    travelled: float
+    position: tuple[float, float]
+    expected: tuple[float, float]
+
+
 class OdometryCheck:
     """Compares the steps of odometry with its twists."""
 
@@ -69,6 +91,7 @@ class OdometryCheck:
         self._is_absolute = is_absolute
         self._last: Odometry | None = None
         self._samples: deque[_Sample] = deque()
+        self._course: deque[_Course] = deque()
         # Time at which the present pose came first [s].
         self._pose_since = 0.0
 
@@ -95,9 +118,13 @@ class OdometryCheck:
         samples.append(_Sample(odometry.time, odometry.pose, samples[-1].integrated @ step))
         while len(samples) > 2 and samples[1].time <= odometry.time - WINDOW:
             samples.popleft()
-        return self._repetition(last, odometry) or self._contradiction()
+        self._extend_course(last, odometry)
+        return (self._repetition(last, odometry) or self._contradiction()
+                or self._direction_error())
 
     def _restart(self, odometry: Odometry) -> None:
+        self._course.clear()
+        self._course.append(_Course(0.0, odometry.pose[:2], (0.0, 0.0)))
         self._samples.clear()
         self._samples.append(_Sample(odometry.time, odometry.pose, Pose(0.0, 0.0, 0.0)))
         self._pose_since = odometry.time
@@ -121,26 +148,54 @@ class OdometryCheck:
         if duration > LONG_STEP:
             travelled = max(travelled, self._robot.max_speed * duration)
             rotated = max(rotated, self._robot.max_yaw_rate * duration)
-        distance, rotation = _difference(moved, expected)
-        if (distance <= distance_limit + JUMP_RATIO * travelled
+        offset, rotation = _difference(moved, expected)
+        if (offset <= distance_limit + JUMP_RATIO * travelled
                 and rotation <= rotation_limit + JUMP_RATIO * rotated):
             return None
-        return SafetyReason.ODOMETRY_JUMPED.report(distance=distance,
+        return SafetyReason.ODOMETRY_JUMPED.report(distance=offset,
                                                    rotation=math.degrees(rotation))
 
     def _contradiction(self) -> SafetyReport | None:
         first, last = self._samples[0], self._samples[-1]
         moved = first.pose.inverse() @ last.pose
         expected = first.integrated.inverse() @ last.integrated
-        distance, rotation = _difference(moved, expected)
+        offset, rotation = _difference(moved, expected)
         distances = math.hypot(moved.x, moved.y), math.hypot(expected.x, expected.y)
         rotations = abs(wrap_angle(moved.theta)), abs(wrap_angle(expected.theta))
-        if (distance <= WINDOW_DISTANCE + WINDOW_RATIO * max(distances)
+        if (offset <= WINDOW_DISTANCE + WINDOW_RATIO * max(distances)
                 and rotation <= WINDOW_ROTATION + WINDOW_RATIO * max(rotations)):
             return None
         return SafetyReason.ODOMETRY_CONTRADICTORY.report(
             moved=distances[0], rotated=math.degrees(rotations[0]), expected=distances[1],
             rotation=math.degrees(rotations[1]), duration=last.time - first.time)
+
+    def _extend_course(self, last: Odometry, odometry: Odometry) -> None:
+        before, here, duration = self._course[-1], odometry.pose, odometry.time - last.time
+        rotation = wrap_angle(here.theta - last.pose.theta)
+        middle = Pose(*before.expected, last.pose.theta + 0.5 * rotation)
+        v_x, v_y = (0.5 * duration * (a + b) for a, b in zip(last.twist[:2], odometry.twist[:2]))
+        self._course.append(_Course(before.travelled + distance(last.pose, here), here[:2],
+                                    middle.transform((v_x, v_y))))
+        while (len(self._course) > 2 and self._course[-1].travelled - self._course[1].travelled
+               >= DIRECTION_DISTANCE):
+            self._course.popleft()
+
+    def _direction_error(self) -> SafetyReport | None:
+        first, last = self._course[0], self._course[-1]
+        travelled = last.travelled - first.travelled
+        if travelled < DIRECTION_DISTANCE:
+            return None
+        moved, expected = ((b[0] - a[0], b[1] - a[1]) for a, b in (
+            (first.position, last.position), (first.expected, last.expected)))
+        constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_TOLERANCE
+        if distance(moved, expected) <= constant + DIRECTION_RATIO * travelled:
+            return None
+        angle = wrap_angle(math.atan2(moved[1], moved[0]) - math.atan2(expected[1], expected[0]))
+        if abs(angle) < LEAST_DIRECTION_ERROR:
+            return SafetyReason.ODOMETRY_SCALE.report(moved=math.hypot(*moved),
+                                                      expected=math.hypot(*expected))
+        return SafetyReason.ODOMETRY_DIRECTION.report(moved=math.hypot(*moved),
+                                                      angle=math.degrees(angle))
 
 
 def integrated_step(last: Odometry, odometry: Odometry) -> Pose:

@@ -41,12 +41,19 @@ class SafetyReason(enum.Enum):
     ODOMETRY_CONTRADICTORY = (
         'odometry contradicts itself: its pose has moved by {moved:.2f} m and {rotated:.0f} deg '
         'in {duration:.1f} s, its twist means {expected:.2f} m and {rotation:.0f} deg')
+    ODOMETRY_DIRECTION = (
+        'odometry contradicts itself: its pose has moved by {moved:.2f} m at {angle:.0f} deg to '
+        'the direction that its heading and its twist mean')
+    ODOMETRY_SCALE = (
+        'odometry contradicts itself: its pose has moved by {moved:.2f} m, its twist means '
+        '{expected:.2f} m')
 
     @property
     def is_of_odometry(self) -> bool:
         """Whether the place of the robot is no longer certain."""
         return self in (SafetyReason.ODOMETRY_JUMPED, SafetyReason.ODOMETRY_FROZEN,
-                        SafetyReason.ODOMETRY_CONTRADICTORY)
+                        SafetyReason.ODOMETRY_CONTRADICTORY, SafetyReason.ODOMETRY_DIRECTION,
+                        SafetyReason.ODOMETRY_SCALE)
 
     def report(self, **values: Any) -> SafetyReport:
         """

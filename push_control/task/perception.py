@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
-from push_control.events import sentence
+from push_control.events import EventReport
 from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble
 from push_control.observation import Observation
 from push_control.safety.odometry_check import integrated_step
@@ -297,16 +297,16 @@ class TaskPerception:
             pose=localization.object_pose, position_error=max(x, y, found.position_error),
             heading_error=max(heading, found.heading_error), is_biased=True)
 
-    def measurement_fault(self, needs_object: bool) -> str:
+    def measurement_fault(self, needs_object: bool) -> EventReport | None:
         """
         Tell why the measurements cannot be used.
 
         :param needs_object: whether the object pose must be fresh.
-        :return: one sentence, empty where they can.
+        :return: ``EventReport``, or None where they can.
         """
         observation = self.observation
         pose_time = self._pose_time if needs_object else observation.time
-        return sentence(measurement_fault(observation, pose_time, self._control))
+        return measurement_fault(observation, pose_time, self._control)
 
     @property
     def unrest(self) -> str:

@@ -39,6 +39,8 @@ class TaskFailure(enum.Enum):
     NO_PLAN = 'no plan'
     NO_PROGRESS = 'no progress'
     NOT_AT_REST = 'not at rest'
+    # Poses or odometry do not come, or cannot be used.
+    NO_MEASUREMENTS = 'no measurements'
     # The safety layer has stopped the robot too often.
     ROBOT_STOPPED = 'robot stopped'
 

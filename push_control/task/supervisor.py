@@ -13,14 +13,16 @@ import dataclasses
 import math
 from typing import NamedTuple
 
+from push_control.estimation.measurement_watch import MeasurementWatch
 from push_control.estimation.object_knowledge import ObjectKnowledge
+from push_control.events import sentence
 from push_control.observation import Observation
 from push_control.push.status import ControllerStatus
 from push_control.safety.status import SafetyReason, SafetyReport
 from push_control.settings import ControlSettings
 from push_control.task.behavior import Behavior
 from push_control.task.behavior_factory import BehaviorFactory
-from push_control.task.perception import ObjectAtRest, TaskPerception
+from push_control.task.perception import has_moved, ObjectAtRest, TaskPerception
 from push_control.task.progress import GoalCheck, ProgressMonitor
 from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_control.task.status import StateChange, SupervisorStatus, TaskFailure, TaskState
@@ -47,6 +49,11 @@ REST_TIME_LIMIT = 60.0
 # Distance and rotation from the planned end of a push to a waypoint within which it has gone as
 # planned [m, rad]; chosen: a standard deviation of long pushes.
 WAYPOINT_DISTANCE, WAYPOINT_ANGLE = 0.12, 0.3
+# Distance from the object to its goal that is a mistake of a unit or a frame [m]; chosen: nothing
+# is pushed as far.
+MAX_GOAL_DISTANCE = 200.0
+# Time for which a task waits for measurements that have come before [s]; chosen: likewise.
+MEASUREMENT_TIME_LIMIT = 60.0
 
 
 class Transitions(NamedTuple):
@@ -122,6 +129,7 @@ class Supervisor:
         self._moving_since: float | None = None
         # Why the robot has to stand besides, one sentence, or empty.
         self._hold_reason = ''
+        self._watch = MeasurementWatch()
         self._answer = _Answer()
         # As of the last change of state; ``status`` adds what is measured since.
         self._entered = SupervisorStatus()
@@ -240,6 +248,14 @@ class Supervisor:
         """
         if self._pending is None:
             return
+        requested = self._pending.request.object_pose
+        start = Pose(*trajectory.object_poses[0].tolist())
+        if has_moved(requested, start, self._settings):
+            self.on_planning_failed(
+                PlanFailure.INVALID_PLAN, 'the plan begins where the object is not, '
+                f'{distance(requested, start):.2f} m and '
+                f'{math.degrees(abs(wrap_angle(start.theta - requested.theta))):.0f} deg off')
+            return
         self._plan = trajectory
         self._progress.forget_planning_failures()
         self._enter(TRANSITIONS[TaskState.PLAN].success)
@@ -287,13 +303,13 @@ class Supervisor:
     def _end_behavior(self, reason: str) -> None:
         """Give up what the robot does, or the task where that was too often."""
         if self._progress.count_safety_stop():
-            self._fail_stopped(reason)
+            self._fail(TaskFailure.ROBOT_STOPPED, reason)
         else:
             self._recover(reason)
 
-    def _fail_stopped(self, reason: str) -> None:
+    def _fail(self, failure: TaskFailure, reason: str) -> None:
         self._enter(TaskState.FAILED, f'aborted: {reason}')
-        self._entered = dataclasses.replace(self._entered, failure=TaskFailure.ROBOT_STOPPED)
+        self._entered = dataclasses.replace(self._entered, failure=failure)
 
     def pause(self) -> None:
         """Stand until ``resume``."""
@@ -366,10 +382,15 @@ class Supervisor:
         state = self._entered.state
         stop_reason = '' if self._stop_report is None else str(self._stop_report)
         if not state.is_standing and (stop_reason or self._hold_reason):
+            self._watch = MeasurementWatch()
             return stop_reason or self._hold_reason
         if state.is_standing or state is TaskState.PUSH and not self._is_unsteered:
+            self._watch = MeasurementWatch()
             return ''
-        return self._perception.measurement_fault(needs_object=state is not TaskState.RETREAT)
+        perception = self._perception
+        return sentence(self._watch.update(
+            perception.measurement_fault(needs_object=state is not TaskState.RETREAT),
+            perception.time))
 
     def _command(self, waiting_reason: str, dt: float) -> Twist:
         if self._entered.state.is_standing:
@@ -378,8 +399,11 @@ class Supervisor:
             if self._behavior is not None:
                 self._behavior.pause()
             is_stopped = self._stop_report is not None
-            if is_stopped and self._perception.time - self._stopped_since > STOP_TIME_LIMIT:
-                self._fail_stopped(waiting_reason)
+            now = self._perception.time
+            if is_stopped and now - self._stopped_since > STOP_TIME_LIMIT:
+                self._fail(TaskFailure.ROBOT_STOPPED, waiting_reason)
+            elif self._watch.waited(now) > MEASUREMENT_TIME_LIMIT:
+                self._fail(TaskFailure.NO_MEASUREMENTS, waiting_reason)
             return STOP
         if self._behavior is None:
             self._check_goal()
@@ -407,6 +431,11 @@ class Supervisor:
         if self._goal is None:
             return
         object_at_rest = perception.object_at_rest
+        if distance(object_at_rest.pose, self._goal) > MAX_GOAL_DISTANCE:
+            self._fail(TaskFailure.NO_PLAN,
+                       f'the goal is {distance(object_at_rest.pose, self._goal):.0f} m away, at '
+                       f'most {MAX_GOAL_DISTANCE:g} m is expected')
+            return
         check = self._progress.check_goal(
             object_at_rest, self._goal,
             self._behaviors.remaining_time(object_at_rest.pose, self._goal))
@@ -440,8 +469,7 @@ class Supervisor:
         if waited <= REST_TIME_LIMIT:
             self._entered = dataclasses.replace(self._entered, reason=reason, is_requested=False)
             return
-        self._enter(TaskState.FAILED, f'aborted: {reason}')
-        self._entered = dataclasses.replace(self._entered, failure=TaskFailure.NOT_AT_REST)
+        self._fail(TaskFailure.NOT_AT_REST, reason)
 
     def _inspect(self, object_at_rest: ObjectAtRest) -> None:
         """See an object that may be at its goal from another side, then check it again."""

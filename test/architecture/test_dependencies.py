@@ -19,8 +19,8 @@ ROSDEP_KEYS = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'casadi': 'ca
 EXTRA_KEYS = {'python3-aiohttp', 'python3-matplotlib', 'python3-pil', 'python3-rosbags-pip',
               'python3-tqdm', 'python3-mujoco-pip', 'python3-pytest', 'rviz2'}
 # Modules that the extras bring, some of them through others.
-EXTRA_MODULES = ['aiohttp', 'dask', 'distributed', 'matplotlib', 'mcap', 'mujoco', 'PIL',
-                 'rosbags', 'selenium', 'tqdm']
+EXTRA_MODULES = ['aiohttp', 'dask', 'distributed', 'hypothesis', 'matplotlib', 'mcap', 'mujoco',
+                 'PIL', 'rosbags', 'selenium', 'tqdm']
 IMPORT_WITHOUT = """
 import importlib, sys
 modules, absent = (text.split(',') for text in sys.argv[1:])

@@ -13,6 +13,7 @@ PAGES = sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT) if path
 TEXTS = {page: (ROOT / page).read_text(encoding='utf-8') for page in PAGES}
 REPORTS = {
     'benchmarks/controller/controller.md.in': 'docs/control/controller.md',
+    'benchmarks/faults/faults.md.in': 'docs/control/faults.md',
     'benchmarks/planner/planner.md.in': 'docs/planner/planner.md',
     'benchmarks/plant/mujoco.md.in': 'docs/validation/mujoco.md',
     'benchmarks/plant/plant.md.in': 'docs/validation/plant.md',

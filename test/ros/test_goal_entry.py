@@ -4,10 +4,11 @@ import dataclasses
 import logging
 from types import SimpleNamespace
 
+from geometry_msgs.msg import PoseStamped
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.goal_entry import GoalEntry
 from push_model.geometry import Pose
-from push_ros.conversions.primitives import to_stamp
+from push_ros.conversions.primitives import to_pose_message, to_stamp
 import pytest
 
 FIRST, SECOND = (PushGoal(Pose(x, 0.0, 0.0)) for x in (1.0, 2.0))
@@ -106,3 +107,18 @@ def test_time_passes_where_odometry_is_lost(goals, robot):
     second = goals.start(SECOND, prepare=lambda: None)
     goals.on_odometry_lost()
     assert goals.current is second
+
+
+def test_a_goal_that_is_repeated_is_not_begun_again(goals, robot):
+    """As by a source that publishes it all the time; once it has ended it is."""
+    message = PoseStamped(pose=to_pose_message(FIRST.pose))
+    message.header.frame_id = 'odom'
+    for _ in range(3):
+        goals.on_message(message)
+    assert robot.goals == [FIRST] and goals.current.outcome is None
+    message.pose.position.x = SECOND.pose.x
+    goals.on_message(message)
+    assert robot.goals == [FIRST, SECOND]
+    robot.is_commanding = False
+    goals.on_message(message)
+    assert robot.goals == [FIRST, SECOND, SECOND]

@@ -177,6 +177,18 @@ def test_a_twist_that_is_never_filled_in_stops_the_robot():
     assert time < 0.5 and report.reason is SafetyReason.ODOMETRY_CONTRADICTORY
 
 
+def test_a_heading_beside_the_motion_stops_the_robot():
+    """However slowly it drives; a unit of the twist that is a third off is told apart."""
+    for spoil, reason in (
+            (lambda odometry: odometry._replace(pose=odometry.pose._replace(
+                theta=wrap_angle(odometry.pose.theta + 0.5))), SafetyReason.ODOMETRY_DIRECTION),
+            (lambda odometry: odometry._replace(twist=Twist(
+                *(1.35 * value for value in odometry.twist))), SafetyReason.ODOMETRY_SCALE)):
+        layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+        time, report = driven(layer, base, Twist(0.1, 0.0, 0.1), 5.0, spoil)
+        assert time < 3.5 and report.reason is reason and report.reason.is_of_odometry
+
+
 def test_frozen_odometry_stops_the_robot():
     """Fresh stamps alone are no news."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])

@@ -1,13 +1,16 @@
 """A supervisor that is stopped, or cannot go on, states why, and gives up after a while."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 from push_control.observation import Observation
 from push_control.safety.status import SafetyReason
 from push_control.task.progress import MAX_SAFETY_STOPS
 from push_control.task.status import TaskFailure, TaskState
-from push_control.task.supervisor import REST_REPORT_TIME, REST_TIME_LIMIT, Supervisor
+from push_control.task.supervisor import (
+    MEASUREMENT_TIME_LIMIT, REST_REPORT_TIME, REST_TIME_LIMIT, Supervisor,
+)
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_scenario.definition.loader import load_scenario
@@ -60,6 +63,34 @@ def test_a_hold_lasts_until_it_is_released():
     for i in range(30, 40):
         made.step(measured(i * PERIOD), PERIOD)
     assert made.plan_request is not None and made.status.reason != 'no map'
+
+
+def test_a_plan_for_an_object_elsewhere_is_refused():
+    """By name; the same twice ends the task, as where there is no plan."""
+    made = supervisor()
+    elsewhere = load_scenario('task_tap').start.object.pose @ Pose(0.3, 0.0, 0.0)
+    plan = SimpleNamespace(object_poses=np.array([elsewhere]))
+    for time in np.arange(0.0, 3.0, PERIOD).tolist():
+        made.step(measured(time), PERIOD)
+        if made.plan_request is not None:
+            made.set_plan(plan)
+    assert made.status.state is TaskState.FAILED and made.status.failure is TaskFailure.NO_PLAN
+    assert 'the plan begins where the object is not, 0.30 m' in made.status.reason
+
+
+@pytest.mark.slow
+def test_poses_that_stop_coming_end_the_task():
+    """After a minute, with the reason that has stood there all the time."""
+    made, last = supervisor(), measured(0.5)
+    for time in np.arange(0.0, MEASUREMENT_TIME_LIMIT + 2.0, PERIOD).tolist():
+        seen = measured(time) if time < 1.0 else measured(time)._replace(
+            object_pose=last.object_pose)
+        assert made.step(seen, PERIOD) == STOP
+        if 1.5 < time < 50.0:
+            assert made.status.state is TaskState.PLAN
+            assert 'object pose is stale' in made.status.reason
+    assert made.status.failure is TaskFailure.NO_MEASUREMENTS
+    assert 'object pose is stale' in made.status.reason
 
 
 def test_a_robot_that_is_stopped_again_and_again_fails_with_the_reason():

@@ -1,0 +1,8 @@
+"""Run the campaign: ``python -m benchmarks.faults``."""
+
+import sys
+
+from benchmarks.faults.campaign import main
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,231 @@
+"""
+Campaign of faults: each word for each input, at random moments of tasks and of a single push.
+
+Measurements and commands are spoilt between the simulation and the robot in one process: past the
+conversion of messages, the nodes run the same code on them. Goals, maps, plans and stamps are
+spoilt on their way to the controller's node, over DDS in lockstep.
+"""
+
+import argparse
+from collections.abc import Sequence
+import dataclasses
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+from benchmarks.faults.injection import (
+    Fault, Injection, Input, OFFSET, SentCommand, SIMULATED, Word,
+)
+from benchmarks.faults.node_rig import final_reason, run_node
+from benchmarks.faults.report import write_report
+from benchmarks.faults.row import Ending, Row
+import numpy as np
+from push_control.push.controller import Controller
+from push_control.task.supervisor import Supervisor
+from push_model.geometry import distance, FloatArray, wrap_angle
+from push_model.signals import STOP
+from push_model.trajectory import PushTrajectory
+from push_scenario.definition.loader import load_scenario
+from push_scenario.definition.scenario import Scenario
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import Outcome
+from push_sim_node.simulation import Simulation
+from push_sim_node.tape import Tape
+
+REPORT = Path(__file__).parents[2] / 'docs' / 'control' / 'faults.md'
+# Moments at which faults begin, at random between these [s]: in all states of a task or of a push.
+MOMENTS = {'task_tap': (0.2, 3.5), 'task_demo': (1.0, 21.0), 'curved_push': (1.0, 14.0)}
+# Faults of plans begin at first or second one [s].
+LATEST_PLAN = 1.5
+# The scenario of faults that are done to the controller's node.
+NODE_SCENARIO = 'task_tap'
+# How long a fault lasts [s]: for a while, after which the input is ok again, or to the end.
+DURATIONS = 2.0, math.inf
+# Simulated time after the fault in which a run has to end [s]; chosen: longer than all time limits
+# of the supervisor, and than twelve attempts.
+TIME_AFTER = 150.0
+# The same where the controller's node is over DDS; chosen: longer than two plan time-outs.
+NODE_TIME_AFTER = 45.0
+# Planning time of tasks [s]; chosen: the usual one with primitives.
+PLANNING_TIME = 0.1
+# What counts as where the controller says that the object is, over its tolerances; chosen: a
+# measured pose errs, too.
+TRUE_RATIO = 1.5
+# Commands at the end of a run that must be zero [s]; chosen.
+FINAL_TIME = 1.0
+# Distance of the object from everything that was planned for it up to which a fault has not
+# displaced it [m]; chosen: twice what single pushes deviate by without a fault.
+MAX_DEVIATION = 0.2
+
+
+class Case(NamedTuple):
+    """A run of the campaign: a scenario, and the fault that is done to it."""
+
+    scenario: str
+    fault: Fault
+
+
+class _Record(NamedTuple):
+    """What happened in a run: tape, plans, and commands as they were sent."""
+
+    scenario: Scenario
+    tape: Tape
+    plans: Sequence[PushTrajectory]
+    sent: Sequence[SentCommand]
+
+
+def draw(scenarios: Sequence[str], seed: int, count: int) -> list[Case]:
+    """
+    Draw faults: ``count`` for every scenario, input, word and duration.
+
+    :param scenarios: names, of ``MOMENTS``.
+    :param seed: of the moments.
+    :param count: of moments.
+    """
+    rng = np.random.default_rng(seed)
+    return [Case(scenario, Fault(kind, word, start, start + duration))
+            for scenario in scenarios for kind in inputs(scenario) for word in Word
+            for duration in DURATIONS
+            for start in _moments(scenario, kind, word, rng, count)]
+
+
+def _moments(scenario: str, kind: Input, word: Word, rng: np.random.Generator,
+             count: int) -> list[float]:
+    """Draw moments [s]; a goal or a map that does not come is missing from the beginning."""
+    if word is Word.OFF and kind in (Input.GOAL, Input.MAP):
+        return [0.0] * count
+    latest = LATEST_PLAN if kind is Input.PLAN else MOMENTS[scenario][1]
+    return rng.uniform(MOMENTS[scenario][0], latest, count).round(2).tolist()
+
+
+def inputs(scenario: str) -> list[Input]:
+    """
+    List what faults are done to in a scenario.
+
+    :param scenario: name, of ``MOMENTS``.
+    """
+    return list(Input) if scenario == NODE_SCENARIO else list(SIMULATED)
+
+
+def run(case: Case, time_after: float = TIME_AFTER) -> Row:
+    """
+    Simulate a scenario with a fault.
+
+    :param case: the ``Case``.
+    :param time_after: simulated time after the fault in which the run has to end [s].
+    """
+    if case.fault.input not in SIMULATED:
+        return _run_node(case, time_after)
+    scenario, fault = load_scenario(case.scenario), case.fault
+    until = fault.end if fault.is_temporary else fault.start
+    injection, reasons = Injection(fault), ['']
+
+    def intervene(simulation: Simulation, controller: Controller | Supervisor) -> None:
+        injection(simulation, controller)
+        reasons[0] = controller.status.reason
+    result = simulate(dataclasses.replace(scenario, time_limit=until + time_after),
+                      intervene=intervene, planning_time=PLANNING_TIME)
+    has_ended = result.outcome is not Outcome.TIME_LIMIT
+    ending = Ending(result.outcome.value) if has_ended else Ending.WAITS
+    reason = result.reason if has_ended else reasons[0]
+    if result.tape is None:
+        raise ValueError(f'{case.scenario}: {result.reason}')
+    plans = [plan.trajectory for plan in result.sequence_plans]
+    return _evaluate(case, ending, reason, _Record(
+        scenario, result.tape, plans if result.plan is None else [result.plan], injection.sent))
+
+
+def _run_node(case: Case, time_after: float) -> Row:
+    """Do a task with the controller's node."""
+    scenario, fault = load_scenario(case.scenario), case.fault
+    until = fault.end if fault.is_temporary else fault.start
+    done = run_node(scenario, fault, until + min(time_after, NODE_TIME_AFTER))
+    last = done.reports[-1].text
+    ending = next((ending for ending in (Ending.DONE, Ending.FAILED)
+                   if last.startswith(f'task: {ending.value}')), Ending.WAITS)
+    reason = '' if ending is Ending.DONE else final_reason(done.reports)
+    return _evaluate(case, ending, reason, _Record(scenario, done.simulation.tape, done.plans,
+                                                   done.sent))
+
+
+def _evaluate(case: Case, ending: Ending, reason: str, record: _Record) -> Row:
+    """Judge a run."""
+    fault = case.fault
+    stop_time = _stop_time(record.sent, fault)
+    deviation = _deviation(record, fault)
+    is_explained = _is_truly_done(record) if ending is Ending.DONE else bool(reason)
+    if ending is Ending.WAITS:
+        final = [sent.twist for sent in record.sent
+                 if sent.time > record.sent[-1].time - FINAL_TIME]
+        is_explained = is_explained and all(twist == STOP for twist in final)
+    if fault.input is not Input.COMMAND:
+        is_explained = is_explained and deviation <= _deviation_limit(fault)
+    return Row(case.scenario, fault, ending, reason, is_explained, stop_time - fault.start,
+               _driven(record.tape, fault.start, stop_time), deviation)
+
+
+def _deviation_limit(fault: Fault) -> float:
+    """Limit the deviation [m]: a tracker that is off has what is planned beside the object."""
+    is_off = fault.input is Input.POSE and fault.word is Word.WRONG
+    return MAX_DEVIATION + (math.hypot(OFFSET.x, OFFSET.y) if is_off else 0.0)
+
+
+def _stop_time(commands: Sequence[SentCommand], fault: Fault) -> float:
+    """Find when the robot first commands zero after the beginning of a fault; nan: never [s]."""
+    return next((sent.time for sent in commands
+                 if fault.start <= sent.time < fault.end and sent.twist == STOP), math.nan)
+
+
+def _is_truly_done(record: _Record) -> bool:
+    scenario = record.scenario
+    settings = scenario.control if scenario.task is None else scenario.task.supervision
+    object_pose, goal = record.tape.poses('object')[-1], scenario.goal.pose
+    return bool(
+        distance(object_pose, goal) <= TRUE_RATIO * settings.position_tolerance
+        and abs(wrap_angle(object_pose[2] - goal.theta)) <= (
+            TRUE_RATIO * settings.heading_tolerance))
+
+
+def _driven(tape: Tape, start: float, end: float) -> float:
+    """Sum up what the robot drives between two times; nan where one is [m]."""
+    times, poses = tape['time'], np.array(tape.poses('robot'))
+    within = poses[(times >= start) & (times <= end)]
+    return math.nan if math.isnan(end) else _length(within)
+
+
+def _length(poses: FloatArray) -> float:
+    return float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())
+
+
+def _deviation(record: _Record, fault: Fault) -> float:
+    """Find how far the object is from all that was planned for it, after a fault begins [m]."""
+    poses = np.array(record.tape.poses('object'))[:, :2]
+    planned = np.concatenate([poses[:1], *(plan.object_poses[:, :2] for plan in record.plans)])
+    after = poses[record.tape['time'] >= fault.start]
+    gaps = [np.hypot(*(planned - place).T).min() for place in after[::5]]
+    return float(max(gaps, default=0.0))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """
+    Run the campaign and write the report.
+
+    :param arguments: command line; None for that of the process.
+    :return: exit status: 1 where a run has ended unexplained.
+    """
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--count', type=int, default=4, help='moments per case')
+    parser.add_argument('--scenario', action='append', choices=list(MOMENTS),
+                        help='again for more; all by default')
+    parser.add_argument('--seed', type=int, default=1)
+    parser.add_argument('--report', type=Path, default=REPORT)
+    options = parser.parse_args(arguments)
+    scenarios = options.scenario or list(MOMENTS)
+    rows: list[Row] = []
+    for case in draw(scenarios, options.seed, options.count):
+        rows.append(run(case))
+        print(rows[-1], flush=True)
+    chosen = ' '.join([f'--count {options.count} --seed {options.seed}',
+                       *(f'--scenario {name}' for name in scenarios)])
+    write_report(options.report, rows, chosen)
+    return int(any(not row.is_explained for row in rows))

@@ -1,0 +1,72 @@
+"""
+Waiting for measurements: where they fail again and again, they must be good for a while.
+
+Measurements that are late by turns would let the robot start and stop many times in a second. The
+reason stays the same while it waits, but for its numbers, which are renewed now and then.
+"""
+
+import math
+
+from push_control.events import EventReport, PushEvent
+
+# Times for which measurements must be good again before the robot goes on: at first, where they
+# have failed again soon after it had gone on, and where they do so once more [s]; and what soon is
+# [s]. Chosen: a single message that is lost or broken costs nothing, and nobody drives with gaps
+# in every second.
+RECOVERY_TIMES = 0.0, 0.5, 1.0
+RELAPSE_TIME = 2.0
+# Period at which the numbers of a reason are renewed [s]; chosen: to be read.
+RENEWAL_PERIOD = 2.0
+# Events that describe the beginning, and not what has stopped.
+BEGINNINGS = (PushEvent.NO_OBJECT_POSE,)
+
+
+class MeasurementWatch:
+    """
+    Tells whether measurements can be used, and for how long they could not.
+
+    ``fault``: ``EventReport`` of why the robot waits, or None.
+    """
+
+    def __init__(self) -> None:
+        """Begin with measurements that can be used."""
+        self.fault: EventReport | None = None
+        self._reported_at = -math.inf
+        self._since = math.inf
+        self._bad_at = -math.inf
+        self._recovered_at = -math.inf
+        self._relapses = 0
+
+    def update(self, fault: EventReport | None, time: float) -> EventReport | None:
+        """
+        Take note of whether the newest measurements can be used.
+
+        :param fault: ``EventReport`` of why not, or None.
+        :param time: now [s].
+        :return: why the robot has to wait, or None where it may move.
+        """
+        if fault is None or fault.event in BEGINNINGS:
+            if self.fault is None or fault is not None:
+                return fault
+            recovery = RECOVERY_TIMES[min(self._relapses, len(RECOVERY_TIMES) - 1)]
+            if time - self._bad_at >= recovery:
+                self.fault, self._recovered_at = None, time
+            return self.fault
+        if self.fault is None:
+            self._since = time
+            has_relapsed = time - self._recovered_at < RELAPSE_TIME
+            self._relapses = self._relapses + 1 if has_relapsed else 0
+        is_known = self.fault is not None and self.fault.event is fault.event
+        if not is_known or time - self._reported_at >= RENEWAL_PERIOD:
+            self.fault, self._reported_at = fault, time
+        self._bad_at = time
+        return self.fault
+
+    def waited(self, time: float) -> float:
+        """
+        Tell for how long the robot has waited.
+
+        :param time: now [s].
+        :return: [s], 0 where it does not wait.
+        """
+        return 0.0 if self.fault is None else time - self._since
