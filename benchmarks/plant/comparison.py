@@ -32,7 +32,7 @@ class Push:
     """
     One push along x, from the object's left side.
 
-    :param kind: 'box', 'uneven box', 'three feet', 'bin' or 'table'.
+    :param kind: 'box', 'square', 'uneven box', 'three feet', 'bin' or 'table'.
     :param mass: [kg].
     :param friction: coefficient of the feet; of an uneven box the mean.
     :param grip: coefficient of friction between robot and object.
@@ -41,6 +41,8 @@ class Push:
     :param spin: yaw rate of the robot [rad/s].
     :param radius: of the robot [m].
     :param distance: that the robot drives [m].
+    :param contact_height: of the object [m].
+    :param center_of_mass_height: of the object [m].
     """
 
     kind: str
@@ -52,11 +54,15 @@ class Push:
     spin: float = 0.0
     radius: float = 0.17
     distance: float = 0.6
+    contact_height: float = 0.0
+    center_of_mass_height: float = 0.0
 
     @property
     def object(self) -> PushedObject:
         """The ``PushedObject``."""
-        return OBJECTS[self.kind](self.mass, self.friction, self.grip)
+        return dataclasses.replace(
+            OBJECTS[self.kind](self.mass, self.friction, self.grip),
+            contact_height=self.contact_height, center_of_mass_height=self.center_of_mass_height)
 
     @property
     def robot(self) -> RoundRobot:
@@ -115,6 +121,7 @@ def bin_(mass: float, friction: float, grip: float) -> PushedObject:
 # Statics determines the loads of three feet; four equal ones around the mass centre share evenly.
 OBJECTS: dict[str, Callable[[float, float, float], PushedObject]] = {
     'box': lambda m, mu, grip: rectangle((0.4, 0.4), corners(0.17, 0.17), m, 4 * [mu], grip),
+    'square': lambda m, mu, grip: rectangle((0.4, 0.4), corners(0.2, 0.2), m, 4 * [mu], grip),
     'uneven box': lambda m, mu, grip: rectangle(
         (0.4, 0.4), corners(0.17, 0.17), m, [0.8 * mu, 1.3 * mu, 1.1 * mu, 0.8 * mu], grip),
     'three feet': lambda m, mu, grip: rectangle(
@@ -152,6 +159,16 @@ PUSHES = (
     Push('table', 6.0, 0.4, 0.3, -0.2, (0.05, 0.05), distance=0.25),
     Push('table', 6.0, 0.4, 0.3, -0.2, (0.4, 0.4), distance=0.25),
 )
+
+# Bumpers above the floor, each with the height of the mass centre [m].
+RAISED = tuple(
+    Push(*push, distance=distance, contact_height=height, center_of_mass_height=center)
+    for push, distance in (
+        (('square', 2.0, 0.3, 0.8, 0.02, (0.05, 0.0)), 0.3),
+        (('uneven box', 2.0, 0.3, 0.8, 0.02, (0.05, 0.0)), 0.3),
+        (('three feet', 2.0, 0.3, 0.8, 0.02, (0.05, 0.0)), 0.2),
+        (('bin', 3.0, 0.3, 0.8, 0.02, (0.1, 0.0)), 0.2))
+    for height, center in ((0.05, 0.1), (0.1, 0.1), (0.2, 0.2)))
 
 
 def by_plant(push: Push, shift: float = 0.0,

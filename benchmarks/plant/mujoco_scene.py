@@ -1,8 +1,8 @@
 """
 The planar push in MuJoCo: an object on small feet, and a velocity-controlled cylinder.
 
-All contact forces and the mass centre lie at floor height: there the planar model and a spatial
-engine must agree, as no load shifts from foot to foot.
+Contact and mass centre are at the heights of the object, at floor height where it has none: there
+no load shifts from foot to foot.
 """
 
 import dataclasses
@@ -19,10 +19,10 @@ from push_model.signals import Twist
 # MuJoCo defines these in an extension module without type stubs.
 _mujoco: Any = mujoco
 # Shapes [m], chosen: radius of the spheres that stand for point supports; half the height of the
-# outline, low as all forces act at floor height; half the height of the robot, well above that.
+# outline, low as the contact has one height; half the height of the robot, well above any contact.
 FOOT_RADIUS = 0.005
 HALF_HEIGHT = 0.002
-ROBOT_HALF_HEIGHT = 0.2
+ROBOT_HALF_HEIGHT = 0.5
 # Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down, and mass,
 # inertia and damping of its bumper, which may follow the object's height; chosen: far above and
 # far below those of any object.
@@ -85,12 +85,13 @@ def xml(*numbers: float) -> str:
 def outline_geom(obj: PushedObject) -> str:
     """Write the outline: a box for a rectangle about the frame's axes, a cylinder for a disc."""
     if obj.radius:
-        return f'type="cylinder" size="{xml(obj.radius, HALF_HEIGHT)}"'
+        return (f'type="cylinder" size="{xml(obj.radius, HALF_HEIGHT)}" '
+                f'pos="{xml(0, 0, obj.contact_height)}"')
     low, high = np.min(obj.outline, axis=0), np.max(obj.outline, axis=0)
     if len(obj.outline) != 4 or not np.isin(obj.outline, [low, high]).all():
         raise ValueError(f'outline: got {obj.outline}, expected a rectangle along the axes')
     size, middle = (high - low) / 2, (high + low) / 2
-    return f'type="box" size="{xml(*size, HALF_HEIGHT)}" pos="{xml(*middle, 0)}"'
+    return f'type="box" size="{xml(*size, HALF_HEIGHT)}" pos="{xml(*middle, obj.contact_height)}"'
 
 
 def pair(one: str, other: str, mu: float, margin: float, *, solref: SolverParameters,
@@ -115,6 +116,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
                   impedance=engine.bumper_impedance)
     cylinder = xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)
     inertia = xml(obj.inertia, obj.inertia, obj.inertia)
+    center = xml(*obj.center_of_mass, obj.center_of_mass_height)
     return f"""
 <mujoco>
   <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
@@ -124,7 +126,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
     <geom name="floor" type="plane" size="9 9 1"/>
     <body name="object">
       <freejoint/>
-      <inertial pos="{xml(*obj.center_of_mass, 0)}" mass="{obj.mass}" diaginertia="{inertia}"/>
+      <inertial pos="{center}" mass="{obj.mass}" diaginertia="{inertia}"/>
       <geom name="outline" {outline_geom(obj)}/>{feet}
     </body>
     <body name="robot">

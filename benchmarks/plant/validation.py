@@ -12,13 +12,16 @@ import statistics
 from typing import Iterator, NamedTuple, Sequence
 
 from benchmarks.plant.comparison import (
-    by_mujoco, by_plant, ENGINES, pose_difference, PoseDifference, Push, PUSHES, sensitivity,
+    by_mujoco, by_plant, ENGINES, ORIGIN, pose_difference, PoseDifference, Push, PUSHES, RAISED,
+    sensitivity,
 )
-from benchmarks.plant.mujoco_scene import TUNED
+from benchmarks.plant.mujoco_scene import Engine, TUNED
 from benchmarks.progress_bar import progress
 import mujoco
+from push_model.contact import contact_point, find_contact
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
+from push_model.quasi_static import quasi_static_yaw_rate
 from push_sim_node.truth import ContactMode
 
 DESCRIPTION = 'Write the comparison of the plant with MuJoCo: tables and a figure.'
@@ -107,6 +110,30 @@ def speed_trend() -> list[tuple[float, PoseDifference]]:
     return rows
 
 
+def raised_table(pushes: Sequence[Push] = RAISED, engine: Engine = TUNED) -> str:
+    """
+    Write how much less an object turns that is pushed above the floor.
+
+    :param pushes: with heights.
+    :param engine: settings of MuJoCo.
+    """
+    rows: list[list[str]] = []
+    for push in progress(pushes, 'above the floor'):
+        flat = dataclasses.replace(push, contact_height=0.0, center_of_mass_height=0.0)
+        plant, mujoco_ = ([run(one) for one in (flat, push)] for run in (
+            lambda one: by_plant(one)[0][-1], lambda one: by_mujoco(one, engine)[-1]))
+        touched = find_contact(push.object, ORIGIN, push.robot_pose()[:2], push.radius).contact
+        point = contact_point(push.object, touched)
+        rates = [quasi_static_yaw_rate(one.object, point, *push.speed) for one in (flat, push)]
+        distance, angle = pose_difference(plant[1], mujoco_[1])
+        rows.append([push.kind, f'{push.contact_height:g}', f'{push.center_of_mass_height:g}',
+                     f'{rates[1] / rates[0]:.3f}', f'{plant[1].theta / plant[0].theta:.3f}',
+                     f'{mujoco_[1].theta / mujoco_[0].theta:.3f}',
+                     f'{1e3 * distance:.2f} / {math.degrees(angle):.2f}'])
+    return table(['object', 'z_C m', 'z_G m', 'quasi-static', 'plant', 'MuJoCo',
+                  'difference mm / deg'], rows)
+
+
 def outline(obj: PushedObject, pose: Pose) -> Iterator[tuple[float, ...]]:
     """Return the closed outline of an object in the world, as (xs, ys)."""
     points = obj.outline or [(obj.radius * math.cos(0.1 * i), obj.radius * math.sin(0.1 * i))
@@ -155,7 +182,8 @@ def main() -> None:
     text = TEXT.read_text(encoding='utf-8')
     for name, value in (('VERSION', mujoco.__version__), ('COUNT', str(len(PUSHES))),
                         ('SPREAD', spread(results)), ('PUSHES', pushes), ('SPEEDS', speeds),
-                        ('STEPS', step_table())):
+                        ('STEPS', step_table()),
+                        ('RAISED', raised_table())):
         text = text.replace(f'@{name}@', value)
     (out / 'mujoco.md').write_text(text, encoding='utf-8')
     picture(out / 'mujoco.png')

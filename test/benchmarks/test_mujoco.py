@@ -44,6 +44,16 @@ def test_fast_spinning_and_sliding_pushes_agree(push):
     assert distance < 3.0 and angle < 0.8
 
 
+@pytest.mark.parametrize('push', comparison.RAISED[2::3], ids=lambda push: push.kind)
+def test_pushes_above_the_floor_agree(push):
+    """Loads shift in both; without that the plant would be several degrees off."""
+    distance, angle = difference(push, QUICK)
+    assert distance < 1.5 and angle < 0.1
+    flat = dataclasses.replace(push, contact_height=0.0, center_of_mass_height=0.0)
+    shift = pose_difference(by_plant(flat)[0][-1], by_plant(push)[0][-1])
+    assert push.kind == 'uneven box' or math.degrees(shift.angle) > 0.4
+
+
 @pytest.mark.parametrize('change, push', [
     ({'grip': 0.24}, PUSHES[22]), ({'kind': 'uneven box'}, PUSHES[4]), ({'mass': 3.0}, PUSHES[9]),
     ({'offset': 0.025}, PUSHES[1]), ({'kind': 'three feet'}, PUSHES[2])])
