@@ -63,11 +63,6 @@ class InitialRoute(Protocol):
         """Angle by which the object rotates [rad]."""
         ...
 
-    @property
-    def max_deviation(self) -> float:
-        """How far off it a plan may be, along either axis [m]."""
-        ...
-
     def guess(self, problem: PushProblem, lengths: FloatArray, points: FloatArray) -> NodeGuess:
         """
         Follow the route.
@@ -123,9 +118,6 @@ def formulate(problem: PushProblem, route: InitialRoute,
     common = np.concatenate([problem.push_parameters.column(), _limits(problem), boundary])
     bounds = _bounds(problem)
     guess = _first_guess(problem, route, mesh, dimensions, bounds)
-    followed = guess.nodes[:, 3:5]
-    bounds = bounds._replace(followed=(followed - route.max_deviation,
-                                       followed + route.max_deviation))
     steps = _step_data(problem, mesh)
     return Formulation(dimensions, mesh, bounds, boundary, common, steps), guess
 

@@ -136,13 +136,11 @@ class VariableBounds(NamedTuple):
     :param angle: largest pushing angle [rad].
     :param first_angle: (lowest, highest) pushing angle at the start [rad].
     :param rotation: (lowest, highest) rotation of the object [rad].
-    :param followed: (lowest, highest) followed point at the nodes, each of shape (n + 1, 2) [m].
     """
 
     angle: float
     first_angle: tuple[float, float]
     rotation: tuple[float, float]
-    followed: tuple[Union[float, FloatArray], Union[float, FloatArray]] = (-np.inf, np.inf)
 
 
 class SolveResult(NamedTuple):
@@ -256,7 +254,6 @@ class NlpSolver:
         low[:, 2], high[:, 2] = -bounds.angle, bounds.angle
         low[0, 2], high[0, 2] = bounds.first_angle
         low[:, 3], high[:, 3] = bounds.rotation
-        low[:, 4:6], high[:, 4:6] = bounds.followed
         return (low.ravel()[:dimensions.variable_count],
                 high.ravel()[:dimensions.variable_count])
 

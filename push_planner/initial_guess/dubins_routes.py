@@ -10,7 +10,7 @@ import math
 from typing import Optional
 
 import numpy as np
-from push_model.dubins import dubins_paths, DubinsPath
+from push_model.dubins import dubins_paths
 from push_model.geometry import Pose
 from push_planner.initial_guess.first_guess import Route
 from push_planner.initial_guess.steady_turns import steady_turns, SteadyTurn, TurnKey
@@ -102,33 +102,6 @@ def routes(problem: PushProblem, turns: TurnPair) -> list[Route]:
     return near + sorted(far, key=lambda route: route.path_length)
 
 
-def route_along(problem: PushProblem, segments: Sequence[tuple[float, float]],
-                max_deviation: float) -> Route:
-    """
-    Make a route of given segments; the last is straight, and its end the final straight.
-
-    :param problem: the ``PushProblem``; it can steer to both sides.
-    :param segments: (length [m], signed curvature [1/m]) of each.
-    :param max_deviation: how far off it a plan may be, along either axis [m].
-    """
-    vehicle, final_straight = problem.vehicle, problem.settings.final_straight
-    shortened = [*segments[:-1], (segments[-1][0] - final_straight, 0.0)]
-    shortened = [segment for segment in shortened if segment[0] > 0.0]
-    tightest = tightest_turns(problem)
-    if tightest is None:
-        raise ValueError('problem: got a contact that steers to one side only, expected both')
-    turns: list[SteadyTurn] = []
-    for _, curvature in shortened:
-        turn = tightest[0 if curvature > 0.0 else 1]
-        steering_angle = math.atan(math.tan(turn.steering_angle) * curvature / turn.curvature)
-        turns.append(SteadyTurn(steering_angle, curvature * math.cos(steering_angle)))
-    lengths, curvatures = zip(*shortened)
-    word = ''.join(_letter(curvature) for curvature in curvatures)
-    path = DubinsPath(Pose(*vehicle.flat_output, vehicle.angle), word, lengths, curvatures)
-    path_length = final_straight + contact_length(lengths, turns)
-    return Route(path, tuple(turns), final_straight, path_length, max_deviation)
-
-
 def contact_length(lengths: Sequence[float], turns: Sequence[SteadyTurn]) -> float:
     """
     Path length of the contact on segments of the flat output's path [m].
@@ -158,12 +131,6 @@ def _vehicle_turn(wheelbase: float, curvature: float) -> SteadyTurn:
 
 def _scaled(turn: SteadyTurn, factor: float) -> SteadyTurn:
     return SteadyTurn(factor * turn.steering_angle, factor * turn.w)
-
-
-def _letter(curvature: float) -> str:
-    if curvature == 0.0:
-        return 'S'
-    return 'L' if curvature > 0.0 else 'R'
 
 
 def _routes(problem: PushProblem, turns: TurnPair, final_straight: float) -> list[Route]:

@@ -32,14 +32,12 @@ class Route(NamedTuple):
     :param turns: ``SteadyTurn`` on each segment of it.
     :param final_straight: length of the straight push after it [m].
     :param path_length: path length of the contact, final straight included [m].
-    :param max_deviation: how far off it a plan may be, along either axis [m].
     """
 
     path: DubinsPath
     turns: tuple[SteadyTurn, ...]
     final_straight: float
     path_length: float
-    max_deviation: float = math.inf
 
     @property
     def rotation(self) -> float:

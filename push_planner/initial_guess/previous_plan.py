@@ -41,11 +41,6 @@ class PreviousRoute(NamedTuple):
         return 'previous plan'
 
     @property
-    def max_deviation(self) -> float:
-        """How far off it a plan may be [m]: anywhere."""
-        return math.inf
-
-    @property
     def path_length(self) -> float:
         """Path length of the contact [m]."""
         return float(self.s[-1])

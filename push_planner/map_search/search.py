@@ -126,8 +126,8 @@ class MapSearch:
     :param settings: ``SearchSettings``.
     """
 
-    def __init__(self, scene: Scene, pushes: tuple[Pushes, Pushes], grid: DistanceGrid, cost_to_go: CostToGo,
-                 settings: SearchSettings) -> None:
+    def __init__(self, scene: Scene, pushes: tuple[Pushes, Pushes], grid: DistanceGrid,
+                 cost_to_go: CostToGo, settings: SearchSettings) -> None:
         self._scene = scene
         self._pushes = pushes
         self._grid = grid

@@ -1,1 +1,1 @@
-"""Sequences of pushes to any goal: candidates, search, costs and clearance."""
+"""Sequences of pushes to any goal: candidates, search and costs."""

@@ -14,30 +14,24 @@ from typing import Callable, Iterable, NamedTuple, Sequence, TypeVar, Union
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.trajectory import PushTrajectory
-from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Path
 from push_navigation.settings import DriveSettings
-from push_navigation.speed_profile import travel_time
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
-from push_planner.sequence.clearance import ClearanceCheck
 from push_planner.sequence.costs import plan_approach
 from push_planner.sequence.miss_probability import miss_probability
 from push_planner.sequence.steps import PlannedPush, SequenceStep
 from push_planner.single_push.contact_sites import robot_start
-from push_planner.single_push.planner import plan_push, PlanRequirements
+from push_planner.single_push.planner import plan_push
 from push_planner.single_push.site_selection import ROUTE_SLACK
 
 # Least limit of the path length of a push [m]: one that is accepted as a setting.
 MIN_PATH_LIMIT = 0.01
 # Plans are shorter than the path that is ranked first, by 20 % at most in 40 random tasks.
 PATH_LIMIT_RATIO = 1.25
-# Programs that are solved for a push at most, on open floor and in a map, chosen: a candidate that
-# needs more is left for the next one.
+# Programs that are solved for a push at most, chosen: a candidate that needs more is left for the
+# next one.
 MAX_SOLVES = 8
-MAX_SOLVES_IN_MAP = 3
-# How far from the path that was checked against the map a plan may be, along either axis [m].
-MAX_DEVIATION = 0.1
 # Rotation of an object that counts as none [rad], chosen: 2 degrees.
 STRAIGHT_TOLERANCE = 0.035
 # Part of the time of the best solution that a sequence must promise to be solved: the estimate of
@@ -152,33 +146,28 @@ class Candidate(abc.ABC):
         """``SequenceStep`` of each push but the first."""
         return ()
 
-    def solve(self, robot_pose: Pose, drive: DriveSettings, time_limit: float = math.inf,
-              clearance: ClearanceCheck | None = None) -> Outcome:
+    def solve(self, robot_pose: Pose, drive: DriveSettings,
+              time_limit: float = math.inf) -> Outcome:
         """
         Plan the robot's path to the first push, and the push.
 
         :param robot_pose: ``Pose`` of the robot.
         :param drive: ``DriveSettings``.
         :param time_limit: time above which a solution is of no use [s].
-        :param clearance: ``ClearanceCheck``, or None for open floor.
         :return: ``SolvedCandidate`` or ``RejectedCandidate``.
         """
         problem = self._limited_problem(time_limit)
-        occupancy_map = clearance.occupancy_map if clearance is not None else None
         try:
             path = plan_approach(problem.robot, problem.obj, problem.start, robot_pose,
-                                 robot_start(problem), drive, occupancy_map=occupancy_map)
-            plan = plan_push(problem, requirements=self._requirements(clearance))
-            duration = self.duration
-            if occupancy_map is not None:
-                duration += self._detours(robot_pose, drive, occupancy_map)
+                                 robot_start(problem), drive)
+            plan = plan_push(problem, max_solves=MAX_SOLVES)
         except NoPathFound as failure:
             return self._rejected(f'no path for the robot: {failure.reason}')
         except PlanningFailed as failure:
             return self._rejected(failure.reason)
-        return self._solved(plan, path, duration)
+        return self._solved(plan, path)
 
-    def _solved(self, plan: Plan, path: Path, duration: float) -> SolvedCandidate:
+    def _solved(self, plan: Plan, path: Path) -> SolvedCandidate:
         """Replace the estimates of the first push by its plan."""
         first = self.pushes[0]
         trajectory = plan.trajectory
@@ -187,33 +176,15 @@ class Candidate(abc.ABC):
             path_length=plan.report['path_length'])
         return SolvedCandidate(
             (planned, *self.pushes[1:]), plan, path, self.later_steps,
-            duration + (trajectory.duration - first.duration), self._correction_after(plan))
+            self.duration + (trajectory.duration - first.duration), self._correction_after(plan))
 
     def _rejected(self, reason: str) -> RejectedCandidate:
         return RejectedCandidate(CandidateReport(_sites(self.pushes), self.duration,
                                                  self.expected_correction, reason))
 
-    def _detours(self, robot_pose: Pose, drive: DriveSettings,
-                 occupancy_map: OccupancyMap) -> float:
-        """Time by which the paths of the robot are longer in the map [s]."""
-        robot, obj, first = self.problem.robot, self.problem.obj, self.pushes[0]
-        ends = [(first.start, robot_pose, first.robot_start)]
-        ends += [(before.end, before.robot_end, after.robot_start)
-                 for before, after in zip(self.pushes, self.pushes[1:])]
-        in_map, on_open_floor = (
-            [travel_time(plan_approach(robot, obj, *poses, drive, occupancy_map=where), robot,
-                         drive) for poses in ends]
-            for where in (occupancy_map, None))
-        return sum(in_map) - sum(on_open_floor)
-
     def _limited_problem(self, time_limit: float) -> PushProblem:
         """Return the problem of the first push, limited to solutions that are of use."""
         return self.problem
-
-    def _requirements(self, clearance: ClearanceCheck | None) -> PlanRequirements:
-        if clearance is None:
-            return PlanRequirements(max_solves=MAX_SOLVES)
-        return PlanRequirements(None, clearance.violation, MAX_SOLVES_IN_MAP)
 
     @abc.abstractmethod
     def _correction_after(self, plan: Plan) -> float:
@@ -317,12 +288,6 @@ class SequenceCandidate(Candidate):
     def later_steps(self) -> tuple[SequenceStep, ...]:
         """``SequenceStep`` of each push but the first."""
         return self.steps[1:]
-
-    def _requirements(self, clearance: ClearanceCheck | None) -> PlanRequirements:
-        if clearance is None:
-            return super()._requirements(clearance)
-        return PlanRequirements(self.steps[0].route(MAX_DEVIATION), clearance.violation,
-                                MAX_SOLVES_IN_MAP)
 
     def _correction_after(self, plan: Plan) -> float:
         return self.expected_correction

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
@@ -56,8 +55,7 @@ def standoff_pose(contact_pose: Pose, drive: DriveSettings) -> Pose:
 
 
 def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
-                  contact_pose: Pose, drive: DriveSettings, *,
-                  occupancy_map: OccupancyMap | None = None) -> Path:
+                  contact_pose: Pose, drive: DriveSettings) -> Path:
     """
     Plan the robot's path to where the straight approach to the contact begins.
 
@@ -67,12 +65,10 @@ def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start
     :param start: ``Pose`` of the robot.
     :param contact_pose: ``Pose`` of the robot at the contact.
     :param drive: ``DriveSettings``.
-    :param occupancy_map: ``OccupancyMap`` that the path keeps to; None for open floor.
     :return: ``Path``.
     :raises NoPathFound: where there is none.
     """
-    return plan_path(robot, obj, object_pose, start, standoff_pose(contact_pose, drive), drive,
-                     occupancy_map=occupancy_map)
+    return plan_path(robot, obj, object_pose, start, standoff_pose(contact_pose, drive), drive)
 
 
 def approach_times(robot: RoundRobot, obj: PushedObject, start: Pose,

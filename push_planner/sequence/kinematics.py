@@ -180,40 +180,6 @@ def solve_straights(table: PrimitiveTable, moves: IntArray, rotations: FloatArra
                            np.where(two.reached[:, None], path_lengths, np.inf))
 
 
-def object_poses_along(table: PrimitiveTable, moves: IntArray, motions: SequenceMotions,
-                       count: int) -> FloatArray:
-    """
-    Sample the poses of the object, at equal fractions of every segment, up to their ends.
-
-    :param table: ``PrimitiveTable``.
-    :param moves: numbers of the primitives, shape (m, n).
-    :param motions: ``SequenceMotions`` of m sequences.
-    :param count: poses on each segment; a move has three: straight, rotation, straight.
-    :return: (x, y, theta) in the frame of the object before the first push, shape
-        (m, n, 3 count, 3).
-    """
-    rotations = motions.rotations
-    part = Displacements.of(table, moves, rotations)
-    before, after = motions.straight_before, motions.straight_after
-    # Axes: x and y, m sequences, n moves, 3 segments.
-    segments = np.stack([
-        np.stack((before * np.cos(part.before), part.x, after * np.cos(part.after)), axis=2),
-        np.stack((before * np.sin(part.before), part.y, after * np.sin(part.after)), axis=2)])
-    in_a_row = segments.reshape(2, len(moves), 3 * moves.shape[1])
-    starts = (in_a_row.cumsum(axis=2) - in_a_row).reshape(segments.shape)
-    poses = np.empty((*moves.shape, 3, count, 3))
-    for k in range(count):
-        fraction = (k + 1) / count
-        partial = fraction * segments
-        rotated = fraction * rotations
-        partial[..., 1] = _rotation_displacement(table, moves, part.heading, rotated, part.before,
-                                                 part.before + rotated)
-        poses[..., k, :2] = np.moveaxis(starts + partial, 0, -1)
-        poses[..., k, 2] = np.stack((part.heading, part.heading + rotated,
-                                     part.heading + rotations), axis=2)
-    return poses.reshape(*moves.shape, 3 * count, 3)
-
-
 def longest_pushes(locations: IntArray, path_lengths: FloatArray) -> FloatArray:
     """
     Find the path length of the longest push of each sequence [m], shape (m,).

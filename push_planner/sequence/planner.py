@@ -9,7 +9,7 @@ and solved in that order until none that is left can be faster.
 import dataclasses
 import functools
 import math
-from typing import Any, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from push_model.geometry import distance, Pose
@@ -27,10 +27,9 @@ from push_planner.sequence.candidates import (
     Candidate, CandidateReport, Outcome, RejectedCandidate, SequenceCandidate,
     SinglePushCandidate, solve_in_order, SolvedCandidate,
 )
-from push_planner.sequence.clearance import ClearanceCheck
 from push_planner.sequence.costs import approach_times, sequence_costs, SequenceCosts
 from push_planner.sequence.primitives import goal_bearing, primitive_table, PrimitiveTable
-from push_planner.sequence.search import search_sequences, SearchResult
+from push_planner.sequence.search import search_sequences
 from push_planner.sequence.steps import (
     build_steps, PlannedPush, SequenceStep, SETTLING_RADII,
 )
@@ -44,13 +43,6 @@ MAX_SINGLE_PUSHES = 3
 # Sequences are searched for up to the time of the best single push times this: its time is known
 # about only.
 SEARCH_LIMIT_RATIO = 1.2
-# In a map more sequences are kept and evaluated than on open floor, by these factors, as many of
-# them are not free, ...
-ALTERNATIVES_FACTOR = 6
-EVALUATIONS_FACTOR = 2
-# ... at first with fewer rotations each, and in the end with a shorter straight end [m].
-COARSE_ROTATION_STEPS = 5
-SHORT_LAST_STRAIGHT = 0.35
 # After failed attempts long rotations, which miss most, are avoided at first: a push may be this
 # much longer [m] than the distance to the goal times the ratio.
 CAUTIOUS_LENGTH = 1.0
@@ -122,7 +114,6 @@ class TaskQuery:
     :param settings: ``PlannerSettings``.
     :param drive: ``DriveSettings``.
     :param task: ``TaskSettings``.
-    :param occupancy_map: ``OccupancyMap`` that robot and object keep to; None for open floor.
     """
 
     obj: PushedObject
@@ -133,7 +124,6 @@ class TaskQuery:
     settings: PlannerSettings
     drive: DriveSettings
     task: TaskSettings
-    occupancy_map: OccupancyMap | None
 
     @property
     def local_goal(self) -> Pose:
@@ -160,15 +150,11 @@ class SequencePlanner:
     Planner of one query.
 
     :param query: ``TaskQuery``.
-    :raises PlanningFailed: where object or goal do not fit into the map.
     """
 
     def __init__(self, query: TaskQuery) -> None:
         self._query = query
         self._task = _with_settling(query.task, query.robot)
-        self._clearance = None if query.occupancy_map is None else ClearanceCheck(
-            query.occupancy_map, query.obj, query.robot, query.object_pose, query.goal,
-            query.drive)
         self._evaluations = 0
         self._outcomes: dict[Candidate, Outcome] = {}
         self._reports: list[CandidateReport] = []
@@ -183,7 +169,7 @@ class SequencePlanner:
         """
         single_pushes = self._single_pushes()
         limit = math.inf
-        if self._clearance is None and single_pushes:
+        if single_pushes:
             limit = SEARCH_LIMIT_RATIO * min(single.likely_duration + single.expected_correction
                                              for single in single_pushes)
         found = self._solve_first(limit, single_pushes)
@@ -227,17 +213,11 @@ class SequencePlanner:
 
     def _solve_first(self, limit: float,
                      single_pushes: Sequence[Candidate] = ()) -> SolvedCandidate | None:
-        """Solve batches of sequences, the first with the single pushes, until one is solved."""
-        for batch in self._sequence_batches(limit, self._clearance):
-            found = solve_in_order([*single_pushes, *batch], self._solve)
-            if found is not None:
-                return found
-            single_pushes = ()
-        return None
+        """Solve single pushes and sequences."""
+        return solve_in_order([*single_pushes, *self._sequences(limit)], self._solve)
 
     def _solve(self, candidate: Candidate, time_limit: float) -> Outcome:
-        outcome = candidate.solve(self._query.robot_pose, self._query.drive, time_limit,
-                                  self._clearance)
+        outcome = candidate.solve(self._query.robot_pose, self._query.drive, time_limit)
         self._outcomes[candidate] = outcome
         self._reports.append(outcome.report)
         return outcome
@@ -258,41 +238,14 @@ class SequencePlanner:
                       for site, time in zip(sites, times) if math.isfinite(time + site.bound)]
         return sorted(candidates, key=lambda single: single.expected_time)[:MAX_SINGLE_PUSHES]
 
-    def _sequence_batches(
-            self, limit: float,
-            clearance: ClearanceCheck | None) -> Iterator[Sequence[SequenceCandidate]]:
-        """Generate batches of sequences; in a map each is the outcome of a harder search."""
+    def _sequences(self, limit: float) -> list[SequenceCandidate]:
+        """List the fastest sequences."""
         try:
-            table = self._table
+            found = search_sequences(self._table, self._costs, self._query.local_goal, self._task,
+                                     limit)
         except PlanningFailed as failure:
             self._infeasible.append(failure.reason)
-            yield []
-            return
-        goal = self._query.local_goal
-        if clearance is None:
-            yield self._candidates_of(search_sequences(table, self._costs, goal, self._task,
-                                                       limit))
-            return
-        penalty = clearance.penalty(table)
-        for task in self._searches_in_map():
-            found = search_sequences(table, self._costs, goal, task, limit, penalty)
-            free = [candidate for candidate in self._candidates_of(found)
-                    if clearance.steps_are_free(candidate.steps)]
-            yield free[:self._task.alternatives]
-
-    def _searches_in_map(self) -> Iterator[TaskSettings]:
-        """Generate settings of harder and harder searches."""
-        task = self._task
-        coarse = min(COARSE_ROTATION_STEPS, task.rotation_steps)
-        short = max(task.min_straight, min(task.min_last_straight, SHORT_LAST_STRAIGHT))
-        for rotation_steps in (coarse, task.rotation_steps):
-            for last_straight in (task.min_last_straight, short):
-                yield dataclasses.replace(
-                    task, rotation_steps=rotation_steps, min_last_straight=last_straight,
-                    max_evaluations=EVALUATIONS_FACTOR * task.max_evaluations,
-                    alternatives=ALTERNATIVES_FACTOR * task.alternatives)
-
-    def _candidates_of(self, found: SearchResult) -> list[SequenceCandidate]:
+            return []
         query = self._query
         self._evaluations += found.evaluations
         return [SequenceCandidate.of(
@@ -313,22 +266,17 @@ class SequencePlanner:
 
     def _failure(self) -> PlanningFailed:
         reason = str(self._reports[0]) if self._reports else self._infeasible[0]
-        # In a map: does the goal lack a sequence, or only one that is free?
-        if self._clearance is not None and (
-                self._single_pushes() or any(self._sequence_batches(math.inf, None))):
-            return PlanningFailed(
-                PlanFailure.BLOCKED, 'the goal is reached only outside the map or through its '
-                f'obstacles: {reason}', self._report().as_values())
         return PlanningFailed(PlanFailure.NO_SEQUENCE, 'no push sequence to the goal was found: '
                               f'{reason}', self._report().as_values())
 
 
 def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
               goal: Pose, settings: PlannerSettings | None = None, *,
-              drive: DriveSettings | None = None, task: TaskSettings | None = None,
-              occupancy_map: OccupancyMap | None = None) -> TaskPlan:
+              drive: DriveSettings | None = None, task: TaskSettings | None = None) -> TaskPlan:
     """
-    Plan the fastest sequence of pushes to a goal, the paths of the robot included.
+    Plan the fastest sequence of steered pushes to a goal, the paths of the robot included.
+
+    On open floor; in maps see ``push_planner.map_search``.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
@@ -338,7 +286,6 @@ def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pos
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param drive: ``DriveSettings``, or None for the defaults.
     :param task: ``TaskSettings``, or None for the defaults.
-    :param occupancy_map: ``OccupancyMap`` that robot and object keep to; None for open floor.
     :return: ``TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
@@ -354,16 +301,16 @@ def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pos
     check_not_at_goal(object_pose, goal, settings)
     return SequencePlanner(TaskQuery(
         obj, robot, object_pose, robot_pose, goal, settings, drive or DriveSettings(),
-        task or TaskSettings(), occupancy_map)).plan()
+        task or TaskSettings())).plan()
 
 
 def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
                      drive: DriveSettings, task: TaskSettings | None = None,
                      occupancy_map: OccupancyMap | None = None) -> TaskPlan:
     """
-    Plan what a supervisor requests, by the method of the settings.
+    Plan what a supervisor requests, on open floor by the method of the settings.
 
-    Where no unsteered push is possible, a sequence is sought. Sequences keep to a reduced
+    Where no unsteered push is possible there, a sequence is sought. Sequences keep to a reduced
     friction cone after failed attempts.
 
     :param request: ``PlanRequest``.
@@ -375,19 +322,18 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     :return: ``TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
+    if occupancy_map is not None:
+        found = plan_push_in_map(request, robot, settings, drive, occupancy_map)
+        return _as_task_plan(found.first, found.later_poses, found.expansions)
     if (task or TaskSettings()).method == 'primitives':
         try:
-            if occupancy_map is None:
-                return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
-            found = plan_push_in_map(request, robot, settings, drive, occupancy_map)
-            return _as_task_plan(found.first, found.later_poses, found.expansions)
+            return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
         except PlanningFailed as failure:
             # An object whose faces are too short for unsteered pushes may have steered ones.
             if failure.code is not PlanFailure.NO_FEASIBLE_SITE:
                 raise
     plan = functools.partial(plan_task, request.obj, robot, request.object_pose,
-                             request.robot_pose, request.goal, drive=drive, task=task,
-                             occupancy_map=occupancy_map)
+                             request.robot_pose, request.goal, drive=drive, task=task)
     if request.cone_fraction < 1.0:
         longest = CAUTIOUS_LENGTH + CAUTIOUS_LENGTH_RATIO * distance(request.object_pose,
                                                                      request.goal)

@@ -3,7 +3,7 @@ Search for the fastest push sequences of two moves and more.
 
 For every number of moves: sequences of primitives in the order of a lower bound of their time,
 with rotations on a grid (``SequenceSearch.grid_search``), and then the best of them refined by a
-pattern search over rotations, and in a map over straight lengths too (``SequenceSearch.refine``).
+pattern search over rotations (``SequenceSearch.refine``).
 Arrays have the axes (m sequences, n moves).
 """
 
@@ -24,40 +24,31 @@ from push_planner.settings import TaskSettings
 
 # Sequences evaluated at once, chosen: arrays of a few hundred kB, which stay in the cache.
 CHUNK_SIZE = 8000
-# Sequences of each number of moves that are refined, on open floor and in a map, chosen: in a map
-# many of them turn out not to be free.
+# Sequences of each number of moves that are refined, chosen.
 REFINED = 24
-REFINED_IN_MAP = 32
-# Steps of the pattern search on open floor, chosen: the last changes a rotation by 1/2048 of a
-# grid step. In a map, where the step is halved only after a failure, twice as many.
+# Steps of the pattern search, chosen: the last changes a rotation by 1/2048 of a grid step.
 REFINEMENT_STEPS = 11
 # Gain of time that counts as one [s]: above rounding errors.
 MIN_GAIN = 1e-9
-
-# Takes numbers of the primitives (m, n), ``SequenceMotions``, and whether to look finely; returns
-# penalties, shape (m,) [s].
-ClearancePenalty = Callable[[IntArray, SequenceMotions, bool], FloatArray]
 
 
 class PatternSearch:
     """
     Pattern search: minimizes k functions of d variables at once, without derivatives.
 
-    Each step tries all directions from each point and goes to the best one if it is better.
+    Each step tries all directions from each point, goes to the best one if it is better, and is
+    half as long as the one before.
 
     :param evaluate: function of points, shape (k, p, d), to values, shape (k, p).
     :param directions: that are tried, shape (p, d); one of them may be 0.
     :param upper: greatest values of the variables, shape (k, d); the least are 0.
-    :param halve_always: whether the step is halved every time, else only where no direction was
-        better.
     """
 
     def __init__(self, evaluate: Callable[[FloatArray], FloatArray], directions: FloatArray,
-                 upper: FloatArray, halve_always: bool) -> None:
+                 upper: FloatArray) -> None:
         self._evaluate = evaluate
         self._directions = directions
         self._upper = upper
-        self._halve_always = halve_always
 
     def minimize(self, start: FloatArray, first_step: float, steps: int) -> FloatArray:
         """
@@ -71,7 +62,7 @@ class PatternSearch:
         points = start.copy()
         rows = np.arange(len(points))
         values = self._evaluate(points[:, None, :])[:, 0]
-        step = np.full((len(points), 1, 1), first_step)
+        step = first_step
         for _ in range(steps):
             trials = np.clip(points[:, None, :] + step * self._directions, 0.0,
                              self._upper[:, None, :])
@@ -80,7 +71,7 @@ class PatternSearch:
             better = found[rows, best] < values - MIN_GAIN
             points[better] = trials[rows, best][better]
             values = np.where(better, found[rows, best], values)
-            step[np.logical_not(better) | self._halve_always] *= 0.5
+            step *= 0.5
         return points
 
 
@@ -119,17 +110,15 @@ class SequenceSearch:
     :param goal: ``Pose`` in the frame of the object before the first push.
     :param task: ``TaskSettings``.
     :param count: number of moves.
-    :param penalty: ``ClearancePenalty`` in a map; None on open floor.
     """
 
     def __init__(self, table: PrimitiveTable, costs: SequenceCosts, goal: Pose, task: TaskSettings,
-                 count: int, penalty: ClearancePenalty | None) -> None:
+                 count: int) -> None:
         self._table = table
         self._costs = costs
         self._goal = goal
         self._task = task
         self._count = count
-        self._penalty = penalty
         self._best: list[_GridPoint] = []
 
     def grid_search(self, limit: float) -> GridResult:
@@ -150,7 +139,7 @@ class SequenceSearch:
                 break
             rotations = self._rotation_grid(chunk)
             moves = np.repeat(chunk, grid_size, axis=0)
-            times = self._evaluate_grid(moves, rotations.reshape(len(moves), -1))
+            _, times = self._evaluate(moves, rotations.reshape(len(moves), -1))
             times = times.reshape(len(chunk), -1)
             evaluations += len(moves)
             rows = np.arange(len(chunk))
@@ -163,49 +152,34 @@ class SequenceSearch:
 
     def refine(self) -> list[PushSequence]:
         """
-        Refine the rotations of the best sequences, and in a map their straights, all at once.
+        Refine the rotations of the best sequences, all at once.
 
         :return: list of ``PushSequence``.
         """
         if not self._best:
             return []
-        in_map = self._penalty is not None
-        best = sorted(self._best)[:REFINED_IN_MAP if in_map else REFINED]
+        best = sorted(self._best)[:REFINED]
         moves = np.array([point.moves for point in best])
         sides = self._table.sides[moves[:, :-1]]
         max_rotations = self._table.max_rotations[moves[:, :-1]]
 
-        # Variables: n - 1 unsigned rotations, and n straight lengths beyond the least ones.
+        # Variables: n - 1 unsigned rotations.
         def motions_at(points: FloatArray) -> tuple[SequenceMotions, FloatArray]:
             per_sequence = points.shape[1]
-            rotations = sides[:, None, :] * points[..., :self._count - 1]
-            extra = points[..., self._count - 1:]
+            rotations = sides[:, None, :] * points
             return self._evaluate(np.repeat(moves, per_sequence, axis=0),
-                                  rotations.reshape(len(moves) * per_sequence, -1),
-                                  extra.reshape(len(moves) * per_sequence, -1))
+                                  rotations.reshape(len(moves) * per_sequence, -1))
 
         def evaluate(points: FloatArray) -> FloatArray:
             return motions_at(points)[1].reshape(points.shape[:2])
 
-        start = np.hstack([np.abs([point.rotations for point in best]), np.zeros(moves.shape)])
-        upper = np.hstack([max_rotations, np.full(moves.shape, np.inf)])
-        search = PatternSearch(evaluate, self._directions(), upper, halve_always=not in_map)
-        found = search.minimize(
-            start, 0.5 * max_rotations.max() / (self._task.rotation_steps - 1),
-            2 * REFINEMENT_STEPS if in_map else REFINEMENT_STEPS)
+        start = np.abs([point.rotations for point in best])
+        directions = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self._count - 1)))
+        found = PatternSearch(evaluate, directions, max_rotations).minimize(
+            start, 0.5 * max_rotations.max() / (self._task.rotation_steps - 1), REFINEMENT_STEPS)
         motions, times = motions_at(found[:, None, :])
         return [_push_sequence(moves[row], motions, row, float(times[row]))
                 for row in range(len(moves)) if times[row] < np.inf]
-
-    def _directions(self) -> FloatArray:
-        """List the directions of the pattern search, shape (p, 2 n - 1)."""
-        n = self._count
-        rotations = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=n - 1)))
-        directions = np.hstack([rotations, np.zeros((len(rotations), n))])
-        if self._penalty is None:
-            return directions
-        straights = np.hstack([np.zeros((n, n - 1)), np.eye(n)])
-        return np.vstack([directions, straights, -straights])
 
     def _promising_sequences(self, limit: float) -> tuple[IntArray, FloatArray]:
         """List the sequences of primitives with a lower bound of their time, lowest first."""
@@ -244,23 +218,15 @@ class SequenceSearch:
         largest = self._table.sides[moves[:, :-1]] * self._table.max_rotations[moves[:, :-1]]
         return largest[:, None, :] * fractions
 
-    def _evaluate_grid(self, moves: IntArray, rotations: FloatArray) -> FloatArray:
-        """Return times with the least straights, shape (m,); in a map the look is coarse."""
-        motions = self._motions(moves, rotations, self._min_straights(moves))
-        return self._times(moves, motions, fine=False)
-
-    def _evaluate(self, moves: IntArray, rotations: FloatArray,
-                  extra: FloatArray) -> tuple[SequenceMotions, FloatArray]:
-        """Return motions with straights beyond the least ones, and times; the look is fine."""
-        motions = self._motions(moves, rotations, self._min_straights(moves) + extra)
-        return motions, self._times(moves, motions, fine=True)
-
-    def _motions(self, moves: IntArray, rotations: FloatArray,
-                 min_after: FloatArray) -> SequenceMotions:
+    def _evaluate(self, moves: IntArray,
+                  rotations: FloatArray) -> tuple[SequenceMotions, FloatArray]:
+        """Return motions with the least straights, and times, shape (m,)."""
         complete = complete_rotations(self._table, moves, rotations, self._goal.theta)
-        return solve_straights(self._table, moves, complete, self._goal, min_after)
+        motions = solve_straights(self._table, moves, complete, self._goal,
+                                  self._min_straights(moves))
+        return motions, self._times(moves, motions)
 
-    def _times(self, moves: IntArray, motions: SequenceMotions, fine: bool) -> FloatArray:
+    def _times(self, moves: IntArray, motions: SequenceMotions) -> FloatArray:
         """Return times with the expected corrections, shape (m,); infinite where infeasible."""
         costs = self._costs
         times = costs.besides_pushing(moves) + motions.path_lengths.sum(axis=1) / costs.speed
@@ -270,10 +236,7 @@ class SequenceSearch:
                                        on_face)
         feasible = (longest_pushes(locations, motions.path_lengths) <= costs.max_path_length) & (
             np.isfinite(times))
-        times = np.where(feasible, times + self._task.correction_time * probability, np.inf)
-        if self._penalty is not None:
-            times = times + self._penalty(moves, motions, fine)
-        return times
+        return np.where(feasible, times + self._task.correction_time * probability, np.inf)
 
 
 class SearchResult(NamedTuple):
@@ -289,7 +252,7 @@ class SearchResult(NamedTuple):
 
 
 def search_sequences(table: PrimitiveTable, costs: SequenceCosts, goal: Pose, task: TaskSettings,
-                     limit: float, penalty: ClearancePenalty | None = None) -> SearchResult:
+                     limit: float) -> SearchResult:
     """
     Find the fastest sequences of two moves and more.
 
@@ -298,13 +261,12 @@ def search_sequences(table: PrimitiveTable, costs: SequenceCosts, goal: Pose, ta
     :param goal: ``Pose`` in the frame of the object before the first push.
     :param task: ``TaskSettings``.
     :param limit: time above which a sequence is of no use [s].
-    :param penalty: ``ClearancePenalty`` in a map; None on open floor.
     :return: ``SearchResult``.
     """
     found: list[PushSequence] = []
     evaluations = 0
     for count in range(2, task.max_pushes + 1):
-        search = SequenceSearch(table, costs, goal, task, count, penalty)
+        search = SequenceSearch(table, costs, goal, task, count)
         limit, number = search.grid_search(limit)
         evaluations += number
         found += search.refine()

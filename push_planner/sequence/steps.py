@@ -10,7 +10,6 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact
 from push_model.trajectory import PushTrajectory
 from push_planner.collocation.speed_profile import push_time
-from push_planner.initial_guess.dubins_routes import Route, route_along
 from push_planner.problem import PushProblem
 from push_planner.sequence.primitives import PrimitiveTable, PushPrimitive
 from push_planner.settings import PlannerSettings
@@ -100,15 +99,6 @@ class SequenceStep(NamedTuple):
     problem: PushProblem
     push: PlannedPush
     segments: tuple[FlatSegment, ...]
-
-    def route(self, max_deviation: float) -> Route:
-        """
-        Make a route of the segments.
-
-        :param max_deviation: how far from it along either axis a plan may be [m].
-        :return: ``Route``.
-        """
-        return route_along(self.problem, self.segments, max_deviation)
 
     @property
     def rotation(self) -> float:

@@ -7,14 +7,13 @@ until it reaches the goal exactly. Where none does, the relaxed program tells wh
 way.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 import dataclasses
 import math
 from typing import NamedTuple, Optional
 
 import numpy as np
 from push_model.plan_request import PlanFailure
-from push_model.trajectory import PushTrajectory
 from push_planner.collocation.formulation import (
     formulate, Formulation, InitialRoute, rotation_range,
 )
@@ -41,34 +40,6 @@ NEARLY_SHORTEST = 1.1
 SAME_ROTATION = 1.0
 # Steps back of a rollout that are rounding [m].
 ROUNDING = 1e-9
-
-
-def accept_any(trajectory: PushTrajectory) -> str:
-    """
-    Accept every plan.
-
-    :param trajectory: ``PushTrajectory``; not looked at.
-    :return: an empty text.
-    """
-    return ''
-
-
-class PlanRequirements(NamedTuple):
-    """
-    Further requirements on a plan.
-
-    :param route: ``Route`` that is tried before all others; None for none.
-    :param violation: function of a ``PushTrajectory`` that describes what is wrong with it; empty
-        where nothing is.
-    :param max_solves: number of programs that are solved at most.
-    """
-
-    route: Optional[Route] = None
-    violation: Callable[[PushTrajectory], str] = accept_any
-    max_solves: float = math.inf
-
-
-NO_REQUIREMENTS = PlanRequirements()
 
 
 class Attempt(NamedTuple):
@@ -152,17 +123,17 @@ class _Solved(NamedTuple):
 
 
 def plan_push(problem: PushProblem, previous: Optional[Plan] = None,
-              requirements: PlanRequirements = NO_REQUIREMENTS) -> Plan:
+              max_solves: float = math.inf) -> Plan:
     """
     Find the fastest push to the goal that keeps to the planning cone.
 
     :param problem: the ``PushProblem``.
     :param previous: ``Plan`` for much the same push, to start from; None for none.
-    :param requirements: ``PlanRequirements``.
+    :param max_solves: number of programs that are solved at most.
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
     check_feasibility(problem)
-    return _Planner(problem, requirements).plan(previous)
+    return _Planner(problem, max_solves).plan(previous)
 
 
 def steering_limits(problem: PushProblem) -> TurnPair:
@@ -247,18 +218,12 @@ def acceptance_error(plan: Plan) -> str:
 class _Planner:
     """Attempts at one problem."""
 
-    def __init__(self, problem: PushProblem, requirements: PlanRequirements) -> None:
+    def __init__(self, problem: PushProblem, max_solves: float) -> None:
         self._problem = problem
-        self._requirements = requirements
-        self._log = AttemptLog(requirements.max_solves)
+        self._log = AttemptLog(max_solves)
 
     def plan(self, previous: Optional[Plan]) -> Plan:
-        """Try the required route, the previous plan, all routes, and then the relaxed program."""
-        required = self._requirements.route
-        if required is not None:
-            found = self._finish(self._solve(required))
-            if found is not None:
-                return found
+        """Try the previous plan, all routes, and then the relaxed program."""
         ranked = promising_routes(self._problem)
         if previous is not None:
             found = self._follow(previous, ranked[0].path_length)
@@ -336,7 +301,7 @@ class _Planner:
         refined = refine(self._problem, solved.formulation, solved.solution)
         if refined is not None and _is_sound(refined.rollout):
             plan = self._assemble(solved, refined)
-            violation = acceptance_error(plan) or self._requirements.violation(plan.trajectory)
+            violation = acceptance_error(plan)
         self._log.attempts.append(Attempt(
             solved.route.name, solved.route.path_length, violation or 'solved',
             PlanFailure.NOT_ACCEPTED if violation else None, solved.relaxed))

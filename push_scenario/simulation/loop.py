@@ -97,8 +97,8 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
 def _planning_time(scenario: Scenario, planning_time: float | None) -> float:
     if planning_time is not None or scenario.task is None:
         return planning_time or 0.0
-    is_mapped = scenario.task.occupancy_map is not None
-    return PLANNING_TIMES['sequences' if is_mapped else scenario.task.planning.method]
+    in_map = scenario.task.occupancy_map is not None
+    return PLANNING_TIMES['primitives' if in_map else scenario.task.planning.method]
 
 
 def make_safety_layer(scenario: Scenario) -> SafetyLayer:

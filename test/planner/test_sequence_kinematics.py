@@ -10,7 +10,7 @@ from helpers.push_sequences import (
 import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
 from push_planner.sequence.kinematics import (
-    Displacements, last_push, longest_pushes, object_poses_along, solve_straights,
+    Displacements, last_push, longest_pushes, solve_straights,
 )
 from push_planner.sequence.steps import build_steps
 import pytest
@@ -41,7 +41,6 @@ def test_a_sequence_ends_at_the_goal(obj, robot, count):
     table, goal, rng = table_of(obj, robot), GOALS[1], np.random.default_rng(count)
     moves, least, motions = random_motions(table, random_moves(table, count, rng), goal, rng)
     assert np.all(motions.straight_before >= 0.0) and np.all(motions.straight_after >= least)
-    poses = object_poses_along(table, moves, motions, 1).reshape(len(moves), 3 * count, 3)
     for row in range(20):
         steps = build_steps(sequence_of(moves, motions, row), table, HOME, goal, SETTINGS)
         assert sum(step.push.path_length for step in steps) == pytest.approx(
@@ -51,23 +50,6 @@ def test_a_sequence_ends_at_the_goal(obj, robot, count):
             end = step.object_poses(0.1)[-1]
             assert distance(end, expected) < 1e-9
             assert abs(wrap_angle(end.theta - expected.theta)) < 1e-9
-            assert np.hypot(*(poses[row, :, :2] - expected[:2]).T).min() < 1e-9
-
-
-def test_no_sequences_have_no_poses():
-    table, rng = table_of(box(), DIFFERENTIAL), np.random.default_rng(2)
-    moves, _, motions = random_motions(table, random_moves(table, 2, rng), GOALS[1], rng)
-    none = np.zeros(len(moves), bool)
-    assert object_poses_along(table, moves[none], motions.select(none), 4).shape == (0, 2, 12, 3)
-
-
-def test_samples_lie_on_the_path_between_the_ends():
-    """Finer samples include the coarser ones."""
-    table, rng = table_of(box(), DIFFERENTIAL), np.random.default_rng(4)
-    moves, _, motions = random_motions(table, random_moves(table, 3, rng), GOALS[3], rng)
-    coarse, fine = (object_poses_along(table, moves, motions, count).reshape(
-        len(moves), 3, 3, count, 3) for count in (2, 6))
-    assert fine[..., [2, 5], :] == pytest.approx(coarse, abs=1e-12)
 
 
 def test_the_straights_are_the_shortest():
