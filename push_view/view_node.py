@@ -9,6 +9,7 @@ from typing import Any
 
 from push_control.push.status import Phase
 from push_control.task.status import TaskState
+from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.quantity import check, quantity
 from push_ros.conversions.map import from_map_message
@@ -20,6 +21,7 @@ from push_ros.executor import BAD_PARAMETER, run
 from push_ros.node import PushNode
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER
+from push_ros.transforms.world import Handlers, WorldFrame
 from push_view.live.robot_record import RobotRecord
 from push_view.messages import controls_message
 from push_view.ros.relay import CommandRelay
@@ -46,6 +48,9 @@ class ViewOptions:
     port: int = quantity('port of the page, 0 for any that is free', '', 0, 65535, default=8643)
     object_pose_with_covariance: bool = quantity(
         'object_pose is PoseWithCovarianceStamped, else PoseStamped', default=False)
+    transform_timeout: float = quantity(
+        'time that a pose, goal or map in another frame waits for its transform', 's', 0.0, 10.0,
+        default=0.3)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -70,7 +75,9 @@ class ViewNode(PushNode):
     Subscribers
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
         effort; ``goal_pose`` (PoseStamped); ``push_plan`` (MultiDOFJointTrajectory, latched);
-        ``map`` (OccupancyGrid, latched); ``/diagnostics`` (DiagnosticArray).
+        ``map`` (OccupancyGrid, latched); ``contact_wrench`` (WrenchStamped), of the simulator;
+        ``/diagnostics`` (DiagnosticArray); once something comes in another frame, ``/tf`` and
+        ``/tf_static``, where tf2_msgs is installed.
 
     Clients, with ``--control``
         ``controller/start``, ``controller/stop``, ``controller/pause``, ``controller/resume``
@@ -81,7 +88,9 @@ class ViewNode(PushNode):
         and those of ``ViewOptions``.
 
     Frames
-        Everything must be in ``world_frame``; what is in another is not shown, and reported.
+        Odometry and plans must be in ``world_frame``. Object poses, goals and maps are brought
+        there, goals and maps again as their frame drifts. What cannot be brought there is not
+        shown, and reported.
     """
 
     def __init__(self) -> None:
@@ -91,17 +100,20 @@ class ViewNode(PushNode):
         self._log = MessageLog()
         title = f'robot {self.get_namespace()}'.rstrip(' /')
         self._record = RobotRecord(self._log, title, obj, robot)
+        self._world = WorldFrame(self, self._frames.world_frame, options.transform_timeout)
         self._relay = CommandRelay(self, self._log, self._frames.world_frame, options.control)
         self._controller = f'{self.get_namespace()}/{CONTROLLER}'.lstrip('/')
         self._log.replace(controls_message(('goal',) if options.control else (),
                                            calls=CALLS if options.control else ()))
         self._log.replace({'type': 'run', 'paused': False, 'speed': 1.0, 'achieved': None})
-        self._show('odom', self._on_odometry)
-        self._show('object_pose', self._on_object_pose,
-                   with_covariance=options.object_pose_with_covariance)
-        self._show('goal_pose', self._on_goal)
-        self._show('push_plan', self._on_plan)
-        self._show('map', self._on_map)
+        self.subscribe('odom', self._shown(self._on_odometry))
+        self.subscribe('object_pose', self._in_world('object_pose', self._on_object_pose),
+                       with_covariance=options.object_pose_with_covariance)
+        self.subscribe('goal_pose', self._in_world('goal_pose', self._on_goal,
+                                                   self._record.move_goal))
+        self.subscribe('push_plan', self._shown(self._on_plan))
+        self.subscribe('map', self._in_world('map', self._on_map, self._record.move_map))
+        self.subscribe('contact_wrench', self._on_contact_wrench)
         self.subscribe('diagnostics', self._on_diagnostics)
 
     def start(self) -> None:
@@ -123,16 +135,27 @@ class ViewNode(PushNode):
         """Shut down: called once, while publishers are still valid."""
         self._page.stop()
 
-    def _show(self, topic: str, callback: Callable[[Any], None], *,
-              with_covariance: bool = False) -> None:
-        """Subscribe to a topic; a message that is refused is reported."""
+    def _shown(self, show: Callable[[Any], None]) -> Callable[[Any], None]:
+        """Make a callback that reports a message which is refused."""
         def on_message(message: Any) -> None:
             try:
-                callback(message)
+                show(message)
             except MessageRefused as refusal:
-                self.reporter.report(WARN, str(refusal))
+                self._refuse(refusal, message)
+        return on_message
 
-        self.subscribe(topic, on_message, with_covariance=with_covariance)
+    def _in_world(self, topic: str, show: Callable[[Any], None],
+                  move: Callable[[Pose], None] | None = None) -> Callable[[Any], None]:
+        """Make one that brings the message to the world frame first; ``move`` as it drifts."""
+        return self._world.receiver(topic, Handlers(
+            self._shown(show), self._refuse, move, is_latched=topic == 'map'))
+
+    def _refuse(self, refusal: MessageRefused, _: Any) -> None:
+        self.reporter.report(WARN, str(refusal))
+
+    def _on_contact_wrench(self, message: Any) -> None:
+        force = message.wrench.force
+        self._record.on_contact_force((force.x, force.y))
 
     def _on_odometry(self, message: Any) -> None:
         self._record.on_odometry(from_odometry_message(message, self._frames.world_frame))

@@ -8,13 +8,15 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
+from push_view.live.measured_contact import MeasuredContact
 from push_view.messages import (
     goal_message, map_message, push_message, rows_message, scene_message, state_message,
 )
 from push_view.server.message_log import MessageLog
 
 COLUMNS = ('time', 'object_x', 'object_y', 'object_theta', 'robot_x', 'robot_y', 'robot_theta',
-           'robot_v_x', 'robot_v_y', 'robot_omega')
+           'robot_v_x', 'robot_v_y', 'robot_omega', 'force_n', 'force_t', 'contact_x', 'contact_y',
+           'normal', 'gap')
 # Least time between two rows [s]; chosen: what a screen needs.
 ROW_PERIOD = 0.04
 # Time by which stamps must go back for a new run [s]; chosen: more than messages are out of order.
@@ -37,6 +39,7 @@ class RobotRecord:
         self._scene = scene_message(
             title, obj, robot, COLUMNS,
             description='A robot as it is measured and as it reports itself.')
+        self._contact = MeasuredContact(obj, robot)
         self._object_pose: Pose | None = None
         self._goal: Pose | None = None
         self._map: OccupancyMap | None = None
@@ -67,7 +70,33 @@ class RobotRecord:
         unknown = (math.nan,) * 3
         self._log.add(rows_message([(
             time, *(unknown if self._object_pose is None else self._object_pose), *odometry.pose,
-            *odometry.twist)]))
+            *odometry.twist, *self._contact.values(time, self._object_pose, odometry.pose))]))
+
+    def on_contact_force(self, force: tuple[float, float]) -> None:
+        """
+        Take note of the force of the robot on the object, which the next row shows.
+
+        :param force: (f_x, f_y), axes of the object frame [N].
+        """
+        self._contact.on_force(self.time, force)
+
+    def move_goal(self, correction: Pose) -> None:
+        """
+        Move the goal with the frame that it was given in.
+
+        :param correction: ``Pose`` that takes the former goal to the new one, ``correction @ goal``.
+        """
+        if self._goal is not None:
+            self.on_goal(correction @ self._goal)
+
+    def move_map(self, correction: Pose) -> None:
+        """
+        Move the map with its frame.
+
+        :param correction: ``Pose`` that takes its former origin to the new one.
+        """
+        if self._map is not None:
+            self.on_map(self._map.moved(correction))
 
     def on_object_pose(self, measured: ObjectPose) -> None:
         """

@@ -1,16 +1,17 @@
 """The page of a robot: what its topics carry is shown, and commands reach it where allowed."""
 
-import asyncio
 import json
+import math
 import re
-import threading
 
 from helpers.extras import import_extra
 from helpers.node_bench import bench
+from helpers.page_reader import is_refused, PageReader
 from push_control.task.status import TaskState
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, Twist
+from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_scenario.definition.loader import load_scenario
 from push_view.live.robot_record import RobotRecord, ROW_PERIOD
@@ -23,47 +24,15 @@ PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
            **to_parameter_values(SCENARIO.robot, 'robot.')}
 
 
-class PageReader:
-    """
-    A page in a thread of its own.
-
-    ``received``: all messages so far.
-
-    :param url: of the page.
-    """
-
-    def __init__(self, url):
-        self.received = []
-        self._url = url
-        self._loop = asyncio.new_event_loop()
-        self._socket = None
-        threading.Thread(target=self._loop.run_until_complete, args=[self._read()],
-                         daemon=True).start()
-
-    def send(self, **command):
-        """Send a command, once connected."""
-        asyncio.run_coroutine_threadsafe(self._socket.send_json(command), self._loop).result(60)
-
-    def of_kind(self, kind):
-        """List the messages of a kind."""
-        return [message for message in self.received if message['type'] == kind]
-
-    async def _read(self):
-        aiohttp = import_extra('aiohttp', 'play')
-        async with aiohttp.ClientSession() as session:
-            async with session.ws_connect(f'{self._url}socket',
-                                          headers={'Origin': self._url[:-1]}) as self._socket:
-                async for message in self._socket:
-                    self.received += json.loads(message.data)
-
-
 @pytest.mark.dds
 @pytest.mark.slow
 @pytest.mark.parametrize('can_control', [True, False])
 def test_a_robot_is_shown_and_commanded_where_that_is_allowed(tmp_path, can_control):
     """Rows of what is measured; a goal and a stop reach the controller, or are refused."""
     import_extra('aiohttp', 'play')
-    parameters = {**PHYSICS, 'port': 0, 'control': can_control}
+    # What is read only here is served to others, who need the token.
+    parameters = {**PHYSICS, 'port': 0, 'control': can_control,
+                  'host': '' if can_control else '127.0.0.1'}
     with bench(tmp_path, 'push_view', 'push_view.view_node', parameters) as b:
         stops = []
 
@@ -77,7 +46,11 @@ def test_a_robot_is_shown_and_commanded_where_that_is_allowed(tmp_path, can_cont
             b.subscribe(topic)
         b.wait_until(lambda: b.received['diagnostics'])
         text = b.received['diagnostics'][0].status[0].message
-        page = PageReader(re.search(r'http\S+', text)[0])
+        url = re.search(r'http\S+', text)[0]
+        assert is_refused(url, Origin='http://elsewhere.example')
+        assert ('token=' in url) is (not can_control)
+        assert can_control or is_refused(url.partition('?')[0])
+        page = PageReader(url)
         number = [0]
 
         def measure():
@@ -94,6 +67,11 @@ def test_a_robot_is_shown_and_commanded_where_that_is_allowed(tmp_path, can_cont
 
         b.repeat_until(measure, row_with_object)
         assert row_with_object()[-1][1:7] == [0.5, 0.1, 0.2, -0.4, 0.0, 0.0]
+        b.publish('object_pose', to_object_pose_message(
+            ObjectPose(1e3, Pose(0.0, 0.0, 0.0)), 'nowhere'))
+        b.wait_until(lambda: any("object_pose: got frame 'nowhere'" in status.message
+                                 for message in b.received['diagnostics']
+                                 for status in message.status))
         controls = page.of_kind('controls')[-1]
         assert controls['tools'] == (['goal'] if can_control else [])
         command = {'type': 'goal', 'pose': [1.0, 0.5, 0.25]}
@@ -117,6 +95,43 @@ def test_a_robot_is_shown_and_commanded_where_that_is_allowed(tmp_path, can_cont
 def shown(log, kind):
     """List the messages of a kind in a log."""
     return [message for message in map(json.loads, log.since(0)[0]) if message['type'] == kind]
+
+
+def test_a_force_is_shown_in_the_contact_while_it_is_new():
+    """Along the normal and the tangent, whatever the heading of the object; then it is not known."""
+    log = MessageLog()
+    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    reach = max(x for x, _ in SCENARIO.object.outline)
+    heading = Pose(1.0, 0.5, math.pi / 2)
+    record.on_object_pose(ObjectPose(0.0, heading))
+    robot = heading @ Pose(-reach - SCENARIO.robot.radius - 0.01, 0.0, 0.0)
+    record.on_odometry(Odometry(0.0, robot, Twist(0.0, 0.0, 0.0)))
+    record.on_contact_force((8.0, -2.0))
+    for time in (0.1, 1.0):
+        record.on_odometry(Odometry(time, robot, Twist(0.0, 0.0, 0.0)))
+    values = [dict(zip(shown(log, 'scene')[0]['columns'], row))
+              for message in shown(log, 'rows') for row in message['rows']]
+    assert [(row['force_n'], row['force_t']) for row in values] == [
+        (None, None), (8.0, -2.0), (None, None)]
+    contact = heading.transform((-reach, 0.0))
+    assert (values[1]['contact_x'], values[1]['contact_y']) == pytest.approx(contact, abs=1e-5)
+    assert (values[1]['normal'], values[1]['gap']) == pytest.approx((math.pi / 2, 0.01), abs=1e-5)
+
+
+def test_what_was_given_in_a_frame_that_drifts_is_moved():
+    """Goal and map; before there is any nothing happens."""
+    log = MessageLog()
+    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    correction = Pose(0.1, -0.2, 0.0)
+    record.move_goal(correction)
+    record.move_map(correction)
+    assert not shown(log, 'goal') and not shown(log, 'map')
+    record.on_goal(Pose(1.0, 0.0, 0.5))
+    record.on_map(OccupancyMap(0.1, Pose(-1.0, -1.0, 0.0), [[True, False]]))
+    record.move_goal(correction)
+    record.move_map(correction)
+    assert shown(log, 'goal')[-1]['pose'] == pytest.approx([1.1, -0.2, 0.5])
+    assert shown(log, 'map')[-1]['origin'] == pytest.approx([-0.9, -1.2, 0.0])
 
 
 def test_time_begins_with_the_first_measurement_and_again_when_it_goes_back():

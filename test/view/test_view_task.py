@@ -1,0 +1,55 @@
+"""A whole task from the page of a robot: simulator, planner, controller and view over DDS."""
+
+import math
+import re
+
+from helpers.extras import import_extra
+from helpers.node_bench import bench
+from helpers.page_reader import PageReader
+from push_model.files.flat_values import to_parameter_values
+from push_scenario.dds.parameter_files import write_parameter_files
+from push_scenario.dds.replay import MODULES
+from push_scenario.definition.loader import load_scenario
+import pytest
+
+
+@pytest.mark.dds
+@pytest.mark.slow
+def test_a_goal_from_the_page_is_reached(tmp_path):
+    """The goal and the start come from it; it is shown plan, states, the force and the end."""
+    import_extra('aiohttp', 'play')
+    scenario = load_scenario('task_tap')
+    parameters = {**to_parameter_values(scenario.object, 'object.'),
+                  **to_parameter_values(scenario.robot, 'robot.'),
+                  'port': 0, 'control': True, 'use_sim_time': True}
+    files = write_parameter_files(tmp_path, scenario, scenario.control, tmp_path / 'tape.csv',
+                                  real_time=False, stamped=True)
+    with bench(tmp_path, 'push_view', 'push_view.view_node', parameters) as b:
+        b.subscribe('diagnostics')
+        for name, path in files.items():
+            b.processes.start(name, MODULES[name], path)
+
+        def texts(pattern):
+            return [found for message in b.received['diagnostics'] for status in message.status
+                    if (found := re.search(pattern, status.message))]
+
+        b.wait_until(lambda: texts(r'http\S+'))
+        page = PageReader(texts(r'http\S+')[0][0])
+        goal = list(scenario.goal.pose)
+        b.wait_until(lambda: page.of_kind('scene'))
+        b.repeat_until(lambda: page.send(type='goal', pose=goal), lambda: page.of_kind('goal'),
+                       period=1.0)
+        b.repeat_until(lambda: page.send(type='call', name='start'),
+                       lambda: any(message['text'] for message in page.of_kind('notice')),
+                       period=1.0)
+        b.call('sim/start')
+        b.wait_until(lambda: any(message['state'] in ('done', 'failed')
+                                 for message in page.of_kind('state')))
+        states = [message['state'] for message in page.of_kind('state')]
+        assert states[-1] == 'done' and 'push' in states and page.of_kind('plan')
+        columns = page.of_kind('scene')[-1]['columns']
+        rows = [dict(zip(columns, row)) for message in page.of_kind('rows')
+                for row in message['rows']]
+        assert any(row['force_n'] and row['force_n'] > 1.0 for row in rows)
+        end = rows[-1]
+        assert math.hypot(end['object_x'] - goal[0], end['object_y'] - goal[1]) < 0.02
