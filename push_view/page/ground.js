@@ -72,7 +72,7 @@ class Ground extends Pen {
       const y = camera.toScreen([0, i * step])[1];
       c.moveTo(0, y);
       c.lineTo(camera.width, y);
-      if (y < camera.height - 16) c.fillText((i * step).toFixed(digits) + (i ? '' : ' m'), 4, y - 3);
+      if (y > 14 && y < camera.height - 16) c.fillText((i * step).toFixed(digits) + (i ? '' : ' m'), 4, y - 3);
     }
     c.stroke();
   }
