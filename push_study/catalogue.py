@@ -23,6 +23,7 @@ from push_study.chapter4 import disturbances, goals, random_friction
 from push_study.framework.study import Study
 from push_study.primitives import (
     contact_friction, expected_time, place_and_tilt, reachable_poses, selected_push, steered_push,
+    unknown_loads,
 )
 
 MODULES = (
@@ -39,7 +40,7 @@ MODULES = (
     goals, random_friction, disturbances,
     # Single unsteered pushes
     place_and_tilt, reachable_poses, expected_time, selected_push, steered_push,
-    contact_friction,
+    contact_friction, unknown_loads,
 )
 CHAPTERS = ('chapter2', 'chapter3', 'chapter4', 'appendix', 'beyond', 'primitives')
 
