@@ -19,7 +19,7 @@ import enum
 import math
 from pathlib import Path
 import re
-from typing import Any, cast, NamedTuple
+from typing import Any, cast, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,7 +133,7 @@ def read_map(path: str | Path) -> GridMap:
     return GridMap(resolution, origin, np.ascontiguousarray(cells[::-1].astype(np.int8)))
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     return (isinstance(value, (int, float)) and not isinstance(value, bool)
             and math.isfinite(value))
 

@@ -15,7 +15,7 @@ import sys
 from benchmarks.controller.tables import Job, Record
 from benchmarks.task_page import write_page
 from benchmarks.tasks.cases import (
-    IN_MAPS, jobs, KINDS, METHODS, OPEN, PARTS, STRICT,
+    FLATS, IN_MAPS, jobs, KINDS, METHODS, OPEN, PARTS, STRICT,
 )
 from benchmarks.tasks.picture import picture
 from benchmarks.tasks.reference import refer
@@ -29,10 +29,10 @@ from tqdm import tqdm
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 # Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
 # tolerances.
-COUNTS = {OPEN: 1000, STRICT: 400}
+COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100}
 OTHER_COUNT = 200
 # With ``--quick``: on open floor one of each kind; few in maps, where planning takes long.
-QUICK_COUNTS = {OPEN: 7, IN_MAPS: 2}
+QUICK_COUNTS = {OPEN: 7, IN_MAPS: 2, FLATS: 2}
 OTHER_QUICK_COUNT = 4
 # Exit status after Ctrl-C: 128 + SIGINT, the convention of shells.
 INTERRUPTED = 130

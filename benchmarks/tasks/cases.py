@@ -13,7 +13,9 @@ from typing import Any, Callable, get_args, NamedTuple, Optional, Sequence
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
 from benchmarks.tasks.intervention import Intervention, INTERVENTIONS
-from benchmarks.tasks.maps import draw_floor, Floor, MAPS, places, reach
+from benchmarks.tasks.maps import (
+    draw_floor, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
+)
 import numpy as np
 from push_model.contact import find_contact
 from push_model.files import data
@@ -37,14 +39,15 @@ WHEELS = 'wheels'
 TAG = 'tag'
 STRICT = 'strict'
 INFORMED = 'informed'
+FLATS = 'flats'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
-         INFORMED)
+         INFORMED, FLATS)
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be rotated between the walls; a differential drive cannot hold
 # its contact on a round side.
-FITTING = {IN_MAPS: ('box_04', 'carton', 'bin')}
+FITTING = {part: ('box_04', 'carton', 'bin') for part in (IN_MAPS, FLATS)}
 KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part in PARTS}
@@ -52,6 +55,8 @@ KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) f
 # [m]; chosen: the size of a room.
 NEAREST = 0.05
 FARTHEST = 3.0
+# In a flat the goal is at least so far [m]; chosen: mostly in another room.
+FAR_IN_FLAT = 3.0
 ROBOT_WITHIN = 2.0
 # Least distance of the robot from the object, and of both from obstacles, at the start [m];
 # chosen, and apart from the settings, so that tasks stay the same.
@@ -168,7 +173,7 @@ def draw(part: str, kind: str, seed: int) -> Case:
     :param seed: of all draws.
     :return: ``Case``.
     """
-    if part in (OPEN, IN_MAPS, DISTURBED):
+    if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
         return _draw(part, kind, seed)
     rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
     if part == STRICT:
@@ -190,8 +195,8 @@ def _draw(part: str, kind: str, seed: int) -> Case:
     speed = rng.uniform(0.1, 0.25)
     dropouts: tuple[tuple[float, float], ...] = ()
     floor, variety, intervention = None, '', None
-    if part == IN_MAPS:
-        variety = MAPS[seed % len(MAPS)]
+    if part in FITTING:
+        variety = MAPS[seed % len(MAPS)] if part == IN_MAPS else FLAT
         floor, start, goal = _in_map(variety, true, robot, rng)
     else:
         start, goal = Pose(0.0, 0.0, 0.0), _goal(rng)
@@ -221,12 +226,13 @@ def _goal(rng: np.random.Generator) -> Pose:
 def _in_map(name: str, obj: PushedObject, robot: RoundRobot,
             rng: np.random.Generator) -> tuple[Floor, Pose, Pose]:
     """Place object and goal where the robot can drive all round, with a path between them."""
-    aside = reach(obj) + CLEARANCE
-    around = aside + 2.0 * robot.radius + CLEARANCE
+    aside = (inner_reach(obj) if name == FLAT else reach(obj)) + CLEARANCE
+    around = reach(obj) + CLEARANCE + 2.0 * robot.radius + CLEARANCE
     while True:
         floor = draw_floor(name, rng)
-        region, points = places(floor, aside)
-        wide = np.flatnonzero(places(floor, around)[0] * region)
+        find = places_in_flat if name == FLAT else places
+        region, points = find(floor, aside)
+        wide = np.flatnonzero(find(floor, around)[0] * region)
         if not wide.size:
             continue
         first, last = rng.choice(wide, 2)
@@ -238,6 +244,8 @@ def _in_map(name: str, obj: PushedObject, robot: RoundRobot,
 
 def _is_valid_goal(name: str, floor: Floor, start: Pose, goal: Pose) -> bool:
     """Tell whether the goal is in the other of two rooms, or far enough in the only one."""
+    if name == FLAT:
+        return distance(start, goal) > FAR_IN_FLAT
     if name == 'cluttered room':
         return NEAREST < distance(start, goal) < FARTHEST
     middle = 0.5 * floor.map.resolution * floor.size[0]

@@ -1,5 +1,5 @@
 """
-Random maps: two rooms joined by a door or by a corridor, and one cluttered room.
+Random maps: two rooms joined by a door or a corridor, one cluttered room, and flats.
 
 Walls and obstacles are rectangles of whole cells, so that collisions are found with the exact
 geometry that the map represents, and not only with its cells.
@@ -19,6 +19,8 @@ from scipy.ndimage import label
 RESOLUTION = 0.05
 # The texts stand in records, and their order enters the draws: append only.
 MAPS = ('door', 'corridor', 'cluttered room')
+# Three rooms at a hallway, with furniture; a part of its own.
+FLAT = 'flat'
 # Lengths in cells, chosen for floors as in homes: thickness of walls, range of the widths of
 # doors (0.9 to 1.2 m), (width, length) of the corridor, side of the square cluttered room, and
 # size of the floor of two rooms without what joins them: columns of one room, rows.
@@ -28,6 +30,13 @@ CORRIDOR = 20, 40
 CLUTTERED_ROOM = 120
 ROOM_COLUMNS = 60
 ROOM_ROWS = 64
+# Of a flat: its side, range of the width of the hallway (1.1 to 1.4 m), of its doors (0.8 to 1 m),
+# of the number of pieces of furniture in a room and of their sides.
+FLAT_SIDE = 200
+HALLWAY = 22, 28
+FLAT_DOORS = 16, 20
+FURNITURE = 1, 3
+FURNITURE_SIDES = 8, 24
 # Ranges of the number of obstacles in the cluttered room, and of their sides in cells.
 CLUTTER = 6, 9
 OBSTACLE_SIDES = 6, 14
@@ -66,10 +75,12 @@ def draw_floor(name: str, rng: np.random.Generator) -> Floor:
     """
     Draw a floor.
 
-    :param name: one of ``MAPS``.
+    :param name: one of ``MAPS``, or ``FLAT``.
     :param rng: ``numpy.random.Generator``.
     :return: ``Floor``.
     """
+    if name == FLAT:
+        return _draw_flat(rng)
     if name == 'cluttered room':
         size = CLUTTERED_ROOM, CLUTTERED_ROOM
         count = rng.integers(*CLUTTER, endpoint=True)
@@ -88,6 +99,29 @@ def draw_floor(name: str, rng: np.random.Generator) -> Floor:
     return Floor(size, np.vstack([_walls(*size), sides]))
 
 
+def _draw_flat(rng: np.random.Generator) -> Floor:
+    """Draw a hallway across a square, two rooms on one side of it and one on the other."""
+    side, third = FLAT_SIDE, FLAT_SIDE // 3
+    width = int(rng.integers(*HALLWAY, endpoint=True))
+    low = int(rng.integers(third, side - third - width, endpoint=True))
+    split = int(rng.integers(third, side - third, endpoint=True))
+    high = low + width
+    blocks = [(split, high, split + WALL, side)]
+    rooms = [((WALL, high + WALL), (split, side - WALL)),
+             ((split + WALL, high + WALL), (side - WALL, side - WALL)),
+             ((WALL, WALL), (side - WALL, low - WALL))]
+    for ((first, _), (last, _)), wall in zip(rooms, (high, high, low - WALL)):
+        door = int(rng.integers(*FLAT_DOORS, endpoint=True))
+        begin = int(rng.integers(first + WALL, last - WALL - door, endpoint=True))
+        blocks += [(first, wall, begin, wall + WALL), (begin + door, wall, last, wall + WALL)]
+    for first, last in rooms:
+        for _ in range(rng.integers(*FURNITURE, endpoint=True)):
+            size = rng.integers(*FURNITURE_SIDES, 2, endpoint=True)
+            corner = rng.integers(first, np.array(last) - size, endpoint=True)
+            blocks.append((*corner.tolist(), *(corner + size).tolist()))
+    return Floor((side, side), np.vstack([_walls(side, side), np.array(blocks)]))
+
+
 def places(floor: Floor, radius: float) -> tuple[IntArray, FloatArray]:
     """
     Find where a disc fits, and the connected regions that it can move in.
@@ -104,6 +138,22 @@ def places(floor: Floor, radius: float) -> tuple[IntArray, FloatArray]:
     regions = np.empty((rows, columns), dtype=np.int_)
     label(free.reshape(rows, columns), output=regions)
     return regions.ravel(), points
+
+
+def places_in_flat(floor: Floor, radius: float) -> tuple[IntArray, FloatArray]:
+    """
+    Find the same from the cells, which is faster where there are many rectangles.
+
+    :param floor: ``Floor``.
+    :param radius: of the disc [m].
+    :return: as of ``places``.
+    """
+    columns, rows = floor.size
+    x, y = np.meshgrid(*(RESOLUTION * (np.arange(count) + 0.5) for count in (columns, rows)))
+    free = floor.map.occupancy_map.distances[1:-1, 1:-1] > radius
+    regions = np.empty((rows, columns), dtype=np.int_)
+    label(free, output=regions)
+    return regions.ravel(), np.column_stack([x.ravel(), y.ravel()])
 
 
 def to_rectangles(points: FloatArray, rectangles: FloatArray) -> FloatArray:
@@ -167,6 +217,20 @@ def reach(obj: PushedObject) -> float:
     :param obj: the ``PushedObject``.
     """
     return max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
+
+
+def inner_reach(obj: PushedObject) -> float:
+    """
+    Return the radius of the greatest disc about the object frame that the object contains [m].
+
+    :param obj: the ``PushedObject``.
+    """
+    if not obj.outline:
+        return obj.radius
+    first = np.array(obj.outline)
+    edges = np.roll(first, -1, axis=0) - first
+    return float((np.abs(first[:, 0] * edges[:, 1] - first[:, 1] * edges[:, 0])
+                  / np.hypot(*edges.T)).min())
 
 
 def _walls(columns: int, rows: int) -> IntArray:

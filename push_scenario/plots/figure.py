@@ -3,7 +3,8 @@ Figure of runs of a scenario, one column per run.
 
 From top to bottom: the scene with the paths of object and robot, each push in its own colour; the
 errors of the object's pose over time; how the robot pushes and where the contact force points in
-the friction cone; and, once for all, the friction on which nominal and true object differ.
+the friction cone; in a map, how far object and robot keep from obstacles; and, once for all, the
+friction on which nominal and true object differ.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,6 +19,7 @@ from matplotlib.lines import Line2D
 import numpy as np
 from numpy.typing import NDArray
 from push_model.friction import friction_center
+from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import force_angle
 from push_scenario.evaluation.report import TITLES
@@ -41,6 +43,10 @@ VIEW_MARGIN = 0.12  # free rim around everything that moves [m]
 MIN_POSITION_ERROR, MIN_HEADING_ERROR = 0.5, 1e-3
 CONE_STYLE: dict[str, Any] = {'color': '#5F8A5F', 'linestyle': (0, (5, 2, 1, 2)),
                               'linewidth': 1.2}
+# Resolution of the picture of a floor, and height of its scene over that of its strip.
+FLOOR_DPI, FLOOR_SHARE = 80, 4.5
+# Clearances that are shown at most [mm], and their samples.
+MAX_CLEARANCE, CLEARANCE_SAMPLES = 600.0, 800
 # Poses of object and robot that are drawn in a push: the start, some on the way, the end.
 MOMENTS = 4
 
@@ -56,6 +62,8 @@ def draw_figure(results: Sequence[RunResult], path: str | PathLike[str]) -> None
     FigureCanvasAgg(figure)
     strips: list[Callable[[Axes, RunResult], None]] = [
         _position_error, _heading_error, _pushing_angle, _force_angle]
+    if _map_of(results[0]) is not None:
+        strips.append(_clearances)
     columns = [[figure.add_axes((0.0, 0.0, 1.0, 1.0), label=f'{row} of {number}')
                 for row in range(1 + len(strips))] for number in range(len(results))]
     footer = [figure.add_axes((0.0, 0.0, 1.0, 1.0), label=name) for name in ('friction', 'legend')]
@@ -73,6 +81,26 @@ def draw_figure(results: Sequence[RunResult], path: str | PathLike[str]) -> None
     _friction(footer[0], results[0].scenario)
     _legend(footer[1], results)
     _lay_out(figure, columns, footer, aspects[0])
+    figure.savefig(path, metadata={'Software': None})
+
+
+def draw_floor(result: RunResult, path: str | PathLike[str]) -> None:
+    """
+    Draw a task in a map: the scene, and below it the clearances.
+
+    :param result: the ``RunResult``.
+    :param path: of the PNG.
+    """
+    figure = Figure(dpi=FLOOR_DPI, facecolor='white', layout='constrained')
+    FigureCanvasAgg(figure)
+    scene, clearances = figure.subplots(2, 1, height_ratios=(FLOOR_SHARE, 1.0))
+    _scene(scene, result)
+    width, height = set_view(scene, [result], VIEW_MARGIN)
+    _strip(clearances, result, _clearances)
+    clearances.set_xlabel('time [s]')
+    clearances.legend(fontsize=8, loc='upper right', ncols=2)
+    scene_height = COLUMN_WIDTH * height / width
+    figure.set_size_inches(COLUMN_WIDTH, scene_height * (1.0 + 1.0 / FLOOR_SHARE) + TOP)
     figure.savefig(path, metadata={'Software': None})
 
 
@@ -201,6 +229,28 @@ def _log_error(axes: Axes, result: RunResult, error: FloatArray, bound: float) -
     axes.set_yscale('log')
     axes.axhline(bound, color=GOAL, linewidth=1.2, linestyle=DASHED_GOAL)
     axes.plot(tape_of(result)['time'], error, color=INK, linewidth=1.4)
+
+
+def _map_of(result: RunResult) -> OccupancyMap | None:
+    task = result.scenario.task
+    return None if task is None else task.occupancy_map
+
+
+def _clearances(axes: Axes, result: RunResult) -> None:
+    occupancy_map, tape, scenario = _map_of(result), tape_of(result), result.scenario
+    if occupancy_map is None:
+        return
+    rows = np.linspace(0, len(tape['time']) - 1, CLEARANCE_SAMPLES).astype(int)
+    objects, robots = tape.poses('object')[rows], tape.poses('robot')[rows]
+    of_object = [occupancy_map.object_clearance(scenario.true_object, [pose]) for pose in objects]
+    of_robot = occupancy_map.clearance(robots[:, :2]) - scenario.true_robot.radius
+    axes.axhline(0.0, color=WARNING, linewidth=1.2)
+    axes.plot(tape['time'][rows], 1e3 * np.array(of_object), color=INK, linewidth=1.4,
+              label='object')
+    axes.plot(tape['time'][rows], 1e3 * of_robot, color=INK, linewidth=1.0,
+              linestyle=(0, (2, 1.2)), label='robot')
+    axes.set_ylabel('clearance\n[mm]')
+    axes.set_ylim(-20.0, MAX_CLEARANCE)
 
 
 def _pushing_angle(axes: Axes, result: RunResult) -> None:

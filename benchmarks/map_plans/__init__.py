@@ -1,0 +1,1 @@
+"""Benchmark of plans in maps: how narrow passages may be, flats, and how the time grows."""
