@@ -5,6 +5,8 @@
 const PUSH_COLOR_COUNT = 6;
 // The picture is drawn again after so much time of the recording [s]; meanwhile the rest of the paths is drawn on top.
 const GROUND_PERIOD = 2;
+// What moves farther from one row to the next was put there [m].
+const JUMP = 0.15;
 
 class Ground extends Pen {
   constructor(camera) {
@@ -108,11 +110,11 @@ class Ground extends Pen {
 
 // Paths of object and robot between two times, the first of which may have been before everything.
 function drawTrails(pen, recording, start, end) {
-  pen.line(recording.path('robot', start, end), pen.colors.faint, 1.5, [1, 4]);
+  pen.line(recording.path('robot', start, end), pen.colors.faint, 1.5, [1, 4], JUMP);
   for (const push of recording.pushes()) {
     if (push.start > end || push.end < start) continue;
     const color = pen.colors['push-' + push.number % PUSH_COLOR_COUNT];
-    pen.line(recording.path('object', Math.max(push.start, start), Math.min(push.end, end)), color, 3.5);
+    pen.line(recording.path('object', Math.max(push.start, start), Math.min(push.end, end)), color, 3.5, [], JUMP);
     if (push.start > start) pen.label(String(push.number + 1), poseOf(recording.at(push.start), 'robot'), color);
   }
 }

@@ -21,6 +21,11 @@ function cell(row, text, tag = 'td') {
   return element;
 }
 
+// Name of a state of the supervisor; one that stands for a fault is stopped.
+function stateName(message) {
+  return message.state === 'idle' && message.reason && !message.requested ? 'stopped' : message.state;
+}
+
 const LEGEND = [
   ['object', '<rect x="3" y="3" width="24" height="12" fill="var(--object)" fill-opacity=".2" stroke="var(--object)" stroke-width="2"/>'],
   ['goal', '<rect x="3" y="3" width="24" height="12" fill="none" stroke="var(--goal)" stroke-width="2.5" stroke-dasharray="6 3"/>'],
@@ -85,8 +90,7 @@ class Panel {
   }
 
   showState(state, ending) {
-    const isStopped = state && state.state === 'idle' && state.reason && !state.requested;
-    const name = isStopped ? 'stopped' : state ? state.state : 'idle';
+    const name = state ? stateName(state) : 'idle';
     byId('state').dataset.state = name;
     setText(byId('state'), STATES[name] || name);
     setText(byId('reason'), state && state.reason || ending && ending.reason || '');
@@ -159,7 +163,7 @@ class Panel {
     const texts = [
       ...recording.states.map((message, i) => {
         if (recording.isPushStart(i)) pushes += 1;
-        const name = message.state === 'push' ? `push ${pushes}` : STATES[message.state] || message.state;
+        const state = stateName(message), name = state === 'push' ? `push ${pushes}` : STATES[state] || state;
         return [message.time, message.reason ? `${name}: ${message.reason}` : name];
       }),
       ...recording.goals.slice(1).map((message) => [message.time, 'new goal']),

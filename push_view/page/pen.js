@@ -10,13 +10,15 @@ class Pen {
 
   setTheme() { this.colors = themeColors(); }
 
-  line(points, color, width, dash = []) {
+  // Longer steps than ``jump`` [m] are left out.
+  line(points, color, width, dash = [], jump = Infinity) {
     if (points.length < 2) return;
     const c = this.context;
     c.beginPath();
     points.forEach((point, i) => {
       const [x, y] = this.camera.toScreen(point);
-      if (i) c.lineTo(x, y); else c.moveTo(x, y);
+      const isDrawn = i && Math.hypot(point[0] - points[i - 1][0], point[1] - points[i - 1][1]) < jump;
+      if (isDrawn) c.lineTo(x, y); else c.moveTo(x, y);
     });
     c.setLineDash(dash);
     c.lineWidth = width;
