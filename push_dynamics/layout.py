@@ -40,7 +40,9 @@ UNSOLVED_STEPS = 24
 # State: centre of pressure of the last step relative to the mass centre, world axes [m].
 PRESSURE_X = 25
 PRESSURE_Y = 26
-STATE_SIZE = 27
+# State: energy since the start that the implicit step itself damps [J].
+INTEGRATION_LOSS = 27
+STATE_SIZE = 28
 
 # Body: what does not change during a simulation.
 MASS = 0

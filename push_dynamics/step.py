@@ -21,10 +21,10 @@ from push_dynamics.contact_law import (
 )
 from push_dynamics.floor import set_local_capacities
 from push_dynamics.layout import (
-    A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, IMPACT_LOSS, INERTIA, ITERATIONS,
-    MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA, ROBOT_RADIUS, ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y,
-    ROBOT_X, ROBOT_Y, STEPS, SUPPORT_LOSS, TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK,
-    X, Y,
+    A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, IMPACT_LOSS, INERTIA,
+    INTEGRATION_LOSS, ITERATIONS, MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA, ROBOT_RADIUS,
+    ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y, ROBOT_X, ROBOT_Y, SEPARATE, STEPS, SUPPORT_LOSS,
+    TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK, X, Y,
 )
 from push_dynamics.load_transfer import solve_with_loads, transfers_loads
 from push_dynamics.solver import solve, StepSolution
@@ -85,25 +85,34 @@ def middle_of_step(state: Any, body: Any, outline: Any, guess: Velocity, robot: 
 
 
 @compiled
-def add_energies(state: Any, body: Any, contact: ContactGeometry, surface: SurfaceVelocity,
-                 solution: StepSolution, support_loss: float) -> None:
+def add_energies(state: Any, body: Any, guess: Velocity, contact: ContactGeometry,
+                 surface: SurfaceVelocity, solution: StepSolution, support_loss: float) -> None:
     """
     Add the energies of a step: work of the robot = kinetic energy + losses, exactly.
 
-    The impact loss is ``(v - v_0)^T M (v - v_0) / 2``: what an inelastic change costs.
+    An implicit step takes every change of velocity for inelastic, ``(v - v_0)^T M (v - v_0) / 2``.
+    What the acceleration of the last step does not predict is a jump, and costs the same with the
+    jump in place of the change: an impact. The rest, of first order, is the step's own. So is what
+    the contact takes along the normal, but in the step that closes a gap, where it is the impact's.
     """
     n_x, n_y, arm_n, arm_t = contact
     v_x, v_y, omega = solution.velocity
     impulse = solution.impulse
     work = impulse.normal * surface.normal + impulse.tangential * surface.tangential
-    received = (impulse.normal * (n_x * v_x + n_y * v_y + arm_n * omega)
-                + impulse.tangential * (n_x * v_y - n_y * v_x + arm_t * omega))
+    closing = impulse.normal * (surface.normal - (n_x * v_x + n_y * v_y + arm_n * omega))
+    sliding = impulse.tangential * (surface.tangential - (n_x * v_y - n_y * v_x + arm_t * omega))
     d_x, d_y, d_omega = v_x - state[V_X], v_y - state[V_Y], omega - state[OMEGA]
     state[WORK] += work
     state[SUPPORT_LOSS] += support_loss
-    state[CONTACT_LOSS] += work - received
-    state[IMPACT_LOSS] += 0.5 * (body[MASS] * (d_x * d_x + d_y * d_y)
-                                 + body[INERTIA] * d_omega * d_omega)
+    state[CONTACT_LOSS] += sliding
+    j_x, j_y, j_omega = v_x - guess.v_x, v_y - guess.v_y, omega - guess.omega
+    jump = 0.5 * (body[MASS] * (j_x * j_x + j_y * j_y) + body[INERTIA] * j_omega * j_omega)
+    change = 0.5 * (body[MASS] * (d_x * d_x + d_y * d_y) + body[INERTIA] * d_omega * d_omega)
+    impact = min(jump, change)
+    if state[MODE] == SEPARATE:
+        impact += closing
+    state[IMPACT_LOSS] += impact
+    state[INTEGRATION_LOSS] += change + closing - impact
 
 
 @compiled
@@ -147,7 +156,7 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
         solution = solve(state, body, supports, c, s, h, guess, contact, surface)
     power = write_friction_forces(forces, body, supports, c, s, solution.weight_velocity,
                                   solution.velocity)
-    add_energies(state, body, contact, surface, solution, h * power)
+    add_energies(state, body, guess, contact, surface, solution, h * power)
     move_object(state, solution, h)
     state[ROBOT_X] += h * robot.v_x
     state[ROBOT_Y] += h * robot.v_y

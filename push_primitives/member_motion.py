@@ -96,7 +96,7 @@ def move_members(states: Any, bodies: Any, supports: Any, outline: Any, floor: A
     """
     Move every member for a while, its robot along an arc to a given pose.
 
-    :param states: shape (n, 27), is written.
+    :param states: shape (n, 28), is written.
     :param bodies: shape (n, 11).
     :param supports: shape (n, k, 8).
     :param outline: vertices in the object frame [m].
@@ -129,7 +129,7 @@ def close_gaps(states: Any, bodies: Any, outline: Any, gaps: Any) -> None:
     """
     Move robots off overlaps; those that were in contact touch again.
 
-    :param states: shape (n, 27), is written.
+    :param states: shape (n, 28), is written.
     :param bodies: shape (n, 11).
     :param outline: vertices in the object frame [m].
     :param gaps: gap of each member before [m], shape (n,), is written.

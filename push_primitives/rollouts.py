@@ -49,7 +49,7 @@ def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, 
     """
     Evaluate the mean cost-to-go of stopping after every distance of every arc.
 
-    :param states: shape (n, 27).
+    :param states: shape (n, 28).
     :param bodies: shape (n, 11).
     :param supports: shape (n, k, 8).
     :param outline: vertices in the object frame [m].

@@ -279,7 +279,8 @@ class Plant:
         kinetic = 0.5 * (self.obj.mass * (v_x * v_x + v_y * v_y)
                          + self.obj.inertia * omega * omega)
         return Energy(float(state[layout.WORK]), kinetic, float(state[layout.SUPPORT_LOSS]),
-                      float(state[layout.CONTACT_LOSS]), float(state[layout.IMPACT_LOSS]))
+                      float(state[layout.CONTACT_LOSS]), float(state[layout.IMPACT_LOSS]),
+                      float(state[layout.INTEGRATION_LOSS]))
 
     def _pushing_angle(self, nearest: ContactPoint, robot_pose: Pose, robot_twist: Twist) -> float:
         v_x, v_y = robot_pose.rotate(robot_twist)

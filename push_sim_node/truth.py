@@ -47,10 +47,14 @@ _MODES = {code: mode for mode, code in _CODES.items()}
 
 class Energy(NamedTuple):
     """
-    Energy since the start [J]: ``work = kinetic + support_loss + contact_loss + impact_loss``.
+    Energy since the start [J]; work is the sum of the others.
 
-    ``impact_loss`` is what inelastic impacts take, and what the implicit step damps (which
-    vanishes with the step).
+    :param work: of the robot on the object.
+    :param kinetic: of the object.
+    :param support_loss: by friction on the floor.
+    :param contact_loss: by friction between robot and object.
+    :param impact_loss: in inelastic impacts.
+    :param integration_loss: what the implicit step itself damps; it vanishes with the step.
     """
 
     work: float
@@ -58,6 +62,7 @@ class Energy(NamedTuple):
     support_loss: float
     contact_loss: float
     impact_loss: float
+    integration_loss: float
 
 
 class Truth(NamedTuple):

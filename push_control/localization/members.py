@@ -43,7 +43,7 @@ class Members:
     """
     States and parameters of all members.
 
-    ``states``: shape (n, 27), rows in the order of ``push_dynamics.layout``. ``parameters``: shape
+    ``states``: shape (n, 28), rows in the order of ``push_dynamics.layout``. ``parameters``: shape
     (n, 3 + supports + 1): odometry errors, logarithms of the friction factors of the supports,
     contact friction.
     """

@@ -159,8 +159,8 @@ STUDIES = (
           'How four feet share the weight is open: statics leaves anything between standing on '
           'one diagonal and on the other. Pushed at a vertex, the object then has a wheelbase of '
           '{least:.3f} to {greatest:.3f} m about the {believed:.3f} m of even loads; in the '
-          'middle of a face the range is {narrowest:.0f} mm wide. A straight push of {length:g} m, '
-          '{offset:.0f} mm beside the middle, turns it by {turn_least:.1f} to '
+          'middle of a face the range is {narrowest:.0f} mm wide. A straight push of {length:g} '
+          'm, {offset:.0f} mm beside the middle, turns it by {turn_least:.1f} to '
           '{turn_greatest:.1f} degrees, {turn_believed:.1f} with even loads.',
           'The wheelbase is r + c^2 / r, and c^2 the mean square of the feet along the push, '
           'weighted by their loads: feet on the diagonal along the push have the greatest, those '

@@ -134,7 +134,7 @@ def test_impulse_is_inside_the_cone_and_no_energy_is_made(obj):
         assert normal >= 0.0
         assert abs(tangential) <= obj.contact_friction_coefficient * normal * (1.0 + 1e-9)
         work, *losses = kernel.numbers(layout.WORK, layout.SUPPORT_LOSS, layout.CONTACT_LOSS,
-                                       layout.IMPACT_LOSS)
+                                       layout.IMPACT_LOSS, layout.INTEGRATION_LOSS)
         scale = max(before, abs(work), 1e-3)
         assert min(losses) >= -1e-6 * scale
         assert work == pytest.approx(kinetic() - before + sum(losses), abs=1e-5 * scale)

@@ -22,7 +22,7 @@ def test_work_is_kinetic_energy_and_losses_over_a_whole_scenario(name, disturban
     tape = simulate(dataclasses.replace(scenario, simulation=dataclasses.replace(
         scenario.simulation, **disturbances))).tape
     work, kinetic, *losses = (tape[f'energy_{part}'] for part in (
-        'work', 'kinetic', 'support_loss', 'contact_loss', 'impact_loss'))
+        'work', 'kinetic', 'support_loss', 'contact_loss', 'impact_loss', 'integration_loss'))
     assert work[-1] > 5.0
     assert work == pytest.approx(kinetic + sum(losses), rel=1e-9, abs=1e-12)
     for loss in losses:

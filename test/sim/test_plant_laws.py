@@ -60,14 +60,29 @@ def test_work_is_kinetic_energy_and_losses_that_never_shrink(obj, step):
 
 
 def test_loss_of_the_step_itself_vanishes_with_the_step():
-    """Without an impact nothing but the step's own damping is left in that account."""
-    losses = []
+    """Without an impact nothing but the step's own damping is left, and next to no impact."""
+    energies = []
     for step in (4e-3, 1e-3):
         plant = plant_of(box(**UNEVEN), (0.0, 0.0, 0.0), (-0.37, 0.02, 0.0), step=step)
         plant.advance(1.5, Twist(0.3, 0.0, 0.1))
-        losses.append(plant.energy.impact_loss)
-    assert 0.0 < losses[0] < 1e-2 * plant.energy.work
-    assert losses[0] / losses[1] == pytest.approx(4.0, rel=0.1)
+        energies.append(plant.energy)
+    assert 0.0 < energies[0].integration_loss < 1e-2 * plant.energy.work
+    assert energies[0].integration_loss / energies[1].integration_loss == pytest.approx(
+        4.0, rel=0.1)
+    assert energies[0].impact_loss < 0.2 * energies[0].integration_loss
+    assert energies[1].impact_loss < 0.1 * energies[0].impact_loss
+
+
+def test_loss_of_an_impact_does_not_depend_on_the_step():
+    """The robot meets the object at full speed; what the step damps is apart."""
+    energies = []
+    for step in (2e-3, 5e-4):
+        plant = plant_of(box(), (0.0, 0.0, 0.0), (-0.6, 0.0, 0.0), step=step)
+        plant.advance(1.2, Twist(0.4, 0.0, 0.0))
+        energies.append(plant.energy)
+    assert energies[1].impact_loss == pytest.approx(0.5 * 2.0 * 0.4 ** 2, rel=0.02)
+    assert energies[0].impact_loss == pytest.approx(energies[1].impact_loss, rel=0.03)
+    assert energies[1].integration_loss < 1e-2 * energies[1].impact_loss
 
 
 def test_support_friction_opposes_motion_and_fills_its_capacity():
