@@ -20,6 +20,9 @@ from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
+from push_planner.map_search.kept_sequence import (
+    expected_end, is_as_expected, keep, KeptSequence,
+)
 from push_planner.map_search.object_distance import (
     distance_grid, DistanceGrid, length_at, narrowest_place, UNREACHED,
 )
@@ -60,6 +63,8 @@ MAX_FIRST_PUSHES = 12
 LARGEST_OVERLAP = 0.02
 # Places on the line to the goal at which the floor is looked at.
 LINE_SAMPLES = 40
+# Rounding of places [m].
+SAME_PLACE = 1e-6
 # Cells of the map of a plan that only warms up [m].
 WARM_UP_RESOLUTION = 0.05
 # A search that has not left this distance has found the object shut in [m].
@@ -71,18 +76,23 @@ class MapPlan(NamedTuple):
     Plan in a map.
 
     :param first: ``PrimitivePlan`` of the first push.
-    :param later_poses: ``Pose`` of the object after each of the later pushes, in the world; none
-        where the floor is open up to the goal.
+    :param later: ``KeptSequence`` of the later ones; none where the floor is open up to the goal.
     :param expansions: number of nodes that the search expanded, 0 where it was not needed.
     """
 
     first: PrimitivePlan
-    later_poses: tuple[Pose, ...] = ()
+    later: KeptSequence
     expansions: int = 0
+
+    @property
+    def later_poses(self) -> tuple[Pose, ...]:
+        """``Pose`` of the object after each of the later pushes, in the world."""
+        return tuple(push.end for push in self.later.pushes)
 
 
 def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
-                     drive: DriveSettings, occupancy_map: OccupancyMap) -> MapPlan:
+                     drive: DriveSettings, occupancy_map: OccupancyMap, *,
+                     kept: KeptSequence | None = None) -> MapPlan:
     """
     Plan the next push of a task in a map.
 
@@ -91,11 +101,13 @@ def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     :param settings: ``PlannerSettings``.
     :param drive: ``DriveSettings``.
     :param occupancy_map: the ``OccupancyMap``.
+    :param kept: ``KeptSequence`` of the former plan; its next push is taken up where the last one
+        has ended as planned, and it is still free.
     :return: ``MapPlan``.
     :raises PlanningFailed: with the reason.
     """
     return _MapPlanner(checked_request(request, robot), robot, settings, drive,
-                       occupancy_map).plan()
+                       occupancy_map).plan(kept)
 
 
 def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
@@ -120,6 +132,24 @@ def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
                          robot, PlannerSettings(), drive, room)
 
 
+class _Known(NamedTuple):
+    """
+    What is known of pushes and paths for one request.
+
+    :param primitives: ``PushPrimitives``.
+    :param weights: of the guesses of friction, shape (K,).
+    :param pushes: ``Pushes`` of a localized robot.
+    :param first_pushes: likewise of it as it is now.
+    :param paths: ``ApproachPaths``.
+    """
+
+    primitives: PushPrimitives
+    weights: FloatArray
+    pushes: Pushes
+    first_pushes: Pushes
+    paths: ApproachPaths
+
+
 class _MapPlanner:
     """Planner of one request."""
 
@@ -139,9 +169,9 @@ class _MapPlanner:
         self._open_radius = (self._scene.outer_radius + drive.standoff
                              + 2.0 * (robot.radius + drive.clearance))
 
-    def plan(self) -> MapPlan:
-        """Plan as on open floor where that is free, else search."""
-        return self._plan_on_open_floor() or self._search()
+    def plan(self, kept: KeptSequence | None) -> MapPlan:
+        """Plan as on open floor where that is free, else go on as before or search."""
+        return self._plan_on_open_floor() or self._search(kept)
 
     def _plan_on_open_floor(self) -> MapPlan | None:
         """Plan as without a map; None where the floor is not open, or the push not free."""
@@ -157,9 +187,9 @@ class _MapPlanner:
         trajectory = found.trajectory
         is_free = (self._map.object_is_free(request.obj, trajectory.object_poses, margin)
                    and self._map.robot_is_free(self._robot, trajectory.robot_poses, margin))
-        return MapPlan(found) if is_free else None
+        return MapPlan(found, KeptSequence(request.goal)) if is_free else None
 
-    def _search(self) -> MapPlan:
+    def _search(self, kept: KeptSequence | None) -> MapPlan:
         request, scene = self._request, self._scene
         start, robot, goal = (self._map.origin.inverse() @ pose for pose in (
             request.object_pose, request.robot_pose, request.goal))
@@ -173,6 +203,10 @@ class _MapPlanner:
         search = MapSearch(scene, (pushes, first_pushes), grid, primitives.cost_to_go,
                            self._search_settings(primitives))
         paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
+        known = _Known(primitives, weights, pushes, first_pushes, paths)
+        taken_up = self._take_up(kept, search, known, (start, robot, goal))
+        if taken_up is not None:
+            return taken_up
         first_failure: SearchResult | None = None
         expansions = 0
         is_exhausted = False
@@ -194,7 +228,7 @@ class _MapPlanner:
                         int(pushes.numbers[first.begin]), first.length, weights, time,
                         result.cost - first.length / greatest_speed(self._robot, self._settings),
                         result.cost)
-                    return self._lay_out(result, selected, primitives, paths, expansions)
+                    return self._lay_out(result, selected, known, expansions)
                 # The search sees the robot's path on a grid only.
                 blocked[first.begin] = True
         raise self._no_sequence(first_failure)
@@ -209,18 +243,54 @@ class _MapPlanner:
         return pushes, make_pushes(primitives, request.obj, radius,
                                    primitives.unsure_displacements, weights)
 
-    def _lay_out(self, result: SearchResult, selected: SelectedPush, primitives: PushPrimitives,
-                 paths: ApproachPaths, expansions: int) -> MapPlan:
+    def _lay_out(self, result: SearchResult, selected: SelectedPush, known: _Known,
+                 expansions: int) -> MapPlan:
         """Plan the first push of a sequence exactly."""
         goal = self._map.origin.inverse() @ self._request.goal
         is_last = distance(result.pushes[0].end, goal) == 0.0
-        first = lay_out(
-            self._request, self._robot, self._settings, primitives, selected,
-            path=paths.to(Pose(*primitives.table.starts[selected.primitive].tolist())),
-            style=PushStyle.UNSTEERED if is_last else PushStyle.WAYPOINT)
-        first.report.update({'pushes_in_map': len(result.pushes), 'expansions': expansions})
-        later = tuple(self._map.origin @ push.end for push in result.pushes[1:])
+        first = self._first(selected, known,
+                            PushStyle.UNSTEERED if is_last else PushStyle.WAYPOINT)
+        first.report.update({
+            'pushes_in_map': len(result.pushes), 'expansions': expansions,
+            'sequence_time': result.cost, 'least_sequence_time': result.least_cost})
+        later = keep(result, known.pushes, self._map.origin, self._request.goal)
         return MapPlan(first, later, expansions)
+
+    def _first(self, selected: SelectedPush, known: _Known, style: PushStyle) -> PrimitivePlan:
+        start = known.primitives.table.starts[selected.primitive]
+        return lay_out(self._request, self._robot, self._settings, known.primitives, selected,
+                       path=known.paths.to(Pose(*start.tolist())), style=style)
+
+    def _take_up(self, kept: KeptSequence | None, search: MapSearch, known: _Known,
+                 poses: tuple[Pose, Pose, Pose]) -> MapPlan | None:
+        """Go on with a sequence where its next push is free; None where it is not."""
+        request = self._request
+        if (kept is None or request.cone_fraction < 1.0
+                or not kept.goes_on_from(request.object_pose, request.goal)):
+            return None
+        first = kept.pushes[0]
+        begins = np.flatnonzero(known.pushes.numbers == first.primitive)
+        if not begins.size:
+            return None
+        begin = int(begins[0])
+        end = expected_end(known.first_pushes, begin, first.length, poses[0])
+        if not is_as_expected(first, self._map.origin @ end):
+            return None
+        blocked = np.ones(len(known.pushes.numbers), dtype=np.bool_)
+        blocked[begin] = False
+        # The node of the object, from which only this push leads.
+        result = search.run(*poses, next(self._margins())._replace(max_expansions=2), blocked)
+        time = known.paths.travel_time(Pose(*known.pushes.starts[begin].tolist()))
+        away = np.hypot(*(result.nodes[1:, :2] - end[:2]).T)
+        if away.min(initial=math.inf) > SAME_PLACE or not math.isfinite(time):
+            return None
+        expected = (first.remaining_time + time
+                    + first.length / greatest_speed(self._robot, self._settings))
+        plan = self._first(
+            SelectedPush(first.primitive, first.length, known.weights, time,
+                         first.remaining_time, expected), known, PushStyle.WAYPOINT)
+        plan.report.update({'pushes_in_map': len(kept.pushes), 'expansions': 0})
+        return MapPlan(plan, kept._replace(pushes=kept.pushes[1:]))
 
     def _margins(self) -> Iterator[Margins]:
         """Generate margins, the widest first."""

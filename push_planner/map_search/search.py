@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from push_model.geometry import Pose
+from push_model.geometry import FloatArray, Pose
 from push_navigation.map_clearance import CERTAIN, PlaceUncertainty
 from push_planner.map_search import kernel
 from push_planner.map_search.kernel import Memory, OpenFloor, Problem, Query
-from push_planner.map_search.object_distance import DistanceGrid
+from push_planner.map_search.object_distance import DistanceGrid, UNREACHED
 from push_planner.map_search.pushes import Pushes
 from push_planner.map_search.robot_reach import (
     HALF_WINDOW, Reach, RobotMargins, SPACING, WIDE_WINDOW,
@@ -29,6 +29,8 @@ WINDOW_MARGINS = 2.0, 10.0
 LARGEST_HALF = 1000
 # Places in the queue of grid points that wait; the rim of the area that is filled is shorter.
 QUEUE_SIZE = 1 << 16
+# Length of a path along rows, columns and diagonals over that of the straight one, at most.
+GRID_LENGTHENING = math.sqrt(4.0 - 2.0 * math.sqrt(2.0))
 # Bearings of the goal over which the cost-to-go is averaged [rad].
 BEARINGS = tuple(np.linspace(-math.pi, math.pi, 8, endpoint=False).tolist())
 
@@ -85,12 +87,14 @@ class SearchPush(NamedTuple):
     :param length: driven length [m].
     :param start: ``Pose`` of the object before it, in the frame of the map.
     :param end: ``Pose`` of the object after it, expected.
+    :param cost: expected time up to there [s].
     """
 
     begin: int
     length: float
     start: Pose
     end: Pose
+    cost: float
 
 
 class SearchResult(NamedTuple):
@@ -101,6 +105,7 @@ class SearchResult(NamedTuple):
     :param pushes: ``SearchPush`` to the goal, or to where the floor is open up to it; those to the
         place from which least remained, where none was found.
     :param cost: expected time of the pushes and of what remains after them [s].
+    :param least_cost: that no sequence of the lattice goes below [s].
     :param expansions: number of nodes that were expanded.
     :param farthest: largest distance of the object from its start among all nodes [m].
     :param nodes: (x, y, theta) of all nodes and number of the node before each, or -1, shape
@@ -110,6 +115,7 @@ class SearchResult(NamedTuple):
     end: SearchEnd
     pushes: tuple[SearchPush, ...]
     cost: float
+    least_cost: float
     expansions: int
     farthest: float
     nodes: NDArray[np.float64]
@@ -183,17 +189,38 @@ class MapSearch:
         pushes: list[SearchPush] = []
         number = last
         while links[number, kernel.PARENT] >= 0:
-            length, begin = float(nodes[number, kernel.LENGTH]), int(links[number, kernel.PUSH])
-            number = int(links[number, kernel.PARENT])
+            length, cost = nodes[number, [kernel.LENGTH, kernel.COST]].tolist()
+            begin, number = links[number, [kernel.PUSH, kernel.PARENT]].tolist()
             poses.append(Pose(*nodes[number, :3].tolist()))
-            pushes.append(SearchPush(begin, length, poses[-1], poses[-2]))
+            pushes.append(SearchPush(begin, length, poses[-1], poses[-2], cost))
         remaining = float(kernel.estimate(problem, *poses[0], max(0, links[last, kernel.FACE])))
         away = nodes[:, :2] - nodes[0, :2]
+        cost = float(nodes[last, kernel.COST]) + remaining
         return SearchResult(
-            ends.get(found, SearchEnd.FOUND), tuple(pushes[::-1]),
-            float(nodes[last, kernel.COST]) + remaining, int(memory.counters[kernel.EXPANDED]),
+            ends.get(found, SearchEnd.FOUND), tuple(pushes[::-1]), cost,
+            min(cost, self._least_cost(nodes[~memory.closed[:count]])),
+            int(memory.counters[kernel.EXPANDED]),
             float(np.hypot(*away.T).max()),
             np.column_stack([nodes[:, :3], links[:, kernel.PARENT].astype(float)]))
+
+    def _least_cost(self, nodes: FloatArray) -> float:
+        """
+        Bound the time of all sequences that go on from nodes which were not expanded [s].
+
+        They take one more contact at least, and the object is pushed along the shortest path.
+        """
+        if not len(nodes):
+            return math.inf
+        settings, grid = self._settings, self._grid
+        # Beside obstacles the nearest grid points may be off the path.
+        padded = np.pad(grid.lengths, 2, constant_values=UNREACHED)
+        near = np.min([padded[i:i - 3 or None, j:j - 3 or None]
+                       for i in range(4) for j in range(4)], axis=0)
+        row, column = (np.clip((nodes[:, axis] / grid.spacing).astype(int) + 1, 0, size - 1)
+                       for axis, size in ((1, near.shape[0]), (0, near.shape[1])))
+        lengths = np.maximum(0.0, near[row, column] / GRID_LENGTHENING)
+        return float((nodes[:, kernel.COST] + settings.contact_time
+                      + lengths / settings.pushing_speed).min())
 
 
 def _first_margins(margins: Margins) -> RobotMargins:

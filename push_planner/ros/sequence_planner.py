@@ -8,6 +8,7 @@ from push_model.plan_request import PlanFailure, PlanRequest
 from push_navigation.footprint_clearing import FootprintClearing
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings, MapSettings
+from push_planner.map_search.kept_sequence import KeptSequence
 from push_planner.map_search.planner import warm_up as warm_up_search
 from push_planner.primitive_push.planner import warm_up
 from push_planner.problem import PlanningFailed
@@ -70,6 +71,8 @@ class SequenceRequestHandler:
         self.clearing = FootprintClearing(parameters.map_settings, parameters.object,
                                           parameters.robot)
         self._cleared_object = parameters.object
+        # What is left of the last sequence.
+        self._kept: KeptSequence | None = None
         self.set_parameters(parameters)
         if self._plans_unsteered_pushes:
             # Compiles the planner and makes the table of the object where there is none yet.
@@ -158,8 +161,10 @@ class SequenceRequestHandler:
         :raises PlanningFailed: where there is no plan.
         """
         parameters = self._parameters
-        return plan_for_request(request, parameters.robot, parameters.planner, parameters.drive,
-                                parameters.task, self._map_for(request))
+        found = plan_for_request(request, parameters.robot, parameters.planner, parameters.drive,
+                                 parameters.task, self._map_for(request), kept=self._kept)
+        self._kept = found.kept
+        return found
 
     def _map_for(self, request: PlanRequest) -> OccupancyMap | None:
         """Return the map without the footprints of object and robot."""
@@ -183,8 +188,9 @@ class SequenceRequestHandler:
         :param stamp: ``builtin_interfaces/Time`` of the request, or of the measurements.
         """
         trajectory = task_plan.trajectory
-        poses = [*sequence_poses(trajectory, task_plan.later_steps, PATH_SPACING),
-                 *task_plan.later_poses]
+        poses = [*sequence_poses(trajectory, task_plan.later_steps, PATH_SPACING)]
+        if task_plan.kept is not None:
+            poses += [push.end for push in task_plan.kept.pushes]
         return SequencePlanMessages(to_plan_message(trajectory, stamp, self._frame),
                                     to_path_message(poses, stamp, self._frame))
 

@@ -19,6 +19,7 @@ from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
 from push_navigation.settings import DriveSettings
+from push_planner.map_search.kept_sequence import KeptSequence
 from push_planner.map_search.planner import plan_push_in_map
 from push_planner.plan import Plan
 from push_planner.primitive_push.planner import plan_primitive_push, PrimitivePlan
@@ -85,8 +86,8 @@ class TaskPlan(NamedTuple):
     :param push_report: further values of the first push by name.
     :param plan: the ``Plan`` of a steered push, else None.
     :param later_steps: ``SequenceStep`` of each push but the first.
-    :param later_poses: ``Pose`` of the object after each unsteered push but the first, as far as
-        these are planned.
+    :param kept: ``KeptSequence`` of the unsteered pushes but the first, as far as these are
+        planned.
     """
 
     pushes: tuple[PlannedPush, ...]
@@ -98,7 +99,7 @@ class TaskPlan(NamedTuple):
     push_report: Mapping[str, Any]
     plan: Plan | None = None
     later_steps: tuple[SequenceStep, ...] = ()
-    later_poses: tuple[Pose, ...] = ()
+    kept: KeptSequence | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -306,7 +307,8 @@ def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pos
 
 def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
                      drive: DriveSettings, task: TaskSettings | None = None,
-                     occupancy_map: OccupancyMap | None = None) -> TaskPlan:
+                     occupancy_map: OccupancyMap | None = None, *,
+                     kept: KeptSequence | None = None) -> TaskPlan:
     """
     Plan what a supervisor requests, on open floor by the method of the settings.
 
@@ -319,12 +321,13 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     :param drive: ``DriveSettings``.
     :param task: ``TaskSettings``, or None for the defaults.
     :param occupancy_map: the ``OccupancyMap``, or None for open floor.
+    :param kept: ``KeptSequence`` of the former plan in a map.
     :return: ``TaskPlan``.
     :raises PlanningFailed: with the reason.
     """
     if occupancy_map is not None:
-        found = plan_push_in_map(request, robot, settings, drive, occupancy_map)
-        return _as_task_plan(found.first, found.later_poses, found.expansions)
+        found = plan_push_in_map(request, robot, settings, drive, occupancy_map, kept=kept)
+        return _as_task_plan(found.first, found.later, found.expansions)
     if (task or TaskSettings()).method == 'primitives':
         try:
             return _as_task_plan(plan_primitive_push(request, robot, settings, drive))
@@ -347,7 +350,7 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     return plan(settings=settings)
 
 
-def _as_task_plan(found: PrimitivePlan, later_poses: tuple[Pose, ...] = (),
+def _as_task_plan(found: PrimitivePlan, kept: KeptSequence | None = None,
                   expansions: int = 0) -> TaskPlan:
     trajectory = found.trajectory
     ends = (Pose(*poses[end].tolist())
@@ -356,4 +359,4 @@ def _as_task_plan(found: PrimitivePlan, later_poses: tuple[Pose, ...] = (),
     push = PlannedPush(found.contact, start, end, robot_start, robot_end, trajectory.duration,
                        found.length)
     return TaskPlan((push,), trajectory, found.approach_path, found.expected_time, math.nan,
-                    SearchReport(expansions), found.report, later_poses=later_poses)
+                    SearchReport(expansions), found.report, kept=kept)

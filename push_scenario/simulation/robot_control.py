@@ -284,7 +284,8 @@ class TaskControl(RobotControl):
         try:
             found = plan_for_request(
                 request, self._scenario.robot, self._scenario.planner, self._task.drive,
-                self._task.planning, self._occupancy_map)
+                self._task.planning, self._occupancy_map,
+                kept=self._plans[-1].kept if self._plans else None)
         except PlanningFailed as failure:
             self._supervisor.on_planning_failed(failure.code, failure.reason)
             return

@@ -74,6 +74,37 @@ def test_the_object_is_pushed_through_a_door_step_by_step(robot, goal):
     assert styles[0] is PushStyle.WAYPOINT and styles[-1] is PushStyle.UNSTEERED
 
 
+def test_the_rest_of_a_sequence_is_taken_up_where_all_went_as_planned():
+    """The next push is the one that was kept, without a search; else there is a new one."""
+    occupancy_map, goal = walled_floor(6.0, 4.5, 0.9), Pose(1.5, 0.3, 1.0)
+    found = plan(occupancy_map, goal)
+    assert len(found.later.pushes) >= 2
+    report, trajectory = found.first.report, found.first.trajectory
+    straight = math.dist(HERE[:2], goal[:2])
+    assert straight / 0.3 < report['least_sequence_time'] <= report['sequence_time']
+    here, at = (Pose(*poses[-1].tolist())
+                for poses in (trajectory.object_poses, trajectory.robot_poses))
+    beside = here @ Pose(0.01, -0.01, 0.03)
+    for pose in (here, beside):
+        following = plan_push_in_map(PlanRequest(pose, at, goal, BOX), ROBOT, SETTINGS, DRIVE,
+                                     occupancy_map, kept=found.later)
+        assert following.expansions == 0
+        assert following.later.pushes == found.later.pushes[1:]
+        end = following.first.trajectory.object_poses[-1]
+        assert math.dist(end[:2], found.later.pushes[0].end[:2]) < 0.06
+    cells = occupancy_map.occupied.copy()
+    middle = occupancy_map.to_map([found.later.pushes[0].end[:2]]) / occupancy_map.resolution
+    column, row = middle[0].astype(int)
+    cells[row, column] = True
+    blocked = OccupancyMap(occupancy_map.resolution, occupancy_map.origin, cells)
+    changes = ((here @ Pose(0.2, 0.1, 0.0), goal, occupancy_map),
+               (here, goal @ Pose(0.05, 0.0, 0.0), occupancy_map), (here, goal, blocked))
+    for pose, new_goal, floor in changes:
+        following = plan_push_in_map(PlanRequest(pose, at, new_goal, BOX), ROBOT, SETTINGS, DRIVE,
+                                     floor, kept=found.later)
+        assert following.expansions > 0
+
+
 def test_where_the_floor_is_open_a_map_changes_nothing():
     """The push is that of open floor."""
     goal = Pose(-0.4, 0.5, 2.0)

@@ -1,0 +1,110 @@
+"""The rest of a sequence that was found: kept, and taken up where a push ends as planned."""
+
+from typing import NamedTuple
+
+import numpy as np
+from push_model.geometry import distance, Pose, wrap_angle
+from push_planner.map_search.pushes import Pushes
+from push_planner.map_search.search import SearchPush, SearchResult
+
+# Distance and rotation from the plan within which a push has ended as planned, the first at least
+# and else a standard deviation of it [m, rad]; chosen: half a cell of the search.
+LEAST_DISTANCE, LARGEST_ROTATION = 0.03, 0.15
+# A goal that has moved by less is the same [m, rad]; chosen: below the tolerances of a goal.
+SAME_GOAL = 1e-3
+
+
+class KeptPush(NamedTuple):
+    """
+    A push that comes later.
+
+    :param primitive: its number in the table.
+    :param start: ``Pose`` of the object before it, as expected, in the world.
+    :param end: likewise after it.
+    :param length: driven length [m].
+    :param remaining_time: that the task takes after it [s].
+    :param deviation: standard deviation of the object before it [m].
+    """
+
+    primitive: int
+    start: Pose
+    end: Pose
+    length: float
+    remaining_time: float
+    deviation: float
+
+
+class KeptSequence(NamedTuple):
+    """
+    What is left of a sequence.
+
+    :param goal: ``Pose`` that it leads to, in the world.
+    :param pushes: ``KeptPush`` of each.
+    """
+
+    goal: Pose
+    pushes: tuple[KeptPush, ...] = ()
+
+    def goes_on_from(self, pose: Pose, goal: Pose) -> bool:
+        """
+        Tell whether its first push may be taken up; not the last one, which ends at the goal.
+
+        :param pose: of the object.
+        :param goal: of the object.
+        """
+        if not self.pushes or not _is_near(self.goal, goal, SAME_GOAL, SAME_GOAL):
+            return False
+        first = self.pushes[0]
+        if _is_near(first.end, goal, SAME_GOAL, SAME_GOAL):
+            return False
+        return _is_near(first.start, pose, max(LEAST_DISTANCE, first.deviation), LARGEST_ROTATION)
+
+
+def keep(result: SearchResult, pushes: Pushes, origin: Pose, goal: Pose) -> KeptSequence:
+    """
+    Keep all pushes of a sequence but the first.
+
+    :param result: ``SearchResult``.
+    :param pushes: ``Pushes`` that it consists of.
+    :param origin: ``Pose`` of the map in the world.
+    :param goal: ``Pose`` in the world.
+    """
+    kept = tuple(
+        KeptPush(int(pushes.numbers[push.begin]), origin @ push.start, origin @ push.end,
+                 push.length, result.cost - push.cost, _deviation(pushes, before))
+        for before, push in zip(result.pushes, result.pushes[1:]))
+    return KeptSequence(goal, kept)
+
+
+def expected_end(pushes: Pushes, begin: int, length: float, start: Pose) -> Pose:
+    """
+    Find where a push ends, as expected.
+
+    :param pushes: ``Pushes``.
+    :param begin: number among them.
+    :param length: driven length, one of theirs [m].
+    :param start: ``Pose`` of the object.
+    """
+    return start @ Pose(*pushes.means[begin, _step(pushes, length)].tolist())
+
+
+def is_as_expected(first: KeptPush, end: Pose) -> bool:
+    """
+    Tell whether a push from where the object is ends where the rest of the sequence begins.
+
+    :param first: ``KeptPush``.
+    :param end: ``Pose`` of the object after it.
+    """
+    return _is_near(first.end, end, 2.0 * LEAST_DISTANCE, LARGEST_ROTATION)
+
+
+def _deviation(pushes: Pushes, push: SearchPush) -> float:
+    return float(pushes.spreads[push.begin, _step(pushes, push.length)])
+
+
+def _step(pushes: Pushes, length: float) -> int:
+    return int(np.argmin(np.abs(pushes.lengths - length)))
+
+
+def _is_near(one: Pose, other: Pose, far: float, rotated: float) -> bool:
+    return distance(one, other) <= far and abs(wrap_angle(one.theta - other.theta)) <= rotated
