@@ -198,7 +198,8 @@ def _ellipse(header: MarkerHeader, pose: Pose, covariance: PoseCovariance) -> An
     """Draw where a place may be, as a disc on top of the object."""
     variances, axes = np.linalg.eigh(covariance.matrix[:2, :2])
     direction = math.atan2(axes[1, 1], axes[0, 1])
-    ellipse = _marker(header, 'ellipse', Marker.CYLINDER, Pose(pose.x, pose.y, direction), BELIEVED)
+    ellipse = _marker(header, 'ellipse', Marker.CYLINDER, Pose(pose.x, pose.y, direction),
+                      BELIEVED)
     minor, major = (2.0 * ELLIPSE_SIGMAS * np.sqrt(np.maximum(0.0, variances))).tolist()
     _set_scale(ellipse, max(major, FLAT), max(minor, FLAT), FLAT)
     ellipse.pose.position.z = OBJECT_HEIGHT

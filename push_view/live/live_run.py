@@ -26,6 +26,9 @@ from push_view.wall_contact import Body, WallContact, WallContactDetector
 HELP = ('The robot brings the object to the goal by pushing it. Drag the goal or the object by '
         'its middle, rotate it by its ring, draw walls, change what is there and how much '
         'friction there is: the robot is not told.')
+# Clearances may be too short by so much [m], as after a stop beside a wall; chosen: above 0.14
+# cells, what they are reduced by.
+BESIDE = 0.02
 
 
 class LiveRun:
@@ -90,7 +93,7 @@ class LiveRun:
         plant = self._simulation.plant
         object_pose, robot_pose = plant.object_pose, plant.robot_pose
         self._loop.advance()
-        contact = self._wall_contact()
+        contact = self._wall_contact(self._map)
         if contact is not None:
             plant.stand_at(object_pose, robot_pose)
             self._give_up(contact)
@@ -132,10 +135,7 @@ class LiveRun:
         :param occupancy_map: the ``OccupancyMap``, or None for open floor.
         :raises CommandRefused: where robot or object is in their way.
         """
-        plant = self._simulation.plant
-        if occupancy_map is not None and not (
-                occupancy_map.robot_is_free(plant.robot, np.array([plant.robot_pose]), 0.0)
-                and occupancy_map.object_is_free(plant.obj, np.array([plant.object_pose]), 0.0)):
+        if occupancy_map is not None and not self._is_free(occupancy_map):
             raise CommandRefused('a wall cannot be there: robot or object is in the way')
         self._map = occupancy_map
         self._robot.set_map(occupancy_map)
@@ -175,12 +175,20 @@ class LiveRun:
         self._display.take_rows()
         self.show()
 
-    def _wall_contact(self) -> WallContact | None:
-        if self._map is None:
+    def _is_free(self, occupancy_map: OccupancyMap) -> bool:
+        """Tell whether no wall touches robot or object, or is inside of them."""
+        plant = self._simulation.plant
+        return (self._wall_contact(occupancy_map) is None
+                and occupancy_map.robot_is_free(plant.robot, np.array([plant.robot_pose]), -BESIDE)
+                and occupancy_map.object_is_free(plant.obj, np.array([plant.object_pose]),
+                                                 -BESIDE))
+
+    def _wall_contact(self, occupancy_map: OccupancyMap | None) -> WallContact | None:
+        if occupancy_map is None:
             return None
         plant = self._simulation.plant
-        return (self._walls.find(self._map, Body.ROBOT, plant.robot_pose)
-                or self._walls.find(self._map, Body.OBJECT, plant.object_pose))
+        return (self._walls.find(occupancy_map, Body.ROBOT, plant.robot_pose)
+                or self._walls.find(occupancy_map, Body.OBJECT, plant.object_pose))
 
     def _give_up(self, contact: WallContact) -> None:
         if self.is_standing:

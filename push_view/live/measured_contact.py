@@ -1,4 +1,4 @@
-"""Contact between robot and object as they are measured, with the force that a simulator states."""
+"""Contact of robot and object as they are measured, with the force that a simulator states."""
 
 import math
 

@@ -84,7 +84,7 @@ class RobotRecord:
         """
         Move the goal with the frame that it was given in.
 
-        :param correction: ``Pose`` that takes the former goal to the new one, ``correction @ goal``.
+        :param correction: ``Pose`` that takes the former goal to the new one.
         """
         if self._goal is not None:
             self.on_goal(correction @ self._goal)

@@ -143,7 +143,7 @@ def test_every_panel_has_its_place():
 def test_everything_has_the_color_that_it_has_on_the_page():
     """In markers, RViz and Foxglove: goal, path of the plan, robot and what else is drawn."""
     light = page_source('page.css').partition('@media')[0]
-    page = {name: text for name, text in re.findall(r'--([a-z]+): (#[0-9a-f]{6});', light)}
+    page = dict(re.findall(r'--([a-z]+): (#[0-9a-f]{6});', light))
     for name in ('object', 'goal', 'robot', 'believed', 'force', 'cone', 'plan', 'ink'):
         color = getattr(markers, name.upper())
         assert '#' + ''.join(f'{round(255 * value):02x}' for value in color) == page[name]

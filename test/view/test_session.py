@@ -108,7 +108,7 @@ def test_nothing_gets_through_a_wall(session):
     corners = [(x + u * 0.4, y + v * 0.4) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     for start, end in zip(corners, corners[1:] + corners[:1]):
         ring = with_wall(ring, start, end)
-    run._map = ring
+    run._map = session._map = ring
     while not session.is_standing and session.time < 60.0:
         session.advance(0.1)
     session.advance(0.2)
@@ -121,6 +121,8 @@ def test_nothing_gets_through_a_wall(session):
     assert np.hypot(*(places[-1] - places[-5])) == 0.0
     with pytest.raises(CommandRefused, match='a wall is in the way'):
         session.handle(command('displace', pose=[*corners[0], 0.0]))
+    # It stands beside the wall, not in it: another one is drawn, and all are removed.
+    session.handle(command('wall', start=[x, y + 1.0], end=[x + 0.5, y + 1.0]))
     session.handle(command('clear_walls'))
     session.advance(1.0)
     assert not session.is_standing

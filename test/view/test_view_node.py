@@ -98,7 +98,7 @@ def shown(log, kind):
 
 
 def test_a_force_is_shown_in_the_contact_while_it_is_new():
-    """Along the normal and the tangent, whatever the heading of the object; then it is not known."""
+    """Along normal and tangent, whatever the heading of the object; then it is not known."""
     log = MessageLog()
     record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
     reach = max(x for x, _ in SCENARIO.object.outline)
