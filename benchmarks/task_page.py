@@ -37,15 +37,15 @@ def write_page(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> st
     pairs = list(zip(jobs, records))
     groups = side_by_side(pairs, PARTS, methods_of(pairs))
     failures = failure_lines(pairs)
-    replays = {line: functools.partial(replay, job)
-               for line, (job, record, _) in list(enumerate(failures, 1))[:MAX_REPLAYS]
-               if record['outcome'] != 'error'}
+    runs = [(line, job) for line, (job, record, _) in enumerate(failures, 1)
+            if record['outcome'] != 'error']
+    replays = {line: functools.partial(replay, job) for line, job in runs[:MAX_REPLAYS]}
     lines = [HEAD, *(_cells(job, record, fault) for job, record, fault in failures)]
     write_batch_report(
         [ReportTable('Success', markdown_lines(success_table(groups, with_part=True))),
          ReportTable(f'{len(failures)} faults in {len(pairs)} tasks', lines, replays)],
         path, 'benchmark of tasks')
-    return f'written: {path}, with {len(replays)} replays'
+    return f'written: {path}; failures to be replayed in it: {len(replays)}'
 
 
 def failure_lines(pairs: Sequence[Pair]) -> list[tuple[Job, Record, str]]:
