@@ -27,8 +27,8 @@ INSIDE = -1.5
 INTERPOLATION_ERROR = 0.14
 # More than any distance that is measured [cells].
 FAR = 1e9
-# Cells that are filled without a pause; chosen: that takes a few ms, during which no other thread of
-# the process runs, as one that answers measurements does.
+# Cells that are filled without a pause; chosen: that takes a few ms, during which no other thread
+# of the process runs, as one that answers measurements does.
 CELLS_AT_A_TIME = 50_000
 
 

@@ -19,8 +19,8 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
 from scipy.ndimage import label
 
-# Motion after which a pose is remembered [m], [rad]; chosen: half a cell of usual maps, and as much
-# at the corner of an object.
+# Motion after which a pose is remembered [m], [rad]; chosen: half a cell of usual maps, and as
+# much at the corner of an object.
 SPACING = 0.025
 ANGULAR_SPACING = 0.1
 # Poses that are remembered of each body; chosen: 25 m, far more than between two maps.

@@ -15,8 +15,8 @@ from push_navigation.obstacle import inflate
 # Points on the rim of an object, per cell; chosen: a corner of an obstacle that pokes between two
 # of them is an eighth of a cell nearer than it seems.
 RIM_POINTS_PER_CELL = 4
-# Distance from obstacles that were freed up to which clearances are computed anew [m]; chosen: more
-# than object and robot ever need.
+# Distance from obstacles that were freed up to which clearances are computed anew [m]; chosen:
+# more than object and robot ever need.
 FREED_REACH = 2.0
 
 

@@ -196,4 +196,4 @@ def _file(name: object, at: Location, folder: str, directory: Path | None) -> Pa
         if path.is_file():
             return path
     raise at.error(f'got {name!r}, expected a file in '
-                               + ' or '.join(str(path.parent) for path in candidates))
+                   + ' or '.join(str(path.parent) for path in candidates))

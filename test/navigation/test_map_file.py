@@ -1,4 +1,4 @@
-"""Map files of nav2_map_server: modes, thresholds, negation, origin, and what is wrong with them."""
+"""Map files of nav2_map_server: modes, thresholds, negation, origin, and what may be wrong."""
 
 import math
 
@@ -47,7 +47,7 @@ def test_pixels_are_read_as_by_map_server(tmp_path, mode, negate):
 
 
 def test_without_a_mode_it_is_trinary(tmp_path):
-    """As maps of slam_toolbox are: grey 205 is unknown where the threshold is that of its saver."""
+    """As maps of slam_toolbox are: grey 205 is unknown with the threshold of its saver."""
     grid = read_map(written(tmp_path, negate=None, free_thresh=0.196))
     assert grid.cells.tolist() == [[-1, -1, 100], [0, 100, -1]]
 
@@ -73,7 +73,8 @@ def test_a_png_holds_the_same_and_what_is_transparent_is_unknown_in_mode_scale(t
     colors = np.zeros((1, 2, 4), dtype=np.uint8)
     colors[0, 0, 3] = 255
     image.fromarray(colors).save(tmp_path / 'floor.png')
-    for mode, threshold, expected in (('scale', 0.65, [[100, -1]]), ('trinary', 0.65, [[100, 100]]),
+    for mode, threshold, expected in (('scale', 0.65, [[100, -1]]),
+                                      ('trinary', 0.65, [[100, 100]]),
                                       ('trinary', 0.8, [[-1, 100]])):
         path = written(tmp_path, image='floor.png', mode=mode, occupied_thresh=threshold)
         assert read_map(path).cells.tolist() == expected
