@@ -93,7 +93,8 @@ def add_energies(state: Any, body: Any, guess: Velocity, contact: ContactGeometr
     An implicit step takes every change of velocity for inelastic, ``(v - v_0)^T M (v - v_0) / 2``.
     What the acceleration of the last step does not predict is a jump, and costs the same with the
     jump in place of the change: an impact. The rest, of first order, is the step's own. So is what
-    the contact takes along the normal, but in the step that closes a gap, where it is the impact's.
+    the contact takes along the normal, but for the step that closes a gap: there it is the
+    impact's.
     """
     n_x, n_y, arm_n, arm_t = contact
     v_x, v_y, omega = solution.velocity
