@@ -171,11 +171,12 @@ def _below_bound(pairs: Sequence[Pair], method: str) -> Figure:
 
 
 def _collisions(pairs: Sequence[Pair], method: str) -> Figure:
-    for group in grouped(pairs, IN_MAPS, method):
-        hits = sum(int((group.values(f'{body}_clearance', successful=False) < 0.0).sum())
-                   for body in ('robot', 'object'))
-        return Figure(str(hits), hits == 0)
-    return NOT_MEASURED
+    groups = [group for part in (IN_MAPS, FLATS) for group in grouped(pairs, part, method)[:1]]
+    if not groups:
+        return NOT_MEASURED
+    hits = sum(int((group.values(f'{body}_clearance', successful=False) < 0.0).sum())
+               for group in groups for body in ('robot', 'object'))
+    return Figure(str(hits), hits == 0)
 
 
 def _falsely_done(pairs: Sequence[Pair], method: str) -> Figure:
