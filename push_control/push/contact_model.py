@@ -57,8 +57,8 @@ class ContactModel:
     One robot at one contact of an object.
 
     ``is_differential``: whether the base is a differential drive. ``nominal``: the nominal object
-    as ``Vehicle``, pushed at the start. ``center``: its centre of friction under the push (x, y) [m].
-    ``steering``: ``ContactSteering``. ``motion``: ``PushMotion``.
+    as ``Vehicle``, pushed at the start. ``center``: its centre of friction under the push (x, y)
+    [m]. ``steering``: ``ContactSteering``. ``motion``: ``PushMotion``.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
