@@ -19,7 +19,7 @@ from push_study.chapter3 import (
     speed_mismatch, speeds, unlimited_angle,
 )
 from push_study.chapter3.errors import studies as goal_errors, support_points
-from push_study.chapter4 import disturbances, goals, random_friction
+from push_study.chapter4 import disturbances, goals, other_objects, random_friction
 from push_study.framework.study import Study
 from push_study.primitives import (
     contact_friction, expected_time, place_and_tilt, reachable_poses, selected_push, steered_push,
@@ -37,7 +37,7 @@ MODULES = (
     pose_to_pose, segments, speeds, friction_cone, unlimited_angle, rolling_contact, robot_radii,
     speed_mismatch, solver_effort, support_points, goal_errors,
     # Chapter 4
-    goals, random_friction, disturbances,
+    goals, random_friction, disturbances, other_objects,
     # Single unsteered pushes
     place_and_tilt, reachable_poses, expected_time, selected_push, steered_push,
     contact_friction, unknown_loads,

@@ -99,14 +99,11 @@ def _complain(text: str, status: int) -> int:
 
 
 def _list(options: argparse.Namespace) -> None:
-    if not options.study:
-        for study in catalogue.studies():
-            print(f'{study.figure:<6} {study.title}')
-        return
     chosen = read_chosen_values()
-    for study in catalogue.select(options.study):
-        print(f'{study.figure:<6} {study.title}')
-        for value in study.values(chosen):
+    for study in catalogue.select(options.study or ['all']):
+        values = study.values(chosen)
+        print(f'{study.figure:<6} {study.title_of(values)}')
+        for value in values if options.study else ():
             print(f'         {value.text()} ({value.source.value}): {value.parameter.meaning}')
 
 
@@ -182,7 +179,7 @@ def _cluster(address: str) -> Generator[tuple[Executor, int], None, None]:
 
 def _print(result: StudyResult) -> None:
     note = ' (up to date)' if result.is_cached else ''
-    print(f'{result.files.png}{note}: {result.study.title}')
+    print(f'{result.files.png}{note}: {result.title}')
     for finding in result.findings.values():
         print(f'    {finding.meaning}: {finding.value:.4g} {finding.unit}'.rstrip())
 

@@ -18,7 +18,17 @@ unknowns in the order above (c^2 and mu_c as logarithms), e_j the end of push j 
 sigma is estimated from the median of what is left; a push that is off by more than OUTLIER sigma
 counts less (Huber's weights); the second sum is what is believed of the nominal object. The cost
 is minimized by Gauss's and Newton's method with derivatives by differences, which are integrated
-all at once; the intervals are those of the linearized problem, with Student's t.
+all at once.
+
+Intervals: with A the information of the linearized problem and g_j the gradient of push j, the
+deviation of a number is the greater of that by A^-1 and that by the jackknife over the pushes,
+
+    (n - 1) / n  sum_j (A_-j^-1 g_j)^2,        A_-j without push j,
+
+as the three numbers of an end do not err independently: what is wrong in a push, such as the place
+of the robot along the face, is wrong in all of them. Student's t has as many degrees of freedom
+as pushes tell of that number, ``(sum_j k_j)^2 / sum_j k_j^2`` with k_j the share of push j in its
+variance: of contact friction only those tell that slide.
 """
 
 import dataclasses
@@ -34,7 +44,7 @@ from push_model.friction import friction_center
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, Support
 from scipy.linalg import null_space
-from scipy.stats import t as student
+from scipy.stats import norm, t as student
 
 # Chosen: points of each path; the ends change by less than 0.5 % of the push with twice as many.
 POINTS = 31
@@ -56,6 +66,8 @@ PATTERN = 0.3
 # A support keeps at least this part of its friction: so that F stays inside.
 LEAST_SHARE = 0.02
 CONFIDENCE = 0.95
+# Least degrees of freedom. Chosen: one push that tells nearly all leaves about the prior.
+LEAST_DEGREES = 3.0
 # Huber's threshold, in standard deviations of a push's root mean square. Chosen, as usual.
 OUTLIER = 2.0
 # Least standard deviation [m]. Measured on recordings of the plant: what the points of the paths
@@ -227,12 +239,8 @@ def identify(obj: PushedObject, robot_radius: float, pushes: Sequence[RecordedPu
     problem = _Problem(obj, robot_radius, *stacked(pushes, POINTS), is_free)
     unknowns, slope, left, slides = _minimized(problem)
     sigma, weights = _weights(left, int(is_free.sum()))
-    degrees = max(1.0, len(left) - int(is_free.sum()))
-    information = slope.T @ (weights[:, None] * slope) / sigma ** 2
-    information += np.diag(1.0 / problem.doubts[is_free] ** 2)
-    deviations = np.zeros(len(is_free))
-    deviations[is_free] = np.sqrt(np.diag(np.linalg.inv(information)))
-    margin = float(student.ppf(0.5 * (1.0 + CONFIDENCE), degrees)) * deviations
+    margin = np.zeros(len(is_free))
+    margin[is_free] = _margins(slope, left, weights / sigma ** 2, problem.doubts[is_free])
     low, high = unknowns - margin, unknowns + margin
     intervals = [Interval(*(float(value) for value in row))
                  for row in zip(unknowns, low, high)][:len(NAMES)]
@@ -275,6 +283,36 @@ def _weights(left: FloatArray, unknowns: int) -> tuple[float, FloatArray]:
     typical = max(LEAST_SIGMA, float(np.median(sizes)) * math.sqrt(len(left) / degrees))
     weights = np.repeat(np.minimum(1.0, OUTLIER * typical / np.maximum(sizes, 1e-12)), 3)
     return max(LEAST_SIGMA, math.sqrt(float(weights @ left ** 2) / degrees)), weights
+
+
+def _margins(slope: FloatArray, left: FloatArray, weights: FloatArray,
+             doubts: FloatArray) -> FloatArray:
+    """
+    Find half the widths of the intervals.
+
+    :param slope: derivatives of the residuals of n pushes, shape (3 n, u).
+    :param left: residuals, shape (3 n,).
+    :param weights: of their squares, shape (3 n,).
+    :param doubts: standard deviations of what is believed, shape (u,).
+    :return: shape (u,).
+    """
+    count = len(left) // 3
+    prior = np.diag(1.0 / doubts ** 2)
+    each = slope.reshape(count, 3, -1)
+    weighted = weights.reshape(count, 3, 1) * each
+    informations = np.einsum('jka,jkb->jab', each, weighted)
+    gradients = np.einsum('jka,jk->ja', weighted, left.reshape(count, 3))
+    information = informations.sum(axis=0) + prior
+    covariance = np.linalg.inv(information)
+    steps = np.linalg.solve(information - informations, gradients[:, :, None])[..., 0]
+    jackknife = np.sqrt((count - 1) / count * (steps ** 2).sum(axis=0))
+    deviations = np.maximum(np.sqrt(np.diag(covariance)), jackknife)
+    shares = np.einsum('ab,jbc,ca->ja', covariance, informations, covariance)
+    telling = shares.sum(axis=0) ** 2 / np.maximum((shares ** 2).sum(axis=0), 1e-300)
+    quantiles = student.ppf(0.5 * (1.0 + CONFIDENCE), np.maximum(LEAST_DEGREES, telling))
+    # Nothing is known worse than before the first push.
+    believed = doubts * float(norm.ppf(0.5 * (1.0 + CONFIDENCE)))
+    return np.minimum(quantiles * deviations, believed)
 
 
 def _minimized(problem: _Problem) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

@@ -45,6 +45,13 @@ def compute_diameters(values: Values, run_jobs: RunJobs) -> Outcome:
     steps = np.diff(tables['fractions']['stable_fraction'])
     findings['growth'] = Finding(float(steps.min(initial=1.0)), '',
                                  'least growth of the stable fraction from panel to panel')
+    peaks = [float(tables['map']['tolerance_rad'][panel.rows(tables['map'])].max())
+             for panel in diameter_panels(values)]
+    best = int(np.argmax(peaks))
+    findings['best_diameter'] = Finding(values.robot_diameters[best], 'm', 'diameter of the robot '
+                                        'with the greatest tolerance')
+    findings['best_tolerance'] = Finding(peaks[best], 'rad', 'that tolerance')
+    findings['last_tolerance'] = Finding(peaks[-1], 'rad', 'greatest tolerance, last panel')
     return Outcome(tables, findings)
 
 
@@ -89,10 +96,15 @@ STUDIES = (
            (Parameter('robot_diameters', 'm', 'diameter of the robot in each panel'),),
            compute_diameters, diameter_panels,
            observation='the stable fraction of the perimeter grows from panel to panel, from '
-           '{first:.2f} to {last:.2f}.',
+           '{first:.2f} to {last:.2f}. The greatest tolerance does not: it peaks with the robot '
+           'of {best_diameter:g} m, at {best_tolerance:.2f} rad, and is {last_tolerance:.2f} rad '
+           'with the largest.',
            explanation='A location is stable while the centre of friction is nearer than '
-           'R_e cos(rho), which grows with the robot; the borders in the simulation are those of '
-           'the closed form, and tolerances differ by {difference:.3f} rad at most.'),
+           'R_e cos(rho), which grows with the robot. Small robots tolerate little because '
+           'further rotated the object is no longer stable, large ones because they rotate it '
+           'back faster, which inclines the force out of the friction cone. The borders in the '
+           'simulation are those of the closed form, and tolerances differ by {difference:.3f} '
+           'rad at most.'),
     _study('2.29', 'several centres of friction',
            (Parameter('friction_centers', 'm', 'centre of mass and of friction in each panel, '
                       'from the middle of the box'),

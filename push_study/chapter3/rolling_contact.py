@@ -90,7 +90,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 STUDIES = (
-    Study('3.9', 'Curved pusher: a robot of 50 mm radius', (
+    Study('3.9', 'Curved pusher: a robot of {robot_radius:g} m radius', (
         *SETUP, SPEED, SEGMENTS, Parameter('robot_radius', 'm', 'radius of the robot, R_p', 0.05)),
         compute, draw,
         'While the box rotates by {rotation:.2f} rad, the contact rolls {travel:.0f} mm to the '

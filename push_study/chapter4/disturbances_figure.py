@@ -6,7 +6,11 @@ from matplotlib.figure import Figure
 import numpy as np
 from push_model.geometry import Pose
 from push_study.chapter3.setup import draw_center, draw_outlines, poses_at
-from push_study.chapter4.setup import draw_angle, FEEDBACK, LABELS, LAWS, OPEN_LOOP, STYLES
+from push_study.chapter4.random_friction import draw_ends, mark_new_paths
+from push_study.chapter4.setup import (
+    draw_angle, FEEDBACK, LABELS, Law, MOBILE_CENTER, MPC, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
+    STYLES,
+)
 from push_study.chapter4.support_friction import draw_friction
 from push_study.framework import plot_style
 from push_study.framework.box import box
@@ -14,8 +18,10 @@ from push_study.framework.parameters import Values
 from push_study.framework.study import Outcome
 
 # Chosen: poses at which the box is drawn.
-OUTLINES = 8
-CENTIMETRES = 100.0
+OUTLINES = 6
+# By panel: (a) the optimiser's plan, (b) feedback.
+PANELS: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, OBJECT_FRAME), (FEEDBACK, MPC, MOBILE_CENTER))
+TITLES = ('optimiser, open loop', 'feedback')
 # When the disturbance ends [s].
 EndTime = Callable[[Values], float]
 
@@ -28,36 +34,46 @@ def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:
 
 def draw_centers(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:
     """
-    Draw the paths of the middle, one panel for each law.
+    Draw the paths of the middle, one panel for the plan in open loop and one for feedback.
 
     :param end_time: when the disturbance ends.
     """
     end = end_time(values)
-    for letter, axes, law in zip('ab', figure.subplots(2, 1, sharex=True, sharey=True), LAWS):
-        path = outcome.tables[law]
+    panels = figure.subplots(2, 1, sharex=True, sharey=True)
+    for letter, axes, laws, title in zip('ab', panels, PANELS, TITLES):
+        path = outcome.tables[laws[0]]
         draw_outlines(axes, box(values), [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
         rows = (path['time_s'] >= values.start_time) & (path['time_s'] <= end)
-        axes.plot(path['x_m'][rows], path['y_m'][rows], color=plot_style.LIGHT, linewidth=6.0,
+        axes.plot(path['x_m'][rows], path['y_m'][rows], color=plot_style.LIGHT, linewidth=7.0,
                   solid_capstyle='butt', zorder=2.0, label='disturbed')
-        draw_center(axes, path, **STYLES[law])
-        axes.set_title(f'({letter}) {LABELS[law]}', loc='left')
+        for law in laws:
+            draw_center(axes, outcome.tables[law], label=LABELS[law], **STYLES[law])
+        axes.set_title(f'({letter}) {title}', loc='left')
         axes.label_outer()
-        axes.legend(loc='upper left')
+        axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
 
 
 def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the box on its path, one panel for each law."""
-    panels = figure.subplots(2, 1, sharex=True, sharey=True)
-    for letter, axes, law in zip('ab', panels, LAWS):
-        path, obj = outcome.tables[law], box(values)
+    """Draw the box on its path, in the panels of ``draw_centers``, and the ends of all pushes."""
+    panels = figure.subplot_mosaic('a;b;c', height_ratios=(1.0, 1.0, 0.7))
+    panels['b'].sharex(panels['a'])
+    panels['b'].sharey(panels['a'])
+    for letter, laws, title in zip('ab', PANELS, TITLES):
+        axes, obj = panels[letter], box(values)
         draw_outlines(axes, obj, [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
-        poses = poses_at(path, np.linspace(0.0, path['time_s'][-1], OUTLINES))
-        for pose in poses[1:]:
-            axes.fill(*zip(*map(pose.transform, obj.outline)), facecolor='none', zorder=2.0,
-                      edgecolor=STYLES[law]['color'], linewidth=1.6 if pose is poses[-1] else 0.7)
-        draw_center(axes, path, **STYLES[law])
-        axes.set_title(f'({letter}) {LABELS[law]}', loc='left')
-        axes.label_outer()
+        for law in laws[:2]:
+            path = outcome.tables[law]
+            poses = poses_at(path, np.linspace(0.0, path['time_s'][-1], OUTLINES))
+            for pose in poses[1:]:
+                axes.fill(*zip(*map(pose.transform, obj.outline)), facecolor='none', zorder=2.0,
+                          edgecolor=STYLES[law]['color'],
+                          linewidth=1.6 if pose is poses[-1] else 0.7)
+            draw_center(axes, path, label=LABELS[law], **STYLES[law])
+        axes.set_title(f'({letter}) {title}', loc='left')
+        axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
+    panels['a'].set_xlabel('')
+    panels['a'].tick_params(labelbottom=False)
+    draw_ends(panels['c'], outcome.tables['ends'], PANELS[1])
 
 
 def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:
@@ -66,14 +82,22 @@ def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Val
 
     :param end_time: when the disturbance ends.
     """
-    axes = figure.subplots()
-    last = max(outcome.tables[law]['time_s'][-1] for law in LAWS)
-    axes.axvspan(values.start_time, min(last, end_time(values)), color=plot_style.LIGHT,
-                 alpha=0.6, linewidth=0.0, label='disturbed')
     path = outcome.tables[FEEDBACK]
-    axes.plot(path['time_s'], path['aim_rad'], color=plot_style.GREY, linewidth=1.0,
-              label='towards the centre of friction')
-    for law in (FEEDBACK, OPEN_LOOP):
-        draw_angle(axes, outcome.tables[law], 'time_s', law)
-    axes.set_xlim(0.0, last)
-    axes.legend(loc='best')
+    panels = figure.subplots(3, 1, sharex=True)
+    last = max(outcome.tables[law]['time_s'][-1] for law in (FEEDBACK, OPEN_LOOP))
+    rows: tuple[tuple[Law, ...], ...] = ((FEEDBACK, MPC), (MOBILE_CENTER, ONE_PATH),
+                                         (OPEN_LOOP, OBJECT_FRAME))
+    for axes, laws in zip(panels, rows):
+        axes.axvspan(values.start_time, min(last, end_time(values)), color=plot_style.LIGHT,
+                     alpha=0.6, linewidth=0.0, label='disturbed')
+        if axes is panels[0]:
+            axes.plot(path['time_s'], path['aim_rad'], color=plot_style.GREY, linewidth=1.0,
+                      label='towards the centre of friction')
+        for law in laws:
+            draw_angle(axes, outcome.tables[law], 'time_s', law)
+        if laws[0] != OPEN_LOOP:
+            mark_new_paths(axes, outcome.tables[laws[0]])
+        axes.set_ylabel('$\\rho$ [rad]')
+        axes.label_outer()
+        axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.05))
+    panels[0].set_xlim(0.0, last)

@@ -1,154 +1,183 @@
 """Random friction at the four support points: open loop against feedback."""
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 import numpy as np
-from push_model.geometry import FloatArray, Pose
+from push_model.geometry import Pose
 from push_study.chapter3.setup import draw_center, draw_outlines, GOAL, POSE_COLUMNS
-from push_study.chapter4.setup import (
-    draw_angle, ExecutedPush, FEEDBACK, LABELS, Law, LAWS, OPEN_LOOP, push, SETUP, STYLES,
+from push_study.chapter4.repeated_push import (
+    COLUMNS, median_findings, median_interval, repeat, RepeatedPush,
 )
-from push_study.chapter4.support_friction import draw_friction, friction_table, gaussian_friction
+from push_study.chapter4.setup import (
+    draw_angle, ExecutedPush, FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, push, SETUP,
+    STYLES, total_variation,
+)
+from push_study.chapter4.support_friction import draw_friction, friction_table
+from push_study.framework import plot_style
 from push_study.framework.box import box
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
-from scipy.stats import binom
 
-PARAMETERS = (*SETUP, GOAL,
-              Parameter('deviation', '', 'standard deviation of the friction of each support '
-                        'point, over its nominal value'),
-              Parameter('period', 's', 'time between draws'),
-              Parameter('seeds', '', 'number of pushes, each with draws of its own'))
-# Chosen: longer than any of the pushes [s].
-DURATION = 60.0
+PUSH = (*SETUP, GOAL,
+        Parameter('deviation', '', 'standard deviation of the friction of each support point, '
+                  'over its nominal value'),
+        Parameter('period', 's', 'time between draws'))
+PARAMETERS = (*PUSH, Parameter('seeds', '', 'number of pushes, each with draws of its own'))
+# By panel: (a) the optimiser's plan, (b) feedback.
+PANELS: tuple[tuple[Law, Law], tuple[Law, Law]] = ((OPEN_LOOP, OBJECT_FRAME), (FEEDBACK, MPC))
+LAWS: tuple[Law, ...] = (*PANELS[0], *PANELS[1])
 CENTIMETRES = 100.0
 
 
-def compute(values: Values, _: RunJobs) -> Outcome:
-    """Push under both laws, with the same draws for both."""
-    tables: dict[str, Table] = {}
-    pushes: dict[Law, list[ExecutedPush]] = {law: [] for law in LAWS}
-    centers: list[FloatArray] = []
-    for seed in range(int(values.seeds)):
-        changes = gaussian_friction(seed, values.deviation, values.period, DURATION)
-        for law in LAWS:
-            pushes[law].append(push(values, values.goal, law, changes))
-            tables[f'{law}_{seed}'] = pushes[law][-1].path
-        friction = tables[f'friction_{seed}'] = friction_table(
-            values, changes, max(pushes[law][-1].duration for law in LAWS))
-        centers.append(friction['center_y_m'])
-    errors = {law: np.array([executed.position_error for executed in pushes[law]])
-              for law in LAWS}
-    heading_errors = {law: np.array([executed.heading_error for executed in pushes[law]])
-                      for law in LAWS}
-    tables['ends'] = {'seed': np.arange(int(values.seeds)),
-                      **{f'{law}_position_error_m': errors[law] for law in LAWS},
-                      **{f'{law}_heading_error_rad': heading_errors[law] for law in LAWS}}
-    variation = {law: np.mean([_total_variation(executed.path['rho_rad'])
-                               for executed in pushes[law]]) for law in LAWS}
-    return Outcome(tables, {
-        'open_loop': Finding(CENTIMETRES * float(np.median(errors[OPEN_LOOP])), 'cm',
-                             'median distance from the goal, open loop'),
-        'feedback': Finding(CENTIMETRES * float(np.median(errors[FEEDBACK])), 'cm',
-                            'median distance from the goal, feedback'),
-        **_median_interval(errors[FEEDBACK], 'feedback'),
-        **_median_interval(errors[OPEN_LOOP], 'open_loop'),
+def first_pushes(values: Values) -> dict[Law, ExecutedPush]:
+    """
+    Push under all laws with the first draws.
+
+    :param values: with the parameters ``PUSH``.
+    :return: law -> push.
+    """
+    changes = RepeatedPush.of_gaussian(values).friction(0)
+    return {law: push(values, values.goal, law, changes) for law in LAWS}
+
+
+def compute_first(values: Values, _: RunJobs) -> Outcome:
+    """Push once under every law, with the same draws for all."""
+    pushes = first_pushes(values)
+    friction = friction_table(values, RepeatedPush.of_gaussian(values).friction(0),
+                              max(executed.duration for executed in pushes.values()))
+    tables: dict[str, Table] = {law: executed.path for law, executed in pushes.items()}
+    variation = {law: total_variation(path) for law, path in tables.items()}
+    return Outcome({**tables, 'friction': friction}, {
         'deviation': Finding(values.deviation, '', 'standard deviation of the friction'),
-        'worst': Finding(CENTIMETRES * float(errors[FEEDBACK].max()), 'cm',
-                         'largest distance from the goal, feedback'),
-        'worst_open_loop': Finding(CENTIMETRES * float(errors[OPEN_LOOP].max()), 'cm',
-                                   'the same, open loop'),
-        'wins': Finding(float((errors[FEEDBACK] < errors[OPEN_LOOP]).sum()), '',
-                        'pushes in which feedback ends nearer to the goal'),
-        'pushes': Finding(float(values.seeds), '', 'number of pushes'),
-        'heading': Finding(float(np.median(np.abs(heading_errors[OPEN_LOOP]))), 'rad',
-                           'median heading error at the goal, open loop'),
-        'heading_feedback': Finding(float(np.median(np.abs(heading_errors[FEEDBACK]))), 'rad',
-                                    'the same, feedback'),
-        'shift': Finding(CENTIMETRES * float(np.concatenate(centers).std()), 'cm', 'standard '
+        'shift': Finding(CENTIMETRES * float(friction['center_y_m'].std()), 'cm', 'standard '
                          'deviation of the centre of friction to the side'),
-        'variation': Finding(float(variation[FEEDBACK]), 'rad', 'mean total variation of the '
-                             'pushing angle, feedback'),
-        'variation_open_loop': Finding(float(variation[OPEN_LOOP]), 'rad',
-                                       'the same, open loop')})
+        'new_paths': Finding(float(tables[FEEDBACK]['new_paths'][-1]), '',
+                             'new paths that feedback has drawn'),
+        **{f'variation_{law}': Finding(value, 'rad', 'total variation of the pushing angle, '
+                                       + LABELS[law]) for law, value in variation.items()}})
 
 
-def _median_interval(errors: FloatArray, name: str) -> dict[str, Finding]:
-    """Bound the median distance from the goal by order statistics, at 95 %."""
-    # Ranks between which a binomial variable with probability 1/2 lies.
-    low, high = binom.interval(0.95, len(errors), 0.5)
-    ranked = CENTIMETRES * np.sort(errors)
-    return {f'{name}_low': Finding(float(ranked[max(0, int(low) - 1)]), 'cm',
-                                   'lower end of its 95 % interval'),
-            f'{name}_high': Finding(float(ranked[min(len(errors) - 1, int(high))]), 'cm',
-                                    'upper end')}
-
-
-def _total_variation(angles: FloatArray) -> float:
-    """Sum up all changes of an angle, without the samples that are nan [rad]."""
-    return np.abs(np.diff(angles[np.isfinite(angles)])).sum()
+def compute_all(values: Values, run_jobs: RunJobs) -> Outcome:
+    """Push many times under every law, with the same draws for all."""
+    ends = repeat(RepeatedPush.of_gaussian(values), LAWS, int(values.seeds), run_jobs)
+    errors = {law: CENTIMETRES * ends[f'{law}_{COLUMNS[0]}'] for law in LAWS}
+    findings = {'pushes': Finding(float(values.seeds), '', 'number of pushes under each law')}
+    for law in LAWS:
+        findings.update(median_findings(law, errors[law], 'cm',
+                                        f'median distance from the goal, {LABELS[law]}'))
+        findings[f'worst_{law}'] = Finding(float(errors[law].max()), 'cm', 'largest')
+        headings = np.abs(ends[f'{law}_{COLUMNS[1]}'])
+        findings[f'heading_{law}'] = Finding(float(np.median(headings)), 'rad',
+                                             'median magnitude of the heading error')
+    findings['wins'] = Finding(
+        float((errors[FEEDBACK] < np.minimum(errors[OPEN_LOOP], errors[OBJECT_FRAME])).sum()), '',
+        'pushes in which feedback ends nearer to the goal than open loop in either frame')
+    tables: dict[str, Table] = {law: executed.path
+                                for law, executed in first_pushes(values).items()}
+    return Outcome({**tables, 'ends': ends}, findings)
 
 
 def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:
     """Draw the friction of the support points in the first push."""
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
-    draw_friction(panels.ravel().tolist(), outcome.tables['friction_0'])
+    draw_friction(panels.ravel().tolist(), outcome.tables['friction'])
 
 
 def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:
-    """Draw the pushing angle of feedback in the first push, and where the force should lead."""
-    axes = figure.subplots()
-    draw_angle(axes, outcome.tables[f'{FEEDBACK}_0'], 'time_s', FEEDBACK)
-    draw_angle(axes, outcome.tables[f'{OPEN_LOOP}_0'], 'time_s', OPEN_LOOP)
-    axes.legend(loc='best')
+    """Draw the pushing angles in the first push."""
+    above, below = figure.subplots(2, 1, sharex=True, sharey=True)
+    for axes, laws in ((above, PANELS[1]), (below, PANELS[0])):
+        for law in laws:
+            draw_angle(axes, outcome.tables[law], 'time_s', law)
+        axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
+        axes.label_outer()
+    mark_new_paths(above, outcome.tables[FEEDBACK])
+    above.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
+
+
+def mark_new_paths(axes: Axes, path: Table) -> None:
+    """
+    Mark when feedback has drawn a new path.
+
+    :param axes: over time.
+    :param path: table of an ``ExecutedPush``.
+    """
+    times = path['time_s'][1:][np.diff(path['new_paths']) > 0]
+    axes.plot(times, np.full(len(times), 0.03), '^', color=plot_style.INK, markersize=4.5,
+              transform=axes.get_xaxis_transform(), zorder=4.0, label='new path')
 
 
 def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw the paths of the middle, one panel for each law, and how far off they end."""
-    panels = figure.subplot_mosaic('ab;cc', height_ratios=(1.6, 1.0))
-    for letter, law in zip('ab', LAWS):
+    """Draw the first path of the middle, one panel for each kind of law, and all ends."""
+    panels = figure.subplot_mosaic('ab;cc', height_ratios=(1.5, 1.0))
+    for letter, laws, title in zip('ab', PANELS, ('optimiser, open loop', 'feedback')):
         axes = panels[letter]
         draw_outlines(axes, box(values), [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
-        for seed in range(int(values.seeds)):
-            path = outcome.tables[f'{law}_{seed}']
-            draw_center(axes, path, **{**STYLES[law], 'linewidth': 0.5 if seed else 1.8})
-        end = Pose(*(outcome.tables[f'{law}_0'][name][-1] for name in POSE_COLUMNS))
-        axes.fill(*zip(*map(end.transform, box(values).outline)), facecolor='none', zorder=2.0,
-                  edgecolor=STYLES[law]['color'], linewidth=1.2)
-        axes.set_title(f'({letter}) {LABELS[law]}', loc='left')
+        for law in laws:
+            path = outcome.tables[law]
+            draw_center(axes, path, **STYLES[law])
+            end = Pose(*(path[name][-1] for name in POSE_COLUMNS))
+            axes.fill(*zip(*map(end.transform, box(values).outline)), facecolor='none',
+                      zorder=2.0, edgecolor=STYLES[law]['color'], linewidth=1.2)
+        axes.set_title(f'({letter}) {title}', loc='left')
         axes.set_xlim(-0.3, values.goal[0] + 0.4)
-        axes.set_ylim(-0.6, values.goal[1] + 0.6)
-    below, table = panels['c'], outcome.tables['ends']
-    for row, (law, marker) in enumerate(zip(LAWS, 'so')):
-        errors = CENTIMETRES * table[f'{law}_position_error_m']
-        median, color = np.median(errors), STYLES[law]['color']
-        below.plot(errors, np.full(len(errors), row), marker, color=color, fillstyle='none')
-        below.plot([median, median], [row - 0.3, row + 0.3], color=color)
-    below.set_yticks([0, 1], [LABELS[law] for law in LAWS])
-    below.set_ylim(-0.6, 1.6)
-    below.set_xscale('log')
-    below.set_xlabel('distance from the goal [cm]; bars: median')
+        axes.set_ylim(-0.6, values.goal[1] + 0.8)
+    draw_ends(panels['c'], outcome.tables['ends'], LAWS)
+
+
+def draw_ends(axes: Axes, table: Table, laws: tuple[Law, ...]) -> None:
+    """
+    Draw how far from the goal all pushes end, one row for each law.
+
+    :param axes: to draw on.
+    :param table: of ``repeat``.
+    :param laws: from the top to the bottom.
+    """
+    for row, law in enumerate(reversed(laws)):
+        errors = CENTIMETRES * table[f'{law}_{COLUMNS[0]}']
+        median, low, high = median_interval(errors)
+        color = STYLES[law]['color']
+        axes.plot(errors, np.full(len(errors), row - 0.12), 'o', color=color, fillstyle='none',
+                  markersize=3.5, markeredgewidth=0.8)
+        axes.plot([low, high], [row + 0.25, row + 0.25], color=color, linewidth=2.5)
+        axes.plot(median, row + 0.25, 'D', color=color, markersize=5.0)
+    axes.set_yticks(range(len(laws)), [LABELS[law] for law in reversed(laws)])
+    axes.set_ylim(-0.5, len(laws) - 0.4)
+    axes.set_xscale('log')
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter('{x:g}')
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel('distance from the goal [cm]; bars: median and its 95 % interval')
 
 
 STUDIES = (
     Study('4.5', 'Gaussian friction at the four support points: coefficients over time',
-          PARAMETERS, compute, draw_coefficients,
+          PUSH, compute_first, draw_coefficients,
           'The friction of each support point is drawn again and again, with a standard deviation '
           'of {deviation:.0%} of its nominal value.',
           'Each draw moves the centre of friction to one side, by {shift:.1f} cm (standard '
           'deviation); neither planner nor controller is informed.'),
-    Study('4.6', 'Gaussian friction at the four support points: input', PARAMETERS, compute,
+    Study('4.6', 'Gaussian friction at the four support points: input', PUSH, compute_first,
           draw_input,
           'Feedback responds to the draws with pushing angles whose total variation is '
-          '{variation:.0f} rad, while that of the open loop only drifts as the box rotates, by '
-          '{variation_open_loop:.0f} rad.',
+          '{variation_feedback:.1f} rad (mpc: {variation_mpc:.1f} rad); the planned input varies '
+          'by {variation_object_frame:.1f} rad, and played in the world it drifts as the box '
+          'rotates.',
           'Each draw moves the centre of friction to one side, by {shift:.1f} cm (standard '
-          'deviation), and the box begins to rotate to that side; the open loop does not observe '
-          'it.', (6.4, 3.6)),
+          'deviation), and the box begins to rotate to that side; open loop does not observe it. '
+          'Feedback steers against it, and where it has come too far off its path, draws a new '
+          'one ({new_paths:.0f} times, triangles), whose turns are spikes of the angle.',
+          (7.4, 4.4)),
     Study('4.7', 'Gaussian friction at the four support points: trajectories', PARAMETERS,
-          compute, draw_paths,
-          'Of {pushes:.0f} pushes (the first is drawn bold), feedback ends nearer to the goal in '
-          '{wins:.0f}; the median distance is {feedback:.1f} cm with feedback ({feedback_low:.1f} '
-          'to {feedback_high:.1f}, 95% interval) and {open_loop:.0f} cm in open loop '
-          '({open_loop_low:.0f} to {open_loop_high:.0f}).',
-          'Rotations that begin by chance grow in open loop; feedback stops them, but cannot '
-          'foresee the draws on the last part of the path before the goal.', (6.4, 5.0)))
+          compute_all, draw_paths,
+          'Of {pushes:.0f} pushes (drawn: the first), feedback ends nearer to the goal than open '
+          'loop in {wins:.0f}; the median distance (95% interval) is {feedback:.1f} cm '
+          '({feedback_low:.1f} to {feedback_high:.1f}) with feedback, {mpc:.1f} cm '
+          '({mpc_low:.1f} to {mpc_high:.1f}) with mpc, {open_loop:.0f} cm ({open_loop_low:.0f} to '
+          '{open_loop_high:.0f}) in open loop in the world, and {object_frame:.0f} cm '
+          '({object_frame_low:.0f} to {object_frame_high:.0f}) in the frame of the object.',
+          'Rotations that begin by chance grow in the world, as the robot is narrower than the '
+          'box is deep; in the frame of the object they add up without growing. Feedback stops '
+          'them, but cannot foresee the draws on the last part of the path before the goal.',
+          (7.0, 5.6)))

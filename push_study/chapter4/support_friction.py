@@ -40,8 +40,8 @@ def friction_interval(side: str, factor: float, start: float,
     return tuple(FrictionChange(start, end, factor, support) for support in SIDES[side])
 
 
-def gaussian_friction(seed: int, deviation: float, period: float,
-                      duration: float) -> tuple[FrictionChange, ...]:
+def gaussian_friction(seed: int, deviation: float, period: float, duration: float,
+                      supports: int = len(SUPPORTS)) -> tuple[FrictionChange, ...]:
     """
     Draw the friction of every support point from a Gaussian, again and again.
 
@@ -49,10 +49,11 @@ def gaussian_friction(seed: int, deviation: float, period: float,
     :param deviation: standard deviation over the nominal friction.
     :param period: between the draws [s].
     :param duration: after which friction is nominal again [s].
+    :param supports: number of support points.
     :return: changes; no friction is below zero.
     """
     count = round(duration / period)
-    draws = np.random.default_rng(seed).standard_normal((count, len(SUPPORTS)))
+    draws = np.random.default_rng(seed).standard_normal((count, supports))
     factors = np.maximum(0.0, 1.0 + deviation * draws).tolist()
     return tuple(FrictionChange(number * period, (number + 1) * period, factor, support)
                  for number, row in enumerate(factors) for support, factor in enumerate(row))

@@ -32,7 +32,7 @@ def stamp_of(study: Study, values: Values) -> Stamp:
     manifest = ElementTree.parse(data.share_directory() / 'package.xml').getroot()
     parameters = {value.parameter.name: [value.value, value.parameter.unit, value.source.value]
                   for value in values}
-    return {'figure': study.figure, 'title': study.title,
+    return {'figure': study.figure, 'title': study.title_of(values),
             'version': manifest.findtext('version'), 'software': software_digest(study.compute),
             'parameters': parameters}
 

@@ -40,7 +40,9 @@ def applied() -> Generator[None, None, None]:
     """Set fonts and lines while a figure is drawn, whatever the user's own settings are."""
     settings = {
         'font.size': 9.0, 'axes.titlesize': 9.5, 'axes.labelsize': 9.0, 'legend.fontsize': 8.0,
-        'legend.frameon': False, 'axes.grid': True, 'grid.color': '#E4E4E4',
+        'legend.frameon': False,
+        # Long enough that dashes can be told apart.
+        'legend.handlelength': 3.6, 'axes.grid': True, 'grid.color': '#E4E4E4',
         'grid.linewidth': 0.6, 'axes.axisbelow': True, 'axes.spines.top': False,
         'axes.spines.right': False, 'lines.linewidth': 1.8, 'svg.hashsalt': 'push_study',
         'svg.fonttype': 'none', 'axes.formatter.useoffset': False}
@@ -86,7 +88,8 @@ def annotate(figure: Figure, study: Study, values: Values) -> None:
     :param study: which is drawn.
     :param values: of its parameters.
     """
-    figure.suptitle(f'{study.figure}  {study.title}', fontsize=10.5, color=INK, x=0.01, ha='left')
+    figure.suptitle(f'{study.figure}  {study.title_of(values)}', fontsize=10.5, color=INK,
+                    x=0.01, ha='left')
     lines: list[str] = []
     for source, title in SOURCE_TITLES.items():
         texts = [value.text() for value in values if value.source is source]

@@ -10,10 +10,10 @@ from push_scenario.batch.batch import run_batch
 from push_study.framework import plot_style
 from push_study.framework.files import stamp_of, StudyFiles
 from push_study.framework.parameters import ChosenValues, Overrides, Values
-from push_study.framework.study import Finding, Outcome, Record, Study, Table
+from push_study.framework.study import Finding, Outcome, Record, SHORT_JOB, Study, Table
 
-# Chosen: fewer jobs than this are done before other processes have started (about a second).
-MIN_JOBS_FOR_WORKERS = 200
+# Measured: how long other processes take to start; shorter batches are done by then [s].
+START_TIME = 1.0
 
 
 class StudyResult(NamedTuple):
@@ -21,6 +21,7 @@ class StudyResult(NamedTuple):
     A finished study.
 
     :param study: which.
+    :param title: for the values that it was computed with.
     :param findings: name -> ``Finding``.
     :param files: where its files are.
     :param is_cached: whether it had been computed before, with the same parameters and source.
@@ -28,6 +29,7 @@ class StudyResult(NamedTuple):
     """
 
     study: Study
+    title: str
     findings: dict[str, Finding]
     files: StudyFiles
     is_cached: bool
@@ -68,28 +70,29 @@ class StudyRunner:
         :raises RuntimeError: where a job of its batch fails.
         """
         values = study.values(self._chosen, self._overrides)
-        stamp = stamp_of(study, values)
+        stamp, title = stamp_of(study, values), study.title_of(values)
         files = StudyFiles(study, self._folder)
         found = files.read(stamp)
         if found is not None:
-            return StudyResult(study, found.findings, files, True, found.page_table)
+            return StudyResult(study, title, found.findings, files, True, found.page_table)
         self._folder.mkdir(parents=True, exist_ok=True)
         batches: list[Path] = []
 
-        def run_jobs(function: Callable[[Any], Record], jobs: Sequence[Any]) -> Sequence[Record]:
+        def run_jobs(function: Callable[[Any], Record], jobs: Sequence[Any], /, *,
+                     job_time: float = SHORT_JOB) -> Sequence[Record]:
             batches.append(files.batch_path(stamp, len(batches)))
-            return self._run_batch(function, jobs, batches[-1])
+            is_short = len(jobs) * job_time < START_TIME
+            return self._run_batch(function, jobs, batches[-1], is_short)
 
         outcome = study.compute(values, run_jobs)
         save_figure(study, outcome, values, files)
         files.write(stamp, outcome)
         _remove_batches(batches)
-        return StudyResult(study, outcome.findings, files, False, outcome.page_table)
+        return StudyResult(study, title, outcome.findings, files, False, outcome.page_table)
 
     def _run_batch(self, function: Callable[[Any], Record], jobs: Sequence[Any],
-                   path: Path) -> Sequence[Record]:
-        is_small = self._executor is None and len(jobs) < MIN_JOBS_FOR_WORKERS
-        workers = 1 if is_small else self._workers
+                   path: Path, is_short: bool) -> Sequence[Record]:
+        workers = 1 if self._executor is None and is_short else self._workers
         result = run_batch(function, jobs, path, workers=workers, executor=self._executor,
                            progress=self._on_progress)
         if result.errors:
@@ -98,12 +101,14 @@ class StudyRunner:
         return [record for record in result.records if record is not None]
 
 
-def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any]) -> Sequence[Record]:
+def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any], /, *,
+                  job_time: float = SHORT_JOB) -> Sequence[Record]:
     """
     Run jobs one after the other, in memory; for ``compute`` without a runner.
 
     :param function: of one job.
     :param jobs: plain values.
+    :param job_time: not used.
     :return: the record of each job.
     """
     return [function(job) for job in jobs]

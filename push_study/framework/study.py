@@ -20,6 +20,8 @@ Record = dict[str, Any]
 # the thesis, and push primitives. Names without a number are beyond the thesis.
 GROUPS = {'C': 'appendix', 'P': 'primitives'}
 BEYOND_THESIS = 'beyond'
+# Measured: what one job of most studies takes, at most [s].
+SHORT_JOB = 5e-3
 
 
 class Finding(NamedTuple):
@@ -54,13 +56,14 @@ class Outcome(NamedTuple):
 class RunJobs(Protocol):
     """Runs a function on many jobs, on all workers and resumably."""
 
-    def __call__(self, function: Callable[[Any], Record], jobs: Sequence[Any],
-                 /) -> Sequence[Record]:
+    def __call__(self, function: Callable[[Any], Record], jobs: Sequence[Any], /, *,
+                 job_time: float = SHORT_JOB) -> Sequence[Record]:
         """
         Run all jobs.
 
         :param function: as ``push_scenario.batch.batch.run_batch`` takes it.
         :param jobs: plain values.
+        :param job_time: what one takes, roughly [s].
         :return: the record of each job, in their order.
         """
         ...
@@ -95,6 +98,12 @@ class Draw(Protocol):
         ...
 
 
+# Text that may depend on what a study was computed with, and on what it found: by the values of
+# its parameters, by the values of its findings.
+Title = str | Callable[[Values], str]
+Sentence = str | Callable[[Mapping[str, float]], str]
+
+
 @dataclasses.dataclass(frozen=True)
 class Study:
     """
@@ -102,23 +111,24 @@ class Study:
 
     :param figure: its number in the thesis, with ``T`` in front for a table; beyond the thesis
         such as ``P.1``, or a name such as ``four-goals``.
-    :param title: in a few words.
+    :param title: in a few words; ``{name}`` is replaced by the value of a parameter, a function
+        makes it of the values.
     :param parameters: what ``compute`` and ``draw`` find in their ``values``.
     :param compute: computes the outcome.
     :param draw: draws the outcome.
     :param observation: one sentence on what the figure shows; ``{name}`` is replaced by a finding,
-        ``{name:.2f}`` formats it.
+        ``{name:.2f}`` formats it; a function makes the sentence of the findings.
     :param explanation: one sentence on why that is so, likewise.
     :param size: width and height of the figure [inch].
     """
 
     figure: str
-    title: str
+    title: Title
     parameters: tuple[Parameter, ...]
     compute: Compute
     draw: Draw
-    observation: str
-    explanation: str
+    observation: Sentence
+    explanation: Sentence
     size: tuple[float, float] = (6.4, 4.2)
 
     @property
@@ -138,6 +148,17 @@ class Study:
         """
         return resolve(self.figure, self.parameters, chosen, overrides or {})
 
+    def title_of(self, values: Values) -> str:
+        """
+        Write the title for the values that a study is computed with.
+
+        :param values: of its parameters.
+        :return: a few words.
+        """
+        if callable(self.title):
+            return self.title(values)
+        return self.title.format(**{value.parameter.name: value.value for value in values})
+
     def caption(self, findings: Mapping[str, Finding]) -> str:
         """
         Write what the figure shows, and why.
@@ -146,4 +167,5 @@ class Study:
         :return: two sentences.
         """
         values = {name: finding.value for name, finding in findings.items()}
-        return f'{self.observation.format(**values)} {self.explanation.format(**values)}'
+        return ' '.join((text(values) if callable(text) else text).format(**values)
+                        for text in (self.observation, self.explanation))

@@ -14,7 +14,7 @@ the places of the feet in the body frame [mm].
 import lzma
 import math
 from pathlib import Path
-from typing import Iterator, NamedTuple
+from typing import Iterator, NamedTuple, Sequence
 
 import numpy as np
 from push_control.identification.recorded_push import gap_at, RecordedPush
@@ -43,12 +43,16 @@ SETTLING_TIME = 0.5
 SENSOR_TO_TOOL = -np.array([[1.0, 1.0], [1.0, -1.0]]) / math.sqrt(2.0)
 
 
+# Pushes that identify: every so many of a file of fifty; the others test.
+SELECTED = 10
+
+
 class BlockPush(NamedTuple):
     """
     One recorded push.
 
     :param motion: from the first touch on; the path of the pusher is shifted along the contact
-        normal so that it touches the block where the force begins.
+        normal so that it touches the block there.
     :param force: of the pusher on the block, mean, world axes (x, y) [N].
     :param duration: from the first touch to the end [s].
     """
@@ -66,12 +70,44 @@ class BlockRecording(NamedTuple):
     :param floor: one of ``FLOOR_FRICTION``.
     :param object: the block, with what is believed before.
     :param pushes: in the order of the file.
+    :param delay: of the force behind the path of the pusher, of all files together [s].
     """
 
     name: str
     floor: str
     object: PushedObject
     pushes: tuple[BlockPush, ...]
+    delay: float
+
+
+class _RawPush(NamedTuple):
+    """Poses (3,) [m, rad], forces (n, 3) [s, N] and rows of the pusher (m, 8) of one push."""
+
+    start: FloatArray
+    end: FloatArray
+    forces: FloatArray
+    pusher: FloatArray
+
+    @property
+    def touch(self) -> float:
+        """Time at which the force begins [s]."""
+        return float(self.forces[int(np.argmax(np.hypot(*self.forces[:, 1:].T) > TOUCH_FORCE)), 0])
+
+    def path_after(self, time: float) -> tuple[FloatArray, FloatArray]:
+        """Return times (k,) [s] and places (k, 3) of the pusher from a time on [m, m, 0]."""
+        times = np.append(time, self.pusher[self.pusher[:, 0] > time, 0])
+        return times, np.column_stack(
+            [MILLIMETRE * np.interp(times, self.pusher[:, 0], column)
+             for column in (self.pusher[:, 1], self.pusher[:, 2])] + [np.zeros(len(times))])
+
+
+class _RawFile(NamedTuple):
+    """A file as it is read."""
+
+    name: str
+    floor: str
+    object: PushedObject
+    pushes: tuple[_RawPush, ...]
 
 
 def read_recordings(folder: Path) -> tuple[BlockRecording, ...]:
@@ -86,10 +122,14 @@ def read_recordings(folder: Path) -> tuple[BlockRecording, ...]:
     if not paths:
         raise ValueError(f'folder: got {folder}, without files *.txt or *.txt.xz, expected the '
                          'recordings of the block')
-    return tuple(_read(path) for path in paths)
+    files = [_read(path) for path in paths]
+    delay = _force_delay(files)
+    return tuple(BlockRecording(one.name, one.floor, one.object,
+                                tuple(_push(raw, one.object, delay) for raw in one.pushes), delay)
+                 for one in files)
 
 
-def _read(path: Path) -> BlockRecording:
+def _read(path: Path) -> _RawFile:
     name = path.name.partition('.')[0]
     floor, *places = name.split('_')
     if floor not in FLOOR_FRICTION or len(places) != 6:
@@ -105,31 +145,52 @@ def _read(path: Path) -> BlockRecording:
     with opener(path, 'rt', encoding='utf-8') as stream:
         rows = iter(stream.read().splitlines())
     try:
-        pushes = tuple(_push(rows, obj) for _ in range(int(next(rows))))
+        pushes = tuple(_raw_push(rows) for _ in range(int(next(rows))))
     except (StopIteration, ValueError, IndexError) as error:
         raise ValueError(f'{path.name}: expected pushes with poses, forces and pusher rows: '
                          f'{error}') from None
-    return BlockRecording(name, floor, obj, pushes)
+    return _RawFile(name, floor, obj, pushes)
 
 
 def _table(rows: Iterator[str]) -> FloatArray:
     return np.array([next(rows).split() for _ in range(int(next(rows)))], dtype=float)
 
 
-def _push(rows: Iterator[str], obj: PushedObject) -> BlockPush:
+def _raw_push(rows: Iterator[str]) -> _RawPush:
     start, end = (_planar(np.array(next(rows).split(), dtype=float)) for _ in range(2))
     forces, pusher = _table(rows), _table(rows)
     forces[:, 1:] -= forces[:ROWS_BEFORE, 1:].mean(axis=0)
-    touch = forces[int(np.argmax(np.hypot(*forces[:, 1:].T) > TOUCH_FORCE)), 0]
-    times = np.append(touch, pusher[pusher[:, 0] > touch, 0])
-    path = np.column_stack([MILLIMETRE * np.interp(times, pusher[:, 0], column)
-                            for column in (pusher[:, 1], pusher[:, 2])] + [np.zeros(len(times))])
-    gap, normal = gap_at(Shape.of(obj), ROD_RADIUS, start, path[0])
+    return _RawPush(start, end, forces, pusher)
+
+
+def _force_delay(files: Sequence[_RawFile]) -> float:
+    """
+    Find by how much the force is recorded behind the pusher [s].
+
+    Rod and block touch at the beginning of the force as at the end of the push, so that the gap
+    between them, as the two recorded poses have it, must be the same. That it is not, but smaller
+    at the beginning by the same time at all speeds along the normal, is the clocks.
+    """
+    delays: list[float] = []
+    for one in files:
+        shape = Shape.of(one.object)
+        for raw in one.pushes[::SELECTED]:
+            times, path = raw.path_after(raw.touch)
+            first, normal = gap_at(shape, ROD_RADIUS, raw.start, path[0])
+            last, _ = gap_at(shape, ROD_RADIUS, raw.end, path[-1])
+            speed = float((path[-1, :2] - path[0, :2]) @ normal) / (times[-1] - times[0])
+            delays.append((last - first) / speed)
+    return max(0.0, float(np.median(delays)))
+
+
+def _push(raw: _RawPush, obj: PushedObject, delay: float) -> BlockPush:
+    times, path = raw.path_after(raw.touch - delay)
+    gap, normal = gap_at(Shape.of(obj), ROD_RADIUS, raw.start, path[0])
     path[:, :2] += gap * normal
-    steady = forces[:, 0] > touch + SETTLING_TIME
-    _, _, tool = _planar(pusher[-1, 1:])
-    force = _rotation(tool) @ SENSOR_TO_TOOL @ forces[steady, 1:].mean(axis=0)
-    return BlockPush(RecordedPush(start, end, path), force, float(times[-1] - times[0]))
+    steady = raw.forces[:, 0] > raw.touch + SETTLING_TIME
+    _, _, tool = _planar(raw.pusher[-1, 1:])
+    force = _rotation(tool) @ SENSOR_TO_TOOL @ raw.forces[steady, 1:].mean(axis=0)
+    return BlockPush(RecordedPush(raw.start, raw.end, path), force, float(times[-1] - times[0]))
 
 
 def _rotation(angle: float) -> FloatArray:

@@ -12,12 +12,10 @@ from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
-from push_study.recordings.block import BlockPush, BlockRecording, ROD_RADIUS
+from push_study.recordings.block import BlockPush, BlockRecording, ROD_RADIUS, SELECTED
 
 # Chosen: points of an integrated path, a fifth of a millimetre apart.
 POINTS = 61
-# Pushes that identify: every so many of a file of fifty; the others test.
-SELECTED = 10
 IDENTIFIED = ('friction_center_x', 'friction_center_y', 'contact_friction')
 # Chosen: step and smoothing of the plant for pushes of 2.5 mm/s [s, m/s].
 PLANT_STEP = 5e-3

@@ -1,5 +1,6 @@
 """The catalogue lists every study once, in the order of the thesis."""
 
+from helpers.study_outcomes import outcome_of
 from push_study import catalogue
 from push_study.framework.parameters import read_chosen_values
 from push_study.maps import drive_map, object_map, stable_regions
@@ -13,7 +14,7 @@ def test_studies_are_in_the_order_of_the_thesis_and_those_beyond_it_follow():
     assert beyond == [f'P.{number}' for number in range(1, len(beyond) + 1)]
     assert figures[-len(beyond):] == beyond
     assert [study.figure for study in catalogue.select(['beyond'])] == [
-        'rolling-plan', 'four-goals']
+        'rolling-plan', 'four-goals', 'disturbed-objects']
     # The tables of a chapter come after its figures.
     thesis = [study.figure for study in catalogue.select(['chapter2', 'chapter3', 'chapter4'])]
     assert figures[:len(thesis)] == thesis
@@ -27,6 +28,20 @@ def test_studies_are_selected_by_number_chapter_or_all_of_them():
     assert catalogue.select(['all']) == catalogue.studies()
     with pytest.raises(ValueError, match='2.99.*expected all, chapter2'):
         catalogue.select(['2.99'])
+
+
+def test_titles_and_captions_change_with_the_values():
+    by_figure = {study.figure: study for study in catalogue.select(['2.11', '2.15', '2.16'])}
+    for figure, overrides, words in (
+            ('2.15', {}, 'at 0.5 m/s'), ('2.15', {'speed': 2.0}, 'at 2 m/s'),
+            ('2.11', {}, ': stable'), ('2.11', {'ahead': 0.7}, ': unstable')):
+        study = by_figure[figure]
+        assert words in study.title_of(study.values(read_chosen_values(), overrides))
+    for figure, overrides, words in (
+            ('2.11', {}, 'nearer to the contact'), ('2.11', {'ahead': 0.7}, 'further away'),
+            ('2.16', {}, 'overshoots'), ('2.16', {'speed': 0.3}, 'without overshoot')):
+        study = by_figure[figure]
+        assert words in study.caption(outcome_of(study, **overrides).findings)
 
 
 def test_every_value_of_the_table_is_used():

@@ -1,27 +1,31 @@
 """Steady yaw rate of the box pushed at a corner, over mass, friction and moment of inertia."""
 
 import functools
+import math
 from typing import Callable
 
 from matplotlib.figure import Figure
 import numpy as np
+from push_model.analysis.steady_turn import steady_force
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject
 from push_study.chapter2.corner_push.setup import (
     draw_rates, integrated_push, MAX_SPEED, push_direction, pushed_box, relative_spread, SHAPE,
-    speed_samples, steady_yaw_rates,
+    SPEED_LABEL, speed_samples, steady_yaw_rates,
 )
 from push_study.framework import plot_style
 from push_study.framework.box import FRICTION, MASS
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 
-# Chosen: speeds at which the motion is integrated for comparison.
-CHECKED_SPEEDS = 6
-# Chosen: long enough that the integrated yaw rates are steady to 1e-6 at all speeds [s].
-SETTLING_TIME = 30.0
-# Chosen: curves nearer than this are drawn nested, as they would hide one another.
-COINCIDENT = 0.01
+# Chosen: speeds at which the motion is integrated.
+CHECKED_SPEEDS = 9
+# When it is sampled [s]. Chosen: densely while the rate rises, and once after so long that it is
+# steady to 1e-6 at all speeds.
+TIMES = np.append(np.linspace(0.0, 2.0, 401), 30.0)
+# Chosen: the usual definition of a rise time.
+RISE_FRACTION = 0.9
+RISE_TIME = f'time to {RISE_FRACTION:.0%} of the steady rate'
 MASSES = (Parameter('least_mass', 'kg', 'lightest box', 0.5),
           Parameter('masses_between', 'kg', 'other boxes'),
           Parameter('greatest_mass', 'kg', 'heaviest box', 3.0))
@@ -79,68 +83,125 @@ def boxes_by_friction(values: Values) -> Boxes:
 
 
 def _compute(make_boxes: Callable[[Values], Boxes], values: Values, _: RunJobs) -> Outcome:
-    """Compute the steady yaw rates of several boxes, and integrate some of their motions."""
-    objects, direction = make_boxes(values).values(), push_direction(values)
+    """Compute steady yaw rates and forces of several boxes, and integrate some motions."""
+    objects, direction = list(make_boxes(values).values()), push_direction(values)
     speeds, checked = speed_samples(values), speed_samples(values, CHECKED_SPEEDS)
     curves = np.array([steady_yaw_rates(obj, direction, speeds) for obj in objects])
-    ends = np.array([[integrated_push(obj, direction, speed, (0.0, SETTLING_TIME))[-1, 3]
-                      for speed in checked] for obj in objects])
+    forces = np.array([[math.hypot(*steady_force(obj, obj.outline[0], direction, speed, direction))
+                        for speed in checked] for obj in objects])
+    motions = np.array([[integrated_push(obj, direction, speed, TIMES)[:, 3] for speed in checked]
+                        for obj in objects])
     expected = np.array([steady_yaw_rates(obj, direction, checked) for obj in objects])
-    error = ends / expected - 1.0
+    ends = motions[:, :, -1]
+    rises = np.array([[rise_time(rates, steady) for rates, steady in zip(*rows)]
+                      for rows in zip(motions, expected)])
     findings = {
         'spread': Finding(relative_spread(curves), '',
                           'largest relative difference between the curves'),
         'integrated_spread': Finding(relative_spread(ends), '',
                                      'the same between the ends of the integrated motions'),
-        'integration_error': Finding(float(np.abs(error).max()), '', 'largest relative difference '
-                                     'of the end of an integrated motion from its curve')}
-    return Outcome({'steady': _table(speeds, curves), 'integrated': _table(checked, ends)},
-                   findings)
+        'integration_error': Finding(float(np.abs(ends / expected - 1.0).max()), '', 'largest '
+                                     'relative difference of the end of an integrated motion from '
+                                     'its curve'),
+        'force_ratio': Finding(float((forces[-1] / forces[0]).mean()), '', 'contact force of the '
+                               'last box over that of the first, mean over the speeds'),
+        'first_rise': Finding(float(rises[0].max()), 's', f'{RISE_TIME}, first box, slowest rise'),
+        'last_rise': Finding(float(rises[-1].max()), 's', 'the same, last box')}
+    return Outcome({'steady': _table(speeds, curves), 'integrated': _table(checked, ends),
+                    'force': _table(checked, forces, 'force_{}_n'),
+                    'rise': _table(checked, rises, 'rise_{}_s')}, findings)
 
 
-def _draw(make_boxes: Callable[[Values], Boxes], figure: Figure, outcome: Outcome,
-          values: Values) -> None:
-    """Draw the curves of several boxes."""
+def rise_time(rates: FloatArray, steady: float) -> float:
+    """
+    Find when a yaw rate first reaches ``RISE_FRACTION`` of its steady value.
+
+    :param rates: at the times ``TIMES`` [rad/s], shape (n,).
+    :param steady: value [rad/s].
+    :return: time [s].
+    """
+    fractions = rates / steady
+    after = int(np.argmax(fractions >= RISE_FRACTION))
+    return float(np.interp(RISE_FRACTION, fractions[after - 1:after + 1],
+                           TIMES[after - 1:after + 1]))
+
+
+def _draw_rates(make_boxes: Callable[[Values], Boxes], figure: Figure, outcome: Outcome,
+                values: Values) -> None:
+    """Draw the rates of several boxes."""
     axes, labels = figure.subplots(), list(make_boxes(values))
     speeds, *curves = outcome.tables['steady'].values()
     checked, *ends = outcome.tables['integrated'].values()
-    coincide = outcome.findings['spread'].value < COINCIDENT
-    draw_rates(axes, speeds, curves, labels, step=2.0 if coincide else 0.0)
+    draw_rates(axes, speeds, curves, labels, step=0.0)
     for number, end in enumerate(ends):
-        # Rings about rings where the marks coincide.
-        size = 5.0 + 3.2 * (len(ends) - 1 - number) if coincide else 5.0
-        axes.plot(checked, end, 'o', markersize=size, markerfacecolor='white', clip_on=False,
+        axes.plot(checked, end, 'o', markersize=5.0, markerfacecolor='white', clip_on=False,
                   markeredgecolor=plot_style.series(number)['color'], zorder=4)
     axes.plot([], [], 'o', markersize=6.0, markerfacecolor='white',
               markeredgecolor=plot_style.INK, label='end of the\nintegrated\nmotion')
-    axes.legend(loc='upper left', bbox_to_anchor=(1.01, 1.0), handlelength=3.5)
+    axes.legend(loc='upper left', bbox_to_anchor=(1.01, 1.0))
 
 
-def _table(speeds: FloatArray, curves: FloatArray) -> Table:
-    return {'speed_m_s': speeds, **{f'omega_{number + 1}_rad_s': curve
+def _draw_effects(make_boxes: Callable[[Values], Boxes], figure: Figure, outcome: Outcome,
+                  values: Values) -> None:
+    """Draw the rate that all boxes share, and what differs: time to reach it, and force."""
+    panels, labels = figure.subplots(1, 3), list(make_boxes(values))
+    speeds, curve, *_ = outcome.tables['steady'].values()
+    checked, *ends = outcome.tables['integrated'].values()
+    draw_rates(panels[0], speeds, [curve], ['steady, all boxes'])
+    for end, marker in zip(ends, 'o+xs'):
+        panels[0].plot(checked, end, marker, markersize=7.0, color=plot_style.INK, clip_on=False,
+                       fillstyle='none', zorder=4)
+    panels[0].plot([], [], 'o', color=plot_style.INK, fillstyle='none',
+                   label='ends of all integrated\nmotions')
+    panels[0].legend(loc='lower right')
+    for axes, name, label in zip(panels[1:], ('rise', 'force'),
+                                 (RISE_TIME.replace(' of the', '\nof the') + ' [s]',
+                                  'contact force, steady [N]')):
+        checked, *columns = outcome.tables[name].values()
+        for number, column in enumerate(columns):
+            axes.plot(checked, column, label=labels[number], clip_on=False,
+                      **plot_style.series(number))
+        axes.set_ylabel(label)
+        axes.set_xlabel(SPEED_LABEL)
+        axes.set_xlim(0.0, speeds[-1])
+        axes.set_ylim(bottom=0.0)
+    panels[2].legend(loc='upper left', bbox_to_anchor=(1.01, 1.0))
+
+
+def _table(speeds: FloatArray, curves: FloatArray, name: str = 'omega_{}_rad_s') -> Table:
+    return {'speed_m_s': speeds, **{name.format(number + 1): curve
                                     for number, curve in enumerate(curves)}}
 
 
 def _study(figure: str, subject: str, parameters: tuple[Parameter, ...],
-           make_boxes: Callable[[Values], Boxes], observation: str, explanation: str) -> Study:
+           make_boxes: Callable[[Values], Boxes], observation: str, explanation: str, *,
+           is_shared: bool = True) -> Study:
+    """Make a study; the rate is shared where it does not depend on what differs."""
+    draw, size = (_draw_effects, (9.6, 3.6)) if is_shared else (_draw_rates, (6.4, 4.2))
     return Study(figure, f'Box pushed at a corner: steady yaw rate {subject}',
                  (*SHAPE, *parameters, MAX_SPEED), functools.partial(_compute, make_boxes),
-                 functools.partial(_draw, make_boxes), observation, explanation)
+                 functools.partial(draw, make_boxes), observation, explanation, size)
 
 
 STUDIES = (
     _study('2.21', 'of light and heavy boxes', (*MASSES, INERTIA, FRICTION), boxes_by_mass,
-           'The curves of all masses coincide to rounding, and the integrated motions of all '
-           'boxes end on them to better than a millionth.',
+           'The steady rate is the same for all masses: the integrated motions of all boxes end '
+           'on one curve to better than a millionth. What the mass changes is the force, '
+           '{force_ratio:.0f} times as great for the heaviest box as for the lightest, and the '
+           'time to reach the rate, at most {first_rise:.2f} s for the lightest and '
+           '{last_rise:.2f} s for the heaviest.',
            'Friction under the box and the inertia force against its rotation both grow in '
-           'proportion to its mass.'),
+           'proportion to its mass. The moment of inertia, here the same for all boxes, resists '
+           'only while the rate changes, and counts less the more mass there is.'),
     _study('2.23', 'and friction on the floor', (MASS, FRICTIONS), boxes_by_friction,
            'The rates of slow pushes coincide and then spread: the greatest exceeds the smallest '
            'by up to {spread:.0%}.',
            'Friction under the box is what rotates it; the more there is, the faster a push may '
-           'be before the inertia force against the rotation counts.'),
+           'be before the inertia force against the rotation counts.', is_shared=False),
     _study('2.24', 'and moment of inertia', (MASS, INERTIAS, FRICTION), boxes_by_inertia,
-           'One curve holds for all moments of inertia: the integrated motions of all of them end '
-           'on it to better than a millionth.',
+           'Neither the steady rate nor the force depends on the moment of inertia: the '
+           'integrated motions of all boxes end on one curve to better than a millionth. It takes '
+           'longer to reach the rate, at most {first_rise:.2f} s with the first and '
+           '{last_rise:.2f} s with the last moment of inertia.',
            'In a steady turn the angular acceleration is 0, and the moment of inertia acts on '
            'nothing else.'))

@@ -11,7 +11,8 @@ from push_study.chapter2.corner_push.setup import (
     integrated_push, push_direction, pushed_box, RATE_LABEL, SHAPE, steady_yaw_rates,
 )
 from push_study.chapter2.corner_push.steady_rates import (
-    Boxes, boxes_by_inertia, boxes_by_mass, INERTIA, INERTIAS, MASSES, masses,
+    Boxes, boxes_by_inertia, boxes_by_mass, INERTIA, INERTIAS, MASSES, masses, RISE_FRACTION,
+    RISE_TIME,
 )
 from push_study.framework import plot_style
 from push_study.framework.box import FRICTION, MASS
@@ -20,11 +21,8 @@ from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 
 # Chosen: smooth curves.
 SAMPLES = 241
-# Chosen: the usual definition of a rise time.
-RISE_FRACTION = 0.9
 TIMING = (Parameter('speed', 'm/s', 'speed of the contact'),
           Parameter('duration', 's', 'time that is drawn'))
-RISE_TIME = f'time to {RISE_FRACTION:.0%} of the steady rate'
 
 
 class Transients(NamedTuple):

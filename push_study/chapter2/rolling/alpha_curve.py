@@ -94,7 +94,7 @@ def draw(axes: Axes, tables: dict[str, Table], column: str, label: str) -> None:
     axes.set_xlim(abscissa[0], abscissa[-1])
     _draw_arrows(axes, table, column, tables['equilibria'][column])
     axes.legend(handles=handles, loc='lower left', bbox_to_anchor=(0.0, 1.0), ncols=4,
-                borderaxespad=0.2, columnspacing=1.4, handletextpad=0.6)
+                borderaxespad=0.2, columnspacing=1.4, handletextpad=0.6, handlelength=2.6)
 
 
 def draw_rolling_range(axes: Axes, low: float, high: float, friction: float) -> None:
@@ -107,7 +107,7 @@ def draw_rolling_range(axes: Axes, low: float, high: float, friction: float) -> 
     :param friction: of the contact.
     """
     left, right = axes.get_xlim()
-    for edge, height, alignment in ((low, 0.03, 'bottom'), (high, 0.97, 'top')):
+    for edge, height, alignment in ((low, 0.97, 'top'), (high, 0.03, 'bottom')):
         if left < edge < right:
             axes.axvline(edge, color=plot_style.UNSTABLE, linewidth=1.0, linestyle=(0, (1, 2)))
             axes.annotate(f'slides, $\\mu_c$ = {friction:g}', (edge, height), (4, 0),

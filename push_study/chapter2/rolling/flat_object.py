@@ -43,31 +43,47 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
                                    values.contact_friction)
 
 
-def _study(figure: str, kind: str, ahead: float, observation: str, explanation: str) -> Study:
-    return Study(figure, f'Flat object on a curved pusher: {kind}', (
+def _kind(margin: float) -> str:
+    """Name what a stability margin [m] means."""
+    if abs(margin) <= alpha_curve.NO_MARGIN:
+        return 'marginal'
+    return 'stable' if margin > 0.0 else 'unstable'
+
+
+def _title(values: Values) -> str:
+    location = PushingLocation(values.robot_radius, math.inf, values.ahead, values.aside)
+    kind = _kind(alpha_curve.middle_equilibrium(location).margin)
+    return f'Flat object on a curved pusher: {kind}'
+
+
+OBSERVATIONS = {
+    'stable': 'Left of the middle, alpha is above 0 and the object rotates clockwise, which '
+    'increases rho; on the right it is the other way round: the object returns to the middle from '
+    'up to {basin:.2f} rad if the contact holds, from {rolls:.2f} rad with the friction that is '
+    'marked.',
+    'marginal': 'Alpha passes 0 in the middle without slope (stability margin {margin:.2f} m), '
+    'and further out the arrows lead away; the contact slides beyond {rolls:.2f} rad.',
+    'unstable': 'The slope in the middle has changed its sign: the arrows lead away from it, and '
+    'from {rolls:.2f} rad on the contact slides.'}
+EXPLANATIONS = {
+    'stable': 'The centre of friction is nearer to the contact than the centre of the robot, by '
+    '{margin:.2f} m: as the face rolls, the contact overtakes it.',
+    'marginal': 'The centre of friction is as far from the contact as the centre of the robot, so '
+    'that for small rotations the contact rolls just as far as the centre of friction swings; for '
+    'larger ones it falls behind.',
+    'unstable': 'The centre of friction lies further away than the centre of the robot, by '
+    '{beyond:.2f} m, and swings out further than the contact rolls.'}
+
+
+def _study(figure: str, ahead: float) -> Study:
+    return Study(figure, _title, (
         Parameter('robot_radius', 'm', 'radius of the pusher, r_pc', 0.5),
         Parameter('aside', 'm', 'centre of friction to the left of the contact, t_fc', 0.0),
         Parameter('ahead', 'm', 'centre of friction ahead of the contact, n_fc', ahead),
         CONTACT_FRICTION, SUPPORT_SPREAD,
         Parameter('max_rho', 'rad', 'range of the pushing angle that is drawn')),
-        compute, draw, observation, explanation)
+        compute, draw, lambda found: OBSERVATIONS[_kind(found['margin'])],
+        lambda found: EXPLANATIONS[_kind(found['margin'])])
 
 
-STUDIES = (
-    _study('2.11', 'stable', 0.3,
-           'Left of the middle, alpha is above 0 and the object rotates clockwise, which '
-           'increases rho; on the right it is the other way round: the object returns to rho = 0 '
-           'from up to {basin:.2f} rad if the contact holds, from {rolls:.2f} rad with the '
-           'friction that is marked.',
-           'The centre of friction is nearer to the contact than the centre of the robot, by '
-           '{margin:.2f} m: as the face rolls, the contact overtakes it.'),
-    _study('2.12', 'marginal', 0.5,
-           'Alpha passes 0 at rho = 0 without slope (stability margin {margin:.2f} m), and '
-           'further out the arrows lead away.',
-           'The centre of friction is as far from the contact as the centre of the robot, so that '
-           'for small rotations the contact rolls just as far as the centre of friction swings; '
-           'for larger ones it falls behind.'),
-    _study('2.13', 'unstable', 0.7,
-           'The slope at rho = 0 has changed its sign: the arrows lead away from it.',
-           'The centre of friction lies further away than the centre of the robot, by '
-           '{beyond:.2f} m, and swings out further than the contact rolls.'))
+STUDIES = (_study('2.11', 0.3), _study('2.12', 0.5), _study('2.13', 0.7))

@@ -95,21 +95,28 @@ def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
 def compute_off_axis(values: Values, run_jobs: RunJobs) -> Outcome:
     """Compute alpha over the pushing angle, and where a contact with friction slides."""
     outcome = compute(values, run_jobs)
-    rolling = rolling_range(pushing_location_of(values), values.support_spread,
-                            values.contact_friction, values.max_rho)
-    outcome.tables['rolling'] = {'low_rad': [rolling.low], 'high_rad': [rolling.high]}
+    frictions = [values.contact_friction, values.low_friction]
+    rolling, slippery = (rolling_range(pushing_location_of(values), values.support_spread,
+                                       friction, values.max_rho) for friction in frictions)
+    outcome.tables['rolling'] = {'contact_friction': frictions,
+                                 'low_rad': [rolling.low, slippery.low],
+                                 'high_rad': [rolling.high, slippery.high]}
     outcome.findings.update(
+        friction=Finding(values.contact_friction, '', 'friction coefficient at the contact'),
         rolls_low=Finding(rolling.low, 'rad', 'least pushing angle of a contact that rolls'),
-        rolls_high=Finding(rolling.high, 'rad', 'greatest one'))
+        rolls_high=Finding(rolling.high, 'rad', 'greatest one'),
+        low_friction=Finding(values.low_friction, '', 'lower friction coefficient'),
+        slippery_low=Finding(slippery.low, 'rad', 'least pushing angle with that'),
+        slippery_high=Finding(slippery.high, 'rad', 'greatest one'))
     return outcome
 
 
-def draw_off_axis(figure: Figure, outcome: Outcome, values: Values) -> None:
+def draw_off_axis(figure: Figure, outcome: Outcome, _: Values) -> None:
     """Draw alpha over rho, and where the contact would slide."""
-    axes, rolling = figure.subplots(), outcome.tables['rolling']
+    axes = figure.subplots()
     alpha_curve.draw(axes, outcome.tables, 'rho_rad', 'pushing angle $\\rho$ [rad]')
-    alpha_curve.draw_rolling_range(axes, rolling['low_rad'][0], rolling['high_rad'][0],
-                                   values.contact_friction)
+    for friction, low, high in zip(*outcome.tables['rolling'].values()):
+        alpha_curve.draw_rolling_range(axes, low, high, friction)
 
 
 class Geometry(NamedTuple):
@@ -152,7 +159,11 @@ STUDIES = (
            'asymmetric: from {low:.2f} to {edge:.2f} rad.',
            'The centre of friction lies to the left of the normal, so that a push along the '
            'normal rotates the object counter-clockwise until the push passes through the centre '
-           'of friction; with the contact friction chosen here the force stays in the cone at '
-           'least from {rolls_low:.2f} to {rolls_high:.2f} rad.',
-           more_parameters=(CONTACT_FRICTION, SUPPORT_SPREAD), function=compute_off_axis,
+           'of friction. The force stays in the cone from {rolls_low:.2f} to {rolls_high:.2f} rad '
+           'at a contact friction of {friction:g}, well beyond the basin; at {low_friction:g} '
+           'from {slippery_low:.2f} to {slippery_high:.2f} rad, which leaves less than half of '
+           'it.',
+           more_parameters=(CONTACT_FRICTION, Parameter(
+               'low_friction', '', 'friction of a contact that slides sooner'), SUPPORT_SPREAD),
+           function=compute_off_axis,
            drawing=draw_off_axis))

@@ -19,8 +19,10 @@ from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 # Chosen: smooth curves; odd, so that rho = 0 is among the samples.
 SAMPLES = 601
 # Chosen: steps of an integrated push, and releases among which the border is searched, twice.
-STEPS = 161
+STEPS = 241
 RELEASES = 17
+# The robot has passed the object, and contact is lost; to the accuracy of the steps [rad].
+PASSED = 0.5 * math.pi - 0.02
 
 
 def compute(values: Values, _: RunJobs) -> Outcome:
@@ -47,6 +49,9 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     for number, start in enumerate(values.releases):
         tables['releases'][f'rho_{start:g}_rad'] = released.rho[:, number]
         tables['releases'][f'slides_{start:g}'] = released.slides[:, number].astype(int)
+    passes = (released.rho >= PASSED).argmax(axis=0)
+    # The first release, in ascending order, after which the robot passes the object.
+    lost = np.flatnonzero(passes)
     turns_away = rho[(rho > rolling.high) & (motion.yaw_rates < 0.0)]
     return Outcome(tables, {
         'cone': Finding(math.atan(friction), 'rad', 'half-angle of the friction cone'),
@@ -55,6 +60,10 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         **{name: Finding(rolling_range(location, other, friction, values.max_rho).high, 'rad',
                          f'the same with support points {other:g} m from the centre of friction')
            for name, other in zip(('edge_narrow', 'edge_wide'), values.other_spreads)},
+        'lost': Finding(float(values.releases[lost[0]]) if len(lost) else math.nan, 'rad',
+                        'least of the releases drawn after which contact is lost'),
+        'lost_distance': Finding(float(distances[passes[lost[0]]]) if len(lost) else math.nan,
+                                 'm', 'distance after which it is, there'),
         'border': Finding(border, 'rad', 'pushing angle from which the object slides off'),
         'back': Finding(float(turns_away.min(initial=rho[-1])), 'rad', 'pushing angle from which '
                         'the object rotates away')})
@@ -86,12 +95,17 @@ def _draw_releases(axes: Axes, table: Table, values: Values) -> None:
     distances: FloatArray = table['distance_m']
     for start in values.releases:
         rho, slides = table[f'rho_{start:g}_rad'], table[f'slides_{start:g}'] == 1
+        if (rho >= PASSED).any():
+            end = int(np.argmax(rho >= PASSED))
+            axes.plot(distances[end], rho[end], 'x', color=plot_style.UNSTABLE, markersize=7.0,
+                      markeredgewidth=2.0, zorder=4.0)
+            rho = np.where(distances <= distances[end], rho, math.nan)
         for where, dashes in ((~slides, '-'), (slides, plot_style.DASHED)):
             axes.plot(distances, plot_style.split_where(where, rho), linestyle=dashes,
                       color=plot_style.STABLE)
     axes.set_xlim(0.0, values.distance)
-    axes.set_ylim(0.0, values.max_rho)
-    axes.set_xlabel('distance pushed [m]')
+    axes.set_ylim(0.0, 0.55 * math.pi)
+    axes.set_xlabel('distance pushed [m]; cross: the robot has passed, contact is lost')
     axes.set_ylabel('$\\rho$ [rad]')
 
 
@@ -109,7 +123,8 @@ STUDIES = (Study('2.8', 'Round object on a round robot: rolling (solid) and slid
     'Rolling ends at {edge:.2f} rad ({edge_narrow:.2f} to {edge_wide:.2f} rad by the spread of '
     'the support points), not where the push leaves the friction cone ({cone:.3f} rad); a sliding '
     'object still returns from up to {border:.2f} rad (shaded; pushes below), beyond which rho '
-    'grows although the object rotates back up to {back:.2f} rad.',
+    'grows although the object rotates back up to {back:.2f} rad, and released at {lost:.2f} rad '
+    'the robot has passed it, and contact is lost, after {lost_distance:.1f} m.',
     'The contact force decides, and as the object rotates back it leans further out of the cone '
     'than the push; on the edge of the cone it passes the centre of friction on the side that '
     'rotates the object back, but the contact slides on outwards.', (6.4, 6.2)),)

@@ -83,6 +83,11 @@ def test_mass_and_inertia_leave_the_steady_rate_as_it_is(figure):
     assert found['spread'] < 1e-6
     assert found['integrated_spread'] < 1e-6
     assert found['integration_error'] < 1e-6
+    # What they change: force and time to the steady rate.
+    assert found['force_ratio'] == pytest.approx(6.0 if figure == '2.21' else 1.0, rel=1e-6)
+    rises = outcome_of(STUDIES[figure]).tables['rise']
+    slow, fast = sorted(('rise_1_s', 'rise_4_s'), reverse=figure == '2.21')
+    assert (rises[slow] < 0.8 * rises[fast]).all()
 
 
 def test_mass_changes_the_transient_where_the_inertia_is_kept():

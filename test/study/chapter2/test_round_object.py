@@ -70,6 +70,8 @@ def test_rolling_ends_where_the_force_leaves_the_cone_before_the_push_does():
         course = pushes[f'rho_{start:g}_rad']
         assert (course[-1] > start) == (start > findings['border'])
         assert (pushes[f'slides_{start:g}'][0] == 1) == (start > findings['edge'])
+    # There the robot passes the object in the end.
+    assert findings['border'] < findings['lost'] == 0.5 and 2.0 < findings['lost_distance'] < 2.6
 
 
 @pytest.mark.physics
