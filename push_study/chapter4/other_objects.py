@@ -39,13 +39,13 @@ class OtherPush(NamedTuple):
 BEND = Pose(2.4, 0.6, 0.5)
 PUSHED = {
     'box_differential': OtherPush(
-        'box_04', 'disc_017', Start(Placement(0.0, 0.0, math.radians(-45.0)),
-                                    contact=Contact('vertex', 0)),
+        'box_04', 'disc_017',
+        Start(Placement(0.0, 0.0, math.radians(-45.0)), contact=Contact('vertex', 0)),
         Pose(2.1, 0.7, math.radians(-15.0))),
-    'bin_holonomic': OtherPush('bin', 'holonomic_017',
-                                Start(contact=Contact('round', 0, math.pi)), BEND),
-    'coffee_table_holonomic': OtherPush('coffee_table', 'holonomic_017',
-                                         Start(contact=Contact('face', 7)), BEND)}
+    'bin_holonomic': OtherPush(
+        'bin', 'holonomic_017', Start(contact=Contact('round', 0, math.pi)), BEND),
+    'coffee_table_holonomic': OtherPush(
+        'coffee_table', 'holonomic_017', Start(contact=Contact('face', 7)), BEND)}
 LAWS: tuple[Law, ...] = (OPEN_LOOP, FEEDBACK, MPC)
 PARAMETERS = (
     Parameter('speed', 'm/s', 'planned speed of the contact'),
