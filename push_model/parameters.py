@@ -25,6 +25,10 @@ BALANCE_TOLERANCE = 0.01
 # enough that supports without load are told from others, and well below 1e8, where the squared
 # problem loses all digits of the spread.
 BALANCE_STIFFNESS = 1e5
+# Distance of the outline from the origin of its frame [m], and of supports over that, which are
+# mistakes of a unit; chosen: far beyond what robots push, and beyond legs that stand apart.
+MAX_REACH = 20.0
+MAX_SUPPORT_RATIO = 5.0
 
 # Kinematics of a base, and features of an outline that can be touched.
 Drive = Literal['differential', 'holonomic']
@@ -59,7 +63,7 @@ class PushedObject:
     supports stand anywhere. An ``inertia`` of 0 is replaced at construction by that of the shape.
     """
 
-    mass: float = quantity('mass', 'kg', above=0.0)
+    mass: float = quantity('mass', 'kg', above=0.0, high=1000.0)
     inertia: float = quantity('moment of inertia about the vertical axis through the mass centre; '
                               '0: of a uniform plate', 'kg m^2', 0.0, default=0.0)
     supports: tuple[Support, ...] = quantity('supports that carry the object', default=())
@@ -86,7 +90,7 @@ class PushedObject:
         for support in supports:
             if not isinstance(support, Support):
                 raise ValueError(f'PushedObject.supports: got {support!r}, expected a Support')
-        if len(self.center_of_mass) != 2:
+        if not _is_point(self.center_of_mass):
             raise ValueError(f'PushedObject.center_of_mass: got {self.center_of_mass!r}, '
                              'expected two numbers (x, y) [m]')
         if bool(self.outline) == bool(self.radius):
@@ -94,11 +98,25 @@ class PushedObject:
                              f'{self.radius:g}, expected vertices or a radius, not both')
         if self.outline:
             _check_convex(self.outline)
+        self._check_size()
         if self.inertia == 0.0:
             object.__setattr__(self, 'inertia',
                                plate_inertia(self.mass, self.outline, self.radius))
         # Refuses supports that do not balance the object.
         _support_load_fractions(self.supports, self.center_of_mass)
+
+    def _check_size(self) -> None:
+        """Refuse what must be a mistake of a unit."""
+        reach = max((math.hypot(*vertex) for vertex in self.outline), default=self.radius)
+        if reach > MAX_REACH:
+            raise ValueError(f'PushedObject.outline: got a point {reach:g} m from the origin, '
+                             f'expected at most {MAX_REACH:g} m (lengths are in metres)')
+        for support in self.supports:
+            away = math.hypot(support.x, support.y)
+            if away > MAX_SUPPORT_RATIO * reach:
+                raise ValueError(f'PushedObject.supports: got one {away:g} m from the origin of '
+                                 f'an object that reaches {reach:g} m, expected at most '
+                                 f'{MAX_SUPPORT_RATIO:g} times as much (lengths are in metres)')
 
     @functools.cached_property
     def _load_fractions(self) -> tuple[float, ...]:
@@ -266,9 +284,14 @@ def _support_load_fractions(supports: tuple[Support, ...],
         raise ValueError(f'PushedObject.supports: {error}') from error
 
 
+def _is_point(value: Any) -> bool:
+    return (isinstance(value, tuple) and len(value) == 2
+            and all(isinstance(number, float) for number in value))
+
+
 def _check_convex(outline: tuple[Any, ...]) -> None:
     for vertex in outline:
-        if not isinstance(vertex, tuple) or len(vertex) != 2:
+        if not _is_point(vertex):
             raise ValueError(f'PushedObject.outline: got vertex {vertex!r}, expected (x, y) [m]')
     if len(outline) < 3:
         raise ValueError(f'PushedObject.outline: got {len(outline)} vertices, expected 3 or more')

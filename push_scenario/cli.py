@@ -28,6 +28,8 @@ AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
 # How often progress is shown: smoothly in a terminal, without flooding a log [s].
 TERMINAL_PERIOD = 0.1
 LOG_PERIOD = 5.0
+# Commands of a recording that are listed where they differ; chosen: the first tell most.
+MOST_DIFFERENCES = 5
 # A ratio to wall time is shown once so much of it can be trusted [s].
 MIN_TIMED = 0.2
 
@@ -139,6 +141,9 @@ def _parser() -> argparse.ArgumentParser:
                         help='run over DDS at the speed of the wall clock instead of in lockstep')
     parser.add_argument('--out', type=Path, default=Path('out'), metavar='DIR',
                         help='directory for tapes, plots and recordings (default: out)')
+    parser.add_argument('--bag', type=Path, metavar='DIR',
+                        help='play a recording of this scenario to the controller, and tell '
+                        'whether it commands the same, to the byte')
     parser.add_argument('--no-record', action='store_true', help='write no MCAP recording')
     parser.add_argument('--no-pictures', action='store_true',
                         help='write no page (HTML) and draw no PNG')
@@ -169,6 +174,8 @@ def _replay(options: argparse.Namespace) -> int:
             scenario, sensors=read_sensors(named_file('sensors', options.sensors)))
     if options.map:
         scenario = with_map(scenario, options.map)
+    if options.bag:
+        return _play_back(scenario, options.bag)
     laws = list(dict.fromkeys(options.law or [scenario.control.control_law]))
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')
@@ -187,6 +194,18 @@ def _replay(options: argparse.Namespace) -> int:
         return _report_error('interrupted', INTERRUPTED)
     judged = [result for result in results if result.control_law != 'open_loop'] or results
     return AS_EXPECTED if all(map(is_as_expected, judged)) else NOT_AS_EXPECTED
+
+
+def _play_back(scenario: Scenario, bag: Path) -> int:
+    """Compare the commands of a recording with those of the present controller."""
+    # Imported here: without a recording, in one process, there need be no ROS.
+    from push_scenario.dds.bag_playback import play_back
+    result = play_back(scenario, bag)
+    print(f'{result.commands} commands, {len(result.differences)} differ')
+    for difference in result.differences[:MOST_DIFFERENCES]:
+        print(f'{difference.time:.3f} s: recorded {tuple(difference.recorded)}, '
+              f'computed {tuple(difference.computed)}')
+    return NOT_AS_EXPECTED if result.differences else AS_EXPECTED
 
 
 def _run(scenario: Scenario, law: str, options: argparse.Namespace,

@@ -22,6 +22,7 @@ from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import MapSettings
 from push_planner.problem import PlanningFailed
 from push_planner.ros.sequence_planner import PlannerParameters, SequenceRequestHandler
 from push_ros.conversions.map import to_map_message
@@ -136,7 +137,8 @@ class _Rig:
         if task is None:
             raise ValueError(f'{scenario.name}: got no task, expected one')
         self._planner = SequenceRequestHandler(PlannerParameters(
-            scenario.object, scenario.robot, scenario.planner, task.drive, task.planning), FRAME)
+            scenario.object, scenario.robot, scenario.planner, task.drive, task.planning,
+            MapSettings()), FRAME)
         self._node = rclpy.create_node('faults')
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(controller)
@@ -386,10 +388,13 @@ def final_reason(reports: list[Report]) -> str:
     :param reports: of the run.
     :return: reason behind the state, or the last error; empty where there is none.
     """
-    reasons = [report.text.partition(', ')[2] for report in reports
-               if report.text.startswith('task: ')]
+    tasks = [report.text for report in reports if report.text.startswith('task: ')]
+    reasons = [text.partition(', ')[2] for text in tasks]
+    others = [report.text for report in reports if report.text not in tasks]
     errors = [report.text for report in reports if report.is_error]
-    return (reasons[-1] if reasons else '') or (errors[-1] if errors else '')
+    candidates = [*reasons[-1:], *errors[-1:], *others[-1:], *filter(None, reasons[::-1])]
+    is_idle = tasks[-1:] == ['task: idle']
+    return next(filter(None, candidates), 'waits for a goal' if is_idle else '')
 
 
 def _ignore(_: Any) -> None:

@@ -1,9 +1,11 @@
 """How one run with a fault ended."""
 
 import enum
+import json
+from pathlib import Path
 from typing import NamedTuple
 
-from benchmarks.faults.injection import Fault
+from benchmarks.faults.injection import Fault, Input, Word
 
 
 class Ending(enum.Enum):
@@ -47,3 +49,36 @@ class Row(NamedTuple):
                 + f' (stopped after {self.stop_time:.2f} s and {self.driven:.2f} m; object '
                 f'{self.deviation:.2f} m beside its plans)'
                 + ('' if self.is_explained else ' UNEXPLAINED'))
+
+
+def append_row(path: Path, row: Row) -> None:
+    """
+    Add a run to a file.
+
+    :param path: of the file, one run a line.
+    :param row: the ``Row``.
+    """
+    fault = row.fault
+    values = {**row._asdict(), 'ending': row.ending.value,
+              'fault': [fault.input.value, fault.word.value, fault.start, fault.end]}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open('a', encoding='utf-8') as file:
+        file.write(json.dumps(values) + '\n')
+
+
+def read_rows(path: Path) -> list[Row]:
+    """
+    Read the runs of a file.
+
+    :param path: of the file; where it is not there, there are none.
+    """
+    if not path.is_file():
+        return []
+    rows: list[Row] = []
+    for line in path.read_text(encoding='utf-8').splitlines():
+        values = json.loads(line)
+        kind, word, start, end = values['fault']
+        values.update(fault=Fault(Input(kind), Word(word), start, end),
+                      ending=Ending(values['ending']))
+        rows.append(Row(**values))
+    return rows

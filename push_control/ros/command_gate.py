@@ -16,6 +16,11 @@ from push_ros.node import PushNode
 from push_ros.node_settings import ControllerOptions
 
 
+# Times that odometry may come again with the same stamp in lockstep; chosen: a simulator asks again
+# now and then where there is no answer, and a clock that stands shows in a second.
+MOST_REPETITIONS = 50
+
+
 class CommandGate:
     """Lets the commands of a mode pass, or stops the robot."""
 
@@ -47,6 +52,9 @@ class CommandGate:
         self._layer.reset()
         self._stamps = StampCheck()
         self._watchdog.reset()
+        # Time of the newest odometry [s], and how often it has come again since.
+        self._newest_stamp: float | None = None
+        self._repetitions = 0
 
     def accept(self, measured: Odometry | ObjectPose, message: Any) -> bool:
         """
@@ -68,6 +76,9 @@ class CommandGate:
                 f'{abs(difference):.2f} s {"ahead of" if difference > 0.0 else "behind"} '
                 'the last odometry, expected one of the same clock')
         if is_odometry:
+            is_new = self._newest_stamp is None or measured.time > self._newest_stamp
+            self._repetitions = 0 if is_new else self._repetitions + 1
+            self._newest_stamp = measured.time if is_new else self._newest_stamp
             clock = self._node.get_clock().now().nanoseconds
             self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
         return verdict is StampVerdict.TIME_WENT_BACK
@@ -87,9 +98,14 @@ class CommandGate:
         fault = self._layer.observe(observation.odometry)
         self._mode.on_safety_report(fault, self._layer.report)
         sent = self._layer.filter(self._mode.step(observation, dt), observation.time)
-        # In lockstep time stands still until there is an answer.
-        is_fresh = self._is_lockstep or self.check_odometry().state is OdometryState.PRESENT
-        return sent if is_fresh else STOP
+        return sent if self._is_odometry_fresh else STOP
+
+    @property
+    def _is_odometry_fresh(self) -> bool:
+        """Whether a command may rest on odometry; in lockstep time waits for the answer."""
+        if self._is_lockstep:
+            return self._repetitions < MOST_REPETITIONS
+        return self.check_odometry().state is OdometryState.PRESENT
 
     def set_object(self, obj: PushedObject) -> None:
         """

@@ -9,6 +9,9 @@ import yaml
 
 # YAML 1.1, which PyYAML follows, wants a point and a sign: 1.0e-3.
 EXPONENT_NUMBER = re.compile(r'^[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)[eE][-+]?[0-9]+$')
+# Lists and mappings inside each other; chosen: parameters have five, and Python gives up at some
+# hundred.
+MAX_DEPTH = 50
 
 
 class ParameterFileError(ValueError):
@@ -55,7 +58,32 @@ def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
 
 
 class _Loader(yaml.SafeLoader):
-    """The safe loader, made to refuse repeated keys and to read 1e-3 as a number."""
+    """The safe loader, made to refuse repeated keys and depth, and to read 1e-3 as a number."""
+
+    def __init__(self, stream: str) -> None:
+        """
+        Begin at the top level.
+
+        :param stream: the text.
+        """
+        super().__init__(stream)
+        self._depth = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """
+        Build a node, refusing one that lies too deep.
+
+        :param parent: node that it is in.
+        :param index: of the node there.
+        """
+        if self._depth >= MAX_DEPTH:
+            raise yaml.MarkedYAMLError(
+                problem=f'got more than {MAX_DEPTH} levels, expected fewer',
+                problem_mark=self.get_mark())
+        self._depth += 1
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         """

@@ -5,6 +5,9 @@ import dataclasses
 from push_model.geometry import Pose
 from push_model.quantity import check, quantity
 
+# Angle beyond which somebody means degrees [rad]: a full turn.
+MAX_ANGLE = 6.2832
+
 
 @dataclasses.dataclass(frozen=True)
 class Placement:
@@ -12,7 +15,7 @@ class Placement:
 
     x: float = quantity('position, x', 'm', default=0.0)
     y: float = quantity('position, y', 'm', default=0.0)
-    theta: float = quantity('orientation', 'rad', default=0.0)
+    theta: float = quantity('orientation', 'rad', -MAX_ANGLE, MAX_ANGLE, default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -450,7 +450,8 @@ def test_a_node_has_the_topics_and_services_of_the_list(tmp_path, name):
 
 
 @pytest.mark.parametrize('name, change, text', [
-    (PLANNER, 'object.mass:=-1.0', 'object.mass: got -1.0, expected a finite number above 0 [kg]'),
+    (PLANNER, 'object.mass:=-1.0',
+     'object.mass: got -1.0, expected a finite number above 0, at most 1000 [kg]'),
     (CONTROLLER, 'object.color:=1', 'object.color: got a parameter that'),
     (SIM, 'object.color:=1', 'object.color: got a parameter that')])
 def test_a_bad_parameter_keeps_a_node_from_starting(name, change, text):

@@ -11,6 +11,7 @@ from push_control.settings import LAWS
 from push_model.geometry import distance
 from push_model.parameters import CONTACT_KINDS, DRIVES
 from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_scenario.dds.bag_playback import play_back
 from push_scenario.dds.processes import NodeDied, NodeProcesses
 from push_scenario.dds.replay import run_over_dds
 from push_scenario.dds.replay_client import ReplayFailed
@@ -168,6 +169,19 @@ def test_the_recording_reads_back(side_by_side):
         rate = result.scenario.sensors.odometry_rate
         assert set(range(int(result.duration * rate))) <= {round(t * rate) for t in stamps}
         assert commands >= stamps if command == 'TwistStamped' else counts['/cmd_vel']
+
+
+def test_a_recording_that_is_played_back_commands_the_same(side_by_side):
+    """To the byte; another gain shows."""
+    recorded, bag = side_by_side[0].scenario, side_by_side[0].bag
+    result = play_back(recorded, bag)
+    assert result.commands > 500 and result.differences == ()
+    changed = dataclasses.replace(recorded, control=dataclasses.replace(
+        recorded.control, lateral_gain=1.01 * recorded.control.lateral_gain))
+    differences = play_back(changed, bag).differences
+    assert differences and differences[0].recorded != differences[0].computed
+    with pytest.raises(ValueError, match='no folder'):
+        play_back(recorded, bag / 'elsewhere')
 
 
 def _read(reader):

@@ -7,6 +7,7 @@ import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import distance
 from push_ros.conversions.primitives import nanoseconds
+from push_scenario.dds.bag_playback import play_back
 from push_scenario.dds.replay import run_over_dds
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.placement import Placement
@@ -77,6 +78,14 @@ def test_a_task_over_dds_goes_as_in_process(twice):
         assert change.state is other.state
         assert change.time == pytest.approx(other.time, abs=0.5)
     assert is_as_expected(expected)
+
+
+def test_the_recording_is_played_back_with_the_same_commands(twice):
+    """Through filter and supervisor: nearly all to the byte, and the others to rounding."""
+    result = play_back(twice[0].scenario, twice[0].bag)
+    assert result.commands > 300 and len(result.differences) < 0.05 * result.commands
+    for difference in result.differences:
+        assert difference.computed == pytest.approx(difference.recorded, abs=1e-9)
 
 
 def test_the_recording_has_request_and_answer(twice):

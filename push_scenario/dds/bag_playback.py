@@ -1,0 +1,223 @@
+"""
+Playback of a recording: the same measurements and plans give the same commands, to the byte.
+
+A recording of a replay in lockstep holds everything that the controller was given. Its
+measurements go once more through safety layer, estimator and controller, in the order in which the
+simulator delivers them, and plans come when they came; what is commanded is compared with what was
+recorded. Where they differ the controller has changed, or depends on something that it should not:
+time on the wall, the order of other messages, the machine.
+"""
+
+from collections import Counter, defaultdict, deque
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+import struct
+from typing import Any, NamedTuple
+
+from push_control.observation import Observation
+from push_control.push.controller import Controller
+from push_control.ros.measurements import LatestMeasurements
+from push_control.task.supervisor import Supervisor
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_model.trajectory import PushTrajectory
+from push_ros.conversions.measurements import (
+    from_object_pose_message, from_odometry_message,
+)
+from push_ros.conversions.plan import from_plan_message, plan_failure
+from push_ros.conversions.primitives import nanoseconds, NANOSECONDS
+from push_ros.node_settings import Frames
+from push_ros.topics import TOPICS
+from push_scenario.definition.scenario import Scenario
+from push_scenario.simulation.loop import make_safety_layer
+from rclpy.serialization import deserialize_message
+
+# What reads measurements, and the topics that are read.
+MEASUREMENTS: dict[str, Callable[[Any, str], Odometry | ObjectPose]] = {
+    'object_pose': from_object_pose_message, 'odom': from_odometry_message}
+TWIST = struct.Struct('<3d')
+READ_TOPICS = (*MEASUREMENTS, 'push_plan', 'cmd_vel')
+
+
+class Difference(NamedTuple):
+    """
+    A command that is not as recorded.
+
+    :param time: of the measurement that it answers [s].
+    :param recorded: ``Twist``.
+    :param computed: ``Twist``.
+    """
+
+    time: float
+    recorded: Twist
+    computed: Twist
+
+
+class Playback(NamedTuple):
+    """
+    Result of a playback.
+
+    :param commands: number of commands that were compared.
+    :param differences: each ``Difference``, in order.
+    """
+
+    commands: int
+    differences: tuple[Difference, ...]
+
+
+class _Arrival(NamedTuple):
+    """When a measurement came [ns], poses before odometry, its stamp [ns], and what it is."""
+
+    time: int
+    order: int
+    stamp: int
+    measured: Odometry | ObjectPose
+
+
+class _Message(NamedTuple):
+    """A recorded message, and its stamp [ns]."""
+
+    stamp: int
+    value: Any
+
+
+def play_back(scenario: Scenario, bag: Path) -> Playback:
+    """
+    Play a recording to the controller of a scenario.
+
+    :param scenario: the ``Scenario`` that was recorded, without a map.
+    :param bag: folder of the recording, made in lockstep.
+    :return: ``Playback``.
+    :raises ValueError: where the folder is no recording of such a run.
+    :raises RuntimeError: where rosbags is not installed.
+    """
+    messages = _read(bag)
+    arrivals = _arrivals(messages, scenario.sensors.pose_latency)
+    answers: dict[int, deque[Twist]] = defaultdict(deque)
+    for message in messages['cmd_vel']:
+        twist = message.value.twist
+        answers[message.stamp].append(Twist(twist.linear.x, twist.linear.y, twist.angular.z))
+    if not answers or not arrivals:
+        raise ValueError(f'{bag}: got {len(answers)} times of commands and {len(arrivals)} '
+                         'measurements, expected a recording in lockstep')
+    repetitions = Counter(arrival[:3] for arrival in arrivals)
+    robot = _Robot(scenario, messages['push_plan'])
+    differences: list[Difference] = []
+    count = 0
+    for arrival in arrivals:
+        computed = robot.answer(arrival.measured)
+        # What is not answered for a while comes again, as at time 0, which is held, and while
+        # something is planned; and not every message of the end is in a recording, which ends
+        # while the nodes do.
+        if repetitions[arrival[:3]] > 1 or not answers[arrival.stamp]:
+            continue
+        count += 1
+        recorded = answers[arrival.stamp].popleft()
+        # Numbers alone: what pads a message between them is anything.
+        if TWIST.pack(*computed) != TWIST.pack(*recorded):
+            differences.append(Difference(arrival.measured.time, recorded, computed))
+    return Playback(count, tuple(differences))
+
+
+def _arrivals(messages: Mapping[str, Sequence[_Message]], pose_latency: float) -> list[_Arrival]:
+    """List the measurements in the order in which the simulator delivers them."""
+    latency = round(pose_latency * NANOSECONDS)
+    arrivals = [_Arrival(message.stamp + (latency if message.stamp and order == 0 else 0), order,
+                         message.stamp, convert(message.value, Frames().world_frame))
+                for order, (topic, convert) in enumerate(MEASUREMENTS.items())
+                for message in messages[topic]]
+    return sorted(arrivals, key=lambda arrival: arrival[:3])
+
+
+class _Robot:
+    """Safety layer and controller, as in the controller's node."""
+
+    def __init__(self, scenario: Scenario, plans: Sequence[_Message]) -> None:
+        self._safety = make_safety_layer(scenario)
+        self._plans = {message.stamp: message.value for message in plans}
+        self._latest = LatestMeasurements()
+        self._target: PushTrajectory | None = None
+        self._later_goals = sorted(() if scenario.task is None else scenario.task.goals,
+                                   key=lambda later: later.time)
+        self._controller: Controller | Supervisor
+        if scenario.task is None:
+            self._controller = Controller(scenario.object, scenario.robot, scenario.control)
+            self._target = self._plan(min(self._plans, default=None))
+        else:
+            self._controller = Supervisor(scenario.object, scenario.robot, scenario.control,
+                                          scenario.task.drive, scenario.task.supervision)
+            self._controller.set_goal(scenario.goal.pose)
+
+    def answer(self, measured: Odometry | ObjectPose) -> Twist:
+        """Answer a measurement."""
+        dt = self._latest.add(measured)
+        while (self._later_goals and self._later_goals[0].time <= self._latest.time
+               and isinstance(self._controller, Supervisor)):
+            self._controller.set_goal(self._later_goals.pop(0).goal.pose)
+        observation = self._latest.observation
+        if observation is None or observation.object_pose is None:
+            return STOP
+        return self._step(observation, dt)
+
+    def _step(self, observation: Observation, dt: float) -> Twist:
+        safety, controller = self._safety, self._controller
+        if not self._is_commanding:
+            safety.release()
+        observation = safety.believed(observation)
+        fault = safety.observe(observation.odometry)
+        controller.on_safety_report(fault, safety.report)
+        if isinstance(controller, Controller):
+            command = controller.step(self._target, observation, dt)
+            return safety.filter(command, observation.time)
+        command = safety.filter(controller.step(observation, dt), observation.time)
+        if controller.plan_request is None:
+            return command
+        # The measurement waits for the plan, while the robot stands.
+        self._take_plan(controller, round(observation.time * NANOSECONDS))
+        return STOP
+
+    @property
+    def _is_commanding(self) -> bool:
+        controller = self._controller
+        if isinstance(controller, Supervisor):
+            return not controller.status.state.is_standing
+        return not controller.status.phase.has_ended
+
+    def _take_plan(self, supervisor: Supervisor, stamp: int) -> None:
+        message = self._plans.get(stamp)
+        if message is None:
+            return
+        failure = plan_failure(message)
+        if failure is None:
+            supervisor.set_plan(from_plan_message(message, Frames().world_frame))
+        else:
+            supervisor.on_planning_failed(
+                failure, f'{failure.value} (details in the diagnostics of the planner)')
+
+    def _plan(self, stamp: int | None) -> PushTrajectory:
+        if stamp is None:
+            raise ValueError('push_plan: got none, expected the plan of a single push')
+        return from_plan_message(self._plans[stamp], Frames().world_frame)
+
+
+def _read(bag: Path) -> dict[str, list[_Message]]:
+    """Read the topics that matter."""
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.typesys import get_typestore, Stores
+    except ImportError as error:
+        raise RuntimeError('reading a recording needs rosbags (extra "record"): no module '
+                           f'{error.name}') from error
+    if not bag.is_dir():
+        raise ValueError(f'bag: got {bag}, no folder, expected a rosbag2 recording')
+    found: dict[str, list[_Message]] = {topic: [] for topic in READ_TOPICS}
+    try:
+        with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
+            for connection, _, data in reader.messages():
+                topic = connection.topic.strip('/')
+                if topic in found:
+                    kind = TOPICS[topic].message_type()
+                    value = deserialize_message(bytes(data), kind)
+                    found[topic].append(_Message(nanoseconds(value.header.stamp), value))
+    except AnyReaderError as error:
+        raise ValueError(f'bag: got {bag}, expected a rosbag2 recording: {error}') from None
+    return found
