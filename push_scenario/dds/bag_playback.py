@@ -24,7 +24,7 @@ from push_ros.conversions.measurements import (
     from_object_pose_message, from_odometry_message,
 )
 from push_ros.conversions.plan import from_plan_message, plan_failure
-from push_ros.conversions.primitives import nanoseconds, NANOSECONDS
+from push_ros.conversions.primitives import NANOSECONDS, nanoseconds
 from push_ros.node_settings import Frames
 from push_ros.topics import TOPICS
 from push_scenario.definition.scenario import Scenario

@@ -2,7 +2,7 @@
 
 from helpers.fuzzing import hypothesis, NUMBERS, settings, st, STEPS, TEXTS
 from push_model.files.parameter_files import read_object, read_robot
-from push_model.files.strict_yaml import MAX_DEPTH, parse_yaml, ParameterFileError
+from push_model.files.strict_yaml import MAX_DEPTH, ParameterFileError, parse_yaml
 from push_scenario.definition.loader import read_scenario
 import pytest
 import yaml
