@@ -34,8 +34,9 @@ def moment_about_the_origin(obj, truth):
     return total[:2]
 
 
-@pytest.mark.parametrize('obj', [box(**UNEVEN, **HEIGHTS), bin_(**HEIGHTS), bin_(feet=5, **HEIGHTS)],
-                         ids=['box', 'bin', 'five feet'])
+@pytest.mark.parametrize(
+    'obj', [box(**UNEVEN, **HEIGHTS), bin_(**HEIGHTS), bin_(feet=5, **HEIGHTS)],
+    ids=['box', 'bin', 'five feet'])
 def test_loads_carry_the_weight_and_balance_all_moments(obj):
     """While the push accelerates, slides, ends and comes back; moments in Nm of about 5."""
     truths = course(plant_of(obj, (0.0, 0.0, 0.2), (-0.41, 0.02, -0.1), step=1e-3))
@@ -107,3 +108,13 @@ def test_work_is_kinetic_energy_and_losses_with_heights():
 def test_object_that_a_push_tips_is_refused():
     with pytest.raises(ValueError, match='PushedObject.contact_height: got 0.5 m, expected below'):
         plant_of(bin_(contact_height=0.5), Pose(0.0, 0.0, 0.0), Pose(-0.4, 0.0, 0.0))
+
+
+def test_plain_python_shifts_the_same_loads():
+    loads = []
+    for interpret in (False, True):
+        plant = plant_of(box(**UNEVEN, **HEIGHTS), (0.0, 0.0, 0.0), (-0.37, 0.02, 0.0),
+                         interpret=interpret)
+        plant.advance(0.1, Twist(0.2, 0.0, 0.1))
+        loads.append(plant.truth(0.0).support_loads)
+    assert loads[1] == pytest.approx(loads[0], rel=1e-9)
