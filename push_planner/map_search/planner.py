@@ -57,8 +57,11 @@ LAST_EXPANSIONS, WIDE_EXPANSIONS = 4000, 300
 LEAST_FRACTION = CLEARANCE_STEPS[-1][0]
 # Part of the tolerances within which a last push ends, as planned.
 GOAL_FRACTION = 0.7
-# First pushes whose paths are planned, until one is found.
-MAX_FIRST_PUSHES = 12
+# Expansions of all searches after which no other is begun, as refusals should not take long.
+TOTAL_EXPANSIONS = 8000
+# First pushes whose paths are planned, until one is found, and where the robot goes round through
+# other rooms, which takes ten times as long to search.
+MAX_FIRST_PUSHES, MAX_WIDE_PUSHES = 12, 3
 # Overlap of object and obstacles that is taken for an error of measurement [m]; chosen.
 LARGEST_OVERLAP = 0.02
 # Places on the line to the goal at which the floor is looked at.
@@ -214,7 +217,9 @@ class _MapPlanner:
             if is_exhausted and margins.max_expansions == LAST_EXPANSIONS:
                 margins = margins._replace(max_expansions=WIDE_EXPANSIONS, is_wide=True)
             blocked = np.zeros(len(pushes.numbers), dtype=np.bool_)
-            for _ in range(MAX_FIRST_PUSHES):
+            for _ in range(MAX_WIDE_PUSHES if margins.is_wide else MAX_FIRST_PUSHES):
+                if expansions >= TOTAL_EXPANSIONS:
+                    break
                 result = search.run(start, robot, goal, margins, blocked)
                 expansions += result.expansions
                 is_exhausted = result.end is SearchEnd.EXHAUSTED
