@@ -126,7 +126,7 @@ def steady_turns(key: TurnKey) -> SteadyTurns:
     steering_angles: FloatArray = np.linspace(-MAX_STEERING_ANGLE, MAX_STEERING_ANGLE, DIRECTIONS,
                                               dtype=np.float64)
     rates, forces = _table(key.supports)(steering_angles[:, None] - key.offset, key.v_squared,
-                                     np.array(key.column))
+                                         np.array(key.column))
     return SteadyTurns(steering_angles, rates.ravel(), forces)
 
 
