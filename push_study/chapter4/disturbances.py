@@ -147,7 +147,8 @@ def _compute_input(end_time: EndTime, values: Values, _: RunJobs) -> Outcome:
         'last': Finding(LAST_DISTANCE, 'm', 'that distance'),
         'delay': Finding(pushes[FEEDBACK].duration - pushes[OPEN_LOOP].duration, 's',
                          'duration with feedback above that in open loop')}
-    for law, table in tables.items():
+    for law in pushes:
+        table = tables[law]
         findings[f'peak_{law}'] = Finding(float(np.nanmax(np.abs(table['rho_rad']))), 'rad',
                                           f'largest pushing angle either way, {LABELS[law]}')
         findings[f'variation_{law}'] = Finding(

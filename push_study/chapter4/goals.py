@@ -5,7 +5,8 @@ from push_model.geometry import FloatArray
 from push_study.chapter3.setup import GOAL
 from push_study.chapter4.goals_figure import draw_goals, draw_input, draw_path, GOAL_LAWS
 from push_study.chapter4.setup import (
-    FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, OWN_PATH, planned_input, push, SETUP,
+    ExecutedPush, FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, OWN_PATH, planned_input, push,
+    SETUP,
 )
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
@@ -50,7 +51,7 @@ def _largest_error(table: Table, law: Law) -> Finding:
 
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Push to one goal under all laws."""
-    pushes = {law: push(values, values.goal, law) for law in LAWS}
+    pushes: dict[Law, ExecutedPush] = {law: push(values, values.goal, law) for law in LAWS}
     planned = planned_input(pushes[FEEDBACK].planned)
     span = float(np.ptp(planned['rho_rad']))
     tables: dict[str, Table] = {law: executed.path for law, executed in pushes.items()}

@@ -47,15 +47,15 @@ def compute_first(values: Values, _: RunJobs) -> Outcome:
     friction = friction_table(values, RepeatedPush.of_gaussian(values).friction(0),
                               max(executed.duration for executed in pushes.values()))
     tables: dict[str, Table] = {law: executed.path for law, executed in pushes.items()}
-    variation = {law: total_variation(path) for law, path in tables.items()}
     return Outcome({**tables, 'friction': friction}, {
         'deviation': Finding(values.deviation, '', 'standard deviation of the friction'),
         'shift': Finding(CENTIMETRES * float(friction['center_y_m'].std()), 'cm', 'standard '
                          'deviation of the centre of friction to the side'),
         'new_paths': Finding(float(tables[FEEDBACK]['new_paths'][-1]), '',
                              'new paths that feedback has drawn'),
-        **{f'variation_{law}': Finding(value, 'rad', 'total variation of the pushing angle, '
-                                       + LABELS[law]) for law, value in variation.items()}})
+        **{f'variation_{law}': Finding(total_variation(executed.path), 'rad', 'total variation of '
+                                       f'the pushing angle, {LABELS[law]}')
+           for law, executed in pushes.items()}})
 
 
 def compute_all(values: Values, run_jobs: RunJobs) -> Outcome:
