@@ -5,8 +5,8 @@ from push_model.geometry import FloatArray
 from push_study.chapter3.setup import GOAL
 from push_study.chapter4.goals_figure import draw_goals, draw_input, draw_path, GOAL_LAWS
 from push_study.chapter4.setup import (
-    ExecutedPush, FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, OWN_PATH, planned_input, push,
-    SETUP,
+    ExecutedPush, FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, OWN_PATH, planned_input,
+    push, SETUP,
 )
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
