@@ -60,7 +60,8 @@ def test_segments_cover_the_tape(name):
         moved = np.ptp(objects[segment.rows, :2], axis=0).max()
         start, end = result.tape['time'][segment.rows][[0, -1]]
         if segment.push is not None:
-            assert moved > 0.05
+            # A tap moves it by some millimetres at least.
+            assert moved > 0.003
         elif (segment.state in (TaskState.PLAN, TaskState.APPROACH)
                 and not any(start < time <= end for time in displacements)):
             assert moved < tolerance or RUN_INTO in (segment.reason, following.reason)
