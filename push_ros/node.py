@@ -172,8 +172,8 @@ class PushNode(PolledNode):
         end = time.monotonic() + ROSOUT_WAIT
         while time.monotonic() < end and publisher.get_subscription_count() == 0:
             time.sleep(0.05)
-        publisher.publish(Log(stamp=self.now(), level=Log.DEBUG, name=self.get_name(),
-                              msg='ends'))
+        publisher.publish(Log(stamp=self.get_clock().now().to_msg(), level=Log.DEBUG,
+                              name=self.get_name(), msg='ends'))
         publisher.wait_for_all_acked(Duration(seconds=ROSOUT_DELIVERY))
 
     @property
