@@ -120,7 +120,8 @@ class OdometryWatchdog:
     steady one only after a while.
 
     A machine under load lets odometry come late now and then: the robot stops each time, but that
-    is reported once, and not again until odometry has come for a while.
+    is reported once, and not again until odometry has come for a while. That it is lost is
+    reported each time.
     """
 
     def __init__(self, timeout: float, *, is_simulated: bool) -> None:
@@ -137,7 +138,7 @@ class OdometryWatchdog:
     def reset(self) -> None:
         """Wait for the next odometry."""
         self._received: _Arrival | None = None
-        self._reported = OdometryState.PRESENT
+        self._state = self._reported = OdometryState.PRESENT
         self._missing_at = 0.0
 
     def feed(self, stamp: int, clock: int, now: float) -> None:
@@ -170,7 +171,9 @@ class OdometryWatchdog:
             state = OdometryState.MISSING
         if age > LOST_RATIO * self._timeout:
             state = OdometryState.LOST
-        is_news = state > self._reported
+        is_lost_again = state is OdometryState.LOST and self._state is not state
+        self._state = state
+        is_news = state > self._reported or is_lost_again
         if is_news or now - self._missing_at > RECOVERY_TIME:
             self._reported = state
         return OdometryCheck(state, age, is_news)

@@ -54,6 +54,12 @@ def test_gaps_that_follow_each_other_are_reported_once():
                                                              (OdometryState.MISSING, 10.25)]
 
 
+def test_odometry_that_is_lost_again_is_reported_again():
+    """However short it has come in between: nobody takes a robot that stands for one that pushes."""
+    assert reports(ticks(0.0, 1.0) | ticks(3.0, 3.3), 6.0) == [
+        (OdometryState.MISSING, 1.25), (OdometryState.LOST, 2.0), (OdometryState.LOST, 4.3)]
+
+
 def test_odometry_that_repeats_its_stamp_is_missing():
     """As from a driver that is stuck."""
     watchdog = OdometryWatchdog(0.25, is_simulated=False)
