@@ -13,7 +13,7 @@ from push_model.geometry import FloatArray
 
 # Least success [%] of each part.
 SUCCESS_AIMS = {OPEN: 99.9, SLIPPERY: 99.0, CREEPING: 99.0, FRICTIONLESS: 97.0, DISTURBED: 99.5,
-                WHEELS: 99.0, TAG: 95.0, IN_MAPS: 99.5, FLATS: 97.0}
+                WHEELS: 99.0, TAG: 95.0, IN_MAPS: 98.0, FLATS: 97.0}
 # What is special about the tasks of a part.
 TITLES = {OPEN: 'open floor: at rest within 10 mm and 1 deg',
           SLIPPERY: 'slippery: contact friction 0.15 to 0.3 where 0.5 is believed',

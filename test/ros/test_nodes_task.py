@@ -420,5 +420,5 @@ def test_a_map_is_kept_to(planner):
     planner.publish('map', floor(wall))
     planner.wait_until(lambda: 'has a map of 80 times 80 cells' in texts(planner, PLANNER))
     assert len(answered(planner, request(4.0)).points) == 0
-    planner.wait_until(lambda: any('map' in error and 'obstacle' in error
+    planner.wait_until(lambda: any('the floor is too narrow for the object' in error
                                    for error in errors(planner, PLANNER)))

@@ -14,6 +14,7 @@ from lifecycle_msgs.srv import ChangeState, GetState
 from push_control.ros.commands import STOP_COMMANDS
 from push_model.files.data import config_file
 from push_model.files.flat_values import to_parameter_values
+from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.primitives import seconds, to_pose_message, to_stamp
@@ -36,6 +37,7 @@ OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO
 PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
            **to_parameter_values(SCENARIO.robot, 'robot.')}
 ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+NUMBERS = itertools.count()
 # Times after its first instructions at which a node is interrupted [s].
 DELAYS = (0.0, 0.8, 1.6, 2.4, 4.0)
 # Where a process says which signals it handles, as a hexadecimal mask.
@@ -124,8 +126,8 @@ def setup(tmp_path_factory):
 
 
 def goal(ahead=0.0):
-    """Make a goal whose stamp is ahead of the clock."""
-    message = PoseStamped(pose=to_pose_message(GOAL))
+    """Make a goal whose stamp is ahead of the clock, beside the last: one repeated is no news."""
+    message = PoseStamped(pose=to_pose_message(GOAL @ Pose(1e-3 * next(NUMBERS), 0.0, 0.0)))
     message.header.frame_id, message.header.stamp = 'odom', to_stamp(time.time() + ahead)
     return message
 
