@@ -22,7 +22,7 @@ _mujoco: Any = mujoco
 # outline, low as the contact has one height; half the height of the robot, well above any contact.
 FOOT_RADIUS = 0.005
 HALF_HEIGHT = 0.002
-ROBOT_HALF_HEIGHT = 0.5
+ROBOT_HALF_HEIGHT = 0.4
 # Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down, and mass,
 # inertia and damping of its bumper, which may follow the object's height; chosen: far above and
 # far below those of any object.
