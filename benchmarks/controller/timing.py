@@ -160,7 +160,7 @@ def _step_times(simulation: Simulation, controller: Controller, target: PushTraj
         steps.append(time.process_time() - began)
         simulation.command(command)
         measured, before = simulation.next_measurement(), observation
-        _, odometry, pose = before
+        odometry, pose = before.odometry, before.object_pose
         if isinstance(measured, Odometry):
             odometry = measured
         else:

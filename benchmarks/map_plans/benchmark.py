@@ -77,7 +77,7 @@ def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
         row.seconds.append(time.process_time() - begin)
         row.found.append(plan is not None)
         if plan is not None:
-            row.pushes.append(1 + len(plan.later_poses))
+            row.pushes.append(1 + (0 if plan.kept is None else len(plan.kept.pushes)))
         if drives:
             row.done.append(simulate(instance.scenario).outcome is Outcome.DONE)
     return row

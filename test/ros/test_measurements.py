@@ -55,7 +55,7 @@ def test_gaps_that_follow_each_other_are_reported_once():
 
 
 def test_odometry_that_is_lost_again_is_reported_again():
-    """However short it has come in between: nobody takes a robot that stands for one that pushes."""
+    """However shortly it has come in between: a robot that stands is not taken for pushing."""
     assert reports(ticks(0.0, 1.0) | ticks(3.0, 3.3), 6.0) == [
         (OdometryState.MISSING, 1.25), (OdometryState.LOST, 2.0), (OdometryState.LOST, 4.3)]
 

@@ -144,7 +144,7 @@ def _no_point(message):
     (_frame, "got frame 'map', expected 'odom'"),
     (_unknown, 'got the unknown fields boldness, expected object.x, '),
     (_twice, 'goal.x: got more than one, expected one'),
-    (_short, 'got 46 positions, expected 47'), (_no_point, 'got 0 points, expected 1'),
+    (_short, 'got 48 positions, expected 49'), (_no_point, 'got 0 points, expected 1'),
     (lambda m: set_field(m, 'cone_fraction', 1.5),
      'cone_fraction: got 1.5, expected a number above 0, at most 1'),
     (lambda m: set_field(m, 'cone_fraction', 0.0), 'cone_fraction: got 0, expected'),
