@@ -5,7 +5,7 @@ import math
 from typing import NamedTuple
 
 from push_control.task.perception import has_moved, ObjectAtRest
-from push_control.task.settings import SupervisionSettings
+from push_control.task.settings import BIASED_SIGMAS, SupervisionSettings
 from push_control.task.status import TaskFailure
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure, PlanRequest
@@ -140,8 +140,11 @@ class ProgressMonitor:
         error = max(position_error / settings.position_tolerance,
                     heading_error / settings.heading_tolerance)
         self._note_progress(error, remaining_time)
-        position_margin = settings.confidence_sigmas * object_at_rest.position_error
-        heading_margin = settings.confidence_sigmas * object_at_rest.heading_error
+        sigmas = settings.confidence_sigmas
+        if object_at_rest.is_biased:
+            sigmas = min(BIASED_SIGMAS, sigmas)
+        position_margin = sigmas * object_at_rest.position_error
+        heading_margin = sigmas * object_at_rest.heading_error
         if (position_error <= settings.position_tolerance - position_margin
                 and heading_error <= settings.heading_tolerance - heading_margin):
             return GoalCheck.REACHED
