@@ -27,8 +27,8 @@ class SupervisionSettings:
     heading_tolerance: float = quantity(
         'heading error at which a task is done', 'rad', above=0.0, high=1.0, default=0.0175)
     confidence_sigmas: float = quantity(
-        'standard errors of the averaged object pose by which it must be within the tolerances',
-        '', 0.0, 10.0, default=3.0)
+        'standard errors of the averaged object pose by which it must be within the tolerances; '
+        'at most 2 where poses are biased', '', 0.0, 10.0, default=3.0)
     min_averaging_time: float = quantity(
         'time over which poses of the object at rest are averaged', 's', above=0.0, high=10.0,
         default=0.35)
