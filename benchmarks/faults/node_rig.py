@@ -131,7 +131,9 @@ class _Rig:
         self.plans: list[PushTrajectory] = []
         self.sent: list[SentCommand] = []
         self.reports: list[Report] = []
-        self._scenario, self._fault, self._rng = scenario, fault, rng
+        self._scenario = scenario
+        self._fault = fault
+        self._rng = rng
         self._controller = controller
         task = scenario.task
         if task is None:

@@ -28,6 +28,7 @@ from push_ros.conversions.primitives import NANOSECONDS, nanoseconds
 from push_ros.node_settings import Frames
 from push_ros.topics import TOPICS
 from push_scenario.definition.scenario import Scenario
+from push_scenario.recordings.bag import open_bag
 from push_scenario.simulation.loop import make_safety_layer
 from rclpy.serialization import deserialize_message
 
@@ -201,23 +202,11 @@ class _Robot:
 
 def _read(bag: Path) -> dict[str, list[_Message]]:
     """Read the topics that matter."""
-    try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.typesys import get_typestore, Stores
-    except ImportError as error:
-        raise RuntimeError('reading a recording needs rosbags (extra "record"): no module '
-                           f'{error.name}') from error
-    if not bag.is_dir():
-        raise ValueError(f'bag: got {bag}, no folder, expected a rosbag2 recording')
     found: dict[str, list[_Message]] = {topic: [] for topic in READ_TOPICS}
-    try:
-        with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
-            for connection, _, data in reader.messages():
-                topic = connection.topic.strip('/')
-                if topic in found:
-                    kind = TOPICS[topic].message_type()
-                    value = deserialize_message(bytes(data), kind)
-                    found[topic].append(_Message(nanoseconds(value.header.stamp), value))
-    except AnyReaderError as error:
-        raise ValueError(f'bag: got {bag}, expected a rosbag2 recording: {error}') from None
+    with open_bag(bag) as reader:
+        for connection, _, data in reader.messages():
+            topic = connection.topic.strip('/')
+            if topic in found:
+                value = deserialize_message(bytes(data), TOPICS[topic].message_type())
+                found[topic].append(_Message(nanoseconds(value.header.stamp), value))
     return found

@@ -1,5 +1,7 @@
 """Poses from a rosbag2 recording, MCAP or SQLite."""
 
+from collections.abc import Generator
+import contextlib
 import math
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,14 +26,14 @@ class Track(NamedTuple):
     poses: FloatArray
 
 
-def read_tracks(bag: Path, topics: tuple[str, ...]) -> tuple[Track, ...]:
+@contextlib.contextmanager
+def open_bag(bag: Path) -> Generator[Any, None, None]:
     """
-    Read the poses of topics.
+    Open a recording.
 
     :param bag: folder of a rosbag2 recording.
-    :param topics: names; types are ``POSE_TYPES``.
-    :return: the track of each topic.
-    :raises ValueError: where the folder is no recording, or a topic is missing or of another type.
+    :return: context with the ``AnyReader`` of rosbags.
+    :raises ValueError: where the folder is no recording.
     :raises RuntimeError: where rosbags is not installed.
     """
     try:
@@ -42,16 +44,30 @@ def read_tracks(bag: Path, topics: tuple[str, ...]) -> tuple[Track, ...]:
                            f'{error.name}') from error
     if not bag.is_dir():
         raise ValueError(f'bag: got {bag}, no folder, expected a rosbag2 recording')
-    found: dict[str, list[tuple[float, ...]]] = {topic: [] for topic in topics}
     try:
         with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
-            connections = [_connection(reader, topic) for topic in topics]
-            for connection, _, data in reader.messages(connections=connections):
-                message = reader.deserialize(data, connection.msgtype)
-                name = next(topic for topic in topics if _same(topic, connection.topic))
-                found[name].append(_row(message))
+            yield reader
     except AnyReaderError as error:
         raise ValueError(f'bag: got {bag}, expected a rosbag2 recording: {error}') from None
+
+
+def read_tracks(bag: Path, topics: tuple[str, ...]) -> tuple[Track, ...]:
+    """
+    Read the poses of topics.
+
+    :param bag: folder of a rosbag2 recording.
+    :param topics: names; types are ``POSE_TYPES``.
+    :return: the track of each topic.
+    :raises ValueError: where the folder is no recording, or a topic is missing or of another type.
+    :raises RuntimeError: where rosbags is not installed.
+    """
+    found: dict[str, list[tuple[float, ...]]] = {topic: [] for topic in topics}
+    with open_bag(bag) as reader:
+        connections = [_connection(reader, topic) for topic in topics]
+        for connection, _, data in reader.messages(connections=connections):
+            message = reader.deserialize(data, connection.msgtype)
+            name = next(topic for topic in topics if _same(topic, connection.topic))
+            found[name].append(_row(message))
     return tuple(_track(topic, rows) for topic, rows in found.items())
 
 
