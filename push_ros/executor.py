@@ -23,6 +23,7 @@ import contextlib
 import gc
 import math
 import signal
+import sys
 import time
 from types import FrameType
 from typing import Any, Callable, Sequence
@@ -52,6 +53,8 @@ SIGNAL_PERIOD = 0.1
 # Time that a callback may still take after a signal before it is interrupted [s]; chosen: launch
 # sends the next signal after 5 s, and kills after 15 s.
 ENDING_TIME = 2.0
+# Time after which an interrupt that could not be passed on is repeated [s]; chosen.
+REPEAT_TIME = 0.01
 # Exit status where a parameter is refused.
 BAD_PARAMETER = 2
 
@@ -235,7 +238,9 @@ class _StopSignal:
     Remembers that SIGINT or SIGTERM came.
 
     While the node is made, which may take long, the signal interrupts that as well; later it
-    interrupts a callback that takes long, as that of a planner does.
+    interrupts a callback that takes long, as that of a planner does. An interrupt that falls into
+    a callback of a C library, as the compiler has them, cannot be passed on through it: Python
+    reports and drops it. It is repeated shortly after.
     """
 
     def __init__(self) -> None:
@@ -244,6 +249,7 @@ class _StopSignal:
         self._former_handlers = {number: signal.signal(number, self._remember)
                                  for number in (signal.SIGINT, signal.SIGTERM)}
         self._former_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
+        self._former_hook, sys.unraisablehook = sys.unraisablehook, self._repeat
 
     def _remember(self, number: int, frame: FrameType | None) -> None:
         if not self._has_come:
@@ -255,6 +261,12 @@ class _StopSignal:
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
+
+    def _repeat(self, dropped: Any) -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, REPEAT_TIME)
+        else:
+            self._former_hook(dropped)
 
     def arm(self) -> None:
         """Interrupt what is still under way after a while."""
@@ -271,3 +283,4 @@ class _StopSignal:
         """Put the former handlers back."""
         for number, handler in self._former_handlers.items():
             signal.signal(number, handler)
+        sys.unraisablehook = self._former_hook

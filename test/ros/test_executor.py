@@ -54,3 +54,32 @@ def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
         assert (process.returncode, printed) == (0, 'closed\n')
     finally:
         process.kill()
+
+
+# A node that gets a signal while a C library calls back into Python, as a compiler does.
+CALLED_BACK = """
+import ctypes
+import os
+import signal
+import sys
+import time
+from push_ros.executor import run
+
+CALLBACK = ctypes.CFUNCTYPE(None)
+
+
+def make_node():
+    CALLBACK(lambda: os.kill(os.getpid(), signal.SIGINT))()
+    print('compiled', flush=True)
+    time.sleep(600.0)
+
+
+sys.exit(run(make_node, []))
+"""
+
+
+def test_a_signal_within_a_callback_of_a_library_interrupts_too():
+    """Python drops what is raised there, with a traceback: it is raised again, unseen."""
+    ended = subprocess.run([sys.executable, '-c', CALLED_BACK], stdin=subprocess.DEVNULL,
+                           text=True, capture_output=True, timeout=120.0)
+    assert (ended.returncode, ended.stderr) == (0, '')

@@ -39,8 +39,10 @@ def test_a_goal_from_the_page_is_reached(tmp_path):
         b.wait_until(lambda: page.of_kind('scene'))
         b.repeat_until(lambda: page.send(type='goal', pose=goal), lambda: page.of_kind('goal'),
                        period=1.0)
+        # Refused while the controller has not received everything.
         b.repeat_until(lambda: page.send(type='call', name='start'),
-                       lambda: any(message['text'] for message in page.of_kind('notice')),
+                       lambda: any(message['text'] == 'started'
+                                   for message in page.of_kind('notice')),
                        period=1.0)
         b.call('sim/start')
         b.wait_until(lambda: any(message['state'] in ('done', 'failed')
