@@ -57,7 +57,7 @@ class PushEvent(enum.Enum):
     # The push has failed, but another plan may bring the object to its goal.
     PATH_TOO_LONG = 'aborted after {travelled:.1f} m, planned: {planned:.1f} m'
     OFF_PATH = (
-        'off its path: the object is {lateral:.2f} m beside it, at most {limit:g} m')
+        'off its path: the object is {lateral:.2f} m beside it, at most {limit:.2f} m')
     GOAL_MISSED = 'ended {lateral:.0f} mm and {heading:.1f} deg beside the goal'
 
     def report(self, **values: Any) -> EventReport:

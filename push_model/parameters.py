@@ -128,6 +128,12 @@ class PushedObject:
         return tuple(self.mass * GRAVITY * fraction for fraction in self._load_fractions)
 
     @functools.cached_property
+    def size(self) -> float:
+        """Greatest distance between two points of the outline [m]."""
+        return max((math.dist(a, b) for a in self.outline for b in self.outline),
+                   default=2.0 * self.radius)
+
+    @functools.cached_property
     def capacities(self) -> tuple[float, ...]:
         """Friction capacity ``q_i = mu_i N_i`` of each support [N], shape (k,)."""
         return tuple(support.friction_coefficient * load

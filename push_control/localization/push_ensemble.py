@@ -309,7 +309,7 @@ class PushEnsemble:
             pose of odometry has jumped; None for that of its pose.
         """
         if self._slippery is not None:
-            self._slippery.predict(odometry)
+            self._slippery.predict(odometry, step)
         if self._odometry is None:
             deviations = (START_POSITION_STD, START_POSITION_STD, START_HEADING_STD)
             spread = self._normal((self.members.count, POSE)) * deviations

@@ -111,6 +111,7 @@ class ClosedLoopPush(PushExecution):
         if observation.object_pose is None:
             raise ValueError('observation.object_pose: got None, expected an ObjectPose')
         self._settings = settings
+        self._max_deviation = settings.max_path_deviation or obj.size
         self._law = law
         self._model = ContactModel(obj, robot, settings, target)
         self._tracker = PushTracker(self._model.motion, self._model.time_constant, settings,
@@ -268,9 +269,9 @@ class ClosedLoopPush(PushExecution):
         projection = self._guidance.update(
             flat_output, projection, replan_limits=replan_limits, hard_limits=hard_limits,
             travelled_distance=self.travelled_distance, dt=dt)
-        if abs(projection.lateral_error) > self._settings.max_path_deviation:
+        if abs(projection.lateral_error) > self._max_deviation:
             self._fail(PushEvent.OFF_PATH.report(lateral=abs(projection.lateral_error),
-                                                 limit=self._settings.max_path_deviation))
+                                                 limit=self._max_deviation))
             return projection
         if projection.remaining_distance > self._settings.stop_distance:
             return projection

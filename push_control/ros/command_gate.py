@@ -79,6 +79,8 @@ class CommandGate:
             is_new = self._newest_stamp is None or measured.time > self._newest_stamp
             self._repetitions = 0 if is_new else self._repetitions + 1
             self._newest_stamp = measured.time if is_new else self._newest_stamp
+            if not is_new:
+                self._layer.observe(measured)
             clock = self._node.get_clock().now().nanoseconds
             self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
         return verdict is StampVerdict.TIME_WENT_BACK

@@ -13,6 +13,7 @@ from push_control.safety.heading_check import HeadingCheck
 from push_control.safety.motion_monitor import MotionMonitor, RESPONSE_TIME
 from push_control.safety.odometry_check import OdometryCheck
 from push_control.safety.pose_check import PoseCheck
+from push_control.safety.stamp_check import AGREEING_COUNT
 from push_control.safety.status import SafetyReason, SafetyReport, SafetyState
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
@@ -57,6 +58,9 @@ class SafetyLayer:
         self._odometry_check = OdometryCheck(self._robot,
                                              is_absolute=self._is_odometry_absolute)
         self._standing_since: float | None = None
+        # Stamp of odometry that was not newer and came last [s], and how many in a row agree.
+        self._late_stamp = -math.inf
+        self._late_count = 0
         self.set_object(self._obj)
         self.release()
 
@@ -90,18 +94,33 @@ class SafetyLayer:
         """
         Compare odometry with what was commanded, and with itself.
 
-        :param odometry: ``Odometry``; one that is not finite, or not newer than the last, is
-            ignored.
+        :param odometry: ``Odometry``; one that is not finite, or comes again, is ignored. Of
+            those that are older than the last, some in a row mean that its clock has fallen back.
         :return: what is wrong with this one, or None.
         """
-        is_finite = all(map(math.isfinite, (odometry.time, *odometry.pose, *odometry.twist)))
-        if not is_finite or self._odometry is not None and odometry.time <= self._odometry.time:
+        if not all(map(math.isfinite, (odometry.time, *odometry.pose, *odometry.twist))):
             return None
+        if self._odometry is not None and odometry.time <= self._odometry.time:
+            return self._observe_late(odometry, self._odometry.time - odometry.time)
         self._odometry = odometry
+        self._late_stamp, self._late_count = -math.inf, 0
         fault = self._odometry_check.check(odometry) or self._monitor.check(odometry)
         self._note_standing(odometry, fault is not None)
         if fault is not None and self.report is None:
             self.report = fault
+        return fault
+
+    def _observe_late(self, odometry: Odometry, shift: float) -> SafetyReport | None:
+        """Stop the robot where odometry goes on at an earlier time, until that has caught up."""
+        if shift == 0.0 or odometry.time == self._late_stamp:
+            return None
+        self._odometry_check.continue_late(odometry)
+        self._late_count = self._late_count + 1 if odometry.time > self._late_stamp else 1
+        self._late_stamp = odometry.time
+        if self._late_count < AGREEING_COUNT:
+            return None
+        fault = SafetyReason.CLOCK_FELL_BACK.report(shift=shift)
+        self.stop(fault)
         return fault
 
     def believed(self, observation: Observation) -> Observation:

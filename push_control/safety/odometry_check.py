@@ -47,6 +47,9 @@ MOVING_SPEED = 0.01
 MOVING_YAW_RATE = 0.05
 # A step longer than this may begin and end at any velocity [s]; chosen: some lost messages.
 LONG_STEP = 0.25
+# What a step counts as whose duration is not known, as the clock has fallen back in it [s];
+# chosen: the shortest that may have any velocity.
+UNKNOWN_STEP = 1.01 * LONG_STEP
 
 
 class _Sample(NamedTuple):
@@ -94,6 +97,28 @@ class OdometryCheck:
         self._course: deque[_Course] = deque()
         # Time at which the present pose came first [s].
         self._pose_since = 0.0
+        # Newest of those that came after ``_last`` with stamps before it, and whether each pose
+        # continues the one before.
+        self._late: Odometry | None = None
+        self._is_continuous = True
+
+    def continue_late(self, odometry: Odometry) -> None:
+        """
+        Note where the robot is while a clock that has fallen back catches up.
+
+        :param odometry: ``Odometry``, finite, with a stamp before the newest.
+        """
+        last, late = self._last, self._late
+        if last is None:
+            return
+        if late is None:
+            # How long this step takes is not known.
+            fault = self._jump(last, odometry._replace(time=last.time + UNKNOWN_STEP),
+                               Pose(0.0, 0.0, 0.0))
+        else:
+            fault = self._jump(late, odometry, integrated_step(late, odometry))
+        self._late = odometry
+        self._is_continuous = self._is_continuous and fault is None
 
     def check(self, odometry: Odometry) -> SafetyReport | None:
         """
@@ -111,6 +136,13 @@ class OdometryCheck:
             return None
         step = integrated_step(last, odometry)
         fault = self._jump(last, odometry, step)
+        late, is_continuous = self._late, self._is_continuous
+        self._late, self._is_continuous = None, True
+        if late is not None and fault is not None and is_continuous:
+            # Its clock had fallen back: what looks like a jump was driven meanwhile.
+            fault = self._jump(late, odometry, integrated_step(late, odometry))
+            self._restart(odometry)
+            return fault
         if fault is not None or odometry.time - last.time > LONG_STEP:
             self._restart(odometry)
             return fault

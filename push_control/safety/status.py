@@ -28,6 +28,7 @@ class SafetyReason(enum.Enum):
 
     # What commands rest on does not come.
     ODOMETRY_MISSING = 'no odometry for {age:.2f} s'
+    CLOCK_FELL_BACK = 'the clock of odometry has fallen back by {shift:.2f} s'
 
     # The robot does not do what it is commanded to do.
     NOT_MOVING = 'the robot does not move as commanded: {commanded} commanded, {measured} measured'

@@ -109,3 +109,20 @@ def test_a_push_that_begins_has_everything_before_it():
     assert push.failure is None and push.notice is None
     assert push.advance(0.0, 0.0).v_x > 0.0
     assert push.status(Phase.PUSHING, None).remaining_distance == pytest.approx(1.0, abs=5e-3)
+
+
+@pytest.mark.parametrize('limit, fails', [(0.0, True), (0.7, False)])
+def test_a_push_whose_object_is_far_beside_its_path_has_failed(limit, fails):
+    """By its own size, where nothing else is set."""
+    robot, site = ROBOTS['differential']
+    target = arc_trajectory(OBJECT, site, 0.01, 3.0)
+    start = Pose(*target.object_poses[0].tolist())
+    aside = 1.1 * OBJECT.size
+    place = Pose(start.x, start.y + aside, start.theta)
+    center = place @ (start.inverse() @ Pose(*target.robot_poses[0].tolist()))
+    settings = dataclasses.replace(SETTINGS, max_path_deviation=limit)
+    push = ClosedLoopPush(OBJECT, robot, settings, ClosedFormLaw(settings), target,
+                          Observation(0.0, Odometry(0.0, center, STOP), ObjectPose(0.0, place)))
+    push.advance(0.02, 0.02)
+    assert (push.failure is not None) is fails
+    assert not fails or f'{OBJECT.size:.2f} m' in str(push.failure)

@@ -189,6 +189,32 @@ def test_a_heading_beside_the_motion_stops_the_robot():
         assert time < 3.5 and report.reason is reason and report.reason.is_of_odometry
 
 
+def test_a_clock_that_falls_back_stops_the_robot_and_nothing_has_jumped():
+    """Not even where it has driven on meanwhile; what has jumped with its clock has jumped."""
+    for moved, expected in ((Pose(0.0, 0.0, 0.0), None),
+                            (Pose(0.3, 0.0, 0.0), SafetyReason.ODOMETRY_JUMPED)):
+        layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+        driven(layer, base, Twist(0.3, 0.0, 1.0), 1.0)
+
+        def late(odometry):
+            return odometry._replace(time=odometry.time - 0.5, pose=moved @ odometry.pose)
+        time, report = driven(layer, base, Twist(0.3, 0.0, 1.0), 1.0, late)
+        assert report.reason is SafetyReason.CLOCK_FELL_BACK and time < 5 * PERIOD
+        # The base obeys nobody until it has caught up.
+        faults = [layer.observe(late(base.drive(Twist(0.3, 0.0, 1.0)))) for _ in range(30)]
+        found = {fault.reason for fault in faults if fault} - {SafetyReason.CLOCK_FELL_BACK}
+        assert found - {SafetyReason.MOVES_OTHERWISE} == ({expected} if expected else set())
+
+
+def test_a_message_that_comes_late_is_no_reason_to_stop():
+    """Nor two: best effort may change their order."""
+    layer, base = SafetyLayer(ROBOTS['holonomic'], BOX), Base(ROBOTS['holonomic'])
+    messages = [base.drive(layer.filter(Twist(0.1, 0.1, 0.3), i * PERIOD)) for i in range(60)]
+    for i in (20, 30, 31, 40, 50):
+        messages.insert(i, messages.pop(i + 2))
+    assert [layer.observe(message) for message in messages] == [None] * 60
+
+
 def test_frozen_odometry_stops_the_robot():
     """Fresh stamps alone are no news."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
