@@ -22,6 +22,7 @@ import abc
 import contextlib
 import gc
 import math
+import re
 import signal
 import sys
 import time
@@ -57,6 +58,10 @@ ENDING_TIME = 2.0
 REPEAT_TIME = 0.01
 # Exit status where a parameter is refused.
 BAD_PARAMETER = 2
+# Exit status where a node cannot write at its end what it was to leave.
+UNWRITTEN = 1
+# What rcl adds to its errors, which helps nobody who uses it.
+PLACE_IN_SOURCE = re.compile(r', at [^,\s]+:\d+')
 
 
 class BackgroundGroup(MutuallyExclusiveCallbackGroup):
@@ -114,7 +119,11 @@ class PolledNode(Node, abc.ABC):
 
     @abc.abstractmethod
     def close(self) -> None:
-        """Shut down: called once, while publishers are still valid."""
+        """
+        Shut down: called once, while publishers are still valid.
+
+        :raises OSError: naming the file that could not be written.
+        """
 
 
 def take_message(subscription: Subscription) -> Any:
@@ -136,12 +145,19 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
 
     :param make_node: takes nothing, returns a ``push_ros.node.PushNode``.
     :param arguments: command line; None for that of the process.
-    :return: exit status: 0 after a signal, 2 where the node refuses a parameter.
+    :return: exit status: 0 after a signal, 1 where a file could not be written at the end, 2 where the node refuses a parameter, or a parameter
+        file or the command line cannot be read.
     """
     stop = _StopSignal()
     try:
-        rclpy.init(args=None if arguments is None else list(arguments),
-                   signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            rclpy.init(args=None if arguments is None else list(arguments),
+                       signal_handler_options=SignalHandlerOptions.NO)
+        except RuntimeError as error:
+            # There is no node yet that could log it: a command line or a parameter file that
+            # cannot be read.
+            print(f'refused to start: {PLACE_IN_SOURCE.sub("", str(error))}', file=sys.stderr)
+            return BAD_PARAMETER
         return _run(make_node, stop)
     except KeyboardInterrupt:
         return 0
@@ -166,12 +182,17 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     has_finished = False
+    status = 0
     try:
         spin(node, executor, stop)
         has_finished = True
     finally:
         stop.disarm()
-        node.close()
+        try:
+            node.close()
+        except OSError as error:
+            node.get_logger().fatal(f'could not write what it leaves: {error}')
+            status = UNWRITTEN
         if has_finished:
             # One of these may take long as well.
             with contextlib.suppress(KeyboardInterrupt):
@@ -181,7 +202,7 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
         executor.remove_node(node)
         executor.shutdown()
         node.destroy_node()
-    return 0
+    return status
 
 
 def spin(node: PolledNode, executor: SingleThreadedExecutor,

@@ -208,6 +208,10 @@ class SimNode(PushNode):
 
     def _publish(self, measurement: Odometry | ObjectPose, now: float) -> None:
         self._computed = None
+        if not self._options.tape_path:
+            # Nobody asks for what would grow without end.
+            self._simulation.rows.clear()
+            self._latencies.clear()
         sent = time.monotonic()
         message = self._outputs.publish_measurement(measurement)
         self._in_flight = _InFlight(message, isinstance(measurement, ObjectPose), sent)

@@ -4,9 +4,11 @@ import csv
 import dataclasses
 import io
 from os import PathLike
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from push_model.files.whole_file import write_whole
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -77,9 +79,9 @@ class Tape:
         Write the tape to a file.
 
         :param path: where, by convention ``*.csv``.
+        :raises OSError: naming the file, where it cannot be written; then there is none.
         """
-        with open(path, 'wb') as file:
-            file.write(self.to_bytes())
+        write_whole(Path(path), self.to_bytes())
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> 'Tape':

@@ -1,6 +1,7 @@
 """Recording: all topics, as they come, into a rosbag2 MCAP file."""
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+import contextlib
 from pathlib import Path
 import struct
 from typing import Any
@@ -60,6 +61,10 @@ class TopicListener:
         return received
 
 
+class RecordingFailed(RuntimeError):
+    """A recording that cannot be written, and how far it has come."""
+
+
 class BagWriter:
     """
     Writes serialized messages with their own stamps; an empty bag is not left behind.
@@ -84,6 +89,8 @@ class BagWriter:
                                                offered_qos_profiles=_offered_qos(TOPICS[topic]))
             for topic, kind in types.items()}
         self._types = types
+        self._path = path
+        self._has_failed = False
         self._newest = 0
         self._flush_due = 0
 
@@ -93,14 +100,16 @@ class BagWriter:
 
         :param topic: its topic.
         :param data: the message, serialized.
+        :raises RecordingFailed: where the disk is full, or otherwise does not take it.
         """
         stamp = stamp_of(topic, data, self._types[topic])
         time = self._newest if stamp is None else stamp
         self._newest = max(self._newest, time)
-        self._writer.write(self._connections[topic], time, data)
-        if time >= self._flush_due:
-            self._flush_due = time + FLUSH_PERIOD
-            self._flush()
+        with self._named_errors():
+            self._writer.write(self._connections[topic], time, data)
+            if time >= self._flush_due:
+                self._flush_due = time + FLUSH_PERIOD
+                self._flush()
 
     def _flush(self) -> None:
         """Write what there is to the disk, for the case that this process is killed."""
@@ -109,8 +118,24 @@ class BagWriter:
         storage.bio.flush()
 
     def close(self) -> None:
-        """Write the index and ``metadata.yaml``."""
-        self._writer.close()
+        """
+        Write the index and ``metadata.yaml``, but for a recording that has failed.
+
+        :raises RecordingFailed: where the disk is full, or otherwise does not take them.
+        """
+        if not self._has_failed:
+            with self._named_errors():
+                self._writer.close()
+
+    @contextlib.contextmanager
+    def _named_errors(self) -> Generator[None, None, None]:
+        try:
+            yield
+        except OSError as error:
+            self._has_failed = True
+            raise RecordingFailed(f'{self._path}: {error.strerror}: the recording has ended at '
+                                  f'{self._newest / NANOSECONDS:.1f} s; what it has by then is '
+                                  'kept') from error
 
 
 def stamp_of(topic: str, data: bytes, kind: type) -> int | None:

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 
+from push_ros.executor import BAD_PARAMETER, run
 import pytest
 
 pytestmark = pytest.mark.dds
@@ -54,6 +55,18 @@ def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
         assert (process.returncode, printed) == (0, 'closed\n')
     finally:
         process.kill()
+
+
+@pytest.mark.parametrize('content', [None, b'\xff\x00\x1b', b'/**: {ros__parameters: {a: [1, b]}}'])
+def test_a_parameter_file_that_cannot_be_read_is_refused_in_a_line(tmp_path, capsys, content):
+    """With its name; there is no node yet."""
+    path = tmp_path / 'parameters.yaml'
+    if content is not None:
+        path.write_bytes(content)
+    assert run(None, ['--ros-args', '--params-file', str(path)]) == BAD_PARAMETER
+    printed = capsys.readouterr().err
+    assert printed.startswith('refused to start: ') and str(path) in printed
+    assert printed.count('\n') == 1 and '.c:' not in printed
 
 
 # A node that gets a signal while a C library calls back into Python, as a compiler does.

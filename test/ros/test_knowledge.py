@@ -1,5 +1,6 @@
 """What was learned of objects is kept in a file, and between tasks without one."""
 
+from helpers.disk import full_disk
 from helpers.objects import bin_, box
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
@@ -124,3 +125,15 @@ def test_a_file_that_cannot_be_written_is_a_warning(tmp_path):
     text = memory.keep(KNOWN)
     assert text.startswith(f'knowledge_file: {path}: got [1]') and text.endswith('in memory only')
     assert memory.recall() == KNOWN and path.read_text() == '- 1'
+
+
+def test_a_full_disk_leaves_the_file_as_it_was(tmp_path):
+    """And nothing beside it."""
+    path = tmp_path / 'known.yaml'
+    memory = KnowledgeMemory(box(), SETTINGS, KnowledgeFile(path), Time())
+    assert memory.keep(KNOWN) == ''
+    before = path.read_bytes()
+    with full_disk(10):
+        text = memory.keep(KNOWN)
+    assert text.startswith('knowledge_file: ') and str(path) in text
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]

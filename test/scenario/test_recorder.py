@@ -1,15 +1,17 @@
 """Recordings: what is published is in the file, with its own stamps and in order."""
 
 import contextlib
+import struct
 import time
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from helpers.disk import full_disk
 from helpers.extras import import_extra
 from nav_msgs.msg import Odometry
 from push_ros.conversions.primitives import to_stamp
 from push_ros.topics import TOPICS
 from push_scenario.dds.processes import private_domain
-from push_scenario.dds.recorder import BagWriter, stamp_of, TopicListener
+from push_scenario.dds.recorder import BagWriter, RecordingFailed, stamp_of, TopicListener
 from push_scenario.dds.replay_client import local_discovery
 import pytest
 import rclpy
@@ -19,6 +21,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 AnyReader = import_extra('rosbags', 'record', 'rosbags.highlevel').AnyReader
 make_reader = import_extra('mcap', 'test', 'mcap.reader').make_reader
+StreamReader = import_extra('mcap', 'test', 'mcap.stream_reader').StreamReader
+EndOfFile = import_extra('mcap', 'test', 'mcap.exceptions').EndOfFile
+Message = import_extra('mcap', 'test', 'mcap.records').Message
 NANOSECONDS = 10 ** 9
 DISCOVERY_TIMEOUT = 60.0
 TYPES = {name: entry.message_type(False) for name, entry in TOPICS.items()}
@@ -90,6 +95,22 @@ def test_a_recording_that_is_interrupted_is_readable(tmp_path):
         raise KeyboardInterrupt
     with AnyReader([tmp_path / 'bag']) as reader:
         assert reader.message_count == 100
+
+
+def test_a_full_disk_ends_the_recording_with_its_name_and_loses_nothing_before(tmp_path):
+    """Chunks that were written can be read without an index."""
+    bag, count = tmp_path / 'bag', 0
+    writer = BagWriter(bag, TYPES)
+    with full_disk(100_000), pytest.raises(RecordingFailed, match=f'{bag}: .* has ended at'):
+        for count in range(10_000):
+            writer.write('odom', serialize_message(stamped(Odometry, count)))
+    writer.close()
+    with next(bag.glob('*.mcap')).open('rb') as file:
+        kept = 0
+        with contextlib.suppress(EndOfFile, struct.error):
+            for record in StreamReader(file).records:
+                kept += isinstance(record, Message)
+    assert count < 9_999 and kept >= 0.9 * count
 
 
 @pytest.mark.parametrize('topic, message, stamp', MESSAGES)

@@ -2,6 +2,7 @@
 
 import math
 
+from helpers.disk import full_disk
 import numpy as np
 from push_sim_node.tape import Tape
 import pytest
@@ -20,6 +21,16 @@ def test_file_keeps_every_bit(tmp_path):
     assert again.columns == tape.columns
     assert again.rows.shape == (3, 3)
     assert again.rows.tobytes() == tape.rows.tobytes()
+
+
+def test_a_full_disk_leaves_no_half_of_a_tape(tmp_path):
+    """And the one before as it was."""
+    path = tmp_path / 'tape.csv'
+    sample().save(path)
+    before = path.read_bytes()
+    with full_disk(10), pytest.raises(OSError, match=str(path)):
+        sample().save(path)
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
 
 
 def test_equal_tapes_give_equal_bytes_and_others_do_not(tmp_path):

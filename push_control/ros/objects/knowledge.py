@@ -1,12 +1,12 @@
 """What was learned of objects, between tasks and, in a file, between runs of the node."""
 
-import os
 from pathlib import Path
 from typing import Any, Callable
 
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
+from push_model.files.whole_file import write_whole
 from push_model.parameters import PushedObject
 import yaml
 
@@ -66,10 +66,8 @@ class KnowledgeFile:
         :raises OSError: where it cannot be written.
         """
         entries = {**self._entries(), key: {TIME: time, **knowledge.to_mapping()}}
-        unfinished = self._path.with_name(f'{self._path.name}.{os.getpid()}.part')
-        unfinished.write_text(HEADER + yaml.safe_dump(entries, sort_keys=False),
-                              encoding='utf-8')
-        os.replace(unfinished, self._path)
+        text = HEADER + yaml.safe_dump(entries, sort_keys=False)
+        write_whole(self._path, text.encode())
 
     def _entries(self) -> dict[str, Any]:
         try:

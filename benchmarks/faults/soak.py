@@ -1,0 +1,232 @@
+"""
+Soak: many tasks in a row in one set of nodes, over DDS in lockstep.
+
+What a node takes must not grow with what it has done: memory, file descriptors, threads, CPU time
+and, as in lockstep time waits for answers, time on the wall for a second of simulated time.
+"""
+
+import json
+import os
+from pathlib import Path
+import tempfile
+import time
+from typing import NamedTuple
+
+from benchmarks.nodes import cpu_time
+from benchmarks.progress_bar import progress
+from diagnostic_msgs.msg import DiagnosticArray
+import numpy as np
+from push_control.task.status import TaskState
+from push_model.geometry import Pose
+from push_ros.conversions.primitives import NANOSECONDS
+from push_ros.diagnostics import status_values
+from push_ros.node_settings import Frames
+from push_ros.topics import CONTROLLER, SIM, TOPICS
+from push_scenario.dds.parameter_files import write_parameter_files
+from push_scenario.dds.processes import NodeProcesses, private_domain
+from push_scenario.dds.recorder import stamp_of
+from push_scenario.dds.replay import MODULES
+from push_scenario.dds.replay_client import ReplayClient
+from push_scenario.definition.loader import load_scenario
+from push_scenario.simulation.start import place_robot
+from rclpy.serialization import deserialize_message
+import yaml
+
+SCENARIO = 'task_tap'
+# Goals are drawn around the origin, up to these distances [m, m, rad]; chosen: a tap or two each.
+GOAL_RANGE = 0.03, 0.03, 0.1
+# Part of the tasks that counts as the beginning and as the end, after the first ones in which
+# caches are filled; chosen.
+PART = 0.25
+WARM_UP = 0.1
+# Wall time after which the nodes, or a task, count as hanging [s]; chosen: far above what they take
+# on a busy machine.
+TIMEOUT = 180.0
+
+
+class Sample(NamedTuple):
+    """
+    A node after a task, or what it has taken for it.
+
+    :param memory: resident [MB].
+    :param descriptors: number of open files and sockets.
+    :param threads: number.
+    :param cpu: CPU time for the task [s].
+    """
+
+    memory: float
+    descriptors: int
+    threads: int
+    cpu: float
+
+
+class SoakTask(NamedTuple):
+    """
+    One task of a soak.
+
+    :param is_done: whether it was done, else it has failed.
+    :param reason: why, where it has failed.
+    :param duration: simulated [s].
+    :param wall_time: [s].
+    :param nodes: ``Sample`` by name of the node.
+    """
+
+    is_done: bool
+    reason: str
+    duration: float
+    wall_time: float
+    nodes: dict[str, Sample]
+
+
+class _Monitor:
+    """Last state of the task, and simulated time, from the messages of the nodes."""
+
+    def __init__(self) -> None:
+        self.nodes: set[str] = set()
+        self.time = 0.0
+        self.state = TaskState.IDLE
+        self.since = 0.0
+        self.reason = ''
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """Take in a message."""
+        if topic == 'clock':
+            stamp = stamp_of(topic, data, TOPICS[topic].type)
+            self.time = max(self.time, (stamp or 0) / NANOSECONDS)
+        elif topic == 'diagnostics':
+            for status in deserialize_message(data, DiagnosticArray).status:
+                self.nodes.add(status.name)
+                values = status_values(status)
+                if status.name == CONTROLLER and 'state' in values:
+                    self.state, self.reason = TaskState(values['state']), values['reason']
+                    self.since = float(values['since'])
+
+
+def run_soak(count: int, seed: int = 1) -> list[SoakTask]:
+    """
+    Do tasks in a row.
+
+    :param count: of tasks.
+    :param seed: of their goals.
+    :return: each ``SoakTask``.
+    :raises RuntimeError: where a node dies or hangs.
+    """
+    scenario = place_robot(load_scenario(SCENARIO))
+    goals = np.random.default_rng(seed).uniform(-1.0, 1.0, (count, 3)) * GOAL_RANGE
+    monitor, tasks = _Monitor(), []
+    with private_domain() as domain, tempfile.TemporaryDirectory() as folder, \
+            NodeProcesses(domain, folder) as nodes:
+        files = write_parameter_files(Path(folder), scenario, scenario.control, Path(),
+                                      real_time=False, stamped=True)
+        client = ReplayClient(domain, True, monitor.on_message, nodes.check)
+        try:
+            _let_time_run(files[SIM])
+            for node, path in files.items():
+                nodes.start(node, MODULES[node], path)
+            client.wait_for(lambda: client.is_connected() and monitor.nodes >= MODULES.keys(),
+                            TIMEOUT, 'the nodes to start')
+            client.send_goal(Pose(*goals[0].tolist()), Frames().world_frame)
+            client.call('controller/start', TIMEOUT)
+            client.call('sim/start', TIMEOUT)
+            for goal in progress(goals.tolist(), 'soak'):
+                tasks.append(_do_task(Pose(*goal), client, monitor, nodes))
+            nodes.stop_all()
+        finally:
+            client.close()
+    return tasks
+
+
+def _let_time_run(path: Path) -> None:
+    """Let the simulator go on without end; nobody reads its tape."""
+    parameters = yaml.safe_load(path.read_text(encoding='utf-8'))
+    parameters[SIM]['ros__parameters'].update(tape_path='', time_limit=0.0)
+    path.write_text(yaml.safe_dump(parameters), encoding='utf-8')
+
+
+def _do_task(goal: Pose, client: ReplayClient, monitor: _Monitor,
+             nodes: NodeProcesses) -> SoakTask:
+    """Set a goal, and wait until it is reached or given up."""
+    start, began = monitor.time, time.monotonic()
+    before = {name: cpu_time(nodes.pid(name)) for name in nodes.names}
+    client.send_goal(goal, Frames().world_frame)
+    client.wait_for(lambda: monitor.state.is_final and monitor.since > start, TIMEOUT,
+                    'the end of a task')
+    return SoakTask(
+        monitor.state is TaskState.DONE, monitor.reason, monitor.time - start,
+        time.monotonic() - began,
+        {name: sample(nodes.pid(name), cpu) for name, cpu in before.items()})
+
+
+def sample(pid: int, cpu_before: float) -> Sample:
+    """
+    Look at a process, as Linux describes it.
+
+    :param pid: of the process.
+    :param cpu_before: CPU time that it had taken before [s].
+    """
+    folder = Path(f'/proc/{pid}')
+    pages = int((folder / 'statm').read_text(encoding='ascii').split()[1])
+    return Sample(1e-6 * pages * os.sysconf('SC_PAGE_SIZE'), len(list((folder / 'fd').iterdir())),
+                  len(list((folder / 'task').iterdir())), cpu_time(pid) - cpu_before)
+
+
+def write_tasks(path: Path, tasks: list[SoakTask]) -> None:
+    """
+    Keep the tasks of a soak.
+
+    :param path: of the file, JSON.
+    :param tasks: each ``SoakTask``.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps([task._asdict() for task in tasks]), encoding='utf-8')
+
+
+def read_tasks(path: Path) -> list[SoakTask]:
+    """
+    Read the tasks of a soak.
+
+    :param path: of the file; where it is not there, there are none.
+    """
+    if not path.is_file():
+        return []
+    return [SoakTask(**{**values, 'nodes': {
+        name: Sample(*numbers) for name, numbers in values['nodes'].items()}})
+        for values in json.loads(path.read_text(encoding='utf-8'))]
+
+
+def soak_table(tasks: list[SoakTask]) -> str:
+    """
+    Compare the beginning of a soak with its end.
+
+    :param tasks: each ``SoakTask``.
+    :return: Markdown.
+    """
+    if not tasks:
+        return 'Not measured.'
+    part = max(1, round(PART * len(tasks)))
+    first = round(WARM_UP * len(tasks))
+    begin, end = tasks[first:first + part], tasks[-part:]
+    lines = ['| | beginning | end | ratio |', '| --- | --- | --- | --- |',
+             _row('wall time per simulated second, all [ms]', *(
+                 1e3 * sum(task.wall_time for task in tasks) / sum(
+                     task.duration for task in tasks) for tasks in (begin, end)))]
+    for name in tasks[0].nodes:
+        cpu = [1e3 * sum(task.nodes[name].cpu for task in tasks) / sum(
+            task.duration for task in tasks) for tasks in (begin, end)]
+        lines += [_row(f'`{name}`: memory [MB]', begin[-1].nodes[name].memory,
+                       end[-1].nodes[name].memory),
+                  _row(f'`{name}`: CPU per simulated second [ms]', *cpu),
+                  _row(f'`{name}`: file descriptors', begin[-1].nodes[name].descriptors,
+                       end[-1].nodes[name].descriptors),
+                  _row(f'`{name}`: threads', begin[-1].nodes[name].threads,
+                       end[-1].nodes[name].threads)]
+    done = sum(task.is_done for task in tasks)
+    simulated = sum(task.duration for task in tasks)
+    return '\n'.join([f'{len(tasks)} tasks in a row, {simulated:.0f} s simulated: {done} done.',
+                      '', *lines])
+
+
+def _row(name: str, begin: float, end: float) -> str:
+    def number(value: float) -> str:
+        return str(value) if isinstance(value, int) else f'{value:.1f}'
+    return f'| {name} | {number(begin)} | {number(end)} | {end / begin:.3f} |'

@@ -1,0 +1,21 @@
+"""Files that are written whole or not at all, as where the disk is full."""
+
+import os
+from pathlib import Path
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """
+    Replace a file at once; where that fails, it is as it was.
+
+    :param path: of the file.
+    :param data: what is to be in it.
+    :raises OSError: naming the file, where it cannot be written.
+    """
+    unfinished = path.with_name(f'{path.name}.{os.getpid()}.part')
+    try:
+        unfinished.write_bytes(data)
+        os.replace(unfinished, path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(path)) from error
