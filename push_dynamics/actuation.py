@@ -72,6 +72,8 @@ def decay(error: float, time_constant: float, limit: float,
     :param duration: how long [s], above 0.
     :return: (e at the end, mean of e over the duration).
     """
+    if error == 0.0:
+        return 0.0, 0.0
     # Above a T the error falls at constant rate, below it exponentially.
     knee = limit * time_constant
     ramp = 0.0

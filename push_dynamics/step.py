@@ -14,7 +14,7 @@ the step [s].
 import math
 from typing import Any, NamedTuple
 
-from push_dynamics.actuation import chord_velocity, track_command
+from push_dynamics.actuation import chord_velocity, track_command, TrackedCommand
 from push_dynamics.compiled import compiled
 from push_dynamics.contact_law import (
     ContactGeometry, nearest_points, surface_velocity, SurfaceVelocity,
@@ -137,6 +137,47 @@ def move_object(state: Any, solution: StepSolution, h: float) -> None:
 
 
 @compiled
+def rests_out_of_reach(state: Any, body: Any, outline: Any, robot: Velocity, h: float) -> bool:
+    """
+    Tell whether the object rests where the robot cannot touch it within the step.
+
+    :param robot: mean ``Velocity`` of the robot over the step, world axes.
+    """
+    for i in range(V_X, A_OMEGA + 1):
+        if state[i] != 0.0:
+            return False
+    if state[MODE] != SEPARATE or transfers_loads(body):
+        return False
+    com_x, com_y = body[COM_X], body[COM_Y]
+    radius = body[DISC_RADIUS] + math.sqrt(com_x * com_x + com_y * com_y)
+    if body[DISC_RADIUS] == 0.0:
+        radius = 0.0
+        for i in range(len(outline)):
+            x, y = outline[i][0] - com_x, outline[i][1] - com_y
+            radius = max(radius, math.sqrt(x * x + y * y))
+    reach = (radius + body[ROBOT_RADIUS]
+             + h * math.sqrt(robot.v_x * robot.v_x + robot.v_y * robot.v_y))
+    d_x, d_y = state[ROBOT_X] - state[X], state[ROBOT_Y] - state[Y]
+    return d_x * d_x + d_y * d_y > reach * reach
+
+
+@compiled
+def move_robot(state: Any, tracked: TrackedCommand, robot: Velocity, h: float) -> None:
+    """
+    Write pose and velocity of the robot at the end of the step.
+
+    :param tracked: ``TrackedCommand``.
+    :param robot: mean ``Velocity`` of the robot over the step, world axes.
+    """
+    state[ROBOT_X] += h * robot.v_x
+    state[ROBOT_Y] += h * robot.v_y
+    state[ROBOT_THETA] += h * robot.omega
+    state[ROBOT_V_X] = tracked.end_x
+    state[ROBOT_V_Y] = tracked.end_y
+    state[ROBOT_OMEGA] = tracked.end_omega
+
+
+@compiled
 def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces: Any,
          command: Any, drive: Any, h: float) -> None:
     """Move object and robot by one step, in place."""
@@ -145,6 +186,15 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
     u_x, u_y = chord_velocity(state[ROBOT_THETA], tracked.mean_x, tracked.mean_y,
                               tracked.mean_omega, h)
     robot = Velocity(u_x, u_y, tracked.mean_omega)
+    state[STEPS] += 1
+    # What the step would come to, for less: a robot that drives around is far off most of the time.
+    if len(floor) == 0 and rests_out_of_reach(state, body, outline, robot, h):
+        for i in range(len(forces)):
+            forces[i] = 0.0
+        state[NORMAL_FORCE] = 0.0
+        state[TANGENTIAL_FORCE] = 0.0
+        move_robot(state, tracked, robot, h)
+        return
     guess = Velocity(state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
                      state[OMEGA] + h * state[A_OMEGA])
     c, s, contact, surface = middle_of_step(state, body, outline, guess, robot, h)
@@ -159,14 +209,8 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
                                   solution.velocity)
     add_energies(state, body, guess, contact, surface, solution, h * power)
     move_object(state, solution, h)
-    state[ROBOT_X] += h * robot.v_x
-    state[ROBOT_Y] += h * robot.v_y
-    state[ROBOT_THETA] += h * robot.omega
-    state[ROBOT_V_X] = tracked.end_x
-    state[ROBOT_V_Y] = tracked.end_y
-    state[ROBOT_OMEGA] = tracked.end_omega
+    move_robot(state, tracked, robot, h)
     state[ITERATIONS] += solution.iterations
-    state[STEPS] += 1
     if solution.residual > UNSOLVED_RESIDUAL:
         state[UNSOLVED_STEPS] += 1
 
