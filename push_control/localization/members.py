@@ -7,9 +7,10 @@ so that contact, rolling and sliding need no model of their own here.
 """
 
 import dataclasses
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from push_control.localization.ensemble_update import read_poses, write_poses
 from push_dynamics import layout
 from push_dynamics.compiled import kernel_array
 from push_dynamics.encoding import body_numbers, initial_state, NO_OUTLINE, support_rows
@@ -37,6 +38,25 @@ SCALE, YAW_SCALE, DRIFT = 0, 1, 2
 ODOMETRY_ERRORS = 3
 ROBOT = [layout.ROBOT_X, layout.ROBOT_Y, layout.ROBOT_THETA]
 OBJECT = [layout.X, layout.Y, layout.THETA]
+# Columns of poses of robots and objects, and the first one of the objects.
+ROBOT_AND_OBJECT = 6
+OBJECT_COLUMNS = 3
+
+
+class _Estimate(NamedTuple):
+    """
+    Poses of all members, and what they say together.
+
+    :param poses: as of ``Members.poses``.
+    :param robot_pose: mean of the robots.
+    :param object_pose: mean of the objects.
+    :param deviations: as of ``Members.deviations``.
+    """
+
+    poses: FloatArray
+    robot_pose: Pose
+    object_pose: Pose
+    deviations: FloatArray
 
 
 class Members:
@@ -68,8 +88,7 @@ class Members:
         self.parameters[:, -1] = obj.contact_friction_coefficient
         self.scratch = Scratch(obj)
         # Many ask for the poses between two changes of them.
-        self._poses: FloatArray | None = None
-        self._means: tuple[Pose, Pose] | None = None
+        self._estimate: _Estimate | None = None
 
     @property
     def count(self) -> int:
@@ -79,11 +98,7 @@ class Members:
     @property
     def poses(self) -> FloatArray:
         """Poses (x, y, theta) of robots and objects, shape (n, 6), as below; read-only."""
-        if self._poses is None:
-            self._poses = np.concatenate((self.states[:, ROBOT], self.states[:, OBJECT]), axis=1)
-            self._poses[:, 3:5] -= self._rotated_center(self._poses[:, 5])
-            self._poses.setflags(write=False)
-        return self._poses
+        return self._estimated.poses
 
     @property
     def robot_poses(self) -> FloatArray:
@@ -98,12 +113,17 @@ class Members:
     @property
     def mean_robot_pose(self) -> Pose:
         """Mean ``Pose`` of the robots."""
-        return self._mean_poses[0]
+        return self._estimated.robot_pose
 
     @property
     def mean_object_pose(self) -> Pose:
         """Mean ``Pose`` of the objects."""
-        return self._mean_poses[1]
+        return self._estimated.object_pose
+
+    @property
+    def deviations(self) -> FloatArray:
+        """Standard deviations of the poses of robots and objects, shape (6,); read-only."""
+        return self._estimated.deviations
 
     @property
     def in_contact(self) -> BoolArray:
@@ -125,8 +145,18 @@ class Members:
 
         :param poses: (x, y, theta) of the object frame, shape (n, 3).
         """
-        self.states[:, OBJECT] = poses
-        self.states[:, OBJECT[:2]] += self._rotated_center(poses[:, 2])
+        both = np.zeros((self.count, ROBOT_AND_OBJECT))
+        both[:, OBJECT_COLUMNS:] = poses
+        self.set_poses(both, OBJECT_COLUMNS)
+
+    def set_poses(self, poses: FloatArray, first: int = 0) -> None:
+        """
+        Place robots and objects, or the objects alone.
+
+        :param poses: as of ``poses``, shape (n, 6).
+        :param first: number of the first column that counts; ``OBJECT_COLUMNS`` for objects alone.
+        """
+        write_poses(self.states, self.bodies, poses, first)
         self._forget_poses()
 
     def assign(self, other: 'Members') -> None:
@@ -171,21 +201,21 @@ class Members:
         self._forget_poses()
 
     @property
-    def _mean_poses(self) -> tuple[Pose, Pose]:
-        means = self._means
-        if means is None:
-            numbers = self.poses.mean(axis=0).tolist()
-            means = self._means = (Pose(*numbers[:3]), Pose(*numbers[3:]))
-        return means
+    def _estimated(self) -> _Estimate:
+        estimate = self._estimate
+        if estimate is None:
+            poses = np.empty((self.count, ROBOT_AND_OBJECT))
+            moments = np.empty((2, ROBOT_AND_OBJECT))
+            read_poses(self.states, self.bodies, poses, moments)
+            for numbers in (poses, moments):
+                numbers.setflags(write=False)
+            means = moments[0].tolist()
+            estimate = self._estimate = _Estimate(poses, Pose(*means[:3]), Pose(*means[3:]),
+                                                  moments[1])
+        return estimate
 
     def _forget_poses(self) -> None:
-        self._poses = None
-        self._means = None
-
-    def _rotated_center(self, angles: FloatArray) -> FloatArray:
-        x, y = self.obj.center_of_mass
-        c, s = np.cos(angles), np.sin(angles)
-        return np.array((c * x - s * y, s * x + c * y)).T
+        self._estimate = None
 
 
 class Scratch:

@@ -29,7 +29,6 @@ Whether the contact is about as rough as stated or slippery is decided between t
 (``slip_test``).
 """
 
-from collections import deque
 import copy
 import math
 from typing import NamedTuple, Sequence
@@ -39,11 +38,15 @@ from push_control.estimation.friction_members import (
     friction_centers, FrictionMembers, knowledge_of, with_knowledge,
 )
 from push_control.estimation.object_knowledge import ObjectKnowledge
+from push_control.localization.ensemble_update import (
+    add_odometry, center, disturb_objects, EnsembleUpdate,
+)
 from push_control.localization.members import (
     CONTACT_FRICTION_STD, DRIFT, identified_object, LONGEST_STEP, MEMBER_COUNT, Members,
-    ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE,
+    OBJECT_COLUMNS, ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE,
 )
 from push_control.localization.pose_bias import PoseBias
+from push_control.localization.pose_history import PoseHistory
 from push_control.localization.slip_test import slippery_friction, SlipTest, SlipVerdict
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, Pose, wrap_angle
@@ -51,8 +54,6 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, PoseCovariance
 from push_navigation.map_clearance import PlaceUncertainty
 
-# Time for which former poses are kept [s]; chosen: longer than object poses are late.
-HISTORY_TIME = 0.4
 # Time after the last contact for which object poses still tell of the robot [s]; chosen: longer
 # than they are late, and than the object slides on.
 COUPLING_TIME = 0.4
@@ -60,10 +61,12 @@ COUPLING_TIME = 0.4
 # and [rad/sqrt(m)]; chosen: contacts that creep by 1 % of the way are within it.
 POSITION_WALK = 0.006
 HEADING_WALK = 0.012
+OBJECT_WALKS: FloatArray = np.array((POSITION_WALK, POSITION_WALK, HEADING_WALK))
 # Standard deviations below which averaging does not bring the object's pose, as errors of
 # successive measurements may be correlated [m], [rad]; chosen.
 LEAST_POSITION_STD = 0.0004
 LEAST_HEADING_STD = 0.001
+LEAST_STDS = LEAST_POSITION_STD, LEAST_POSITION_STD, LEAST_HEADING_STD
 # Standard deviations of the first robot pose relative to the world [m], [rad]; chosen: odometry
 # begins in the frame of the poses.
 START_POSITION_STD = 0.002
@@ -117,13 +120,6 @@ class RobotMemory(NamedTuple):
     odometry_errors: FloatArray
 
 
-class _Snapshot(NamedTuple):
-    """Poses of all members at a time, as of ``Members.poses``."""
-
-    time: float
-    poses: FloatArray
-
-
 class PushEnsemble:
     """Estimates poses of robot and object, errors of odometry, and friction."""
 
@@ -141,12 +137,14 @@ class PushEnsemble:
         self.members = Members(obj, robot, MEMBER_COUNT)
         self._settings = control
         self._odometry_noise = odometry_noise
+        self._odometry_walks: FloatArray = np.array(
+            (odometry_noise.walk, odometry_noise.walk, odometry_noise.heading_walk), dtype=float)
         self._rng = np.random.default_rng(seed)
         # With numbers of its own: all others do not depend on whether there is a bias.
         self._bias = PoseBias(control.pose_bias, control.heading_bias, MEMBER_COUNT,
                               np.random.default_rng((seed, 1)))
         self._odometry: Odometry | None = None
-        self._history: deque[_Snapshot] = deque()
+        self._history = PoseHistory()
         self._last_contact = -math.inf
         self._pose_time: float | None = None
         self._outliers = 0
@@ -154,8 +152,7 @@ class PushEnsemble:
         self._slip_test = SlipTest()
         self._slippery: PushEnsemble | None = None
         self._draw_parameters()
-        # Nothing moves; but it is compiled here, and not at the first odometry.
-        self.members.move(np.zeros((self.members.count, POSE)), LONGEST_STEP)
+        self._warm_up()
 
     def _draw_parameters(self) -> None:
         members, noise = self.members, self._odometry_noise
@@ -167,6 +164,19 @@ class PushEnsemble:
         parameters[:, ODOMETRY_ERRORS:-1] = SUPPORT_LOG_STD * spread[:, ODOMETRY_ERRORS:-1]
         parameters[:, -1] *= 1.0 + CONTACT_FRICTION_STD * spread[:, -1]
         members.apply_parameters()
+
+    def _warm_up(self) -> None:
+        """Change nothing; but all is compiled or loaded here, and not while the robot moves."""
+        members = self.members
+        none, poses = np.zeros((members.count, POSE)), members.poses.copy()
+        update = EnsembleUpdate(none, np.eye(POSE))
+        update.test(np.zeros(POSE))
+        update.apply(poses)
+        members.move(none, LONGEST_STEP)
+        members.close_gaps()
+        disturb_objects(poses, poses.copy(), none, OBJECT_WALKS)
+        members.set_poses(poses)
+        add_odometry(none, members.parameters, self._odometry_walks, 0.0, 0.0, 0.0)
 
     # Estimates.
 
@@ -199,7 +209,7 @@ class PushEnsemble:
     @property
     def object_deviations(self) -> FloatArray:
         """Standard deviations of x, y [m] and heading [rad] of the object, shape (3,)."""
-        return self.members.object_poses.std(axis=0)
+        return self.members.deviations[POSE:]
 
     @property
     def has_pose_bias(self) -> bool:
@@ -215,7 +225,7 @@ class PushEnsemble:
     @property
     def standard_deviations(self) -> FloatArray:
         """Standard deviations of x, y [m] and heading [rad] of the robot, shape (3,)."""
-        return self.members.robot_poses.std(axis=0)
+        return self.members.deviations[:POSE]
 
     @property
     def position_deviation(self) -> float:
@@ -270,10 +280,10 @@ class PushEnsemble:
         """
         Look up where the robot was, by linear interpolation.
 
-        :param time: not more than ``HISTORY_TIME`` ago [s].
+        :param time: of the newest object pose, or later [s].
         :return: its mean ``Pose``, as estimated by now.
         """
-        return Pose(*self._at(time)[:, :POSE].mean(axis=0).tolist())
+        return Pose(*self._history.at(time)[:, :POSE].mean(axis=0).tolist())
 
     def start_from(self, knowledge: ObjectKnowledge) -> None:
         """
@@ -320,27 +330,21 @@ class PushEnsemble:
         else:
             return
         self._odometry = odometry
-        self._history.append(_Snapshot(odometry.time, self.members.poses))
-        while odometry.time - self._history[0].time > HISTORY_TIME:
-            self._history.popleft()
+        self._history.append(odometry.time, self.members.poses)
         if odometry.time == self._last_contact:
             self._suppose_slippery()
         elif odometry.time - self._last_contact > COUPLING_TIME:
             self._follow_likelier()
 
     def _move(self, step: Pose, duration: float, time: float) -> None:
-        members, noise = self.members, self._odometry_noise
+        members = self.members
         rotation = wrap_angle(step.theta)
-        length = math.hypot(step.x, step.y)
-        if length < REST and abs(rotation) < REST and not members.in_contact.any():
+        if math.hypot(step.x, step.y) < REST and abs(rotation) < REST and not members.in_contact.any():
             return
-        s, g, d = members.parameters[:, :ODOMETRY_ERRORS].T
-        increments = math.sqrt(length) * self._normal((members.count, POSE)) * (
-            noise.walk, noise.walk, noise.heading_walk)
-        increments[:, 0] += step.x / (1.0 + s)
-        increments[:, 1] += step.y / (1.0 + s)
-        increments[:, 2] += (1.0 + g) * rotation - d * length
-        before = members.object_poses if self.has_object else None
+        increments = self._normal((members.count, POSE))
+        add_odometry(increments, members.parameters, self._odometry_walks, step.x, step.y,
+                     rotation)
+        before = members.poses if self.has_object else None
         if members.move(increments, duration):
             self._last_contact = time
             if before is not None:
@@ -348,11 +352,9 @@ class PushEnsemble:
 
     def _disturb_objects(self, before: FloatArray) -> None:
         """Add what the dynamics do not know to the motion of the objects."""
-        members = self.members
-        after = members.object_poses
-        lengths = np.hypot(*(after - before)[:, :2].T)
-        noise = self._normal(after.shape) * (POSITION_WALK, POSITION_WALK, HEADING_WALK)
-        members.set_object_poses(after + np.sqrt(lengths)[:, None] * noise)
+        poses = self.members.poses.copy()
+        disturb_objects(poses, before.copy(), self._normal((len(poses), POSE)), OBJECT_WALKS)
+        self.members.set_poses(poses, OBJECT_COLUMNS)
 
     # Updates.
 
@@ -377,29 +379,26 @@ class PushEnsemble:
             self._place_objects(measured)
             self._pose_time = measured.time
             return True
-        if measured.time <= self._pose_time or not self._history:
+        if measured.time <= self._pose_time or not self._history.times:
             return False
         self._pose_time = measured.time
-        poses = self._at(measured.time)
+        self._history.drop_before(measured.time)
+        poses = self._history.at(measured.time)
         expected = poses[:, POSE:] + self._bias.errors(poses[:, :POSE], poses[:, POSE:])
-        mean = expected.mean(axis=0)
-        innovation = np.array(measured.pose) - mean
+        update = EnsembleUpdate(expected, self._noise(measured))
+        innovation = np.array(measured.pose) - update.mean
         innovation[2] = wrap_angle(innovation[2])
-        spread = expected - mean
-        noise = self._noise(measured)
-        covariance = spread.T @ spread / (len(spread) - 1) + noise
-        distance = float(innovation @ np.linalg.solve(covariance, innovation))
-        self._log_likelihood -= 0.5 * (min(distance, OUTLIER_GATE)
-                                       + math.log(np.linalg.det(covariance)))
-        if distance > OUTLIER_GATE:
+        test = update.test(innovation)
+        self._log_likelihood -= 0.5 * (min(test.squared_distance, OUTLIER_GATE)
+                                       + test.log_determinant)
+        if test.squared_distance > OUTLIER_GATE:
             self._outliers += 1
             is_displaced = self._outliers >= MAX_OUTLIERS
             if is_displaced:
                 self._on_object_displaced(measured, innovation)
             return is_displaced
         self._outliers = 0
-        is_coupled = measured.time - self._last_contact < COUPLING_TIME
-        self._correct(spread, innovation, noise, is_coupled)
+        self._correct(update, measured.time - self._last_contact < COUPLING_TIME)
         self._keep_object_spread()
         return True
 
@@ -413,9 +412,9 @@ class PushEnsemble:
 
         :param measured: ``ObjectPose``, of the time of the history.
         """
-        if not self._history:
+        if not self._history.times:
             return measured
-        poses = self._at(measured.time)
+        poses = self._history.at(measured.time)
         errors = self._bias.errors(poses[:, :POSE], poses[:, POSE:])
         x, y, theta = errors.mean(axis=0).tolist()
         pose = measured.pose
@@ -445,8 +444,8 @@ class PushEnsemble:
             it; else it is rejected then.
         """
         innovation = np.array([*error[:2], wrap_angle(error[2])])
-        robots = self.members.robot_poses
-        self._correct_robot(robots - robots.mean(axis=0), innovation, covariance, is_certain)
+        self._correct_robot(EnsembleUpdate(self.members.robot_poses, covariance), innovation,
+                            is_certain)
 
     def update_along(self, direction: float, error: float, deviation: float,
                      is_certain: bool = True) -> None:
@@ -461,8 +460,8 @@ class PushEnsemble:
         self._slippery = None
         robots = self.members.robot_poses
         along = robots[:, 0] * math.cos(direction) + robots[:, 1] * math.sin(direction)
-        self._correct_robot((along - along.mean())[:, None], np.array([error]),
-                            np.array([[deviation ** 2]]), is_certain)
+        self._correct_robot(EnsembleUpdate(along[:, None], np.array([[deviation ** 2]])),
+                            np.array([error]), is_certain)
 
     def inflate_covariance(self, deviation: float, heading_deviation: float = 0.0) -> None:
         """
@@ -524,66 +523,50 @@ class PushEnsemble:
             members.close_gaps()
         self._forget_history()
 
-    def _correct_robot(self, spread: FloatArray, innovation: FloatArray, noise: FloatArray,
+    def _correct_robot(self, update: EnsembleUpdate, innovation: FloatArray,
                        is_certain: bool) -> None:
-        covariance = spread.T @ spread / (len(spread) - 1) + noise
-        is_outlier = (innovation @ np.linalg.solve(covariance, innovation)
-                      > OUTLIER_GATE * len(innovation))
+        test = update.test(innovation)
+        is_outlier = test.squared_distance > OUTLIER_GATE * len(innovation)
         if is_outlier and not is_certain:
             return
         if is_outlier:
             # The robot has jumped: all members jump with it.
-            gain = spread.T @ (self.members.robot_poses - np.array(self.pose))
-            jump = np.linalg.solve(spread.T @ spread, gain).T @ innovation
-            self.members.set_robot_poses(self.members.robot_poses + jump)
+            robots = self.members.robot_poses
+            self.members.set_robot_poses(robots + update.jump(robots))
             self._forget_history()
             return
-        self._correct(spread, innovation, noise, True)
+        self._correct(update, True)
 
-    def _correct(self, spread: FloatArray, innovation: FloatArray, noise: FloatArray,
-                 is_coupled: bool) -> None:
+    def _correct(self, update: EnsembleUpdate, is_coupled: bool) -> None:
         """
         Update all members by a measurement.
 
-        :param spread: anomalies of what was measured, shape (n, m).
-        :param innovation: measured minus mean, shape (m,).
-        :param noise: covariance of the measurement, shape (m, m).
+        :param update: ``EnsembleUpdate``, its innovation tested.
         :param is_coupled: whether it tells of the robot and of friction too.
         """
-        members, history = self.members, self._history
-        state = np.concatenate(
-            (members.poses, *(snapshot.poses for snapshot in history), self._bias.coefficients,
-             members.parameters), axis=1)
-        anomalies = state - state.mean(axis=0)
-        gain = np.linalg.solve(spread.T @ spread + (len(state) - 1) * noise, spread.T @ anomalies)
-        steps = 1 + len(history)
-        size = steps * 2 * POSE
-        end_of_bias = size + self._bias.coefficients.shape[1]
+        members, first = self.members, 0 if is_coupled else OBJECT_COLUMNS
+        poses = members.poses.copy()
+        for block in (poses, *self._history.poses):
+            update.apply(block, first)
+        if self._bias.exists:
+            update.apply(self._bias.coefficients)
+        members.set_poses(poses, first)
         if not is_coupled:
-            columns = np.arange(gain.shape[1])
-            is_robot = (columns < size) & (columns % (2 * POSE) < POSE)
-            gain[:, is_robot | (columns >= end_of_bias)] = 0.0
-        state += (innovation - 0.5 * spread) @ gain
-        poses = state[:, :size].reshape(len(state), steps, 2 * POSE)
-        members.set_object_poses(poses[:, 0, POSE:])
-        self._bias.coefficients = state[:, size:end_of_bias]
-        if is_coupled:
-            members.set_robot_poses(poses[:, 0, :POSE])
-            members.parameters[:] = state[:, end_of_bias:]
-            members.apply_parameters()
-            if self.has_object:
-                members.close_gaps()
-        self._history = deque(_Snapshot(snapshot.time, poses[:, step])
-                              for step, snapshot in enumerate(history, 1))
+            return
+        update.apply(members.parameters)
+        members.apply_parameters()
+        if self.has_object:
+            members.close_gaps()
 
     def _keep_object_spread(self) -> None:
         """Spread the objects a little where averaging has made them too equal."""
         members = self.members
-        poses = members.object_poses
-        least = np.array((LEAST_POSITION_STD, LEAST_POSITION_STD, LEAST_HEADING_STD))
-        missing = np.sqrt(np.maximum(0.0, least ** 2 - poses.var(axis=0)))
-        if missing.any() and self.contact_ratio == 0.0:
-            members.set_object_poses(poses + missing * self._normal(poses.shape))
+        deviations = members.deviations[OBJECT_COLUMNS:].tolist()
+        missing = [math.sqrt(max(0.0, least ** 2 - deviation ** 2))
+                   for least, deviation in zip(LEAST_STDS, deviations)]
+        if any(missing) and self.contact_ratio == 0.0:
+            poses = members.object_poses
+            members.set_object_poses(poses + missing * self._normal((members.count, POSE)))
 
     # Whether the contact is slippery.
 
@@ -642,24 +625,13 @@ class PushEnsemble:
     def _forget_history(self) -> None:
         """Former poses are those of a former estimate."""
         if self._odometry is not None:
-            self._history = deque([_Snapshot(self._odometry.time, self.members.poses)])
+            self._history.restart(self._odometry.time, self.members.poses)
 
-    def _at(self, time: float) -> FloatArray:
-        """Poses of all members at a time within the history, by linear interpolation."""
-        history = self._history
-        after = next((i for i, snapshot in enumerate(history) if snapshot.time >= time), None)
-        if after is None:
-            return history[-1].poses
-        if after == 0:
-            return history[0].poses
-        first, last = history[after - 1], history[after]
-        ratio = (time - first.time) / (last.time - first.time)
-        return first.poses + ratio * (last.poses - first.poses)
-
-    def _normal(self, shape: tuple[int, ...]) -> FloatArray:
+    def _normal(self, shape: tuple[int, int]) -> FloatArray:
         """Draw standard normal numbers whose mean over the members is 0."""
         numbers = self._rng.standard_normal(shape)
-        return numbers - numbers.mean(axis=0)
+        center(numbers, np.empty(shape[1]))
+        return numbers
 
 
 # Numbers of a state that are motion and force: velocities, accelerations, mode and forces.

@@ -8,8 +8,9 @@ from helpers.ensemble_runs import (
 )
 from helpers.objects import box
 import numpy as np
+from push_control.localization.pose_history import HISTORY_TIME
 from push_control.localization.push_ensemble import (
-    HISTORY_TIME, MAX_OUTLIERS, OdometryNoise, PushEnsemble, START_HEADING_STD,
+    MAX_OUTLIERS, OdometryNoise, PushEnsemble, START_HEADING_STD,
     START_POSITION_STD,
 )
 from push_model.friction import friction_center
