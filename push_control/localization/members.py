@@ -51,12 +51,14 @@ class _Estimate(NamedTuple):
     :param robot_pose: mean of the robots.
     :param object_pose: mean of the objects.
     :param deviations: as of ``Members.deviations``.
+    :param position_deviation: as of ``Members.position_deviation``.
     """
 
     poses: FloatArray
     robot_pose: Pose
     object_pose: Pose
     deviations: FloatArray
+    position_deviation: float
 
 
 class Members:
@@ -126,9 +128,19 @@ class Members:
         return self._estimated.deviations
 
     @property
+    def position_deviation(self) -> float:
+        """Standard deviation of x or y of the robots, the greater one [m]."""
+        return self._estimated.position_deviation
+
+    @property
     def in_contact(self) -> BoolArray:
         """Whether each robot touches its object, shape (n,)."""
         return self.states[:, layout.NORMAL_FORCE] > 0.0
+
+    @property
+    def contact_ratio(self) -> float:
+        """Ratio of members in which the robot touches the object."""
+        return float(np.count_nonzero(self.in_contact)) / self.count
 
     def set_robot_poses(self, poses: FloatArray) -> None:
         """
@@ -209,9 +221,9 @@ class Members:
             read_poses(self.states, self.bodies, poses, moments)
             for numbers in (poses, moments):
                 numbers.setflags(write=False)
-            means = moments[0].tolist()
+            means, deviations = moments.tolist()
             estimate = self._estimate = _Estimate(poses, Pose(*means[:3]), Pose(*means[3:]),
-                                                  moments[1])
+                                                  moments[1], max(deviations[:2]))
         return estimate
 
     def _forget_poses(self) -> None:

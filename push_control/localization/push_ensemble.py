@@ -230,7 +230,7 @@ class PushEnsemble:
     @property
     def position_deviation(self) -> float:
         """Standard deviation of x or y of the robot, the greater one [m]."""
-        return float(self.standard_deviations[:2].max())
+        return self.members.position_deviation
 
     @property
     def place_uncertainty(self) -> PlaceUncertainty:
@@ -245,7 +245,7 @@ class PushEnsemble:
     @property
     def contact_ratio(self) -> float:
         """Ratio of members in which the robot touches the object."""
-        return float(self.members.in_contact.mean())
+        return self.members.contact_ratio
 
     @property
     def obj(self) -> PushedObject:

@@ -84,7 +84,7 @@ class TaskMode(Mode):
     @property
     def is_commanding(self) -> bool:
         """Whether a task is under way, or the retreat from one that was cancelled."""
-        return not self._supervisor.status.state.is_standing
+        return not self._supervisor.state.is_standing
 
     @property
     def awaits_plan(self) -> bool:
@@ -288,7 +288,7 @@ class TaskMode(Mode):
 
     def pause(self) -> ServiceAnswer:
         """Stand until ``resume``."""
-        state = self._supervisor.status.state
+        state = self._supervisor.state
         if state.is_standing:
             return ServiceAnswer(False, f'nothing to pause: the task is {state.value}')
         self._supervisor.pause()
@@ -296,7 +296,7 @@ class TaskMode(Mode):
 
     def resume(self) -> ServiceAnswer:
         """Go on after a pause."""
-        state = self._supervisor.status.state
+        state = self._supervisor.state
         if state is not TaskState.PAUSED:
             return ServiceAnswer(False, f'nothing to resume: the task is {state.value}')
         self._supervisor.resume()
@@ -320,7 +320,7 @@ class TaskMode(Mode):
         command = self._supervisor.step(observation, dt)
         self._clear_footprints()
         self._requester.update(self._supervisor.plan_request, observation.time)
-        if self._memory.is_due(self._supervisor.status.state):
+        if self._memory.is_due(self._supervisor.state):
             self._reporter.warn(self._memory.keep(self._supervisor.knowledge), observation)
         self._reporter.warn(self._covariance_check.update(observation.odometry), observation)
         return command

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.safety.status import SafetyReason, SafetyReport
+from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, Twist
 
@@ -77,7 +78,7 @@ class _Axis:
     def reset(self, measured: float) -> None:
         self.low = self.high = self.nominal = measured
 
-    def update(self, commands: list[float], dt: float) -> None:
+    def update(self, commands: tuple[float, ...], dt: float) -> None:
         """Move the bounds towards the least and the greatest of the last commands."""
         least, greatest = min(commands), max(commands)
         acceleration = ACCELERATION_RATIO * self._acceleration
@@ -176,12 +177,13 @@ class MotionMonitor:
 
     def _compare(self, twist: Twist, time: float, dt: float) -> SafetyReport | None:
         recent = [sample.twist for sample in self._commands]
+        by_axis = list(zip(*recent))
         speed = math.hypot(twist.v_x, twist.v_y)
         scales = (speed, speed, abs(twist.omega))
         units = (1.0, 1.0, LEVER)
         excess = shortfall = 0.0
         for i, axis in enumerate(self._axes):
-            axis.update([command[i] for command in recent], dt)
+            axis.update(by_axis[i], dt)
             scale = max(scales[i], abs(axis.low), abs(axis.high))
             tolerance = SPEED_TOLERANCE / units[i] + RELATIVE_TOLERANCE * scale
             over, under = axis.excess(twist[i], tolerance)
@@ -213,15 +215,17 @@ class MotionMonitor:
         if variation < LEAST_VARIATION ** 2:
             return None
 
-        def error(delay: float) -> float:
-            shifted = np.stack([np.interp(times[covered] - delay, times, column)
-                                for column in nominal.T], axis=1)
-            return float(((measured[covered] - shifted) ** 2).sum(axis=1).mean())
-        delays: list[float] = np.arange(0.0, MAX_DELAY + DELAY_STEP, DELAY_STEP).tolist()
-        errors = [error(delay) for delay in delays]
-        best = int(np.argmin(errors))
+        # The response shifted by every delay, shape (delays, times).
+        delays: FloatArray = np.arange(0.0, MAX_DELAY + DELAY_STEP, DELAY_STEP)
+        shifted_times = times[covered] - delays[:, None]
+        errors = np.zeros(len(delays))
+        for column, response in zip(measured[covered].T, nominal.T):
+            difference = column - np.interp(shifted_times, times, response)
+            errors += np.square(difference).mean(axis=1)
+        best = int(errors.argmin())
         is_explained = errors[best] < EXPLAINED_RATIO * min(errors[0], variation)
-        return delays[best] if is_explained and delays[best] > RESPONSE_TIME else None
+        delay = float(delays[best])
+        return delay if is_explained and delay > RESPONSE_TIME else None
 
 
 def _text(twist: Twist) -> str:

@@ -59,6 +59,26 @@ class ObjectAtRest(NamedTuple):
     is_biased: bool = False
 
 
+class _Sample(NamedTuple):
+    """
+    A measured pose in a window, or the sum of all of them.
+
+    :param time: [s].
+    :param x: [m].
+    :param y: [m].
+    :param rotation: since the first pose [rad].
+    :param position_variance: of its error along each axis [m^2].
+    :param heading_variance: of its error [rad^2].
+    """
+
+    time: float
+    x: float
+    y: float
+    rotation: float
+    position_variance: float
+    heading_variance: float
+
+
 class StationarityWindow:
     """Averages measured poses while the object is at rest; starts over when it has moved."""
 
@@ -76,7 +96,10 @@ class StationarityWindow:
 
     def clear(self) -> None:
         """Forget all measurements, but for those that show how noisy they are."""
-        self._measured: deque[ObjectPose] = deque()
+        self._samples: deque[_Sample] = deque()
+        self._sum = _Sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        # Headings are averaged relative to the first, clear of the seam of angles.
+        self._first_heading = 0.0
         self._average: ObjectAtRest | None = None
 
     def add(self, measured: ObjectPose) -> None:
@@ -85,14 +108,22 @@ class StationarityWindow:
 
         :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
         """
-        if self._measured and measured.time <= self._measured[-1].time:
+        if self._samples and measured.time <= self._samples[-1].time:
             return
         self._latest.append(measured)
-        if self._average is not None and self._has_left(self._average.pose, measured):
-            self._measured.clear()
-        self._measured.append(measured)
-        while measured.time - self._measured[0].time > self._supervision.max_averaging_time:
-            self._measured.popleft()
+        noise = self._control.believed_covariance(measured)
+        position_deviation, heading_deviation = noise.position_deviation, noise.heading_deviation
+        gate, pose = self._supervision.motion_gate_sigmas, measured.pose
+        before = None if self._average is None else self._average.pose
+        if (before is not None and (
+                distance(pose, before) > gate * position_deviation
+                or abs(wrap_angle(pose.theta - before.theta)) > gate * heading_deviation)):
+            self.clear()
+        if not self._samples:
+            self._first_heading = pose.theta
+        self._append(_Sample(measured.time, pose.x, pose.y,
+                             wrap_angle(pose.theta - self._first_heading),
+                             position_deviation ** 2, heading_deviation ** 2))
         self._average = self._averaged()
 
     @property
@@ -119,25 +150,23 @@ class StationarityWindow:
         return text + (f', and noise of {1e3 * believed.position_deviation:.1f} mm and '
                        f'{math.degrees(believed.heading_deviation):.2f} deg is stated')
 
-    def _has_left(self, before: Pose, measured: ObjectPose) -> bool:
-        gate, pose = self._supervision.motion_gate_sigmas, measured.pose
-        noise = self._control.believed_covariance(measured)
-        return (distance(pose, before) > gate * noise.position_deviation
-                or abs(wrap_angle(pose.theta - before.theta)) > gate * noise.heading_deviation)
+    def _append(self, sample: _Sample) -> None:
+        """Add a sample to the window and its sum, and drop those that are too old."""
+        samples, longest = self._samples, self._supervision.max_averaging_time
+        samples.append(sample)
+        total = [a + b for a, b in zip(self._sum, sample)]
+        while sample.time - samples[0].time > longest:
+            total = [a - b for a, b in zip(total, samples.popleft())]
+        self._sum = _Sample(*total)
 
     def _averaged(self) -> ObjectAtRest:
-        # Headings are averaged relative to the first, clear of the seam of angles.
-        first = self._measured[0].pose.theta
-        poses = [measured.pose for measured in self._measured]
-        rows = np.array([(pose.x, pose.y, wrap_angle(pose.theta - first)) for pose in poses])
-        x, y, rotation = rows.mean(axis=0).tolist()
-        noises = [self._control.believed_covariance(measured) for measured in self._measured]
-        position_errors = [noise.position_deviation for noise in noises]
-        heading_errors = [noise.heading_deviation for noise in noises]
+        count, total = len(self._samples), self._sum
         return ObjectAtRest(
-            Pose(x, y, wrap_angle(first + rotation)),
-            self._measured[-1].time - self._measured[0].time,
-            math.hypot(*position_errors) / len(rows), math.hypot(*heading_errors) / len(rows))
+            Pose(total.x / count, total.y / count,
+                 wrap_angle(self._first_heading + total.rotation / count)),
+            self._samples[-1].time - self._samples[0].time,
+            math.sqrt(total.position_variance) / count,
+            math.sqrt(total.heading_variance) / count)
 
 
 def has_moved(before: Pose, pose: Pose, settings: SupervisionSettings) -> bool:

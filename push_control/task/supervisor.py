@@ -133,7 +133,9 @@ class Supervisor:
         self._answer = _Answer()
         # As of the last change of state; ``status`` adds what is measured since.
         self._entered = SupervisorStatus()
-        self._status = self._entered
+        self._reason_to_wait = ''
+        # Made where somebody asks for it, which is less often than the robot is commanded.
+        self._status: SupervisorStatus | None = None
 
     @property
     def plan_request(self) -> PlanRequest | None:
@@ -143,7 +145,24 @@ class Supervisor:
     @property
     def status(self) -> SupervisorStatus:
         """The present ``SupervisorStatus``."""
+        if self._status is None:
+            self._status = self._present_status()
         return self._status
+
+    @property
+    def state(self) -> TaskState:
+        """The present ``TaskState``."""
+        return self._entered.state
+
+    @property
+    def history(self) -> tuple[StateChange, ...]:
+        """``StateChange`` of every state since the goal was set."""
+        return self._entered.history
+
+    @property
+    def recoveries(self) -> int:
+        """Number of failures recovered from for this goal."""
+        return self._entered.recoveries
 
     @property
     def knowledge(self) -> ObjectKnowledge:
@@ -543,12 +562,17 @@ class Supervisor:
         return self._entered.push if push is None else push
 
     def _update_status(self, waiting_reason: str = '') -> None:
+        self._reason_to_wait = waiting_reason
+        self._status = None
+
+    def _present_status(self) -> SupervisorStatus:
         entered, push = self._entered, self._push_status()
+        waiting_reason = self._reason_to_wait
         reason = waiting_reason or entered.reason
         if entered.state is TaskState.PUSH:
             reason = reason or push.reason
         localization = self._perception.localization
-        self._status = dataclasses.replace(
+        return dataclasses.replace(
             entered, reason=reason, push=push,
             is_requested=entered.is_requested and not waiting_reason,
             robot_pose=localization.pose if localization.is_initialized else None)

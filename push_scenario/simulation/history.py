@@ -12,6 +12,7 @@ class StateHistory:
     def __init__(self) -> None:
         """Start with an empty history."""
         self._changes: list[StateChange] = []
+        self._last: object = None
         self._earlier_recoveries = 0
         self._recoveries = 0
 
@@ -33,6 +34,9 @@ class StateHistory:
             known already are skipped.
         :param recoveries: number of recoveries since the present goal was set.
         """
+        if changes is self._last and recoveries == self._recoveries:
+            return
+        self._last = changes
         new: list[StateChange] = []
         for change in reversed([StateChange(*change) for change in changes]):
             if self._changes and change == self._changes[-1]:

@@ -215,7 +215,7 @@ class TaskControl(RobotControl):
     @property
     def stage(self) -> str:
         """State of the supervisor."""
-        return self._supervisor.status.state.value
+        return self._supervisor.state.value
 
     @property
     def history(self) -> tuple[StateChange, ...]:
@@ -254,9 +254,9 @@ class TaskControl(RobotControl):
         """Answer a plan request and set the goal that is due; see ``RobotControl``."""
         self._answer_request(observation.time)
         self._update_history()
-        status = self._supervisor.status
-        if status.state in ENDINGS and not self._later_goals:
-            return Ending(ENDINGS[status.state], status.reason)
+        state = self._supervisor.state
+        if state in ENDINGS and not self._later_goals:
+            return Ending(ENDINGS[state], self._supervisor.status.reason)
         if self._later_goals and observation.time >= self._later_goals[0].time:
             self.set_goal(self._later_goals.pop(0).goal.pose)
         return None
@@ -271,8 +271,7 @@ class TaskControl(RobotControl):
                               else math.nan))
 
     def _update_history(self) -> None:
-        status = self._supervisor.status
-        self._history.update(status.history, status.recoveries)
+        self._history.update(self._supervisor.history, self._supervisor.recoveries)
 
     def _answer_request(self, time: float) -> None:
         request = self._supervisor.plan_request
