@@ -94,9 +94,8 @@ class Formulation(NamedTuple):
     steps: FloatArray
 
     def parameters(self) -> FloatArray:
-        """Join all parameters; the last of each step are defects of its end state, here 0."""
-        defects = np.zeros((self.dimensions.step_count, self.dimensions.state_count - 1))
-        return np.concatenate([self.common, np.hstack([self.steps, defects]).ravel()])
+        """Join all parameters."""
+        return np.concatenate([self.common, self.steps.ravel()])
 
 
 def formulate(problem: PushProblem, route: InitialRoute,

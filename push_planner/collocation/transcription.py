@@ -14,6 +14,7 @@ start and goal are parameters, so that a program is built once for its ``Dimensi
 """
 
 from collections.abc import Sequence
+import functools
 from typing import Any, NamedTuple, Optional
 
 import casadi as ca
@@ -61,8 +62,15 @@ class BlockRows(NamedTuple):
         return [None] * equalities + [constraint for constraint, _ in self.inequalities]
 
 
-class _Symbols(NamedTuple):
-    """Parameters of the whole push as symbols, apart and in one column."""
+class CommonSymbols(NamedTuple):
+    """
+    Parameters of the whole push as symbols, apart and in one column.
+
+    :param parameters: ``PushParameters``.
+    :param limits: ``Limits``.
+    :param boundary: ``BoundaryValues``.
+    :param column: all of them.
+    """
 
     parameters: PushParameters
     limits: Limits
@@ -70,8 +78,18 @@ class _Symbols(NamedTuple):
     column: Any
 
 
-class _StepSymbols(NamedTuple):
-    """Variables and parameters of a step as symbols, apart and in columns."""
+class StepSymbols(NamedTuple):
+    """
+    Variables and parameters of a step as symbols, apart and in columns.
+
+    :param variables: all variables.
+    :param given: all parameters.
+    :param free_length: S [m].
+    :param node: ``Node`` at the begin.
+    :param change: of the pushing angle [rad].
+    :param rates: w at the Radau points [1/m].
+    :param data: ``StepData``.
+    """
 
     variables: Any
     given: Any
@@ -80,15 +98,16 @@ class _StepSymbols(NamedTuple):
     change: Any
     rates: list[Any]
     data: StepData
-    defects: Any
 
 
-class Transcription:
+class PushRows:
     """
-    The program of a push.
+    All rows of the program of a push, as expressions.
 
-    Attributes: ``nlp``, the ``BlockStructuredNlp``; ``constraints``, what each of its rows limits,
-    None for an equality; ``equality``, whether it is one, shape (m,).
+    Attributes: ``common``, the parameters of the whole push; ``symbols``, those of a step and its
+    variables; ``end``, the states at the end; ``of_step``, ``of_first`` and ``of_end``,
+    ``BlockRows`` of every step, of the first one besides, and of the end. The first rows of a step
+    are its end state, negative, then the moment balances.
 
     :param dimensions: ``Dimensions``.
     :param smoothing: sliding speed below which the supports' friction becomes viscous, per pushing
@@ -99,44 +118,21 @@ class Transcription:
         """Write all rows."""
         self._dimensions = dimensions
         self._smoothing = smoothing
-        common = _common_symbols(dimensions)
-        symbols = self._step_symbols()
-        end = ca.SX.sym('end', dimensions.state_count)
-        step_rows = self._step_rows(common, symbols)
-        first_rows = self._first_rows(common, symbols)
-        end_rows = self._end_rows(common, end)
-        given = [symbols.given, common.column]
-        blocks = Blocks(
-            Block.differentiate(symbols.variables, given, step_rows.column(),
-                                SMOOTHNESS * symbols.change ** 2),
-            Block.differentiate(symbols.variables, given, first_rows.column(), 0.0),
-            Block.differentiate(end, [common.column], end_rows.column(), end[0]))
-        layout = FatropLayout.build(dimensions.step_count, dimensions.step_size, RowCounts(
-            dimensions.state_count, POINTS, blocks.step.row_count, len(first_rows.equalities),
-            blocks.first.row_count, blocks.end.row_count))
-        constraints = (step_rows.constraints() * dimensions.step_count + first_rows.constraints()
-                       + end_rows.constraints())
-        self.constraints = [constraints[i] for i in layout.order]
-        self.equality = np.array([constraint is None for constraint in self.constraints])
-        sizes = ProgramSizes(dimensions.step_count, dimensions.step_size, dimensions.state_count,
-                             symbols.given.numel(), common.column.numel())
-        self.nlp = BlockStructuredNlp(blocks, sizes, layout, self._cost)
+        self.common = _common_symbols(dimensions)
+        self.symbols = self._step_symbols()
+        self.end = ca.SX.sym('end', dimensions.state_count)
+        self.of_step = self._step_rows(self.common, self.symbols)
+        self.of_first = self._first_rows(self.common, self.symbols)
+        self.of_end = self._end_rows(self.common, self.end)
 
-    def _cost(self, x: Any) -> Any:
-        dimensions = self._dimensions
-        changes = dimensions.state_count + dimensions.step_size * np.arange(dimensions.step_count)
-        end = dimensions.step_size * dimensions.step_count
-        return SMOOTHNESS * ca.sumsqr(x[changes.tolist()]) + x[end]
-
-    def _step_symbols(self) -> _StepSymbols:
+    def _step_symbols(self) -> StepSymbols:
         dimensions = self._dimensions
         variables = ca.SX.sym('z', dimensions.step_size)
         parts = ca.vertsplit(variables)
-        fields = len(StepData._fields)
-        given = ca.SX.sym('step', fields + dimensions.state_count - 1)
-        return _StepSymbols(variables, given, parts[0], self._node(parts),
-                            parts[dimensions.state_count], parts[dimensions.state_count + 1:],
-                            StepData(*ca.vertsplit(given[:fields])), given[fields:])
+        given = ca.SX.sym('step', len(StepData._fields))
+        return StepSymbols(variables, given, parts[0], self._node(parts),
+                           parts[dimensions.state_count], parts[dimensions.state_count + 1:],
+                           StepData(*ca.vertsplit(given)))
 
     def _node(self, states: Sequence[Any]) -> Node:
         w, rho, theta, q_x, q_y = states[1:6]
@@ -146,7 +142,7 @@ class Transcription:
             return Node(w, rho, theta, q_x, q_y, 0.0)
         return Node(w, rho, theta, q_x, q_y, states[6])
 
-    def _step_rows(self, common: _Symbols, symbols: _StepSymbols) -> BlockRows:
+    def _step_rows(self, common: CommonSymbols, symbols: StepSymbols) -> BlockRows:
         dimensions = self._dimensions
         parameters, limits, data = common.parameters, common.limits, symbols.data
         step = Step(data.length + data.free_fraction * symbols.free_length,
@@ -156,7 +152,6 @@ class Transcription:
         # Forces and moments per friction of the supports are of the order of 1.
         friction = sum(support[2] for support in parameters.terms.supports)
         end = ca.vertcat(symbols.free_length, *result.end[:dimensions.state_count - 1])
-        end[1:] += symbols.defects
         rows: list[Inequality] = []
         for normal, tangential in result.forces:
             rows += _cone_rows(Constraint.CONE, limits.cone_slope, limits.cone_slack,
@@ -173,7 +168,7 @@ class Transcription:
         residuals = [residual / friction for residual in result.residuals]
         return BlockRows([-end, *residuals], rows)
 
-    def _robot_rows(self, common: _Symbols, node: Node, v_squared: Any) -> list[Inequality]:
+    def _robot_rows(self, common: CommonSymbols, node: Node, v_squared: Any) -> list[Inequality]:
         if self._dimensions.kind == 'rolling':
             return []
         limits = common.limits
@@ -182,7 +177,7 @@ class Transcription:
         return [(Constraint.YAW_RATE, limits.yaw_rate ** 2 - v_squared * robot_w ** 2),
                 (Constraint.SPEED, limits.speed ** 2 - v_squared * speed_squared)]
 
-    def _first_rows(self, common: _Symbols, symbols: _StepSymbols) -> BlockRows:
+    def _first_rows(self, common: CommonSymbols, symbols: StepSymbols) -> BlockRows:
         node, boundary, limits = symbols.node, common.boundary, common.limits
         response = contact_impulse(self._dimensions.kind, common.parameters, node)
         equal = [node.w - boundary.moving * boundary.w
@@ -196,7 +191,7 @@ class Transcription:
         rows += self._robot_rows(common, node, symbols.data.v_squared_end)
         return BlockRows(equal, rows)
 
-    def _end_rows(self, common: _Symbols, states: Any) -> BlockRows:
+    def _end_rows(self, common: CommonSymbols, states: Any) -> BlockRows:
         dimensions, boundary = self._dimensions, common.boundary
         node = self._node(ca.vertsplit(states))
         x, y = object_origin(dimensions.kind, common.parameters, node)
@@ -211,6 +206,39 @@ class Transcription:
             if dimensions.kind == 'differential':
                 equal.append(delta - boundary.delta)
         return BlockRows(equal, [])
+
+
+class Transcription:
+    """
+    The program of a push, for the solvers that casadi has.
+
+    Attributes: ``nlp``, the ``BlockStructuredNlp``; ``constraints``, what each of its rows limits,
+    None for an equality; ``equality``, whether it is one, shape (m,).
+
+    :param dimensions: ``Dimensions``.
+    :param smoothing: as of ``PushRows``.
+    """
+
+    def __init__(self, dimensions: Dimensions, smoothing: float = SMOOTHING) -> None:
+        """Join all rows."""
+        rows = PushRows(dimensions, smoothing)
+        symbols, column = rows.symbols, rows.common.column
+        given = [symbols.given, column]
+        blocks = Blocks(
+            Block.differentiate(symbols.variables, given, rows.of_step.column(),
+                                SMOOTHNESS * symbols.change ** 2),
+            Block.differentiate(symbols.variables, given, rows.of_first.column(), 0.0),
+            Block.differentiate(rows.end, [column], rows.of_end.column(), rows.end[0]))
+        layout = FatropLayout.build(dimensions.step_count, dimensions.step_size, RowCounts(
+            dimensions.state_count, POINTS, blocks.step.row_count, len(rows.of_first.equalities),
+            blocks.first.row_count, blocks.end.row_count))
+        constraints = (rows.of_step.constraints() * dimensions.step_count
+                       + rows.of_first.constraints() + rows.of_end.constraints())
+        self.constraints = [constraints[i] for i in layout.order]
+        self.equality = np.array([constraint is None for constraint in self.constraints])
+        sizes = ProgramSizes(dimensions.step_count, dimensions.step_size, dimensions.state_count,
+                             symbols.given.numel(), column.numel())
+        self.nlp = BlockStructuredNlp(blocks, sizes, layout, functools.partial(_cost, dimensions))
 
 
 def object_origin(kind: PushKind, parameters: PushParameters, node: Node) -> tuple[Any, Any]:
@@ -230,12 +258,19 @@ def object_origin(kind: PushKind, parameters: PushParameters, node: Node) -> tup
             node.q_y + to_contact * ca.sin(gamma) - s * c_x - c * c_y)
 
 
-def _common_symbols(dimensions: Dimensions) -> _Symbols:
+def _cost(dimensions: Dimensions, x: Any) -> Any:
+    changes = dimensions.state_count + dimensions.step_size * np.arange(dimensions.step_count)
+    end = dimensions.step_size * dimensions.step_count
+    return SMOOTHNESS * ca.sumsqr(x[changes.tolist()]) + x[end]
+
+
+def _common_symbols(dimensions: Dimensions) -> CommonSymbols:
     parameters, column = PushParameters.symbols(dimensions.supports)
     limits = ca.SX.sym('limits', len(Limits._fields))
     boundary = ca.SX.sym('boundary', len(BoundaryValues._fields))
-    return _Symbols(parameters, Limits(*ca.vertsplit(limits)),
-                    BoundaryValues(*ca.vertsplit(boundary)), ca.vertcat(column, limits, boundary))
+    return CommonSymbols(parameters, Limits(*ca.vertsplit(limits)),
+                         BoundaryValues(*ca.vertsplit(boundary)),
+                         ca.vertcat(column, limits, boundary))
 
 
 def _cone_rows(constraint: Constraint, slope: Any, slack: Any, normal: Any,

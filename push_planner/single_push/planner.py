@@ -17,7 +17,8 @@ from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import (
     formulate, Formulation, InitialRoute, rotation_range,
 )
-from push_planner.collocation.nlp_solver import nlp_solver, Solution
+from push_planner.collocation.nlp_solver import Solution
+from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns, TurnPair
 from push_planner.initial_guess.first_guess import Route
 from push_planner.initial_guess.previous_plan import previous_route
@@ -277,9 +278,9 @@ class _Planner:
                refined_mesh: bool = False) -> Optional[_Solved]:
         self._log.solves += 1
         formulation, guess = formulate(self._problem, route, refined_mesh)
-        solver = nlp_solver(formulation.dimensions)
+        solver = push_solver(formulation.dimensions)
         solve = solver.solve_relaxed if relaxed else solver.solve
-        result = solve(formulation.parameters(), formulation.bounds, guess)
+        result = solve(formulation, guess)
         if result.solution is None:
             self._log.attempts.append(Attempt(route.name, route.path_length, result.verdict,
                                               result.failure, relaxed))

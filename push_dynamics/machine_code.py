@@ -1,0 +1,262 @@
+"""
+Machine code of casadi functions, for chains of many small evaluations.
+
+A casadi function of scalars (``SX``) is a list of elementary operations, which casadi interprets
+one by one. Here the list is translated to the intermediate language of LLVM, which comes with
+numba, and compiled while the program runs: several times as fast, and still generated from the
+expressions of ``push_model``. Where llvmlite is missing, casadi evaluates the same function.
+
+An evaluation runs over many rows: row k of every argument and result is an array of its own. Rows
+of a result may be rows of an argument too, one further on, so that a row goes on from the one
+before.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+import ctypes
+import functools
+import importlib
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+from push_model.geometry import FloatArray
+
+# From this version of LLVM on, pointers have no type.
+FIRST_OPAQUE_VERSION = 17
+# Optimisation of LLVM's code generator, 0 to 3. Chosen: casadi has removed what is computed twice.
+OPTIMIZATION = 2
+# Distance of two float64 [bytes].
+ITEM_SIZE = 8
+
+_BINARY = {ca.OP_ADD: 'fadd', ca.OP_SUB: 'fsub', ca.OP_MUL: 'fmul', ca.OP_DIV: 'fdiv'}
+_COMPARISONS = {ca.OP_LT: 'olt', ca.OP_LE: 'ole', ca.OP_EQ: 'oeq', ca.OP_NE: 'une'}
+_CALLS = {ca.OP_SQRT: 'llvm.sqrt.f64', ca.OP_SIN: 'sin', ca.OP_COS: 'cos', ca.OP_TAN: 'tan',
+          ca.OP_ASIN: 'asin', ca.OP_ACOS: 'acos', ca.OP_ATAN: 'atan', ca.OP_ATAN2: 'atan2',
+          ca.OP_EXP: 'exp', ca.OP_LOG: 'log', ca.OP_POW: 'pow', ca.OP_CONSTPOW: 'pow',
+          ca.OP_FABS: 'llvm.fabs.f64', ca.OP_FMIN: 'llvm.minnum.f64',
+          ca.OP_FMAX: 'llvm.maxnum.f64', ca.OP_COPYSIGN: 'llvm.copysign.f64'}
+_TWO_ARGUMENTS = {'atan2', 'pow', 'llvm.minnum.f64', 'llvm.maxnum.f64', 'llvm.copysign.f64'}
+
+
+class RowFunction:
+    """
+    A casadi function of scalars, evaluated row by row.
+
+    :param function: the ``casadi.Function`` of ``SX``; its arguments and results are flat arrays
+        of their nonzeros, by columns.
+    :param is_compiled: whether it is compiled where that is possible, or interpreted by casadi.
+    """
+
+    def __init__(self, function: Any, is_compiled: bool = True) -> None:
+        """Compile the function, or keep it where there is no compiler."""
+        self._function = function
+        inputs, outputs = range(function.n_in()), range(function.n_out())
+        self.sizes: dict[str, int] = {
+            **{function.name_in(i): function.nnz_in(i) for i in inputs},
+            **{function.name_out(i): function.nnz_out(i) for i in outputs}}
+        self._code = _compile(function) if is_compiled else None
+
+    def bind(self, arrays: Mapping[str, FloatArray]) -> Callable[[], None]:
+        """
+        Prepare evaluations over rows; each call evaluates all of them, in order.
+
+        :param arrays: name of each argument and result -> array of shape (n, size), or (size,) for
+            what is the same in all rows. They may be views, also reversed ones, of contiguous
+            rows.
+        """
+        rows = [arrays[name] for name in self.sizes]
+        count = next((len(array) for array in rows if array.ndim == 2), 1)
+        for name, array in zip(self.sizes, rows):
+            _check_rows(name, array, self.sizes[name], count)
+        if self._code is None:
+            return functools.partial(_interpret, self._function, rows, count)
+        addresses = (ctypes.c_void_p * len(rows))(*(array.ctypes.data for array in rows))
+        strides = (ctypes.c_int64 * len(rows))(
+            *(array.strides[0] // ITEM_SIZE if array.ndim == 2 else 0 for array in rows))
+        return _Call(self._code, rows, addresses, strides, count)
+
+
+class _Call:
+    """A compiled function with the memory that it works on."""
+
+    def __init__(self, code: '_Code', rows: Sequence[FloatArray], addresses: Any, strides: Any,
+                 count: int) -> None:
+        # Whatever the code points to must live as long as this.
+        self._kept = code, rows, addresses, strides
+        self._call = functools.partial(code.entry, ctypes.addressof(addresses),
+                                       ctypes.addressof(strides), count)
+
+    def __call__(self) -> None:
+        self._call()
+
+
+class _Code(NamedTuple):
+    """Machine code: the engine that owns it, and its entry."""
+
+    engine: Any
+    entry: Any
+
+
+def _check_rows(name: str, array: FloatArray, size: int, count: int) -> None:
+    shape = (count, size) if array.ndim == 2 else (size,)
+    if array.shape != shape or array.dtype != np.float64 or (
+            size > 1 and array.strides[-1] != ITEM_SIZE):
+        raise ValueError(f'{name}: got shape {array.shape} of {array.dtype}, strides '
+                         f'{array.strides}, expected contiguous float64 of shape {shape}')
+
+
+def _interpret(function: Any, rows: Sequence[FloatArray], count: int) -> None:
+    """Evaluate all rows by casadi."""
+    inputs = function.n_in()
+    for k in range(count):
+        values = [array[k] if array.ndim == 2 else array for array in rows]
+        arguments = [ca.DM(function.sparsity_in(i), value)
+                     for i, value in enumerate(values[:inputs])]
+        for result, found in zip(values[inputs:], function.call(arguments)):
+            result[:] = found.nonzeros()
+
+
+@functools.lru_cache(maxsize=1)
+def _llvm() -> Any:
+    """Import and prepare LLVM; None where it is missing."""
+    try:
+        llvm = importlib.import_module('llvmlite.binding')
+    except ImportError:
+        return None
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm
+
+
+def _compile(function: Any) -> Any:
+    llvm = _llvm()
+    if llvm is None:
+        return None
+    machine = llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(),
+        opt=OPTIMIZATION, jit=True)
+    module = llvm.parse_assembly(_translate(function, llvm.llvm_version_info[0]))
+    module.triple = machine.triple
+    engine = llvm.create_mcjit_compiler(module, machine)
+    engine.finalize_object()
+    prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
+    return _Code(engine, prototype(engine.get_function_address('rows')))
+
+
+def _translate(function: Any, version: int) -> str:
+    """Write a loop over rows in LLVM's language."""
+    number, table = ('ptr', 'ptr') if version >= FIRST_OPAQUE_VERSION else ('double*', 'double**')
+    count = function.n_in() + function.n_out()
+    head = [f'define void @rows({table} %addresses, i64* %strides, i64 %count) {{'
+            if version < FIRST_OPAQUE_VERSION else
+            'define void @rows(ptr %addresses, ptr %strides, i64 %count) {', 'entry:']
+    strides = 'ptr' if version >= FIRST_OPAQUE_VERSION else 'i64*'
+    loop = ['  br label %row', 'row:', '  %k = phi i64 [0, %entry], [%k.next, %row]']
+    tail: list[str] = []
+    for i in range(count):
+        head += [f'  %a{i} = getelementptr {number}, {table} %addresses, i64 {i}',
+                 f'  %b{i} = load {number}, {table} %a{i}',
+                 f'  %c{i} = getelementptr i64, {strides} %strides, i64 {i}',
+                 f'  %d{i} = load i64, {strides} %c{i}']
+        loop.append(f'  %p{i} = phi {number} [%b{i}, %entry], [%q{i}, %row]')
+        tail.append(f'  %q{i} = getelementptr double, {number} %p{i}, i64 %d{i}')
+    translation = _Translation(function, number)
+    body = translation.lines()
+    end = ['  %k.next = add i64 %k, 1', '  %more = icmp slt i64 %k.next, %count',
+           '  br i1 %more, label %row, label %done', 'done:', '  ret void', '}']
+    declared = [f'declare double @{name}('
+                + ('double, double' if name in _TWO_ARGUMENTS else 'double') + ')'
+                for name in sorted(translation.called)]
+    return '\n'.join([*head, *loop, *body, *tail, *end, *declared])
+
+
+class _Translation:
+    """Operations of one row, in LLVM's language."""
+
+    def __init__(self, function: Any, pointer: str) -> None:
+        self._function = function
+        self._pointer = pointer
+        # Values by place in casadi's work vector.
+        self._values: dict[int, str] = {}
+        self._count = 0
+        self.called: set[str] = set()
+
+    def lines(self) -> list[str]:
+        """Translate all operations; results are stored last, as they may overlap arguments."""
+        function = self._function
+        lines: list[str] = []
+        stores: list[str] = []
+        for k in range(function.n_instructions()):
+            operation = function.instruction_id(k)
+            places = function.instruction_output(k)
+            if operation == ca.OP_CONST:
+                self._values[places[0]] = _constant(function.instruction_constant(k))
+            elif operation == ca.OP_INPUT:
+                argument, element = function.instruction_input(k)
+                lines += self._load(places[0], argument, element)
+            elif operation == ca.OP_OUTPUT:
+                result, element = places
+                place = function.instruction_input(k)[0]
+                stores += self._store(place, function.n_in() + result, element)
+            else:
+                values = [self._values[place] for place in function.instruction_input(k)]
+                lines += self._operate(places[0], operation, values)
+        return lines + stores
+
+    def _new(self) -> str:
+        self._count += 1
+        return f'%v{self._count}'
+
+    def _load(self, place: int, argument: int, element: int) -> list[str]:
+        address, value = self._new(), self._new()
+        self._values[place] = value
+        return [f'  {address} = getelementptr double, {self._pointer} %p{argument}, i64 {element}',
+                f'  {value} = load double, {self._pointer} {address}']
+
+    def _store(self, place: int, result: int, element: int) -> list[str]:
+        address = self._new()
+        return [f'  {address} = getelementptr double, {self._pointer} %p{result}, i64 {element}',
+                f'  store double {self._values[place]}, {self._pointer} {address}']
+
+    def _operate(self, place: int, operation: int, values: Sequence[str]) -> list[str]:
+        result = self._new()
+        self._values[place] = result
+        if operation in _BINARY:
+            return [f'  {result} = {_BINARY[operation]} contract double {values[0]}, {values[1]}']
+        if operation in _CALLS:
+            name = _CALLS[operation]
+            self.called.add(name)
+            given = ', '.join(f'double {value}' for value in values)
+            return [f'  {result} = call double @{name}({given})']
+        if operation in _COMPARISONS:
+            return self._number(result, f'fcmp {_COMPARISONS[operation]} double {values[0]}, '
+                                        f'{values[1]}')
+        return self._other(result, operation, values)
+
+    def _other(self, result: str, operation: int, values: Sequence[str]) -> list[str]:
+        first = values[0]
+        simple = {ca.OP_SQ: f'fmul contract double {first}, {first}',
+                  ca.OP_TWICE: f'fadd contract double {first}, {first}',
+                  ca.OP_NEG: f'fneg double {first}',
+                  ca.OP_INV: f'fdiv double 1.0, {first}',
+                  ca.OP_ASSIGN: f'fadd double {first}, -0.0'}
+        if operation in simple:
+            return [f'  {result} = {simple[operation]}']
+        if operation == ca.OP_NOT:
+            return self._number(result, f'fcmp oeq double {first}, 0.0')
+        if operation == ca.OP_IF_ELSE_ZERO:
+            chosen = self._new()
+            return [f'  {chosen} = fcmp une double {first}, 0.0',
+                    f'  {result} = select i1 {chosen}, double {values[1]}, double 0.0']
+        raise ValueError(f'operation: got number {operation} of casadi, expected one that is '
+                         'translated to machine code')
+
+    def _number(self, result: str, comparison: str) -> list[str]:
+        """Turn a truth value into 0 or 1."""
+        truth = self._new()
+        return [f'  {truth} = {comparison}', f'  {result} = uitofp i1 {truth} to double']
+
+
+def _constant(value: float) -> str:
+    """Write a number exactly."""
+    return f'0x{np.float64(value).view(np.uint64):016X}'

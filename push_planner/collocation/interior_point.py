@@ -1,0 +1,300 @@
+"""
+Interior point method for the program of a push, in time linear in the number of steps.
+
+Slacks and multipliers of the inequalities stay positive, and the barrier parameter m falls to
+nearly 0: primal and dual variables go on by Newton's method (see ``newton_step``), shortened until
+a filter accepts the step. The filter holds pairs (violation, cost with barrier), and asks for an
+improvement of one of both: A. Waechter and L. T. Biegler, On the implementation of an
+interior-point filter line-search algorithm for large-scale nonlinear programming, 2006.
+
+A solution of much the same program can be gone on from, with its slacks and multipliers.
+"""
+
+from collections.abc import Mapping
+import math
+import threading
+from typing import NamedTuple, Optional
+
+import numpy as np
+from push_model.geometry import FloatArray
+from push_planner.collocation.dimensions import Dimensions
+from push_planner.collocation.newton_step import Bounds, newton_functions, NewtonFunctions, Tuning
+
+# Barrier parameter at first and at the end [m], and of each step over that before. Chosen: the
+# last costs a push less than half a millimetre (a hundred random pushes against 1e-8).
+FIRST_BARRIER = 1e-2
+LAST_BARRIER = 1e-6
+BARRIER_FACTOR = 0.01
+# Largest error of a solution, in the units of the rows. Chosen: the refinement that follows takes
+# a hundred times as much.
+TOLERANCE = 3e-4
+# Errors up to this multiple of the barrier parameter are small enough to lower it.
+BARRIER_ACCURACY = 30.0
+# Least slack at first: inequalities are kept off their edge.
+FIRST_SLACK = 0.1
+# Fraction of the way to the edge that a step goes.
+TO_EDGE = 0.99
+MAX_ITERATIONS = 40
+MAX_HALVINGS = 6
+# Regularization of the Hessian: the first, of each over the one before, and the largest.
+FIRST_REGULARIZATION = 1e-4
+REGULARIZATION_FACTOR = 10.0
+MAX_REGULARIZATION = 1e4
+# Least improvement that the filter asks for, of either value.
+FILTER_MARGIN = 1e-5
+
+
+class Iterate(NamedTuple):
+    """
+    State of the method, to go on from.
+
+    :param primal: variables and slacks.
+    :param dual: multipliers.
+    """
+
+    primal: FloatArray
+    dual: FloatArray
+
+
+class InteriorResult(NamedTuple):
+    """
+    Result of the method.
+
+    :param column: variables of the program; None where it did not converge.
+    :param iterations: number of iterations.
+    :param iterate: ``Iterate`` at the end.
+    """
+
+    column: Optional[FloatArray]
+    iterations: int
+    iterate: Iterate
+
+
+class _Judgement(NamedTuple):
+    """
+    Judgement of an iterate.
+
+    :param violation: sum over all rows.
+    :param merit: cost with barrier.
+    :param error: largest violation, or component of the gradient of the Lagrangian.
+    :param excess: largest product of a slack and its multiplier.
+    """
+
+    violation: float
+    merit: float
+    error: float
+    excess: float
+
+    def is_solution(self, barrier: float) -> bool:
+        """
+        Tell whether it solves the program with a barrier parameter, accurately enough to go on.
+
+        :param barrier: m.
+        """
+        return (self.error < max(TOLERANCE, BARRIER_ACCURACY * barrier)
+                and self.excess < BARRIER_ACCURACY * barrier)
+
+
+class InteriorPointMethod:
+    """
+    Solves all programs of the same dimensions, in memory that is allocated once.
+
+    :param dimensions: ``Dimensions``.
+    """
+
+    def __init__(self, dimensions: Dimensions) -> None:
+        """Allocate the memory, and bind the functions to it."""
+        self._lock = threading.Lock()
+        self._variable_count = dimensions.variable_count
+        self._memory = _Memory(newton_functions(dimensions._replace(step_count=1)), dimensions)
+
+    def solve(self, common: FloatArray, data: FloatArray, bounds: Bounds, guess: FloatArray,
+              previous: Optional[Iterate] = None) -> InteriorResult:
+        """
+        Solve the program.
+
+        :param common: parameters of the whole push.
+        :param data: parameters of the steps, a row each.
+        :param bounds: ``Bounds``.
+        :param guess: variables to start from.
+        :param previous: ``Iterate`` to go on from, in place of the guess.
+        """
+        memory = self._memory
+        with self._lock:
+            memory.common[:] = common
+            memory.data[:] = data
+            memory.bounds[:] = bounds
+            if previous is None:
+                memory.begin(guess)
+            else:
+                memory.resume(previous)
+            converged, count = _iterate(memory)
+            column = memory.primal[:self._variable_count].copy() if converged else None
+            return InteriorResult(column, count, Iterate(memory.primal.copy(),
+                                                         memory.dual.copy()))
+
+
+def _iterate(memory: '_Memory') -> tuple[bool, int]:
+    """Take steps until the conditions hold; tell whether they do, and the number of steps."""
+    filter_entries: list[_Judgement] = []
+    present = memory.evaluate()
+    for count in range(MAX_ITERATIONS):
+        if not math.isfinite(present.error):
+            return False, count
+        while present.is_solution(memory.tuning[0]):
+            if memory.tuning[0] <= LAST_BARRIER:
+                return True, count
+            memory.tuning[0] = max(LAST_BARRIER, BARRIER_FACTOR * memory.tuning[0])
+            filter_entries.clear()
+            present = memory.evaluate()
+        if not memory.find_step():
+            return False, count
+        filter_entries.append(present)
+        found = _search(memory, filter_entries)
+        if found is None:
+            return False, count
+        present = found
+    return False, MAX_ITERATIONS
+
+
+def _search(memory: '_Memory', entries: list[_Judgement]) -> Optional[_Judgement]:
+    """Shorten the step until the filter accepts it."""
+    primal, dual = memory.primal.copy(), memory.dual.copy()
+    longest, longest_dual = memory.longest_steps()
+    length = longest
+    for _ in range(MAX_HALVINGS):
+        memory.primal[:] = primal + length * memory.primal_step
+        memory.dual[:] = dual + longest_dual * memory.dual_step
+        found = memory.evaluate()
+        if all(found.violation <= (1.0 - FILTER_MARGIN) * entry.violation
+               or found.merit <= entry.merit - FILTER_MARGIN * entry.violation
+               for entry in entries):
+            return found
+        length *= 0.5
+    return None
+
+
+class _Memory:
+    """
+    Arrays of the method, and its functions bound to them.
+
+    Flat arrays hold all that a step changes: variables and then slacks, multipliers of equalities
+    and then of inequalities.
+    """
+
+    def __init__(self, functions: NewtonFunctions, dimensions: Dimensions) -> None:
+        n, states = dimensions.step_count, dimensions.state_count
+        first, step, end = (function.sizes for function in (
+            functions.evaluate_first, functions.evaluate, functions.evaluate_end))
+        variables = {'z': (n + 1, dimensions.step_size)}
+        equalities = {'costates': (n + 1, states), 'nu': (n, step['nu']), 'eta': (first['eta'],),
+                      'goal': (end['goal'],)}
+        slacks = {'first': (first['s'],), 'step': (n, step['s']), 'end': (end['s'],)}
+        self.primal, of_primal = _divide({**variables, **slacks})
+        self.primal_step, primal_steps = _divide({**variables, **slacks})
+        self.dual, of_dual = _divide({**equalities, **slacks})
+        self.dual_step, dual_steps = _divide({**equalities, **slacks})
+        self._slacks = slice((n + 1) * dimensions.step_size, None)
+        self._multipliers = slice(-sum(map(math.prod, slacks.values())), None)
+        self._rows, rows = _divide(slacks)
+        self.common, self.data = np.zeros(step['common']), np.zeros((n, step['data']))
+        self.bounds, self.tuning = np.zeros(len(Bounds._fields)), np.zeros(len(Tuning._fields))
+        self._measures = np.zeros((n + 2, step['measures']))
+        self._limits, self._pivots = np.zeros((n + 2, 2)), np.zeros(n + 2)
+        given = {'common': self.common, 'bounds': self.bounds, 'tuning': self.tuning}
+        record, expansion = np.zeros((n, step['record'])), np.zeros((n, step['expansion']))
+        values, linear = np.zeros((n + 1, end['values'])), np.zeros((n + 1, states))
+        gains, leads = np.zeros((n, states)), np.zeros((n, 1))
+        z, dz = of_primal['z'], primal_steps['z']
+        costates, nu = of_dual['costates'], of_dual['nu']
+        at_first = {'z': z[0], 'y': of_dual['first'], 's': of_primal['first'],
+                    'eta': of_dual['eta'], 'data': self.data[0], **given}
+        at_step = {'y': of_dual['step'], 's': of_primal['step'], 'following': costates[1:],
+                   'nu': nu, 'record': record, 'expansion': expansion}
+        at_end = {'x': z[n, :states], 'y': of_dual['end'], 's': of_primal['end'],
+                  'goal': of_dual['goal'], **given}
+        self._evaluations = (
+            functions.evaluate_first.bind({
+                **at_first, 'present': costates[0], 'rows': rows['first'],
+                'measures': self._measures[n]}),
+            functions.evaluate.bind({
+                **at_step, **given, 'z': z[:n], 'x_next': z[1:, :states], 'data': self.data,
+                'present': costates[:-1], 'rows': rows['step'], 'measures': self._measures[:n]}),
+            functions.evaluate_end.bind({
+                **at_end, 'present': costates[n], 'values': values[n], 'linear': linear[n],
+                'rows': rows['end'], 'measures': self._measures[n + 1]}))
+        self._recur = functions.recur.bind({
+            'record': record[::-1], 'values_next': values[:0:-1], 'linear_next': linear[:0:-1],
+            'tuning': self.tuning, 'values': values[-2::-1], 'linear': linear[-2::-1],
+            'gain': gains[::-1], 'lead': leads[::-1], 'pivot': self._pivots[:n, None][::-1]})
+        self._start = functions.start.bind({
+            **at_first, 'values': values[0], 'linear': linear[0], 'dx': dz[0, :states],
+            'ds': primal_steps['first'], 'dy': dual_steps['first'], 'deta': dual_steps['eta'],
+            'limits': self._limits[n], 'pivots': self._pivots[n:]})
+        self._expansions = (
+            functions.expand.bind({
+                **at_step, 'tuning': self.tuning, 'dx': dz[:n, :states], 'gain': gains,
+                'lead': leads, 'values_next': values[1:], 'linear_next': linear[1:],
+                'dx_next': dz[1:, :states], 'dcontrols': dz[:n, states:],
+                'ds': primal_steps['step'], 'dy': dual_steps['step'],
+                'dfollowing': dual_steps['costates'][1:], 'dnu': dual_steps['nu'],
+                'limits': self._limits[:n]}),
+            functions.expand_end.bind({
+                **at_end, 'dx': dz[n, :states], 'ds': primal_steps['end'],
+                'dy': dual_steps['end'], 'dgoal': dual_steps['goal'],
+                'limits': self._limits[n + 1]}))
+
+    def begin(self, guess: FloatArray) -> None:
+        """Start from variables: slacks off the edge, multipliers on the central path."""
+        self.primal[:] = 1.0
+        self.primal[:len(guess)] = guess
+        self.dual[:] = 0.0
+        self.tuning[:] = FIRST_BARRIER, 0.0
+        self.evaluate()
+        self.primal[self._slacks] = np.maximum(self._rows, FIRST_SLACK)
+        self.dual[self._multipliers] = FIRST_BARRIER / self.primal[self._slacks]
+
+    def resume(self, iterate: Iterate) -> None:
+        """Start from an iterate."""
+        self.primal[:] = iterate.primal
+        self.dual[:] = iterate.dual
+        self.tuning[:] = LAST_BARRIER, 0.0
+
+    def evaluate(self) -> _Judgement:
+        """Evaluate all rows and their derivatives, and judge them."""
+        for evaluation in self._evaluations:
+            evaluation()
+        violation, log_slacks, cost = self._measures[:, :3].sum(axis=0).tolist()
+        primal, dual, excess = self._measures[:, 3:].max(axis=0).tolist()
+        return _Judgement(violation, cost - self.tuning[0] * log_slacks, max(primal, dual), excess)
+
+    def find_step(self) -> bool:
+        """Find the Newton step; False where no regularization makes the Hessian positive."""
+        regularization = 0.0
+        while regularization <= MAX_REGULARIZATION:
+            self.tuning[1] = regularization
+            self._recur()
+            self._start()
+            if self._pivots.min() > 0.0:
+                for expansion in self._expansions:
+                    expansion()
+                return True
+            regularization = max(FIRST_REGULARIZATION, REGULARIZATION_FACTOR * regularization)
+        return False
+
+    def longest_steps(self) -> tuple[float, float]:
+        """Fractions of the step, primal and dual, that keep slacks and multipliers positive."""
+        primal, dual = self._limits.max(axis=0).tolist()
+        return min(1.0, TO_EDGE / max(primal, 1e-9)), min(1.0, TO_EDGE / max(dual, 1e-9))
+
+
+def _divide(shapes: Mapping[str, tuple[int, ...]]) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Make one flat array of zeros, and views of its parts."""
+    flat = np.zeros(sum(map(math.prod, shapes.values())))
+    views: dict[str, FloatArray] = {}
+    begin = 0
+    for name, shape in shapes.items():
+        end = begin + math.prod(shape)
+        views[name] = flat[begin:end].reshape(shape)
+        begin = end
+    return flat, views

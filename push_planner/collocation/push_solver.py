@@ -1,0 +1,68 @@
+"""Solver of the program of a push: fast where it can be solved, and with a reason elsewhere."""
+
+import functools
+
+import numpy as np
+from push_model.plan_request import PlanFailure
+from push_planner.collocation.dimensions import Dimensions
+from push_planner.collocation.formulation import Formulation
+from push_planner.collocation.interior_point import InteriorPointMethod
+from push_planner.collocation.newton_step import Bounds
+from push_planner.collocation.nlp_solver import (
+    MIN_FREE_LENGTH, NlpSolver, Solution, SolveResult, VariableBounds,
+)
+from push_planner.push_parameters import UNLIMITED
+
+
+class PushSolver:
+    """
+    Solver of all programs of the same dimensions.
+
+    :param dimensions: ``Dimensions``.
+    """
+
+    def __init__(self, dimensions: Dimensions) -> None:
+        """Prepare the method."""
+        self._dimensions = dimensions
+        self._method = InteriorPointMethod(dimensions)
+
+    def solve(self, formulation: Formulation, guess: Solution) -> SolveResult:
+        """
+        Solve the program.
+
+        :param formulation: ``Formulation`` of these dimensions.
+        :param guess: ``Solution`` to start from.
+        """
+        found = self._method.solve(formulation.common, formulation.steps,
+                                   _bounds(formulation.bounds), guess.column(self._dimensions))
+        if found.column is None:
+            return SolveResult(None, found.iterations, PlanFailure.NOT_CONVERGED, 'not solved')
+        return SolveResult(Solution.of_column(found.column, self._dimensions), found.iterations)
+
+    def solve_relaxed(self, formulation: Formulation, guess: Solution) -> SolveResult:
+        """
+        Solve the relaxed program, more slowly and more robustly.
+
+        :param formulation: ``Formulation`` of these dimensions.
+        :param guess: ``Solution`` to start from.
+        """
+        return self._nlp_solver.solve_relaxed(formulation.parameters(), formulation.bounds, guess)
+
+    @functools.cached_property
+    def _nlp_solver(self) -> NlpSolver:
+        return NlpSolver(self._dimensions)
+
+
+@functools.lru_cache(maxsize=32)
+def push_solver(dimensions: Dimensions) -> PushSolver:
+    """
+    Build a solver, or return the one that was built before: building takes longer than solving.
+
+    :param dimensions: ``Dimensions``.
+    """
+    return PushSolver(dimensions)
+
+
+def _bounds(bounds: VariableBounds) -> Bounds:
+    rotation = np.clip(bounds.rotation, -UNLIMITED, UNLIMITED).tolist()
+    return Bounds(MIN_FREE_LENGTH, *bounds.first_angle, -bounds.angle, bounds.angle, *rotation)

@@ -1,0 +1,47 @@
+"""Machine code of casadi functions: the same numbers as casadi's, row by row."""
+
+import casadi as ca
+import numpy as np
+from push_dynamics.machine_code import RowFunction
+import pytest
+
+
+def scalar_function():
+    """Use every kind of operation, in two arguments."""
+    x, y = ca.SX.sym('x', 2), ca.SX.sym('y')
+    results = ca.vertcat(
+        ca.sin(x[0]) * ca.cos(y), ca.sqrt(ca.fabs(x[1])) / y, ca.atan2(x[0], y), x[0] ** 2 - y,
+        ca.if_else(x[0] > x[1], y, -x[1]), ca.fmax(x[0], ca.fmin(x[1], y)), 2.0 * x[0] + 1.0 / y,
+        ca.exp(-y) + ca.log(ca.fabs(x[0])), ca.logic_not(x[0] > y), ca.tan(0.1 * y), y ** 2.5)
+    return ca.Function('scalar', [x, y], [results], ['x', 'y'], ['results'])
+
+
+@pytest.mark.parametrize('is_compiled', [True, False])
+def test_machine_code_computes_what_casadi_does(is_compiled):
+    """Also where an argument is the same in all rows, and where nothing compiles."""
+    function = scalar_function()
+    rng = np.random.default_rng(3)
+    x, y = rng.normal(size=(20, 2)), np.array([1.7])
+    results = np.zeros((20, 11))
+    RowFunction(function, is_compiled).bind({'x': x, 'y': y, 'results': results})()
+    expected = [np.array(function(row, y)).ravel() for row in x]
+    np.testing.assert_allclose(results, expected, rtol=1e-13, atol=1e-14)
+
+
+def test_a_row_goes_on_from_the_one_before():
+    """Forward and, in reversed views, backward."""
+    x = ca.SX.sym('x')
+    twice = RowFunction(ca.Function('twice', [x], [2.0 * x], ['x'], ['next']))
+    values = np.zeros((5, 1))
+    values[0] = 1.0
+    twice.bind({'x': values[:-1], 'next': values[1:]})()
+    assert values.ravel().tolist() == [1.0, 2.0, 4.0, 8.0, 16.0]
+    twice.bind({'x': values[:0:-1], 'next': values[-2::-1]})()
+    assert values.ravel().tolist() == [256.0, 128.0, 64.0, 32.0, 16.0]
+
+
+def test_rows_of_another_size_are_refused():
+    """By their name."""
+    function = RowFunction(scalar_function())
+    with pytest.raises(ValueError, match='x: got shape'):
+        function.bind({'x': np.zeros((3, 4)), 'y': np.ones(1), 'results': np.zeros((3, 11))})
