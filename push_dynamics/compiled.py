@@ -6,14 +6,16 @@ it (this folder, that of the function, and those whose functions others call): n
 changes only in the file of the outermost function. The directory is in the user's cache, so that a
 read-only installation works; where it cannot be written to either, every process compiles anew.
 
-Compiling takes 6 s of CPU time, and loading machine code from disk 0.5 s. Where little is to be
-computed, as in a simulator that keeps to the wall clock, ``interpreted`` runs the same text as
-plain Python: 13 instead of 2 ms for each simulated second of a push.
+Neither numba nor machine code is loaded before the first call, so that importing a module costs
+nothing. Compiling takes 6 s of CPU time, and loading machine code from disk 0.5 s. Where little
+is to be computed, as in a simulator that keeps to the wall clock, ``interpreted`` runs the same
+text as plain Python: 13 instead of 2 ms for each simulated second of a push.
 """
 
 import functools
 import hashlib
 import importlib
+from importlib import util
 import os
 import pathlib
 import sys
@@ -27,17 +29,7 @@ from push_model import friction, geometry
 INTERPRET = 'PUSH_SIM_INTERPRET'
 
 
-def _import_numba() -> Any:
-    if os.environ.get(INTERPRET):
-        return None
-    try:
-        return importlib.import_module('numba')
-    except ImportError:
-        return None
-
-
-numba = _import_numba()
-IS_COMPILED = numba is not None
+IS_COMPILED = not os.environ.get(INTERPRET) and util.find_spec('numba') is not None
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 HERE = pathlib.Path(__file__).parent
@@ -48,19 +40,55 @@ def compiled(function: Function) -> Function:
     Compile a scalar function, unless numba is missing or ``PUSH_SIM_INTERPRET`` is set.
 
     :param function: plain Python on numbers and on sequences of numbers.
-    :return: the compiled function, or the function itself.
+    :return: a ``CompiledFunction``, or the function itself.
     """
-    if not IS_COMPILED:
-        return function
-    directory = cache_directory(pathlib.Path(function.__code__.co_filename).parent)
-    if directory is None:
-        return cast(Function, numba.njit(function, **_options()))
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = directory
-    try:
-        return cast(Function, numba.njit(cache=True, **_options())(function))
-    finally:
-        numba.config.CACHE_DIR = before
+    return cast(Function, CompiledFunction(function)) if IS_COMPILED else function
+
+
+class CompiledFunction:
+    """
+    A function that numba compiles, or whose machine code is loaded, at its first call.
+
+    ``py_func``: the function itself.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        """
+        Do nothing yet.
+
+        :param function: plain Python on numbers and on sequences of numbers.
+        """
+        functools.update_wrapper(self, function)
+        self.py_func = function
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Call the machine code."""
+        return self.dispatcher(*arguments, **named)
+
+    @functools.cached_property
+    def dispatcher(self) -> Any:
+        """Numba's dispatcher."""
+        numba = importlib.import_module('numba')
+        options = _options(numba)
+        directory = cache_directory(pathlib.Path(self.py_func.__code__.co_filename).parent)
+        if directory is None:
+            return numba.njit(self.py_func, **options)
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = directory
+        try:
+            return numba.njit(cache=True, **options)(self.py_func)
+        finally:
+            numba.config.CACHE_DIR = before
+
+    @property
+    def signatures(self) -> list[Any]:
+        """Types of the arguments for which there is machine code in memory."""
+        return list(self.dispatcher.signatures)
+
+    @property
+    def _numba_type_(self) -> Any:
+        # By this numba knows what a compiled function calls.
+        return self.dispatcher._numba_type_
 
 
 def interpreted(function: Function) -> Function:
@@ -113,7 +141,7 @@ def cache_directory(folder: pathlib.Path = HERE) -> str | None:
     return str(path) if os.access(path, os.W_OK) else None
 
 
-def _options() -> dict[str, Any]:
+def _options(numba: Any) -> dict[str, Any]:
     # The kernel allocates nothing: counting references would only take half of its time.
     options: dict[str, Any] = {'error_model': 'numpy'}
     if hasattr(numba.core.options.DefaultOptions, '_nrt'):

@@ -187,7 +187,7 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
                               tracked.mean_omega, h)
     robot = Velocity(u_x, u_y, tracked.mean_omega)
     state[STEPS] += 1
-    # What the step would come to, for less: a robot that drives around is far off most of the time.
+    # What the step would come to, for less: most of the time a robot drives around.
     if len(floor) == 0 and rests_out_of_reach(state, body, outline, robot, h):
         for i in range(len(forces)):
             forces[i] = 0.0

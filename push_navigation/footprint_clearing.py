@@ -17,7 +17,6 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
-from scipy.ndimage import label
 
 # Motion after which a pose is remembered [m], [rad]; chosen: half a cell of usual maps, and as
 # much at the corner of an object.
@@ -146,6 +145,8 @@ def _mark(occupancy_map: OccupancyMap, shape: InflatedObstacle, poses: list[Pose
     # Obstacles in what is left.
     left = occupied.copy()
     left[rows[inside], columns[inside]] = False
+    # Imported here: a node begins sooner without it, and few maps need it.
+    from scipy.ndimage import label
     numbers = np.empty(left.shape, dtype=np.int_)
     label(left, NEIGHBOURS, output=numbers)
     of_cells = numbers[rows, columns]

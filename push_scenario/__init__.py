@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from push_model.files.strict_yaml import ParameterFileError
     from push_scenario.batch.batch import BatchResult, run_batch, seeds
     from push_scenario.batch.varied_push import VariedPush
-    from push_scenario.definition.loader import (
-        load_scenario, scenario_from_text, scenario_names, scenario_text,
-    )
+    from push_scenario.definition.catalogue import scenario_names
+    from push_scenario.definition.loader import load_scenario, scenario_from_text, scenario_text
     from push_scenario.definition.placement import Placement
     from push_scenario.definition.scenario import Bounds, Scenario, Start
     from push_scenario.definition.task import LaterGoal, Task
@@ -46,8 +45,8 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_model.files.strict_yaml': ('ParameterFileError',),
     'push_scenario.batch.batch': ('BatchResult', 'run_batch', 'seeds'),
     'push_scenario.batch.varied_push': ('VariedPush',),
-    'push_scenario.definition.loader': ('load_scenario', 'scenario_from_text', 'scenario_names',
-                                        'scenario_text'),
+    'push_scenario.definition.catalogue': ('scenario_names',),
+    'push_scenario.definition.loader': ('load_scenario', 'scenario_from_text', 'scenario_text'),
     'push_scenario.definition.placement': ('Placement',),
     'push_scenario.definition.scenario': ('Bounds', 'Scenario', 'Start'),
     'push_scenario.definition.task': ('LaterGoal', 'Task'),

@@ -1,4 +1,9 @@
-"""Command line ``replay``: run a scenario over DDS or in one process, report on it, draw it."""
+"""
+Command line ``replay``: run a scenario over DDS or in one process, report on it, draw it.
+
+What runs a scenario is imported where it is used: the list of scenarios and the help need none of
+it, and are there at once.
+"""
 
 import argparse
 from collections.abc import Callable, Iterator, Sequence
@@ -7,21 +12,20 @@ from importlib import util
 from pathlib import Path
 import sys
 import time
-from typing import TextIO
+from typing import TextIO, TYPE_CHECKING
 
 from push_control.settings import LAWS
-from push_model.files.parameter_files import named_file
+import push_scenario
 from push_scenario.batch.interrupts import Interrupts
-from push_scenario.definition.loader import (
-    find_scenario, read_scenario, read_sensors, scenario_names, scenario_text, with_map,
+from push_scenario.definition.catalogue import (
+    find_scenario, scenario_description, scenario_names,
 )
-from push_scenario.definition.scenario import Scenario
-from push_scenario.evaluation.metrics import is_as_expected
-from push_scenario.evaluation.report import format_report
-from push_scenario.simulation.loop import Progress, simulate
-from push_scenario.simulation.result import RunResult
-from push_view.belief import BeliefRecorder
-from push_view.report import write_report
+
+if TYPE_CHECKING:
+    from push_scenario.definition.scenario import Scenario
+    from push_scenario.simulation.loop import Progress
+    from push_scenario.simulation.result import RunResult
+    from push_view.belief import BeliefRecorder
 
 DEMO = 'task_demo'
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
@@ -53,7 +57,7 @@ class ProgressLine:
         self._stage = ''
         self._width = 0
 
-    def __call__(self, progress: Progress) -> None:
+    def __call__(self, progress: 'Progress') -> None:
         """
         Show progress, unless something was shown a moment ago.
 
@@ -162,25 +166,22 @@ def _list_scenarios() -> None:
     names = scenario_names()
     width = max(map(len, names))
     for name in names:
-        print(f'{name.ljust(width)}  {read_scenario(find_scenario(name)).description}')
+        print(f'{name.ljust(width)}  {scenario_description(name)}')
 
 
 def _replay(options: argparse.Namespace) -> int:
     if options.in_process and options.real_time:
         raise ValueError('--real-time: got --in-process too, expected one of the two')
-    scenario = read_scenario(find_scenario(options.scenario))
-    if options.sensors:
-        scenario = dataclasses.replace(
-            scenario, sensors=read_sensors(named_file('sensors', options.sensors)))
-    if options.map:
-        scenario = with_map(scenario, options.map)
+    scenario = _read_scenario(options)
     if options.bag:
         return _play_back(scenario, options.bag)
+    from push_view.belief import BeliefRecorder
     laws = list(dict.fromkeys(options.law or [scenario.control.control_law]))
     options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / f'{scenario.name}.yaml').write_text(scenario_text(scenario), encoding='utf-8')
-    results: list[RunResult] = []
-    beliefs: list[BeliefRecorder] = []
+    (options.out / f'{scenario.name}.yaml').write_text(push_scenario.scenario_text(scenario),
+                                                       encoding='utf-8')
+    results: list['RunResult'] = []
+    beliefs: list['BeliefRecorder'] = []
     try:
         with Interrupts() as interrupts:
             for law in laws:
@@ -190,13 +191,25 @@ def _replay(options: argparse.Namespace) -> int:
             interrupts.check()
     except KeyboardInterrupt:
         if results:
-            print(format_report(results))
+            print(push_scenario.format_report(results))
         return _report_error('interrupted', INTERRUPTED)
     judged = [result for result in results if result.control_law != 'open_loop'] or results
-    return AS_EXPECTED if all(map(is_as_expected, judged)) else NOT_AS_EXPECTED
+    is_as_expected = all(map(push_scenario.is_as_expected, judged))
+    return AS_EXPECTED if is_as_expected else NOT_AS_EXPECTED
 
 
-def _play_back(scenario: Scenario, bag: Path) -> int:
+def _read_scenario(options: argparse.Namespace) -> 'Scenario':
+    """Read the scenario, with the sensors and the map of the command line."""
+    from push_model.files.parameter_files import named_file
+    from push_scenario.definition.loader import read_scenario, read_sensors, with_map
+    scenario = read_scenario(find_scenario(options.scenario))
+    if options.sensors:
+        scenario = dataclasses.replace(
+            scenario, sensors=read_sensors(named_file('sensors', options.sensors)))
+    return with_map(scenario, options.map) if options.map else scenario
+
+
+def _play_back(scenario: 'Scenario', bag: Path) -> int:
     """Compare the commands of a recording with those of the present controller."""
     # Imported here: without a recording, in one process, there need be no ROS.
     from push_scenario.dds.bag_playback import play_back
@@ -208,17 +221,18 @@ def _play_back(scenario: Scenario, bag: Path) -> int:
     return NOT_AS_EXPECTED if result.differences else AS_EXPECTED
 
 
-def _run(scenario: Scenario, law: str, options: argparse.Namespace,
-         interrupts: Interrupts, belief: BeliefRecorder) -> RunResult:
+def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
+         interrupts: Interrupts, belief: 'BeliefRecorder') -> 'RunResult':
     line = ProgressLine(sys.stderr, time.monotonic, f'{scenario.name}, {law}')
 
-    def show(progress: Progress) -> None:
+    def show(progress: 'Progress') -> None:
         interrupts.check()
         line(progress)
 
     if options.in_process:
         # As over DDS in lockstep, time stands still while a task is planned.
-        result = simulate(scenario, law, progress=show, intervene=belief, planning_time=0.0)
+        result = push_scenario.simulate(scenario, law, progress=show, intervene=belief,
+                                        planning_time=0.0)
     else:
         result = _run_over_dds(scenario, law, options, show)
     line.end(result.outcome.value)
@@ -227,8 +241,8 @@ def _run(scenario: Scenario, law: str, options: argparse.Namespace,
     return result
 
 
-def _run_over_dds(scenario: Scenario, law: str, options: argparse.Namespace,
-                  show: Callable[[Progress], None]) -> RunResult:
+def _run_over_dds(scenario: 'Scenario', law: str, options: argparse.Namespace,
+                  show: Callable[['Progress'], None]) -> 'RunResult':
     # Imported here: everything else works without ROS.
     try:
         from push_scenario.dds.replay import run_over_dds
@@ -247,20 +261,21 @@ def _can_record() -> bool:
     return found
 
 
-def _finish(results: Sequence[RunResult], options: argparse.Namespace,
-            beliefs: Sequence[BeliefRecorder]) -> None:
-    print(format_report(results), flush=True)
+def _finish(results: Sequence['RunResult'], options: argparse.Namespace,
+            beliefs: Sequence['BeliefRecorder']) -> None:
+    print(push_scenario.format_report(results), flush=True)
     written = [result.bag for result in results if result.bag is not None]
     if not options.no_pictures and all(result.tape is not None for result in results):
         page = options.out / f'{_picture_name(results, options)}.html'
         # Nodes keep to themselves what they believe.
+        from push_view.report import write_report
         write_report(results, page, beliefs if options.in_process else ())
         written += [page, *_draw(results, options)]
     if written:
         print('written: ' + ', '.join(map(str, written)))
 
 
-def _draw(results: Sequence[RunResult], options: argparse.Namespace) -> Iterator[Path]:
+def _draw(results: Sequence['RunResult'], options: argparse.Namespace) -> Iterator[Path]:
     """Draw the figure, and the animation where it is asked for; yield their paths."""
     # Imported here: only the plots need matplotlib.
     try:
@@ -280,7 +295,7 @@ def _draw(results: Sequence[RunResult], options: argparse.Namespace) -> Iterator
         yield path
 
 
-def _picture_name(results: Sequence[RunResult], options: argparse.Namespace) -> str:
+def _picture_name(results: Sequence['RunResult'], options: argparse.Namespace) -> str:
     return 'demo' if options.demo else results[0].scenario.name
 
 

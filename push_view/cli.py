@@ -10,7 +10,8 @@ import sys
 import time
 import webbrowser
 
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 from push_view.live.live_session import LiveSession
 
 DEMO = 'task_demo'

@@ -7,7 +7,8 @@ import time
 from typing import NamedTuple, Optional, Sequence, TYPE_CHECKING
 
 from benchmarks.controller.tables import table
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 from push_scenario.simulation.loop import Progress
 
 if TYPE_CHECKING:

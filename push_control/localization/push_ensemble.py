@@ -152,7 +152,6 @@ class PushEnsemble:
         self._slip_test = SlipTest()
         self._slippery: PushEnsemble | None = None
         self._draw_parameters()
-        self._warm_up()
 
     def _draw_parameters(self) -> None:
         members, noise = self.members, self._odometry_noise
@@ -166,7 +165,7 @@ class PushEnsemble:
         members.apply_parameters()
 
     def _warm_up(self) -> None:
-        """Change nothing; but all is compiled or loaded here, and not while the robot moves."""
+        """Change nothing; but load all compiled code before the robot moves."""
         members = self.members
         none, poses = np.zeros((members.count, POSE)), members.poses.copy()
         update = EnsembleUpdate(none, np.eye(POSE))
@@ -321,6 +320,7 @@ class PushEnsemble:
         if self._slippery is not None:
             self._slippery.predict(odometry, step)
         if self._odometry is None:
+            self._warm_up()
             deviations = (START_POSITION_STD, START_POSITION_STD, START_HEADING_STD)
             spread = self._normal((self.members.count, POSE)) * deviations
             self.members.set_robot_poses(np.array(odometry.pose) + spread)
@@ -339,7 +339,8 @@ class PushEnsemble:
     def _move(self, step: Pose, duration: float, time: float) -> None:
         members = self.members
         rotation = wrap_angle(step.theta)
-        if math.hypot(step.x, step.y) < REST and abs(rotation) < REST and not members.in_contact.any():
+        is_at_rest = math.hypot(step.x, step.y) < REST and abs(rotation) < REST
+        if is_at_rest and not members.in_contact.any():
             return
         increments = self._normal((members.count, POSE))
         add_odometry(increments, members.parameters, self._odometry_walks, step.x, step.y,

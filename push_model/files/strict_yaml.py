@@ -26,13 +26,30 @@ def load_yaml(path: Path) -> dict[str, Any]:
     :return: the mapping, of plain Python values.
     :raises ParameterFileError: where the file is missing, is not YAML, or repeats a key.
     """
+    return parse_yaml(_text(path), path)
+
+
+def first_value(path: Path, key: str) -> str:
+    """
+    Read the text with which a YAML file begins, without reading the rest of it.
+
+    :param path: the file, a mapping.
+    :param key: of the first entry.
+    :return: its text.
+    :raises ParameterFileError: where the file cannot be read, or begins with something else.
+    """
+    text, found = _text(path), []
     try:
-        text = path.read_text(encoding='utf-8')
-    except OSError as error:
-        raise ParameterFileError(f'{path}: {error.strerror}, expected a readable file') from error
-    except UnicodeDecodeError as error:
-        raise ParameterFileError(f'{path}: got bytes that are not UTF-8, expected text') from error
-    return parse_yaml(text, path)
+        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            if isinstance(event, yaml.ScalarEvent):
+                found.append(str(event.value))
+            if len(found) == 2:
+                break
+    except yaml.YAMLError as error:
+        raise _not_yaml(error, path) from error
+    if len(found) < 2 or found[0] != key:
+        raise ParameterFileError(f'{path}: got {found[:1]} as the first key, expected {key!r}')
+    return found[1]
 
 
 def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
@@ -47,14 +64,27 @@ def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
     try:
         data = yaml.load(text, Loader=_Loader)
     except yaml.YAMLError as error:
-        mark = getattr(error, 'problem_mark', None)
-        line = f':{mark.line + 1}' if mark else ''
-        problem = getattr(error, 'problem', None) or str(error)
-        raise ParameterFileError(f'{source}{line}: {problem}') from error
+        raise _not_yaml(error, source) from error
     if not isinstance(data, dict):
         found = 'nothing' if data is None else f'{type(data).__name__} {data!r}'
         raise ParameterFileError(f'{source}: got {found}, expected a mapping of keys to values')
     return data
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding='utf-8')
+    except OSError as error:
+        raise ParameterFileError(f'{path}: {error.strerror}, expected a readable file') from error
+    except UnicodeDecodeError as error:
+        raise ParameterFileError(f'{path}: got bytes that are not UTF-8, expected text') from error
+
+
+def _not_yaml(error: yaml.YAMLError, source: str | Path) -> ParameterFileError:
+    mark = getattr(error, 'problem_mark', None)
+    line = f':{mark.line + 1}' if mark else ''
+    problem = getattr(error, 'problem', None) or str(error)
+    return ParameterFileError(f'{source}{line}: {problem}')
 
 
 class _Loader(yaml.SafeLoader):

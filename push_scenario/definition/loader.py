@@ -16,6 +16,7 @@ from push_model.files.mapping import expect_mapping, from_mapping, Location, mer
 from push_model.files.strict_yaml import load_yaml, ParameterFileError, parse_yaml
 from push_navigation.map_file import read_map
 from push_navigation.settings import MapSettings
+from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.floor_map import floor_map_values, FloorMap
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.sensors import SensorSettings
@@ -69,34 +70,6 @@ def scenario_text(scenario: Scenario) -> str:
     """
     values = {key: value for key, value in to_mapping(scenario).items() if key != 'name'}
     return yaml.safe_dump(values, sort_keys=False, allow_unicode=True, width=99)
-
-
-def find_scenario(name: str | Path) -> Path:
-    """
-    Find a scenario by path, or by name among those of the package.
-
-    :param name: path of a file, or name such as ``straight_push``.
-    :return: its path.
-    :raises ParameterFileError: where there is none, with the names there are.
-    """
-    path = Path(name)
-    if path.suffix in ('.yaml', '.yml') or path.is_file():
-        return path
-    path = scenario_directory() / f'{name}.yaml'
-    if not path.is_file():
-        raise ParameterFileError(f'{name}: got no such scenario, expected a path or one of '
-                                 + ', '.join(scenario_names()))
-    return path
-
-
-def scenario_names() -> list[str]:
-    """List the names of the scenarios of the package, sorted."""
-    return sorted(path.stem for path in scenario_directory().glob('*.yaml'))
-
-
-def scenario_directory() -> Path:
-    """Return the folder of the scenarios of the package."""
-    return share_directory() / 'config' / 'scenarios'
 
 
 def read_sensors(path: str | Path) -> SensorSettings:

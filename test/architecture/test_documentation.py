@@ -6,7 +6,7 @@ import re
 
 from docs.tools import reference
 from helpers.architecture import files, ROOT
-from push_scenario.definition.loader import scenario_names
+from push_scenario.definition.catalogue import scenario_names
 import pytest
 
 PAGES = sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT) if path.suffix == '.md')

@@ -13,7 +13,8 @@ from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.dds.processes import NodeProcesses, private_domain
 from push_scenario.dds.replay_client import local_discovery
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 import pytest
 import rclpy
 import yaml

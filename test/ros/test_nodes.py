@@ -24,7 +24,8 @@ from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import check_frame, nanoseconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR, status_values, WARN
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 from push_scenario.simulation.loop import make_simulation
 from push_sim_node.sensors import SensorSettings
 import pytest

@@ -13,7 +13,8 @@ from push_ros.conversions.plan import to_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.conversions.primitives import to_stamp
 from push_ros.topics import CONTROLLER
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 import pytest
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]

@@ -11,7 +11,8 @@ from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message
 from push_ros.diagnostics import WARN
 from push_ros.topics import CONTROLLER, SIM
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 import pytest
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter

@@ -28,7 +28,8 @@ from push_ros.conversions.plan_request import from_request_message, to_request_m
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR
 from push_ros.topics import CONTROLLER, PLANNER
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 import pytest
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]

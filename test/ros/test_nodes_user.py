@@ -22,7 +22,8 @@ from push_ros.diagnostics import ERROR, OK, status_values
 from push_ros.parameters import DYNAMIC, IDLE, READ_ONLY
 from push_ros.start import NODES
 from push_ros.topics import CONTROLLER, PLANNER
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 import pytest
 from rcl_interfaces.msg import Log, Parameter as ParameterMessage
 from rcl_interfaces.srv import DescribeParameters, SetParameters

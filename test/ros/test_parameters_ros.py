@@ -16,7 +16,8 @@ from push_ros.node_settings import ControllerOptions, Frames, SimOptions
 from push_ros.parameters import ParameterSet
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
-from push_scenario.definition.loader import load_scenario, scenario_names
+from push_scenario.definition.catalogue import scenario_names
+from push_scenario.definition.loader import load_scenario
 from push_scenario.simulation.start import place_robot
 from push_sim_node import sim_node
 from push_sim_node.disturbance import FrictionChange

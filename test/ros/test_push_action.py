@@ -22,7 +22,8 @@ from push_ros.conversions.primitives import seconds, to_pose_message
 from push_ros.diagnostics import ERROR
 from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 import pytest
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import SetParameters

@@ -10,9 +10,8 @@ import sys
 from PIL import Image
 from push_scenario.batch.interrupts import Interrupts
 from push_scenario.cli import main
-from push_scenario.definition.loader import (
-    find_scenario, read_scenario, scenario_names, scenario_text,
-)
+from push_scenario.definition.catalogue import find_scenario, scenario_names
+from push_scenario.definition.loader import read_scenario, scenario_text
 from push_sim_node.tape import Tape
 import pytest
 
@@ -127,7 +126,7 @@ def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
     def judge(result):
         return result.control_law != missing
 
-    monkeypatch.setattr('push_scenario.cli.is_as_expected', judge)
+    monkeypatch.setattr('push_scenario.is_as_expected', judge)
     laws = ('--law', 'feedback', '--law', 'mpc')
     assert replay(tmp_path, 'straight_push', *laws, '--no-pictures') == 1
 

@@ -4,7 +4,8 @@ import dataclasses
 
 import numpy as np
 from push_dynamics.floor import FloorPatch
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 from push_scenario.simulation.loop import simulate
 from push_sim_node.disturbance import FrictionChange
 import pytest

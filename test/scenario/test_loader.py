@@ -9,10 +9,8 @@ from push_model.files.parameter_files import read_object
 from push_model.files.strict_yaml import ParameterFileError
 from push_model.friction import friction_center
 from push_model.geometry import Pose
-from push_scenario.definition.loader import (
-    find_scenario, read_scenario, scenario_directory, scenario_from_text, scenario_names,
-    scenario_text,
-)
+from push_scenario.definition.catalogue import find_scenario, scenario_directory, scenario_names
+from push_scenario.definition.loader import read_scenario, scenario_from_text, scenario_text
 import pytest
 
 MINIMAL = """

@@ -3,7 +3,8 @@
 import dataclasses
 import math
 
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from push_sim_node.disturbance import FrictionChange

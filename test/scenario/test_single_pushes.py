@@ -4,7 +4,8 @@ import dataclasses
 import math
 
 import numpy as np
-from push_scenario.definition.loader import load_scenario, scenario_names
+from push_scenario.definition.catalogue import scenario_names
+from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Start
 from push_scenario.evaluation.metrics import is_as_expected, measure

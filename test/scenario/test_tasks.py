@@ -8,7 +8,8 @@ import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import distance
 from push_navigation.settings import DriveSettings
-from push_scenario.definition.loader import load_scenario, scenario_names
+from push_scenario.definition.catalogue import scenario_names
+from push_scenario.definition.loader import load_scenario
 from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.evaluation.report import format_report
 from push_scenario.plots.drawing import segments_of

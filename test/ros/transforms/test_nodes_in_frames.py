@@ -24,7 +24,8 @@ from push_ros.transforms.listener import (
     DYNAMIC_QOS, DYNAMIC_TOPIC, STATIC_QOS, STATIC_TOPIC, transform_message_type,
 )
 from push_ros.transforms.messages import from_transform_message, to_transform_message
-from push_scenario.definition.loader import find_scenario, read_scenario
+from push_scenario.definition.catalogue import find_scenario
+from push_scenario.definition.loader import read_scenario
 import pytest
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
