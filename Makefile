@@ -27,7 +27,7 @@ demo: .venv/installed ## push a box to its goal over DDS; results in out/
 play: .venv/installed ## open a page on which you drag goal and box, draw walls, change friction
 	$(BIN)/play $(ARGS)
 
-faults: .venv/installed ## how faults of sensors and of the base end; half an hour
+faults: .venv/installed ## how faults of sensors, base and processes end; half an hour
 	$(BIN)/python -m benchmarks.faults
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile

@@ -3,28 +3,37 @@ Campaign of faults: each word for each input, at random moments of tasks and of 
 
 Measurements and commands are spoilt between the simulation and the robot in one process: past the
 conversion of messages, the nodes run the same code on them. Goals, maps, plans and stamps are
-spoilt on their way to the controller's node, over DDS in lockstep.
+spoilt on their way to the controller's node, over DDS in lockstep. Processes are struck while all
+three nodes run on the clock of the wall; and in lockstep they do many tasks in a row.
 """
 
 import argparse
 from collections.abc import Sequence
+from concurrent import futures
 import dataclasses
 import math
+import multiprocessing
 from pathlib import Path
+import time
 from typing import NamedTuple
 
 from benchmarks.faults.injection import (
-    Fault, Injection, Input, OFFSET, SentCommand, SIMULATED, Word,
+    Fault, Injection, Input, OFFSET, SentCommand, SIMULATED, Word, words_of,
 )
 from benchmarks.faults.node_rig import final_reason, run_node
-from benchmarks.faults.report import write_report
+from benchmarks.faults.process_rig import (
+    append_process_row, process_faults, process_rig, read_process_rows,
+)
+from benchmarks.faults.report import Findings, write_report
 from benchmarks.faults.row import append_row, Ending, read_rows, Row
+from benchmarks.faults.soak import read_tasks, run_soak, soak_table, write_tasks
 import numpy as np
 from push_control.push.controller import Controller
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance, FloatArray, Pose, wrap_angle
 from push_model.signals import STOP
 from push_model.trajectory import PushTrajectory
+from push_scenario.batch.workers import available_cores
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.loop import simulate
@@ -33,7 +42,8 @@ from push_sim_node.simulation import Simulation
 from push_sim_node.tape import Tape
 
 REPORT = Path(__file__).parents[2] / 'docs' / 'control' / 'faults.md'
-ROWS = Path('out') / 'faults.jsonl'
+FOLDER = Path('out') / 'faults'
+ROWS, PROCESS_ROWS, SOAK_TASKS = 'runs.jsonl', 'processes.jsonl', 'soak.json'
 # Moments at which faults begin, at random between these [s]: in all states of a task or of a push.
 MOMENTS = {'task_tap': (0.2, 3.5), 'task_demo': (1.0, 21.0), 'curved_push': (1.0, 14.0)}
 # Faults of plans begin at first or second one [s].
@@ -88,7 +98,7 @@ def draw(scenarios: Sequence[str], seed: int, count: int) -> list[Case]:
               *((NODE_SCENARIO, kind) for kind in Input
                 if kind not in SIMULATED and NODE_SCENARIO in scenarios)]
     return [Case(scenario, Fault(kind, word, start, start + duration))
-            for scenario, kind in inputs for word in Word for duration in DURATIONS
+            for scenario, kind in inputs for word in words_of(kind) for duration in DURATIONS
             for start in _moments(scenario, kind, word, rng, count)]
 
 
@@ -213,27 +223,88 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Run the campaign and write the report.
 
     :param arguments: command line; None for that of the process.
-    :return: exit status: 1 where a run has ended unexplained.
+    :return: exit status: 1 where a run has ended unexplained, or a task of the soak undone.
     """
+    options = _parser().parse_args(arguments)
+    if not options.resume:
+        for name in (ROWS, PROCESS_ROWS, SOAK_TASKS):
+            (options.folder / name).unlink(missing_ok=True)
+    scenarios = options.scenario or list(MOMENTS)
+    if not options.only_soak:
+        _run_cases(draw(scenarios, options.seed, options.count), options.folder / ROWS,
+                   options.jobs)
+        _run_process_faults(options.folder / PROCESS_ROWS)
+    soak = read_tasks(options.folder / SOAK_TASKS)
+    if len(soak) < options.soak:
+        soak = run_soak(options.soak, options.seed)
+        write_tasks(options.folder / SOAK_TASKS, soak)
+    if options.only_soak:
+        print(soak_table(soak))
+        return int(not all(task.is_done for task in soak))
+    chosen = ' '.join([f'--count {options.count} --seed {options.seed} --soak {options.soak}',
+                       *(f'--scenario {name}' for name in options.scenario or ())])
+    drawn = set(draw(scenarios, options.seed, options.count))
+    rows = [row for row in read_rows(options.folder / ROWS)
+            if Case(row.scenario, row.fault) in drawn]
+    processes = read_process_rows(options.folder / PROCESS_ROWS)
+    write_report(options.report, Findings(rows, processes, soak), chosen)
+    return int(any(not row.is_explained for row in [*rows, *processes])
+               or not all(task.is_done for task in soak))
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--count', type=int, default=4, help='moments per case')
+    parser.add_argument('--count', type=int, default=3, help='moments per case')
     parser.add_argument('--scenario', action='append', choices=list(MOMENTS),
                         help='again for more; all by default')
     parser.add_argument('--seed', type=int, default=1)
-    parser.add_argument('--rows', type=Path, default=ROWS,
-                        help='file of the runs so far: a campaign goes on where it was ended')
+    parser.add_argument('--soak', type=int, default=100, help='tasks in a row in one set of nodes')
+    parser.add_argument('--only-soak', action='store_true', help='leave out the rest')
+    parser.add_argument('--jobs', type=int, default=available_cores(),
+                        help='processes that run side by side, where no time on the wall counts')
+    parser.add_argument('--folder', type=Path, default=FOLDER, help='for what was found so far')
+    parser.add_argument('--resume', action='store_true',
+                        help='go on where a campaign was ended, instead of beginning anew')
     parser.add_argument('--report', type=Path, default=REPORT)
-    options = parser.parse_args(arguments)
-    scenarios = options.scenario or list(MOMENTS)
-    known = {(row.scenario, row.fault): row for row in read_rows(options.rows)}
-    rows: list[Row] = []
-    for case in draw(scenarios, options.seed, options.count):
-        is_new = case not in known
-        rows.append(run(case) if is_new else known[case])
-        if is_new:
-            append_row(options.rows, rows[-1])
-            print(rows[-1], flush=True)
-    chosen = ' '.join([f'--count {options.count} --seed {options.seed}',
-                       *(f'--scenario {name}' for name in scenarios)])
-    write_report(options.report, rows, chosen)
-    return int(any(not row.is_explained for row in rows))
+    return parser
+
+
+def _run_cases(cases: Sequence[Case], path: Path, jobs: int) -> None:
+    """Run the cases that are not in a file yet."""
+    known = {Case(row.scenario, row.fault) for row in read_rows(path)}
+    left = [case for case in cases if case not in known]
+    progress = _Progress(len(left))
+    with futures.ProcessPoolExecutor(jobs, multiprocessing.get_context('spawn')) as pool:
+        for done in futures.as_completed([pool.submit(run, case) for case in left]):
+            row = done.result()
+            append_row(path, row)
+            progress.show(row)
+
+
+def _run_process_faults(path: Path) -> None:
+    """Likewise; one after the other, as time on the wall counts."""
+    known = {row.fault for row in read_process_rows(path)}
+    left = [fault for fault in process_faults() if fault not in known]
+    if not left:
+        return
+    progress = _Progress(len(left))
+    with process_rig() as rig:
+        for fault in left:
+            row = rig.run(fault)
+            append_process_row(path, row)
+            progress.show(row)
+
+
+class _Progress:
+    """Prints what was found, and how long the rest will take."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._done = 0
+        self._began = time.monotonic()
+
+    def show(self, row: object) -> None:
+        """Print a line."""
+        self._done += 1
+        left = (time.monotonic() - self._began) * (self._count / self._done - 1.0)
+        print(f'{self._done} of {self._count}, {left / 60.0:.0f} min left: {row}', flush=True)

@@ -50,6 +50,18 @@ class Word(enum.Enum):
     DELAYED = 'delayed'
     # Nothing comes for 0.4 s of every second.
     INTERMITTENT = 'intermittent'
+    # Of odometry: the wheels slip, so that the robot moves half as far as they do.
+    SLIPPING = 'slipping'
+    # The twist of odometry, or what the base takes a command for, is in axes of the world.
+    IN_WORLD_AXES = 'in world axes'
+    # Somebody else commands the base, too: one command in two is to drive ahead.
+    SHARED = 'shared'
+
+
+# What can be done to anything, and what only to some inputs.
+COMMON_WORDS = tuple(Word)[:7]
+FURTHER_WORDS = {Word.SLIPPING: 'odometry', Word.IN_WORLD_AXES: 'odometry command',
+                 Word.SHARED: 'command'}
 
 
 class Fault(NamedTuple):
@@ -78,10 +90,22 @@ class Fault(NamedTuple):
         return f'{self.input.value} {self.word.value} from {self.start:g} s {until}'
 
 
+def words_of(kind: Input) -> list[Word]:
+    """
+    List what can be done to an input.
+
+    :param kind: the ``Input``.
+    """
+    return [word for word in Word if kind.value in FURTHER_WORDS.get(word, kind.value)]
+
+
 OFFSET = Pose(0.3, 0.0, 0.5)
 DELAY = 0.5
 SLOW_COUNT = 10
 PERIOD, GAP = 1.0, 0.4
+SLIP_RATIO = 0.5
+# What somebody else commands.
+OTHER_COMMAND = Twist(0.2, 0.0, 0.3)
 
 
 class SentCommand(NamedTuple):
@@ -111,6 +135,8 @@ class Injection:
         self._last: Any = None
         self._count = 0
         self._late: deque[tuple[float, Any]] = deque()
+        # Odometry as it is and as it comes, where wheels slip.
+        self._slipping: tuple[Odometry, Odometry] | None = None
         self._is_installed = False
 
     def __call__(self, simulation: Simulation, _: object) -> None:
@@ -126,6 +152,8 @@ class Injection:
             self._spoil_commands(simulation)
         else:
             self._spoil_measurements(simulation)
+        if self._fault.word is Word.SLIPPING:
+            self._let_slip(simulation)
         self._record_commands(simulation)
 
     def _record_commands(self, simulation: Simulation) -> None:
@@ -149,11 +177,12 @@ class Injection:
                 self._last = twist
                 send(twist)
             else:
-                send(self._spoilt_command(twist, time))
+                send(self._spoilt_command(twist, simulation))
         setattr(simulation, 'command', command)
 
-    def _spoilt_command(self, twist: Twist, time: float) -> Twist:
-        word = self._fault.word
+    def _spoilt_command(self, twist: Twist, simulation: Simulation) -> Twist:
+        word, time = self._fault.word, simulation.time
+        self._count += 1
         if word is Word.OFF or word is Word.INTERMITTENT and time % PERIOD < GAP:
             return STOP
         if word is Word.STUCK:
@@ -165,9 +194,23 @@ class Injection:
             return Twist(-twist.v_x, -twist.v_y, twist.omega)
         if word is Word.SLOW:
             return Twist(*(0.5 * value for value in twist))
+        if word is Word.IN_WORLD_AXES:
+            turned = _turned(twist, -simulation.truth.robot_pose.theta)
+            return turned if simulation.robot.drive == 'holonomic' else turned._replace(v_y=0.0)
+        if word is Word.SHARED:
+            return twist if self._count % 2 else OTHER_COMMAND
         if word is Word.DELAYED:
             return next((late for at, late in reversed(self._late) if at <= time - DELAY), STOP)
         return twist
+
+    def _let_slip(self, simulation: Simulation) -> None:
+        """Move the robot less than its wheels, by which it is measured."""
+        send = simulation.command
+
+        def command(twist: Twist) -> None:
+            slips = self._is_active(simulation.time)
+            send(Twist(*(SLIP_RATIO * value for value in twist)) if slips else twist)
+        setattr(simulation, 'command', command)
 
     def _spoil_measurements(self, simulation: Simulation) -> None:
         take = simulation.next_measurement
@@ -180,7 +223,7 @@ class Injection:
                     return measured
                 if not self._is_active(simulation.time):
                     self._last = measured
-                    return measured
+                    return self._after_slip(measured)
                 spoilt = self._spoilt_measurement(measured, simulation.time)
                 if spoilt is not None:
                     return spoilt
@@ -204,4 +247,27 @@ class Injection:
         if word is Word.DELAYED:
             self._late.append((time, measured))
             return self._late.popleft()[1] if self._late[0][0] <= time - DELAY else None
+        if word is Word.SLIPPING:
+            return self._slipped(measured, 1.0 / SLIP_RATIO)
+        if word is Word.IN_WORLD_AXES:
+            return measured._replace(twist=_turned(measured.twist, measured.pose.theta))
         return measured
+
+    def _after_slip(self, measured: Any) -> Any:
+        """Go on from where slipping wheels have led odometry."""
+        return measured if self._slipping is None else self._slipped(measured, 1.0)
+
+    def _slipped(self, measured: Odometry, ratio: float) -> Odometry:
+        """Measure wheels that turn by a ratio more than the robot moves."""
+        true, shown = self._slipping or (measured, measured)
+        step = true.pose.inverse() @ measured.pose
+        wheels = Pose(ratio * step.x, ratio * step.y, ratio * wrap_angle(step.theta))
+        slipped = measured._replace(pose=shown.pose @ wheels,
+                                    twist=Twist(*(ratio * value for value in measured.twist)))
+        self._slipping = measured, slipped
+        return slipped
+
+
+def _turned(twist: Twist, angle: float) -> Twist:
+    """Return a twist in axes that are rotated by the negative of an angle [rad]."""
+    return Twist(*Pose(0.0, 0.0, angle).rotate(twist[:2]), twist.omega)

@@ -5,9 +5,13 @@ from collections.abc import Sequence
 import math
 from pathlib import Path
 import re
+from typing import NamedTuple
 
 from benchmarks.faults.injection import Input, Word
+from benchmarks.faults.process_rig import ProcessRow
 from benchmarks.faults.row import Ending, Row
+from benchmarks.faults.soak import soak_table, SoakTask
+import numpy as np
 
 TEMPLATE = Path(__file__).parent / 'faults.md.in'
 HEADER = ('fault', 'runs', 'done', 'failed', 'waits', 'unexplained', 'stops after [s]: median',
@@ -17,23 +21,87 @@ HEADER = ('fault', 'runs', 'done', 'failed', 'waits', 'unexplained', 'stops afte
 NUMBERS = re.compile(r'\(.*?\)|[-\d.]+')
 
 
-def write_report(path: Path, rows: Sequence[Row], options: str) -> None:
+# Groups of faults whose stops are compared: where the input itself shows the fault, and where only
+# the motion of the robot does.
+SHOWN = (Input.ODOMETRY, Input.POSE), (Word.OFF, Word.STUCK, Word.GARBAGE)
+MOVED = (Input.COMMAND,), (Word.OFF, Word.STUCK, Word.GARBAGE, Word.WRONG)
+PROCESS_HEADER = ('process', 'state of the task', 'task', 'reason', 'stands after [s]')
+STOP_HEADER = ('faults that come while the robot drives', 'runs', 'stops after [s]: median',
+               '99 of 100', 'worst', 'drives until then [m]: 99 of 100', 'worst')
+
+
+class Findings(NamedTuple):
+    """
+    What a campaign has found.
+
+    :param rows: ``Row`` of each run.
+    :param processes: ``ProcessRow`` of each fault of a process.
+    :param soak: each ``SoakTask``.
+    """
+
+    rows: Sequence[Row]
+    processes: Sequence[ProcessRow]
+    soak: Sequence[SoakTask]
+
+
+def write_report(path: Path, findings: Findings, options: str) -> None:
     """
     Write the report.
 
     :param path: of the file.
-    :param rows: ``Row`` of each run.
+    :param findings: the ``Findings``.
     :param options: of the command line that has made them.
     """
+    rows, processes = findings.rows, findings.processes
     temporary = [row for row in rows if row.fault.is_temporary]
     values = {'RUNS': len(rows), 'OPTIONS': options, 'TABLE': table(rows),
-              'UNEXPLAINED': sum(not row.is_explained for row in rows),
+              'UNEXPLAINED': sum(not row.is_explained for row in [*rows, *processes]),
               'TEMPORARY': len(temporary),
-              'RECOVERED': sum(row.ending is Ending.DONE for row in temporary)}
+              'RECOVERED': sum(row.ending is Ending.DONE for row in temporary),
+              'STOPS': stop_table(rows), 'PROCESS_RUNS': len(processes),
+              'PROCESSES': process_table(processes), 'SOAK': soak_table(findings.soak)}
     text = TEMPLATE.read_text(encoding='utf-8')
     for name, value in values.items():
         text = text.replace(f'@{name}@', str(value))
     path.write_text(text, encoding='utf-8')
+
+
+def stop_table(rows: Sequence[Row]) -> str:
+    """
+    Sum up how soon the robot stops, where it drives when a fault comes.
+
+    :param rows: ``Row`` of each run.
+    :return: Markdown.
+    """
+    lines = [_markdown(STOP_HEADER), _markdown(['---'] * len(STOP_HEADER))]
+    for name, (inputs, words) in (
+            ('odometry or poses off, stuck or garbage', SHOWN),
+            ('commands that the base does not follow: off, stuck, garbage, wrong', MOVED)):
+        found = [row for row in rows if row.fault.input in inputs and row.fault.word in words
+                 and row.stop_time > 0.0]
+        if found:
+            times, ways = ([getattr(row, field) for row in found]
+                           for field in ('stop_time', 'driven'))
+            lines.append(_markdown([
+                name, str(len(found)), *(f'{np.quantile(times, q):.2f}' for q in (0.5, 0.99, 1.0)),
+                *(f'{np.quantile(ways, q):.2f}' for q in (0.99, 1.0))]))
+    return '\n'.join(lines)
+
+
+def process_table(rows: Sequence[ProcessRow]) -> str:
+    """
+    List what became of faults of processes.
+
+    :param rows: each ``ProcessRow``.
+    :return: Markdown.
+    """
+    lines = [_markdown(PROCESS_HEADER), _markdown(['---'] * len(PROCESS_HEADER))]
+    for row in rows:
+        ending = row.ending.value + ('' if row.is_explained else ', unexplained')
+        stop_time = '' if math.isnan(row.stop_time) else f'{row.stop_time:.1f}'
+        lines.append(_markdown([f'`{row.fault.node}` {row.fault.strike.value}',
+                                row.fault.state.value, ending, row.reason, stop_time]))
+    return '\n'.join(lines)
 
 
 def table(rows: Sequence[Row]) -> str:

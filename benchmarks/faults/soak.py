@@ -5,6 +5,7 @@ What a node takes must not grow with what it has done: memory, file descriptors,
 and, as in lockstep time waits for answers, time on the wall for a second of simulated time.
 """
 
+from collections.abc import Sequence
 import json
 import os
 from pathlib import Path
@@ -170,7 +171,7 @@ def sample(pid: int, cpu_before: float) -> Sample:
                   len(list((folder / 'task').iterdir())), cpu_time(pid) - cpu_before)
 
 
-def write_tasks(path: Path, tasks: list[SoakTask]) -> None:
+def write_tasks(path: Path, tasks: Sequence[SoakTask]) -> None:
     """
     Keep the tasks of a soak.
 
@@ -194,7 +195,7 @@ def read_tasks(path: Path) -> list[SoakTask]:
         for values in json.loads(path.read_text(encoding='utf-8'))]
 
 
-def soak_table(tasks: list[SoakTask]) -> str:
+def soak_table(tasks: Sequence[SoakTask]) -> str:
     """
     Compare the beginning of a soak with its end.
 

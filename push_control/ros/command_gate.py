@@ -17,8 +17,8 @@ from push_ros.node_settings import ControllerOptions
 
 
 # Times that odometry may come again with the same stamp in lockstep; chosen: a simulator asks
-# again now and then where there is no answer, and a clock that stands shows in a second.
-MOST_REPETITIONS = 50
+# again now and then where there is no answer, and a clock that stands shows in a quarter second.
+MOST_REPETITIONS = 12
 
 
 class CommandGate:

@@ -47,6 +47,8 @@ class PoseCheck:
         self._newest: ObjectPose | None = None
         self._agreeing = 0
         self._noise = _NoiseTest()
+        # The pose that repeats itself, as it came first, and how often.
+        self._first = ObjectPose(0.0, Pose(0.0, 0.0, 0.0))
         self._repetitions = 0
         self.doubt: EventReport | None = None
 
@@ -61,16 +63,21 @@ class PoseCheck:
             return measured
         newest, believed = self._newest, self._believed
         if newest is None or believed is None:
-            self._newest = measured
+            self._newest = self._first = measured
             return self._accept(measured)
         if measured.time <= newest.time:
             return believed
         self._newest = measured
         self._noise.add(newest.pose, measured.pose)
-        self._repetitions = self._repetitions + 1 if measured.pose == newest.pose else 0
+        if measured.pose == newest.pose:
+            self._repetitions += 1
+        else:
+            self._repetitions, self._first = 0, measured
         if self._noise.is_noisy and self._repetitions > MAX_REPETITIONS:
             self.doubt = PushEvent.OBJECT_POSE_FROZEN.report(count=MAX_REPETITIONS)
-            return believed
+            # As old as it is: it was measured when it came first.
+            self._believed = self._first if believed.pose == self._first.pose else believed
+            return self._believed
         gap = measured.time - newest.time
         if gap > LONGEST_GAP or not _jumps(believed.pose, measured.pose, gap):
             return self._accept(measured)
