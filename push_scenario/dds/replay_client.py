@@ -3,6 +3,7 @@
 from collections.abc import Callable, Generator
 import contextlib
 import os
+import threading
 import time
 
 from geometry_msgs.msg import PoseStamped
@@ -22,6 +23,7 @@ IDLE_PAUSE = 0.002
 # A service is called again after this time, as an answer may be lost during discovery [s].
 RETRY_PERIOD = 2.0
 DISCOVERY_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+_environment_lock = threading.RLock()
 
 
 class ReplayFailed(RuntimeError):
@@ -147,13 +149,18 @@ class ReplayClient:
 
 @contextlib.contextmanager
 def local_discovery() -> Generator[None, None, None]:
-    """Let contexts that are made in the block find only nodes of this machine."""
-    before = os.environ.get(DISCOVERY_RANGE)
-    os.environ[DISCOVERY_RANGE] = 'LOCALHOST'
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[DISCOVERY_RANGE]
-        else:
-            os.environ[DISCOVERY_RANGE] = before
+    """
+    Let contexts that are made in the block find only nodes of this machine.
+
+    One thread after the other, as all of them share the environment.
+    """
+    with _environment_lock:
+        before = os.environ.get(DISCOVERY_RANGE)
+        os.environ[DISCOVERY_RANGE] = 'LOCALHOST'
+        try:
+            yield
+        finally:
+            if before is None:
+                del os.environ[DISCOVERY_RANGE]
+            else:
+                os.environ[DISCOVERY_RANGE] = before

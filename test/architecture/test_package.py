@@ -26,7 +26,7 @@ EXECUTABLES = {'controller': 'push_controller', 'planner': 'push_planner', 'sim'
                'tf_tracker': 'push_tracker'}
 # The tracker starts only where tf2_msgs is installed, and with the tags of an object.
 STARTED = [name for name in EXECUTABLES if name != 'tf_tracker']
-PATIENCE = 120.0
+PATIENCE = 400.0
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 SOURCED = 'AMENT_PREFIX_PATH', 'COLCON_PREFIX_PATH', 'PYTHONPATH'
 
@@ -47,7 +47,7 @@ def outside(directory, domain=0):
 
 def run(command, directory, **options):
     """Run a command to its end and return what it printed."""
-    done = subprocess.run([str(part) for part in command], cwd=directory, timeout=300, text=True,
+    done = subprocess.run([str(part) for part in command], cwd=directory, timeout=900, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options)
     assert done.returncode == 0, done.stdout
     return done.stdout

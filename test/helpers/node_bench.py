@@ -1,6 +1,7 @@
 """A bench for single nodes over DDS: it plays everything around them, and time itself."""
 
 import contextlib
+import math
 import time
 
 from push_model.geometry import Pose
@@ -12,6 +13,7 @@ from push_ros.topics import TOPICS
 from push_scenario.dds.processes import NodeProcesses, private_domain
 from push_scenario.dds.replay_client import local_discovery
 import rclpy
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -19,9 +21,10 @@ import yaml
 
 # No wait of a test is a measure of speed: what is awaited comes, or a node dies, which ends the
 # wait at once. This only keeps a suite from hanging [s].
-TIMEOUT = 200.0
-# Wall time after which a service is called again [s].
-ANSWER_WAIT = 3.0
+TIMEOUT = 400.0
+# Wall time after which a service is called, or a measurement sent, again [s]: long enough for a
+# node that has to wait for the processor, as what is repeated must have been lost.
+ANSWER_WAIT = 20.0
 REPEAT_PERIOD = 0.2
 
 
@@ -48,6 +51,7 @@ class Bench:
         self.is_lockstep = True
         self.received = {}
         self._publishers = {}
+        self._clients = {}
 
     def start(self, name, module, parameters):
         """Start a node in a process of its own."""
@@ -88,17 +92,32 @@ class Bench:
 
     def call(self, service):
         """Call a Trigger service."""
-        client = self.node.create_client(Trigger, service)
-        self.wait_until(client.service_is_ready)
+        return self.request(Trigger, service, Trigger.Request())
+
+    def client(self, kind, service):
+        """Make the client of a service, and wait until both ends have met; each is made once."""
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, service)
+            self.wait_until(self._clients[service].service_is_ready)
+        return self._clients[service]
+
+    def request(self, kind, service, request):
+        """Call a service of any kind."""
+        client = self.client(kind, service)
         calls = []
 
         def is_answered():
             # Called again: a node may answer before it has met the client's reader of answers.
             if not calls or time.monotonic() > calls[-1][0] + ANSWER_WAIT:
-                calls.append((time.monotonic(), client.call_async(Trigger.Request())))
+                calls.append((time.monotonic(), client.call_async(request)))
             return any(future.done() for _, future in calls)
         self.wait_until(is_answered)
         return next(future.result() for _, future in calls if future.done())
+
+    def wait_until_handled(self, topic, service):
+        """Wait until what was published has come, and a call after it has been answered."""
+        self._publishers[topic].wait_for_all_acked(Duration(seconds=TIMEOUT))
+        self.call(service)
 
     def spin(self, wall_time):
         """Spin for a while: only to see that something does not come."""
@@ -130,13 +149,16 @@ class Bench:
                 self.publish(topic, message)
             self.repeat_until(offer, lambda: len(commands) > count)
             # Answers to offers that came late would be taken for those of the next measurement.
-            self.wait_for_silence(commands)
+            self.wait_for_silence('cmd_vel')
 
-    def wait_for_silence(self, messages):
-        """Spin until nothing has come for a while."""
+    def wait_for_silence(self, *topics):
+        """Spin until nothing has come for a while on any of the topics."""
+        def total():
+            return sum(len(self.received[topic]) for topic in topics)
+
         count = -1
-        while count != len(messages):
-            count = len(messages)
+        while count != total():
+            count = total()
             self.spin(REPEAT_PERIOD)
 
     def clock(self, now):
@@ -154,16 +176,24 @@ class Bench:
             ObjectPose(self.base + now, Pose(*pose)), frame))
 
     def _answer(self, topic, message):
+        """Publish a measurement, best effort, until a command answers it."""
         commands = self.received['cmd_vel']
-        count = len(commands)
-        self.publish(topic, message)
-        self.wait_until(lambda: len(commands) > count)
-        command = commands[-1]
-        if hasattr(command, 'header'):
-            stamps = [nanoseconds(item.header.stamp) for item in (command, message)]
-            assert stamps[0] == stamps[1] or not self.is_lockstep
-            command = command.twist
+        count, sent = len(commands), [-math.inf]
+
+        def answers():
+            if time.monotonic() > sent[-1] + ANSWER_WAIT:
+                sent.append(time.monotonic())
+                self.publish(topic, message)
+            return [command for command in commands[count:] if self._may_answer(command, message)]
+        self.wait_until(answers)
+        command = answers()[0]
+        command = command.twist if hasattr(command, 'header') else command
         return command.linear.x, command.linear.y, command.angular.z
+
+    def _may_answer(self, command, message):
+        """Tell an answer to a message from a late one to another; only stamps can."""
+        return (not self.is_lockstep or not hasattr(command, 'header')
+                or nanoseconds(command.header.stamp) == nanoseconds(message.header.stamp))
 
 
 @contextlib.contextmanager

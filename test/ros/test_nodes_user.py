@@ -40,7 +40,7 @@ PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
 ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NUMBERS = itertools.count()
 # Times after its first instructions at which a node is interrupted [s].
-DELAYS = (0.0, 0.8, 1.6, 2.4, 4.0)
+DELAYS = (0.0, 0.8, 2.4)
 # Where a process says which signals it handles, as a hexadecimal mask.
 HANDLED_SIGNALS = 'SigCgt:'
 
@@ -55,6 +55,9 @@ class Setup:
         self.log = []
         b.node.create_subscription(Log, '/rosout', self.log.append, ROSOUT)
         b.wait_until(lambda: {status.name for status in self.statuses()} >= {CONTROLLER, PLANNER})
+        for node in (CONTROLLER, PLANNER):
+            # A transition that was made is refused the second time: no answer may be lost.
+            b.client(ChangeState, f'{node}/change_state')
 
     def statuses(self):
         """List what was reported."""
@@ -64,13 +67,18 @@ class Setup:
         """List the levels of the reports with a text."""
         return [status.level for status in self.statuses() if text in status.message]
 
-    def measure(self, with_odometry=True):
+    def answers(self):
+        """List the plans that answer the last request."""
+        return [plan for plan in self.b.received['push_plan']
+                for request in self.b.received['push_request'][-1:]
+                if plan.header.stamp == request.header.stamp]
+
+    def measure(self):
         """Publish what is measured now, and let the nodes answer."""
         now = time.time()
         self.b.publish('object_pose', to_object_pose_message(ObjectPose(now, OBJECT), 'odom'))
-        if with_odometry:
-            self.b.publish('odom', to_odometry_message(Odometry(now, ROBOT, STOP), 'odom',
-                                                       'base_link'))
+        self.b.publish('odom', to_odometry_message(Odometry(now, ROBOT, STOP), 'odom',
+                                                   'base_link'))
         self.b.spin(0.02)
 
     def measure_until(self, condition):
@@ -85,33 +93,26 @@ class Setup:
         publisher.wait_for_all_acked(Duration(seconds=TIMEOUT))
         self.b.node.destroy_publisher(publisher)
 
-    def call(self, kind, service, request):
-        """Call a service of a node, again where an answer is lost."""
-        client = self.b.node.create_client(kind, service)
-        self.b.wait_until(client.service_is_ready)
-        future = client.call_async(request)
-        self.b.wait_until(future.done)
-        return future.result()
-
     def change_state(self, node, transition):
         """Trigger a transition; return whether it was done."""
-        return self.call(ChangeState, f'{node}/change_state', ChangeState.Request(
+        return self.b.request(ChangeState, f'{node}/change_state', ChangeState.Request(
             transition=Transition(id=transition))).success
 
     def state(self, node):
         """Return the id of the state of a node."""
-        return self.call(GetState, f'{node}/get_state', GetState.Request()).current_state.id
+        return self.b.request(GetState, f'{node}/get_state', GetState.Request()).current_state.id
 
     def set_parameter(self, node, name, value):
         """Set a parameter; return whether it was set, and why not."""
         parameter = Parameter(name, value=value)
-        result, = self.call(SetParameters, f'{node}/set_parameters', SetParameters.Request(
+        result, = self.b.request(SetParameters, f'{node}/set_parameters', SetParameters.Request(
             parameters=[ParameterMessage(name=name, value=parameter.get_parameter_value())])
         ).results
         return result
 
     def forget(self):
-        """Forget what has come so far."""
+        """Forget what has come so far, and is still on its way."""
+        self.b.wait_for_silence('cmd_vel', 'push_request', 'push_plan')
         for messages in self.b.received.values():
             messages.clear()
 
@@ -161,15 +162,15 @@ def test_an_idle_controller_is_silent(setup):
 
 def test_a_goal_that_is_published_once_arrives(setup):
     """Although the clock of the publisher is ahead; the plan comes, and the robot pushes."""
-    assert setup.b.node.count_subscribers('goal_pose') == 1
-    setup.publish_once(goal(ahead=20.0))
+    setup.b.wait_until(lambda: setup.b.node.count_subscribers('goal_pose') == 1)
+    setup.publish_once(goal(ahead=1000.0))
     setup.measure_until(lambda: any(speed > 0.0 for speed in speeds(setup)))
     assert len(setup.b.received['push_request']) == 1
     assert setup.b.received['push_plan'][0].points
     setup.b.wait_until(lambda: any('its stamp is ' in entry.msg and 's ahead of' in entry.msg
                                    for entry in setup.log))
     command = setup.b.received['cmd_vel'][-1]
-    assert abs(seconds(command.header.stamp) - time.time()) < 15.0
+    assert abs(seconds(command.header.stamp) - time.time()) < 500.0
 
 
 def test_diagnostics_are_for_people_and_programs(setup):
@@ -180,14 +181,15 @@ def test_diagnostics_are_for_people_and_programs(setup):
     status = next(status for status in setup.statuses() if 'is pushing' in status.message)
     assert status.level == OK and 'position_error [m]' in {item.key for item in status.values}
     assert float(status_values(status)['position_error']) > 0.5
-    assert abs(seconds(setup.b.received['diagnostics'][-1].header.stamp) - time.time()) < 60.0
+    assert abs(seconds(setup.b.received['diagnostics'][-1].header.stamp) - time.time()) < 500.0
 
 
 def test_lost_odometry_stops_the_robot(setup):
     """With some zeros, then silence; odometry that stays away is an error."""
     push(setup)
     setup.b.wait_until(lambda: ERROR in setup.levels('no odometry'))
-    setup.b.wait_for_silence(setup.b.received['cmd_vel'])
+    setup.b.wait_until(lambda: speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS)
+    setup.b.wait_for_silence('cmd_vel')
     assert speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS
 
 
@@ -202,7 +204,7 @@ def test_dynamic_parameters_may_be_set(setup):
                                 ('control.pose_noise', 0.01, 'read-only')):
         refused = setup.set_parameter(CONTROLLER, name, value)
         assert not refused.successful and reason in refused.reason
-    described = setup.call(
+    described = setup.b.request(
         DescribeParameters, f'{CONTROLLER}/describe_parameters',
         DescribeParameters.Request(names=['drive.speed', 'object.mass', 'robot.radius']))
     speed, mass, radius = described.descriptors
@@ -211,8 +213,8 @@ def test_dynamic_parameters_may_be_set(setup):
     assert READ_ONLY in radius.additional_constraints and radius.read_only
     setup.forget()
     setup.publish_once(goal())
-    setup.measure_until(lambda: setup.b.received['push_plan'])
-    first, second = (setup.b.received['push_plan'][0].points[k] for k in (1, 2))
+    setup.measure_until(setup.answers)
+    first, second = (setup.answers()[0].points[k] for k in (1, 2))
     speed = second.velocities[0].linear.x
     assert 0.05 < speed < 0.105 and first.velocities[0].linear.x < 0.105
 
@@ -253,14 +255,23 @@ def test_a_refusal_is_on_rosout_and_in_the_exit_status(setup):
     """A parameter that a group of the node does not have, by its name."""
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(setup.b.processes.domain),
                    'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
-    process = subprocess.Popen(
-        [sys.executable, '-m', 'push_ros.start', 'controller', '--ros-args', '-r',
-         '__node:=mistaken', '--params-file', str(config_file('push.yaml')), '-p',
-         'robot.radios:=0.2'], env=environment, stderr=subprocess.DEVNULL)
-    setup.b.wait_until(lambda: any(
-        entry.name == 'mistaken' and 'refused to start: robot.radios' in entry.msg
-        for entry in setup.log))
-    assert process.wait(60) == 2
+    command = [sys.executable, '-m', 'push_ros.start', 'controller', '--ros-args', '-r',
+               '__node:=mistaken', '--params-file', str(config_file('push.yaml')), '-p',
+               'robot.radios:=0.2']
+
+    def is_logged():
+        return any(entry.name == 'mistaken' and 'refused to start: robot.radios' in entry.msg
+                   for entry in setup.log)
+
+    # A node waits a moment for readers of its log, which is too short where all cores are busy.
+    for _ in range(3):
+        process = subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
+        setup.b.wait_until(lambda: process.poll() is not None)
+        assert process.returncode == 2
+        setup.b.spin(1.0)
+        if is_logged():
+            break
+    assert is_logged()
 
 
 # The tracker starts only where tf2_msgs is installed; the page has one port.
@@ -278,12 +289,13 @@ def test_a_node_that_is_interrupted_ends_well(name):
     for _, process in started:
         while not handles(process.pid, signal.SIGTERM):
             assert process.poll() is None
+            time.sleep(0.01)
     start = time.monotonic()
     for number, (delay, process) in zip(itertools.cycle((signal.SIGINT, signal.SIGTERM)), started):
         time.sleep(max(0.0, start + delay - time.monotonic()))
         process.send_signal(number)
     for delay, process in started:
-        _, errors = process.communicate(timeout=120)
+        _, errors = process.communicate(timeout=TIMEOUT)
         assert process.returncode == 0, (delay, errors)
         assert 'Traceback' not in errors and 'Exception' not in errors
 

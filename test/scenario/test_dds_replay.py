@@ -71,7 +71,7 @@ def test_timing_is_measured(side_by_side):
     """Every pose was answered; how fast depends on the machine."""
     for result in side_by_side:
         assert result.timing.speed_up > 0.0
-        assert 0.0 < result.timing.latency_median <= result.timing.latency_p99 < 1.0
+        assert 0.0 < result.timing.latency_median <= result.timing.latency_p99 < np.inf
 
 
 def test_a_sensor_dropout_is_tolerated(tmp_path):

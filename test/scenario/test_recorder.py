@@ -25,7 +25,7 @@ StreamReader = import_extra('mcap', 'test', 'mcap.stream_reader').StreamReader
 EndOfFile = import_extra('mcap', 'test', 'mcap.exceptions').EndOfFile
 Message = import_extra('mcap', 'test', 'mcap.records').Message
 NANOSECONDS = 10 ** 9
-DISCOVERY_TIMEOUT = 60.0
+DISCOVERY_TIMEOUT = 400.0
 TYPES = {name: entry.message_type(False) for name, entry in TOPICS.items()}
 
 

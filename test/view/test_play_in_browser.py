@@ -27,7 +27,7 @@ def playing(scenario):
             yield re.search(r'http\S+', process.stdout.readline())[0]
         finally:
             process.send_signal(signal.SIGINT)
-            assert process.wait(60) == 0
+            assert process.wait(300) == 0
 
 
 @pytest.fixture(scope='module')

@@ -34,6 +34,8 @@ def test_a_goal_from_the_page_is_reached(tmp_path):
                     if (found := re.search(pattern, status.message))]
 
         b.wait_until(lambda: texts(r'http\S+'))
+        b.wait_until(lambda: {status.name for message in b.received['diagnostics']
+                              for status in message.status} >= files.keys())
         page = PageReader(texts(r'http\S+')[0][0])
         goal = list(scenario.goal.pose)
         b.wait_until(lambda: page.of_kind('scene'))
