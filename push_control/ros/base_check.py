@@ -57,7 +57,8 @@ class BaseCheck:
         self._node = node
         self._settings = settings
         self._inquiries: list[_Inquiry] = []
-        self._answer: Future | None = None
+        # Of the present inquiries; one may be lost, and any of them counts.
+        self._answers: list[Future] = []
         self._asked_at = 0.0
         if settings.node:
             self._client = node.create_client(GetParameters, f'{settings.node}/get_parameters')
@@ -77,7 +78,7 @@ class BaseCheck:
             return
         self._inquiries.append(_Inquiry(on_result, time.monotonic() + self._settings.timeout))
         # An answer that is under way may be older than what somebody has set since.
-        self._answer = None
+        self._answers = []
         self._asked_at = 0.0
         self._timer.reset()
 
@@ -99,9 +100,10 @@ class BaseCheck:
     def _look(self) -> None:
         """Ask the base, take its answer, or give up."""
         now = time.monotonic()
-        if self._answer is not None and self._answer.done():
-            self._finish(self._fault(self._answer.result()))
-            return
+        for answer in self._answers:
+            if answer.done():
+                self._finish(self._fault(answer.result()))
+                return
         self._finish(BaseFault(
             f'{self._settings.node}: got none of its parameters within '
             f'{self._settings.timeout:g} s, expected that this node of the base can be reached '
@@ -109,8 +111,8 @@ class BaseCheck:
         if (self._inquiries and now >= self._asked_at + REPEAT_TIME
                 and self._client.service_is_ready()):
             self._asked_at = now
-            self._answer = self._client.call_async(GetParameters.Request(
-                names=[parameter.name for parameter in self._settings.parameters]))
+            self._answers.append(self._client.call_async(GetParameters.Request(
+                names=[parameter.name for parameter in self._settings.parameters])))
 
     def _finish(self, fault: BaseFault | None, latest_deadline: float = math.inf) -> None:
         """Hand a result to those whose deadlines have passed, or to all."""
@@ -118,7 +120,7 @@ class BaseCheck:
         self._inquiries = [inquiry for inquiry in inquiries if inquiry.deadline > latest_deadline]
         if not self._inquiries:
             self._timer.cancel()
-            self._answer = None
+            self._answers = []
         for inquiry in inquiries:
             if inquiry.deadline <= latest_deadline:
                 inquiry.on_result(fault)

@@ -10,8 +10,9 @@ from rclpy.duration import Duration
 # Zeros after the last command; chosen: 0.5 s of them by the watchdog alone, as long as velocity
 # multiplexers commonly hold a source that has fallen silent.
 STOP_COMMANDS = 10
-# Time within which the last command must be acknowledged [s]; chosen: enough for one resend.
-FLUSH_TIMEOUT = 0.2
+# Time within which the last command must be acknowledged [s]; chosen: enough for some resends to
+# a base whose computer is busy.
+FLUSH_TIMEOUT = 1.0
 
 
 class CommandPublisher:

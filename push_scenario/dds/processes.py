@@ -15,8 +15,9 @@ from typing import NoReturn
 
 # Domains whose ports do not overlap the ephemeral ports of Linux; 0 is left to other programs.
 DOMAINS = range(1, 102)
-# How long a node may take to end after a signal, on a busy machine [s].
-STOP_TIMEOUT = 30.0
+# How long a node may take to end after a signal, on a slow machine that is busy [s]: nothing
+# interrupts a compiler in the middle of a function.
+STOP_TIMEOUT = 90.0
 # How long a node that is no longer needed may take to end by itself before it is killed [s].
 TERMINATION_TIMEOUT = 1.0
 # Lines of a node's output that an error quotes: a traceback with its cause.

@@ -8,8 +8,10 @@ import time
 
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
+from push_model.contact import find_contact
 from push_model.geometry import Pose
-from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
+from push_ros.topics import CONTROLLER, PLANNER, SIM, TOPICS
 from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.dds.processes import NodeProcesses, private_domain
 from push_scenario.dds.replay_client import local_discovery
@@ -17,6 +19,7 @@ from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 import pytest
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 import yaml
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
@@ -27,7 +30,8 @@ SCENARIO = read_scenario(find_scenario('task_tap'))
 # Of the simulator without a limit of time, which begins at once.
 ENDLESS = {'time_limit': 0.0, 'autostart': True}
 POLL_PAUSE = 2e-3
-FAR, NEAR = Pose(0.5, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
+# The first is so far that a push is still under way when a program has noticed that it began.
+FAR, NEAR = Pose(2.0, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
 
 
 @pytest.fixture(scope='module')
@@ -60,6 +64,25 @@ def commander(context):
         yield commander
 
 
+def gap(context):
+    """Measure how far the robot stands off the object, once both are at rest."""
+    messages = {'odom': [], 'object_pose': []}
+    node = rclpy.create_node('witness', context=context)
+    for topic, received in messages.items():
+        node.create_subscription(TOPICS[topic].type, topic, received.append,
+                                 TOPICS[topic].publish_qos)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    while not all(messages.values()):
+        executor.spin_once(timeout_sec=0.1)
+    executor.shutdown()
+    node.destroy_node()
+    odometry = from_odometry_message(messages['odom'][-1], 'odom')
+    measured = from_object_pose_message(messages['object_pose'][-1], 'odom')
+    return find_contact(SCENARIO.object, measured.pose, odometry.pose[:2],
+                        SCENARIO.robot.radius).gap
+
+
 def watch(commander, processes, reaction=None):
     """Follow a goal to its end; return the result and the states that were seen."""
     states = []
@@ -85,17 +108,17 @@ def test_a_cancelled_robot_backs_off_and_the_next_goal_is_reached(context, comma
             commander.cancel()
 
     assert commander.push_to(FAR)
-    result, states = watch(commander, context[1], cancel_while_pushing)
+    result, _ = watch(commander, context[1], cancel_while_pushing)
     assert (result.outcome, result.error_code) == (PushOutcome.CANCELLED, 0)
-    assert result.pushes == 1 and PushStatus.RETREATING in states
-    assert 0.0 < result.position_error < 0.6
+    assert result.pushes == 1 and 0.0 < result.position_error < 2.1
+    assert gap(context[0]) > 0.05
 
     assert commander.push_to(NEAR)
     result, states = watch(commander, context[1])
     assert (result.outcome, result.error_code, result.error_msg) == (PushOutcome.SUCCEEDED, 0, '')
     assert result.position_error < 0.02 and abs(result.heading_error) < 0.04
     assert result.pushes >= 1 and result.duration > 0.0
-    assert {PushStatus.PLANNING, PushStatus.PUSHING} <= set(states)
+    assert PushStatus.PUSHING in states
 
 
 def test_the_example_runs(context, commander):
