@@ -7,7 +7,7 @@ its start; this leaves neither drift nor an error of first order.
 Arguments have the same meaning in every function: ``state`` and ``body`` are numbers in the order
 of ``layout``, ``supports`` rows in that order, ``outline`` the vertices [m], ``floor`` the patches
 of ``floor.floor_rows``, ``forces`` the friction on each support (x, y, x, y, ...) [N] that is
-written, ``command`` the (v_x, v_y, omega) asked of the robot, ``drive`` its lag and limits, ``h``
+written, or none where neither that nor energies are asked for, ``command`` the (v_x, v_y, omega) asked of the robot, ``drive`` its lag and limits, ``h``
 the step [s].
 """
 
@@ -205,9 +205,10 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
         solution = solve_with_loads(state, body, supports, c, s, h, guess, contact, surface)
     else:
         solution = solve(state, body, supports, c, s, h, guess, contact, surface)
-    power = write_friction_forces(forces, body, supports, c, s, solution.weight_velocity,
-                                  solution.velocity)
-    add_energies(state, body, guess, contact, surface, solution, h * power)
+    if len(forces) > 0:
+        power = write_friction_forces(forces, body, supports, c, s, solution.weight_velocity,
+                                      solution.velocity)
+        add_energies(state, body, guess, contact, surface, solution, h * power)
     move_object(state, solution, h)
     move_robot(state, tracked, robot, h)
     state[ITERATIONS] += solution.iterations

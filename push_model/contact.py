@@ -182,6 +182,26 @@ def find_contact(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordi
     return FoundContact(Contact('face', closest.face, offset), gamma, gap)
 
 
+def robot_gap(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordinates,
+              robot_radius: float) -> float:
+    """
+    Distance between a round robot and the object, negative on overlap [m].
+
+    :param obj: the ``PushedObject``.
+    :param object_pose: ``Pose`` of the object in the world.
+    :param robot_pose: (x, y) of the robot's centre in the world [m]; a flat pusher needs its
+        ``Pose``.
+    :param robot_radius: R_p [m]; infinite for a flat pusher.
+    :raises ValueError: for a flat pusher without heading.
+    """
+    if math.isinf(robot_radius):
+        return find_contact(obj, object_pose, robot_pose, robot_radius).gap
+    x, y = Pose(*object_pose).inverse().transform(robot_pose[:2])
+    if not obj.outline:
+        return math.hypot(x, y) - obj.radius - robot_radius
+    return boundary_point(obj.outline, x, y).signed_distance - robot_radius
+
+
 def _find_flat_pusher_contact(obj: PushedObject, pusher: Pose) -> tuple[Contact, float]:
     """Contact and gap of a flat pusher that faces along its heading, in the object frame."""
     n_x, n_y = math.cos(pusher.theta), math.sin(pusher.theta)

@@ -101,7 +101,7 @@ def move_members(states: Any, bodies: Any, supports: Any, outline: Any, floor: A
     :param supports: shape (n, k, 8).
     :param outline: vertices in the object frame [m].
     :param floor: no rows: a plain floor.
-    :param forces: scratch, 2 k numbers.
+    :param forces: none, see ``push_dynamics.step``.
     :param drive: ``IDEAL_DRIVE``.
     :param command: scratch, 3 numbers.
     :param increments: motion (x, y, theta) of each robot in its own axes, shape (n, 3).

@@ -13,7 +13,7 @@ import math
 from typing import Any
 
 from push_dynamics.compiled import compiled
-from push_dynamics.layout import ROBOT_OMEGA, ROBOT_V_X, ROBOT_V_Y, THETA
+from push_dynamics.layout import THETA
 from push_dynamics.step import advance
 from push_primitives.cost_to_go import interpolate_cost
 from push_primitives.member_motion import drive_robot, object_origin
@@ -49,15 +49,17 @@ def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, 
     """
     Evaluate the mean cost-to-go of stopping after every distance of every arc.
 
+    Arcs that begin alike are driven once up to where they part.
+
     :param states: shape (n, 28).
     :param bodies: shape (n, 11).
     :param supports: shape (n, k, 8).
     :param outline: vertices in the object frame [m].
     :param floor: no rows: a plain floor.
-    :param forces: scratch, 2 k numbers.
+    :param forces: none, see ``push_dynamics.step``.
     :param drive: ``IDEAL_DRIVE``.
     :param command: scratch, 3 numbers.
-    :param scratch: one state.
+    :param scratch: two states: the present one, and that at the switch.
     :param arcs: curvature of each arc at first and later, shape (m, 2) [1/m].
     :param switch_distance: from which on the later curvature holds [m].
     :param direction: of motion in the robot's axes [rad].
@@ -69,28 +71,34 @@ def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, 
     :param headings: of its grid [rad].
     :param goal: (x, y, theta) in the world.
     :param face: where the robot stands.
-    :param costs: mean cost-to-go, shape (m, k) [s], is written.
+    :param costs: mean cost-to-go, shape (m + 1, k) [s], is written; its last row is scratch.
     """
     v_x, v_y = speed * math.cos(direction), speed * math.sin(direction)
     weight = 1.0 / len(states)
+    state, at_switch = scratch[0], scratch[1]
+    member_costs = costs[len(arcs)]
+    # The first stop that is reached with the later curvature.
+    switch = 1
+    while switch < len(stops) and stops[switch - 1] < switch_distance:
+        switch += 1
     for a in range(len(arcs)):
         for k in range(len(stops)):
             costs[a][k] = 0.0
-        for i in range(len(states)):
-            for j in range(len(scratch)):
-                scratch[j] = states[i][j]
-            travelled = 0.0
+    for i in range(len(states)):
+        for a in range(len(arcs)):
+            is_known = a > 0 and arcs[a][0] == arcs[a - 1][0]
+            for j in range(len(state)):
+                state[j] = at_switch[j] if is_known else states[i][j]
+            for k in range(switch if is_known else 0, len(stops)):
+                if k == switch and not is_known:
+                    for j in range(len(state)):
+                        at_switch[j] = state[j]
+                if k > 0:
+                    curvature = arcs[a][0] if k < switch else arcs[a][1]
+                    drive_robot(state, command, v_x, v_y, curvature * speed)
+                    advance(state, bodies[i], supports[i], outline, floor, forces, command, drive,
+                            (stops[k] - stops[k - 1]) / speed, step)
+                member_costs[k] = weight * cost_of_stopping(state, bodies[i], values, distances,
+                                                            headings, goal, face)
             for k in range(len(stops)):
-                left = stops[k] - travelled
-                if left > 0.0:
-                    curvature = arcs[a][0] if travelled < switch_distance else arcs[a][1]
-                    drive_robot(scratch, command, v_x, v_y, curvature * speed)
-                    advance(scratch, bodies[i], supports[i], outline, floor, forces, command,
-                            drive, left / speed, step)
-                    travelled = stops[k]
-                costs[a][k] += weight * cost_of_stopping(scratch, bodies[i], values, distances,
-                                                         headings, goal, face)
-    # Leave no velocity of a rollout behind.
-    scratch[ROBOT_V_X] = 0.0
-    scratch[ROBOT_V_Y] = 0.0
-    scratch[ROBOT_OMEGA] = 0.0
+                costs[a][k] += member_costs[k]

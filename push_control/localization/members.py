@@ -241,10 +241,11 @@ class Scratch:
         """
         self.outline: Any = kernel_array(obj.outline or NO_OUTLINE)
         self.floor: Any = np.zeros((0, layout.PATCH_SIZE))
-        self.forces: Any = np.zeros(2 * len(obj.supports))
+        # Nobody asks for the friction on each support.
+        self.forces: Any = np.zeros(0)
         self.drive: Any = np.array(IDEAL_DRIVE)
         self.command: Any = np.zeros(3)
-        self.state: Any = np.zeros(layout.STATE_SIZE)
+        self.states: Any = np.zeros((2, layout.STATE_SIZE))
 
 
 def identified_object(obj: PushedObject, parameters: FloatArray) -> PushedObject:

@@ -83,7 +83,8 @@ class RolloutLaw:
         """
         arcs = [(curvature, curvature), (planned, planned), (curvature, 0.0)]
         arcs += [(first, later) for first in CURVATURES for later in {0.0, first}]
-        table = np.array(list(dict.fromkeys(arcs)))
+        # Sorted: arcs that begin alike follow each other.
+        table = np.array(sorted(set(arcs)))
         stops, costs = self._evaluate(table, horizon, direction)
         total = costs + stops / self._speed
         total += CHANGE_COST * np.abs(table[:, :1] - curvature)
@@ -114,12 +115,12 @@ class RolloutLaw:
             states[:, columns] += (members.states[:, columns].mean(axis=0)
                                    - states[:, columns].mean(axis=0))
         stops = _stops(horizon)
-        costs = np.zeros((len(arcs), len(stops)))
+        costs = np.zeros((len(arcs) + 1, len(stops)))
         roll_out(states, members.bodies[chosen], members.supports[chosen], scratch.outline,
-                 scratch.floor, scratch.forces, scratch.drive, scratch.command, scratch.state,
+                 scratch.floor, scratch.forces, scratch.drive, scratch.command, scratch.states,
                  arcs, SWITCH_DISTANCE, direction, ROLLOUT_SPEED, ROLLOUT_STEP, stops,
                  table.values, table.distances, table.headings, self._goal, self._face, costs)
-        return stops, costs
+        return stops, costs[:-1]
 
 
 def _stops(horizon: float) -> FloatArray:

@@ -12,7 +12,7 @@ from push_control.observation import Observation
 from push_control.safety.odometry_check import integrated_step
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
-from push_model.contact import find_contact, FoundContact
+from push_model.contact import find_contact, FoundContact, robot_gap
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
@@ -359,7 +359,7 @@ class TaskPerception:
         :param robot: the ``RoundRobot``.
         :return: gap [m], negative on overlap.
         """
-        return find_contact(obj, self.object_at_rest.pose, self.robot_pose[:2], robot.radius).gap
+        return robot_gap(obj, self.object_at_rest.pose, self.robot_pose, robot.radius)
 
     def update_from_contact(self, obj: PushedObject, robot: RoundRobot, deviation: float,
                             is_certain: bool = True) -> None:
