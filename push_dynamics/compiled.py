@@ -81,9 +81,9 @@ class CompiledFunction:
             numba.config.CACHE_DIR = before
 
     @property
-    def signatures(self) -> list[Any]:
-        """Types of the arguments for which there is machine code in memory."""
-        return list(self.dispatcher.signatures)
+    def is_loaded(self) -> bool:
+        """Whether there is machine code in memory."""
+        return bool(self.dispatcher.overloads)
 
     @property
     def _numba_type_(self) -> Any:

@@ -4,7 +4,7 @@ import math
 from typing import Any, Sequence
 
 from push_dynamics import layout
-from push_model.contact import find_contact
+from push_model.contact import find_contact, robot_gap
 from push_model.friction import load_gradients
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -75,12 +75,14 @@ def resolve_overlap(obj: PushedObject, robot: RoundRobot, object_pose: Pose,
     for name, pose in (('object_pose', object_pose), ('robot_pose', robot_pose)):
         if not pose.is_finite():
             raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')
-    _, normal, gap = find_contact(obj, object_pose, robot_pose, robot.radius)
+    gap = robot_gap(obj, object_pose, robot_pose, robot.radius)
+    if gap >= 0.0:
+        return robot_pose
     if gap < -MAX_OVERLAP:
         raise ValueError(f'robot_pose: got an overlap with the object of {-gap:g} m, expected '
                          f'at most {MAX_OVERLAP:g} m')
-    back = min(0.0, gap)
-    return Pose(robot_pose.x + back * math.cos(normal), robot_pose.y + back * math.sin(normal),
+    normal = find_contact(obj, object_pose, robot_pose, robot.radius).gamma
+    return Pose(robot_pose.x + gap * math.cos(normal), robot_pose.y + gap * math.sin(normal),
                 robot_pose.theta)
 
 

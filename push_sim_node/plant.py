@@ -293,7 +293,7 @@ class Plant:
 
     def _compile(self) -> None:
         # Seconds where no machine code is kept on disk: better here than while time runs.
-        if not self._kernel.is_compiled or getattr(advance, 'signatures', None):
+        if not self._kernel.is_compiled or getattr(advance, 'is_loaded', True):
             return
         self.truth(0.0)
         self._arrays.copy().advance(self.step, self.step)

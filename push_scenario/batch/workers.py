@@ -8,6 +8,7 @@ import multiprocessing
 from multiprocessing.synchronize import Event
 import os
 import signal
+import sys
 import threading
 from typing import Any
 
@@ -104,17 +105,32 @@ class InProcess(Workers):
         """Do nothing: ``run_chunk`` asks by itself."""
 
 
+def start_method() -> str:
+    """
+    Choose how processes start.
+
+    A copy of this process (``fork``) has all modules and machine code at once; a new one takes a
+    second of imports. Locks that other threads hold would stay locked in a copy.
+
+    :return: ``fork`` where this process runs one thread of Python and no ROS, else ``spawn``.
+    """
+    has_fork = 'fork' in multiprocessing.get_all_start_methods() and sys.platform == 'linux'
+    is_alone = threading.active_count() == 1 and 'rclpy' not in sys.modules
+    return 'fork' if has_fork and is_alone else 'spawn'
+
+
 class Processes(Workers):
     """Processes on this machine."""
 
     def __init__(self, count: int) -> None:
         super().__init__(count)
-        context = multiprocessing.get_context('spawn')
+        context = multiprocessing.get_context(start_method())
         self._stop = context.Event()
         # Processes end at once when this end of the pipe is closed, be it by a kill.
         reader, self._alive = context.Pipe(duplex=False)
         self._pool = futures.ProcessPoolExecutor(
-            count, context, initializer=_prepare_worker, initargs=(self._stop, reader))
+            count, context, initializer=_prepare_worker,
+            initargs=(self._stop, reader, self._alive))
 
     def __enter__(self) -> 'Processes':
         """Do nothing yet: processes start with the first chunks."""
@@ -164,10 +180,11 @@ class GivenExecutor(Workers):
 _stop_event: Event | None = None
 
 
-def _prepare_worker(stop: Event, parent: Any) -> None:
-    """Leave Ctrl-C to the parent; ``parent`` is a pipe that it closes when it ends."""
+def _prepare_worker(stop: Event, parent: Any, alive: Any) -> None:
+    """Leave Ctrl-C to the parent; ``parent`` is a pipe whose end ``alive`` it closes at its end."""
     global _stop_event
     _stop_event = stop
+    alive.close()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(parent,), daemon=True).start()
 

@@ -4,7 +4,9 @@ import math
 
 from helpers.objects import bin_, box
 import numpy as np
-from push_model.contact import contact_point, find_contact, normal_range, rolling_constants
+from push_model.contact import (
+    contact_point, find_contact, normal_range, robot_gap, rolling_constants,
+)
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Contact
 import pytest
@@ -35,6 +37,7 @@ def test_contact_found_from_geometry_is_the_contact_named(obj):
         bearing, away = rng.uniform(-math.pi, math.pi), rng.uniform(0.5, 1.0)
         point = pose.x + away * math.cos(bearing), pose.y + away * math.sin(bearing)
         contact, gamma, gap = find_contact(obj, pose, point, 0.1)
+        assert robot_gap(obj, pose, point, 0.1) == gap
         x, y = pose.transform(contact_point(obj, contact))
         distance = gap + 0.1
         expected = x - distance * math.cos(gamma), y - distance * math.sin(gamma)
