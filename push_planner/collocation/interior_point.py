@@ -21,15 +21,15 @@ from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.newton_step import Bounds, newton_functions, NewtonFunctions, Tuning
 
 # Barrier parameter at first and at the end [m], and of each step over that before. Chosen: the
-# last costs a push less than half a millimetre (a hundred random pushes against 1e-8).
+# last costs a push about a millimetre at most (a hundred random pushes against 1e-8).
 FIRST_BARRIER = 1e-2
-LAST_BARRIER = 1e-6
+LAST_BARRIER = 1e-5
 BARRIER_FACTOR = 0.01
 # Largest error of a solution, in the units of the rows. Chosen: the refinement that follows takes
 # a hundred times as much.
 TOLERANCE = 3e-4
 # Errors up to this multiple of the barrier parameter are small enough to lower it.
-BARRIER_ACCURACY = 30.0
+BARRIER_ACCURACY = 10.0
 # Least slack at first: inequalities are kept off their edge.
 FIRST_SLACK = 0.1
 # Fraction of the way to the edge that a step goes.

@@ -23,15 +23,18 @@ from typing import NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
+from push_dynamics.machine_code import RowFunction
 from push_model.geometry import FloatArray, wrap_angle
 from push_planner.collocation.collocation import collocate, contact_impulse, Node, Step
-from push_planner.collocation.dimensions import Dimensions, POINTS
+from push_planner.collocation.dimensions import POINTS
 from push_planner.collocation.formulation import Formulation
-from push_planner.collocation.nlp_solver import BufferedFunction, Solution
+from push_planner.collocation.nlp_solver import Solution
 from push_planner.collocation.transcription import object_origin, SMOOTHING
 from push_planner.integration.rollout import ClosedLoopRollout, ReferenceTrack, Rollout, Run
 from push_planner.problem import PushProblem
-from push_planner.push_parameters import contact_frame, PushParameters
+from push_planner.push_parameters import (
+    contact_frame, PushKind, PushParameters, SupportLayout,
+)
 
 # Weights Q of the deviations (w, rho, theta, q_x, q_y, phi, S) along the push, and Q_n at the end
 # of one without and with a final straight. Chosen: metres and radians alike along the push; at the
@@ -130,13 +133,11 @@ def backward_pass(maps: FloatArray, end_weights: FloatArray) -> CostToGo:
     :param end_weights: Q_n, shape (7, 7).
     """
     count = len(maps)
-    values = np.zeros((count + 1, 7, 7))
-    gains = np.zeros((count, 7))
+    values, gains = np.zeros((count + 1, 7, 7)), np.zeros((count, 7))
     values[count] = end_weights
-    for k in reversed(range(count)):
-        both = maps[k].T @ values[k + 1] @ maps[k]
-        gains[k] = both[7, :7] / (CHANGE_COST + both[7, 7])
-        values[k] = WEIGHTS + both[:7, :7] - np.outer(both[:7, 7], gains[k])
+    flat = values.reshape(count + 1, 49)
+    _passes().backward.bind({'map': maps.reshape(count, 56)[::-1], 'next_values': flat[:0:-1],
+                             'values': flat[-2::-1], 'gains': gains[::-1]})()
     return CostToGo(values, gains)
 
 
@@ -149,15 +150,17 @@ def feed_forward(maps: FloatArray, cost_to_go: CostToGo, miss: FloatArray) -> Co
     :param miss: m, deviation of the end from the goal, shape (7,).
     """
     values, gains = cost_to_go
-    costate = values[-1] @ miss
-    leads = np.zeros(len(maps))
-    for k in reversed(range(len(maps))):
-        b = maps[k][:, 7]
-        leads[k] = b @ costate / (CHANGE_COST + b @ values[k + 1] @ b)
-        costate = maps[k][:, :7].T @ costate - gains[k] * (b @ costate)
+    count = len(maps)
+    costates, leads = np.zeros((count + 1, 7)), np.zeros((count, 1))
+    costates[count] = values[-1] @ miss
+    _passes().forward.bind({'map': maps.reshape(count, 56)[::-1],
+                            'next_values': values.reshape(count + 1, 49)[:0:-1],
+                            'gains': gains[::-1], 'next_costate': costates[:0:-1],
+                            'costate': costates[-2::-1], 'lead': leads[::-1]})()
+    costate = costates[0]
     free_length = -costate[6] / (FREE_LENGTH_COST + values[0][6, 6])
     # All gains respond to the longer path from the first step on.
-    return Correction(-(leads + gains[:, 6] * free_length), free_length)
+    return Correction(-(leads[:, 0] + gains[:, 6] * free_length), free_length)
 
 
 def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) -> FloatArray:
@@ -243,26 +246,29 @@ def _program_maps(problem: PushProblem, formulation: Formulation, solution: Solu
     mesh, steps = formulation.mesh, formulation.steps
     data = np.column_stack([mesh.lengths, mesh.free_fractions, steps[:, 2], steps[:, 3],
                             may_steer])
-    found, = _linearized_steps(formulation.dimensions)(
-        solution.nodes[:-1], solution.free_length, solution.changes[:, None], data,
-        solution.rates, problem.push_parameters.column())
-    return found.reshape(len(may_steer), 8, 7).transpose(0, 2, 1)
+    maps = np.zeros((len(data), 7, 8))
+    dimensions = formulation.dimensions
+    _linearized_step(dimensions.kind, dimensions.supports, dimensions.jumps).bind({
+        'node': solution.nodes[:-1], 'free_length': np.array([solution.free_length]),
+        'change': solution.changes[:, None], 'data': data, 'rates': solution.rates,
+        'column': problem.push_parameters.column(), 'map': maps.reshape(len(data), 56)})()
+    return maps
 
 
 @functools.lru_cache(maxsize=16)
-def _linearized_steps(dimensions: Dimensions) -> BufferedFunction:
-    """Build the derivatives of the program's steps, by the implicit function theorem."""
-    parameters, column = PushParameters.symbols(dimensions.supports)
+def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFunction:
+    """Build the derivatives of a step of the program, by the implicit function theorem."""
+    parameters, column = PushParameters.symbols(supports)
     node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
     data, free_length = ca.SX.sym('data', 5), ca.SX.sym('free_length')
     change = ca.SX.sym('change')
     length, free_fraction, v_squared, v_squared_slope, may_steer = ca.vertsplit(data)
     step = Step(length + free_fraction * free_length, may_steer * change, v_squared,
-                v_squared_slope, dimensions.jumps, SMOOTHING)
+                v_squared_slope, jumps, SMOOTHING)
     begin = Node(*ca.vertsplit(node))
-    if dimensions.kind == 'held':
+    if kind == 'held':
         begin = begin._replace(phi=begin.theta)
-    result = collocate(dimensions.kind, parameters, begin, step, ca.vertsplit(rates))
+    result = collocate(kind, parameters, begin, step, ca.vertsplit(rates))
     end = ca.vertcat(*result.end, free_length)
     residual = ca.vertcat(*result.residuals)
     arguments = ca.vertcat(node, free_length, change)
@@ -270,6 +276,36 @@ def _linearized_steps(dimensions: Dimensions) -> BufferedFunction:
     rates_by_arguments = ca.solve(ca.jacobian(residual, rates),
                                   ca.jacobian(residual, arguments))
     total = ca.jacobian(end, arguments) - ca.mtimes(ca.jacobian(end, rates), rates_by_arguments)
-    one = ca.Function('linearized', [node, free_length, change, data, rates, column],
-                      [ca.densify(total)])
-    return BufferedFunction(one.map(dimensions.step_count))
+    # Arrays go row by row, casadi column by column.
+    given = {'node': node, 'free_length': free_length, 'change': change, 'data': data,
+             'rates': rates, 'column': column}
+    return RowFunction(ca.Function('linearized', list(given.values()), [
+        ca.cse(ca.densify(total).T)], list(given), ['map']))
+
+
+class _Passes(NamedTuple):
+    """One step of the backward pass, and of the feed-forward."""
+
+    backward: RowFunction
+    forward: RowFunction
+
+
+@functools.lru_cache(maxsize=1)
+def _passes() -> _Passes:
+    """Build the formulas of this module for one step."""
+    rows, following = ca.SX.sym('map', 8, 7), ca.SX.sym('next_values', 7, 7)
+    gains, costate = ca.SX.sym('gains', 7), ca.SX.sym('next_costate', 7)
+    transition, b = rows[:7, :].T, rows[7, :].T
+    cross = transition.T @ (following @ b)
+    strength = CHANGE_COST + b.T @ following @ b
+    values = (ca.DM(WEIGHTS) + transition.T @ following @ transition
+              - cross @ cross.T / strength)
+    backward = ca.Function('backward', [rows, following], ca.cse([
+        # What rounding makes unsymmetric would grow from step to step.
+        ca.densify(ca.tril2symm(ca.tril(values))), cross / strength]),
+        ['map', 'next_values'], ['values', 'gains'])
+    pull = b.T @ costate
+    forward = ca.Function('forward', [rows, following, gains, costate], ca.cse([
+        transition.T @ costate - gains * pull, pull / strength]),
+        ['map', 'next_values', 'gains', 'next_costate'], ['costate', 'lead'])
+    return _Passes(RowFunction(backward), RowFunction(forward))

@@ -7,30 +7,29 @@ of the pushing angle is corrected for the deviation of the node at its begin,
     change = change_ref - K (node - node_ref)
 
 and the corrected changes are those of a push in open loop again. Every step is divided into parts,
-each a Radau step of three points (see ``collocation``), solved by Newton's method.
+each a Radau step of three points (see ``collocation``), solved by Newton's method: the rows of a
+``push_dynamics.machine_code.RowFunction``.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 import functools
-import math
 from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
+from push_dynamics.machine_code import RowFunction
 from push_model.dynamics import SMOOTHING
-from push_model.geometry import BoolArray, FloatArray
+from push_model.geometry import BoolArray, FloatArray, IntArray
 from push_planner.collocation.collocation import collocate, contact_impulse, Node, radau, Step
 from push_planner.collocation.formulation import Formulation
-from push_planner.collocation.nlp_solver import BufferedFunction
 from push_planner.problem import PushProblem
 from push_planner.push_parameters import PushKind, PushParameters, SupportLayout
 
 # Radau points of a part. Chosen: order 5 at its end.
 POINTS = 3
-# Newton iterations of the first part of a step, where w may jump, and of the others, whose guess
-# is the slope before. Chosen: the residual is at rounding then.
-FIRST_NEWTON_STEPS = 4
-NEWTON_STEPS = 2
+# Newton iterations of a part. Chosen: the residual is at rounding then, also at the begin of a
+# step, where w may jump and the guess is that it stays.
+NEWTON_STEPS = 4
 # Ratio of the lengths of successive parts where w settles. Chosen: fine at first, few in all.
 GROWTH = 1.6
 # First part of a step over the settling distance of w. Chosen: w settles by a quarter in it.
@@ -40,8 +39,6 @@ COARSE_PART = 0.1
 # Difference for derivatives [m, rad, 1/m]. Chosen: about the square root of the rounding of
 # float64 gives the best forward differences, and Newton's method leaves some more noise.
 DIFFERENCE = 1e-6
-# Scalars of a step that the rollout needs: length, V, dV/ds, smoothing.
-STEP_SCALARS = 4
 NODE_SIZE = len(Node._fields)
 
 
@@ -81,39 +78,42 @@ class ReferenceTrack(NamedTuple):
     gains: FloatArray
 
 
-class GroupOutput(NamedTuple):
-    """
-    Samples of a group of steps, a row for each step; flat, to be reshaped.
-
-    :param begins: ``Node`` at the begins, after a jump.
-    :param samples: ``Node`` at the Radau points of all parts.
-    :param forces: (F_n, F_t) there [N].
-    """
-
-    begins: FloatArray
-    samples: FloatArray
-    forces: FloatArray
-
-
 class Run(NamedTuple):
     """
     Result of following a reference.
 
     :param nodes: ``Node`` at the begin of each step, and at the end, shape (n + 1, 6).
     :param changes: of the pushing angle, corrected, shape (n,) [rad].
-    :param outputs: ``GroupOutput`` of each group of steps.
     """
 
     nodes: FloatArray
     changes: FloatArray
-    outputs: list[GroupOutput]
 
 
-class _Group(NamedTuple):
-    """Successive steps of equally many parts: which, and the fractions of their parts."""
+class _Parts(NamedTuple):
+    """
+    Parts of all steps; m parts.
 
-    steps: slice
+    :param step: number of the step that each belongs to, shape (m,).
+    :param fractions: length over that of the step, shape (m,).
+    :param before: fraction of the step that lies before, shape (m,).
+    :param begins: numbers of the parts at the begin of each step, shape (n,).
+    """
+
+    step: IntArray
     fractions: FloatArray
+    before: FloatArray
+    begins: IntArray
+
+    @classmethod
+    def of(cls, fractions: Sequence[FloatArray]) -> '_Parts':
+        """Join the fractions of the parts of each step."""
+        counts = np.array([len(one) for one in fractions])
+        joined = np.concatenate(fractions)
+        ends = np.cumsum(joined)
+        begins = np.cumsum(counts) - counts
+        step = np.repeat(np.arange(len(counts)), counts)
+        return cls(step, joined, ends - joined - (ends - joined)[begins][step], begins)
 
 
 def graded_fractions(length: float, first: float, longest: float) -> FloatArray:
@@ -149,108 +149,90 @@ def settling_distance(problem: PushProblem) -> float:
     return problem.settings.pushing_speed ** 2 * inertia / friction
 
 
-@functools.lru_cache(maxsize=64)
-def chained_steps(kind: PushKind, supports: SupportLayout, jumps: bool, parts: int,
-                  count: int) -> BufferedFunction:
+@functools.lru_cache(maxsize=16)
+def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFunction:
     """
-    Build the rollout over steps of equally many parts, each from the end of the one before.
+    Build one part of a step, which goes on from the one before.
 
-    The function takes the node at the begin and, a row for each step: reference node, reference
-    change, gains, scalars and fractions of the parts; then the ``PushParameters``. It returns, a
-    row for each step: node at the end, change, node after a jump, samples, forces.
+    ``state`` is a node, dw/ds, and the change of the pushing angle over the step. At the begin of
+    a step (``is_begin`` is 1) the change is corrected towards ``reference``, and the pushing angle
+    may jump; where ``restarts`` is 1 the node is the reference itself. ``scalars`` are the length
+    of the part, its fraction of the step, V at its begin, dV/ds and the smoothing. Results are the
+    state after it, the node at its begin, and samples and forces at its points.
 
     :param kind: how the contact moves with the robot.
     :param supports: ``SupportLayout``.
     :param jumps: whether the pushing angle jumps at the begin of a step.
-    :param parts: number of parts of a step.
-    :param count: number of steps.
     """
-    one = one_step(kind, supports, jumps, parts)
-    return BufferedFunction(one.mapaccum('chained', count) if count > 1 else one)
-
-
-@functools.lru_cache(maxsize=64)
-def separate_steps(kind: PushKind, supports: SupportLayout, jumps: bool, parts: int,
-                   count: int) -> BufferedFunction:
-    """Build steps with a begin of their own each; arguments as of ``chained_steps``."""
-    return BufferedFunction(one_step(kind, supports, jumps, parts).map(count))
-
-
-@functools.lru_cache(maxsize=64)
-def one_step(kind: PushKind, supports: SupportLayout, jumps: bool, parts: int) -> Any:
-    """Build one step; arguments as of ``chained_steps``."""
-    node, reference, gains = (ca.MX.sym(name, NODE_SIZE) for name in ('node', 'reference',
-                                                                      'gains'))
-    change, scalars = ca.MX.sym('change'), ca.MX.sym('scalars', STEP_SCALARS)
-    fractions = ca.MX.sym('fractions', parts)
-    column = ca.MX.sym('column', supports.column_size)
-    corrected, begin = _begin_step(kind, supports, jumps)(node, reference, gains, change, column)
-    along = 0.0 if jumps else corrected
+    parameters, column = PushParameters.symbols(supports)
+    state = ca.SX.sym('state', NODE_SIZE + 2)
+    reference, gains = ca.SX.sym('reference', NODE_SIZE), ca.SX.sym('gains', NODE_SIZE)
+    change, scalars = ca.SX.sym('change'), ca.SX.sym('scalars', 5)
+    is_begin, restarts = ca.SX.sym('is_begin'), ca.SX.sym('restarts')
+    length, fraction, v_squared, v_squared_slope, smoothing = ca.vertsplit(scalars)
+    present = ca.if_else(restarts, reference, state[:NODE_SIZE])
     # Within a step w goes on smoothly, and so does the guess.
-    state, *found = _part(kind, supports, FIRST_NEWTON_STEPS)(
-        ca.vertcat(begin, 0.0, 0.0), fractions[0], along, scalars, column)
-    if parts > 1:
-        others = _part(kind, supports, NEWTON_STEPS).mapaccum(parts - 1)
-        states, *more = others(state, fractions[1:].T, along, scalars, column)
-        state = states[:, -1]
-        found = [ca.horzcat(*pair) for pair in zip(found, more)]
-    return ca.Function('step', [node, reference, change, gains, scalars, fractions, column], [
-        state[:NODE_SIZE], corrected, begin, *(ca.vec(values) for values in found)])
-
-
-@functools.lru_cache(maxsize=16)
-def _begin_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Any:
-    """Build the begin of a step: its corrected change, and the node after a jump."""
-    parameters, column = PushParameters.symbols(supports)
-    node, reference, gains = (ca.SX.sym(name, NODE_SIZE) for name in ('node', 'reference',
-                                                                      'gains'))
-    change = ca.SX.sym('change')
-    begin = Node(*ca.vertsplit(node))
-    corrected = change - ca.dot(gains, node - reference)
+    w_slope = (1.0 - is_begin) * state[NODE_SIZE]
+    corrected = ca.if_else(is_begin, change - ca.dot(gains, present - reference),
+                           state[NODE_SIZE + 1])
+    node, along = Node(*ca.vertsplit(present)), corrected * fraction
     if jumps:
-        response = contact_impulse(kind, parameters, begin, corrected)
-        begin = begin._replace(w=begin.w + response.w_jump, rho=begin.rho + corrected)
-    return ca.Function('begin', [node, reference, gains, change, column],
-                       [corrected, ca.vertcat(*begin)])
-
-
-@functools.lru_cache(maxsize=16)
-def _part(kind: PushKind, supports: SupportLayout, newton_steps: int) -> Any:
-    """
-    Build one part of a step, solved by Newton's method.
-
-    A function (state, fraction of the step, change of the pushing angle over the step, scalars of
-    the step, parameters) -> (state after it, samples, forces). A state is a node, dw/ds and the
-    path length since the begin of the step.
-    """
-    parameters, column = PushParameters.symbols(supports)
-    state, rates = ca.SX.sym('state', NODE_SIZE + 2), ca.SX.sym('rates', POINTS)
-    fraction, along = ca.SX.sym('fraction'), ca.SX.sym('along')
-    scalars = ca.SX.sym('scalars', STEP_SCALARS)
-    length, v_squared, v_squared_slope, smoothing = ca.vertsplit(scalars)
-    node = state[:NODE_SIZE]
-    w_slope, s = ca.vertsplit(state[NODE_SIZE:])
-    scheme = radau(POINTS)
-    h = fraction * length
-    step = Step(h, along * fraction, v_squared + v_squared_slope * s, v_squared_slope, False,
-                smoothing)
-    begin = Node(*ca.vertsplit(node))
+        response = contact_impulse(kind, parameters, node, corrected)
+        node = node._replace(w=node.w + is_begin * response.w_jump,
+                             rho=node.rho + is_begin * corrected)
+        along = 0.0
+    begin = ca.vertcat(*node)
     if kind == 'held':
-        begin = begin._replace(phi=begin.theta)
-    result = collocate(kind, parameters, begin, step, ca.vertsplit(rates))
-    residual = ca.vertcat(*result.residuals)
-    given = [state, fraction, along, scalars, column]
-    newton = ca.Function('newton', [rates, *given],
-                         [rates - ca.solve(ca.jacobian(residual, rates), residual)])
-    end_slope = ca.dot(ca.DM(scheme.inverse[-1]), rates - node[0]) / h
-    finish = ca.Function('finish', [rates, *given], [
-        ca.vertcat(*result.end, end_slope, s + h),
-        ca.vertcat(*[ca.vertcat(*sample) for sample in result.samples]),
-        ca.vertcat(*[ca.vertcat(*force) for force in result.forces])])
-    found = node[0] + w_slope * h * ca.DM(scheme.points)
-    for _ in range(newton_steps):
-        found = newton(found, *given)
-    return ca.Function('part', given, ca.cse(list(finish(found, *given))))
+        node = node._replace(phi=node.theta)
+    step = Step(length, along, v_squared, v_squared_slope, False, smoothing)
+    scheme = radau(POINTS)
+    unknowns = ca.SX.sym('rates', POINTS)
+    residual = ca.vertcat(*collocate(kind, parameters, node, step,
+                                     ca.vertsplit(unknowns)).residuals)
+    improved = unknowns - ca.solve(ca.jacobian(residual, unknowns), residual)
+    rates = node.w + w_slope * length * ca.DM(scheme.points)
+    for _ in range(NEWTON_STEPS):
+        rates = ca.substitute(improved, unknowns, rates)
+    result = collocate(kind, parameters, node, step, ca.vertsplit(rates))
+    end_slope = ca.dot(ca.DM(scheme.inverse[-1]), rates - node.w) / length
+    given = {'state': state, 'reference': reference, 'gains': gains, 'change': change,
+             'scalars': scalars, 'is_begin': is_begin, 'restarts': restarts, 'column': column}
+    found: Any = ca.cse([ca.vertcat(*result.end, end_slope, corrected), begin,
+                         ca.vertcat(*[ca.vertcat(*sample) for sample in result.samples]),
+                         ca.vertcat(*[ca.vertcat(*force) for force in result.forces])])
+    return RowFunction(ca.Function('part', list(given.values()), found, list(given),
+                                   ['next_state', 'begin', 'samples', 'forces']))
+
+
+class _PartRows:
+    """
+    Memory of a rollout over parts, and the function bound to it.
+
+    :param function: of ``part_function``.
+    :param parts: ``_Parts``.
+    :param column: ``PushParameters`` as a column.
+    :param times: number of times that the parts are repeated.
+    """
+
+    def __init__(self, function: RowFunction, parts: _Parts, column: FloatArray,
+                 times: int = 1) -> None:
+        count = times * len(parts.step)
+        self.parts = parts
+        self.states = np.zeros((count + 1, NODE_SIZE + 2))
+        self.references, self.gains = np.zeros((count, NODE_SIZE)), np.zeros((count, NODE_SIZE))
+        self.changes, self.scalars = np.zeros((count, 1)), np.zeros((count, 5))
+        self.restarts = np.zeros((count, 1))
+        self.begins = np.zeros((count, NODE_SIZE))
+        self.samples = np.zeros((count, POINTS * NODE_SIZE))
+        self.forces = np.zeros((count, POINTS * 2))
+        is_begin = np.zeros((times, len(parts.step)))
+        is_begin[:, parts.begins] = 1.0
+        self.is_begin = is_begin.reshape(count, 1)
+        self.evaluate = function.bind({
+            'state': self.states[:-1], 'reference': self.references, 'gains': self.gains,
+            'change': self.changes, 'scalars': self.scalars, 'is_begin': self.is_begin,
+            'restarts': self.restarts, 'column': column, 'next_state': self.states[1:],
+            'begin': self.begins, 'samples': self.samples, 'forces': self.forces})
 
 
 class ClosedLoopRollout:
@@ -266,22 +248,26 @@ class ClosedLoopRollout:
                  free_length: float) -> None:
         """Divide the steps into parts."""
         self._mesh = formulation.mesh
-        self._dimensions = formulation.dimensions
+        dimensions = formulation.dimensions
+        self._function = part_function(dimensions.kind, dimensions.supports, dimensions.jumps)
         # V and dV/ds as the program has them: 0 without inertia.
         self._inertia = formulation.steps[:, 2:4]
         self._column = problem.push_parameters.column()
+        # The friction of the model becomes viscous below a speed in m/s, here it is per speed.
+        speed = np.sqrt(np.maximum(self._mesh.v_squared, self._mesh.end_v_squared))
+        self._smoothing = SMOOTHING / speed
         # At most half a part lies between two samples.
         longest = 2.0 * problem.settings.sample_spacing
         first = FIRST_PART_RATIO * settling_distance(problem)
         lengths = self._mesh.step_lengths(free_length)
-        self._groups = self._graded_groups(lengths, first, longest)
-        self._coarse_groups = self._groups
-        if not self._dimensions.jumps:
-            count = len(lengths)
-            parts = math.ceil(max(lengths) / COARSE_PART)
-            # Coarse, except where w settles.
-            self._coarse_groups = [self._groups[0], _Group(
-                slice(1, count), np.full((count - 1, parts), 1.0 / parts))]
+        # The steps after whose begin w settles are fine: the first, or after all jumps.
+        graded = lengths if dimensions.jumps else lengths[:1]
+        begins = [graded_fractions(length, first, longest) for length in graded.tolist()]
+        rest = lengths[len(graded):]
+        self._fine = _PartRows(self._function, _Parts.of(begins + _equal_fractions(
+            rest, longest)), self._column)
+        self._coarse = _PartRows(self._function, _Parts.of(begins + _equal_fractions(
+            rest, COARSE_PART)), self._column)
 
     def run(self, track: ReferenceTrack, free_length: float, coarse: bool = False) -> Run:
         """
@@ -291,21 +277,16 @@ class ClosedLoopRollout:
         :param free_length: S [m].
         :param coarse: whether in fewer parts, with too few samples for a ``Rollout``.
         """
-        node = track.nodes[0]
-        nodes: list[FloatArray] = []
-        changes: list[FloatArray] = []
-        outputs: list[GroupOutput] = []
-        scalars = self._step_scalars(free_length)
-        for group in self._coarse_groups if coarse else self._groups:
-            steps = group.steps
-            ends, corrected, begins, samples, forces = self._function(chained_steps, group)(
-                node, track.nodes[steps], track.changes[steps, None], track.gains[steps],
-                scalars[steps], group.fractions, self._column)
-            nodes += [node[None, :], ends[:-1]]
-            changes.append(corrected.ravel())
-            outputs.append(GroupOutput(begins, samples, forces))
-            node = ends[-1]
-        return Run(np.vstack([*nodes, node]), np.concatenate(changes), outputs)
+        rows = self._coarse if coarse else self._fine
+        begins = rows.parts.begins
+        rows.states[0, :NODE_SIZE] = track.nodes[0]
+        rows.references[begins] = track.nodes
+        rows.gains[begins] = track.gains
+        rows.changes[begins, 0] = track.changes
+        rows.scalars[:] = self._part_scalars(rows.parts, free_length)
+        rows.evaluate()
+        nodes = rows.states[np.append(begins, len(rows.states) - 1), :NODE_SIZE]
+        return Run(nodes, rows.states[begins + 1, NODE_SIZE + 1])
 
     def linearize(self, nodes: FloatArray, changes: FloatArray, free_length: float,
                   may_steer: FloatArray) -> FloatArray:
@@ -319,92 +300,64 @@ class ClosedLoopRollout:
         :return: derivatives of the end of each step and S by its begin, S and change, shape
             (n, 7, 8).
         """
+        # All steps as they are, and then with a difference in each of the 8 arguments.
+        variants = NODE_SIZE + 3
+        parts = self._coarse.parts
+        size, begins = len(parts.step), parts.begins
+        rows = _PartRows(self._function, parts, self._column, variants)
+        rows.restarts[:] = rows.is_begin
+        for i in range(variants):
+            shift = DIFFERENCE * np.eye(1, variants - 1, i - 1)[0]
+            at = i * size + begins
+            rows.references[at] = nodes + shift[:NODE_SIZE]
+            rows.changes[at, 0] = changes + shift[NODE_SIZE + 1] * may_steer
+            rows.scalars[i * size:(i + 1) * size] = self._part_scalars(
+                parts, free_length + shift[NODE_SIZE])
+        rows.evaluate()
+        ends = np.append(begins[1:], size)
+        found = rows.states[1:].reshape(variants, size, -1)[:, ends - 1, :NODE_SIZE]
         maps = np.zeros((len(nodes), NODE_SIZE + 1, NODE_SIZE + 2))
-        maps[:, 6, 6] = 1.0
-        for group in self._coarse_groups:
-            steps = group.steps
-            count = len(group.fractions)
-            # All steps as they are, and then with a difference in each of the 8 arguments.
-            shift = np.repeat(np.eye(9, 8, -1), count, axis=0) * DIFFERENCE
-            scalars = np.tile(self._step_scalars(free_length)[steps], (9, 1))
-            scalars[:, 0] += shift[:, 6] * np.tile(self._mesh.free_fractions[steps], 9)
-            shifted = np.tile(changes[steps], 9) + shift[:, 7] * np.tile(may_steer[steps], 9)
-            ends = self._function(separate_steps, group, 9)(
-                np.tile(nodes[steps], (9, 1)) + shift[:, :NODE_SIZE], 0.0, shifted[:, None], 0.0,
-                scalars, np.tile(group.fractions, (9, 1)),
-                self._column)[0].reshape(9, count, NODE_SIZE)
-            maps[steps, :NODE_SIZE] = ((ends[1:] - ends[0]) / DIFFERENCE).transpose(1, 2, 0)
+        maps[:, NODE_SIZE, NODE_SIZE] = 1.0
+        maps[:, :NODE_SIZE] = ((found[1:] - found[0]) / DIFFERENCE).transpose(1, 2, 0)
         return maps
 
     def collect(self, run: Run, free_length: float) -> Rollout:
         """
-        Put the samples of a fine run together.
+        Put the samples of the last run together, which was a fine one.
 
         :param run: ``Run``.
         :param free_length: S of the run [m].
         """
-        mesh = self._mesh
+        rows, mesh = self._fine, self._mesh
+        parts = rows.parts
         lengths = mesh.step_lengths(free_length)
-        points = radau(POINTS).points
-        begins = np.cumsum(lengths) - lengths
-        columns: list[tuple[Any, ...]] = []
-        for group, output in zip(self._groups, run.outputs):
-            steps = group.steps
-            count = group.fractions.shape[1] * POINTS
-            h = group.fractions * lengths[steps, None]
-            # Path lengths since the begin of the step: of the begin, and of all points.
-            s = (np.cumsum(h, axis=1) - h)[:, :, None] + h[:, :, None] * points
-            s = np.hstack([np.zeros((len(h), 1)), s.reshape(len(h), count)])
-            v_squared = (mesh.v_squared[steps, None]
-                         + mesh.v_squared_slopes[steps, None] * s)
-            samples = np.concatenate([output.begins[:, None, :],
-                                      output.samples.reshape(-1, count, NODE_SIZE)], axis=1)
-            forces = np.concatenate([np.full((len(h), 1, 2), np.nan),
-                                     output.forces.reshape(-1, count, 2)], axis=1)
-            columns.append(((begins[steps, None] + s).ravel(), v_squared.ravel(),
-                            samples.reshape(-1, NODE_SIZE), forces.reshape(-1, 2),
-                            (s == 0.0).ravel()))
-        return Rollout(run.nodes, run.changes,
-                       *(np.concatenate(column) for column in zip(*columns)))
+        of_step = lengths[parts.step]
+        # Path lengths since the begin of the step: of the begin, and of all points.
+        points = np.append(0.0, radau(POINTS).points)
+        s = of_step[:, None] * (parts.before[:, None] + parts.fractions[:, None] * points)
+        v_squared = mesh.v_squared[parts.step, None] + mesh.v_squared_slopes[parts.step, None] * s
+        s += (np.cumsum(lengths) - lengths)[parts.step, None]
+        samples = np.concatenate([rows.begins, rows.samples], axis=1).reshape(
+            len(s), POINTS + 1, NODE_SIZE)
+        forces = np.full((len(s), POINTS + 1, 2), np.nan)
+        forces[:, 1:] = rows.forces.reshape(len(s), POINTS, 2)
+        # Only steps have a sample at their begin.
+        is_begin = np.zeros(s.shape, bool)
+        is_begin[parts.begins, 0] = True
+        kept = is_begin.copy()
+        kept[:, 1:] = True
+        return Rollout(run.nodes, run.changes, s[kept], v_squared[kept], samples[kept],
+                       forces[kept], is_begin[kept])
 
-    def _graded_groups(self, lengths: FloatArray, first: float, longest: float) -> list[_Group]:
-        """Divide the steps after whose begin w settles finely: the first, or after all jumps."""
-        count = len(lengths)
-        if self._dimensions.jumps:
-            graded = [graded_fractions(length, first, longest) for length in lengths]
-            return [_Group(slice(0, count), _equal_counts(graded, lengths, longest))]
-        graded = [graded_fractions(lengths[0], first, longest)]
-        parts = math.ceil(max(lengths[1:]) / longest)
-        return [_Group(slice(0, 1), _equal_counts(graded, lengths, longest)),
-                _Group(slice(1, count), np.full((count - 1, parts), 1.0 / parts))]
-
-    def _step_scalars(self, free_length: float) -> FloatArray:
-        """Columns (length, V, dV/ds, smoothing) of the steps, shape (n, 4)."""
-        # The friction of the model becomes viscous below a speed in m/s, here it is per speed.
-        speed = np.sqrt(np.maximum(self._mesh.v_squared, self._mesh.end_v_squared))
-        return np.column_stack([self._mesh.step_lengths(free_length), self._inertia,
-                                SMOOTHING / speed])
-
-    def _function(self, build: Callable[..., BufferedFunction], group: _Group,
-                  times: int = 1) -> BufferedFunction:
-        dimensions = self._dimensions
-        count, parts = group.fractions.shape
-        return build(dimensions.kind, dimensions.supports, dimensions.jumps, parts,
-                     times * count)
+    def _part_scalars(self, parts: _Parts, free_length: float) -> FloatArray:
+        lengths = self._mesh.step_lengths(free_length)[parts.step]
+        v_squared, slope = self._inertia[parts.step].T
+        return np.stack([parts.fractions * lengths, parts.fractions,
+                         v_squared + slope * parts.before * lengths, slope,
+                         self._smoothing[parts.step]], axis=1)
 
 
-def _equal_counts(graded: Sequence[FloatArray], lengths: FloatArray,
-                  longest: float) -> FloatArray:
-    """Split parts until all steps have as many, enough for the longest of all lengths."""
-    parts = max([math.ceil(max(lengths) / longest), *(len(fractions) for fractions in graded)])
-    return np.array([_split_largest(fractions, parts) for fractions in graded])
-
-
-def _split_largest(fractions: FloatArray, parts: int) -> list[float]:
-    """Halve the largest fractions until there are as many parts as asked for."""
-    found = list(fractions)
-    while len(found) < parts:
-        largest = int(np.argmax(found))
-        half = 0.5 * found[largest]
-        found[largest:largest + 1] = [half, half]
-    return found
+def _equal_fractions(lengths: FloatArray, longest: float) -> list[FloatArray]:
+    """Divide each step into equal parts."""
+    counts = np.ceil(lengths / longest).astype(int).tolist()
+    return [np.full(count, 1.0 / count) for count in counts]

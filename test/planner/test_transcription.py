@@ -13,7 +13,7 @@ from push_planner.collocation.formulation import formulate
 from push_planner.collocation.nlp_solver import nlp_solver
 from push_planner.collocation.transcription import Transcription
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
-from push_planner.integration.rollout import graded_fractions, one_step, settling_distance
+from push_planner.integration.rollout import graded_fractions, part_function, settling_distance
 from push_planner.push_parameters import PUSH_KINDS
 import pytest
 
@@ -27,12 +27,18 @@ def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.1
     x, y = problem.contact_point
     rest = Node(0.0, angle, 0.0, x, y)
     begin = rest._replace(w=float(contact_impulse(problem.kind, parameters, rest).w_jump))
-    step = one_step(problem.kind, parameters.supports, jumps, count)
+    states = np.zeros((count + 1, 8))
+    states[0, :6] = begin
     v_squared = problem.settings.pushing_speed ** 2
-    end, _, _, samples, _ = step(list(begin), list(begin), change, np.zeros(6),
-                                 [length, v_squared, 0.0, smoothing], np.full(count, 1.0 / count),
-                                 parameters.column())
-    return np.array(end).ravel(), np.array(samples).reshape(-1, 6)
+    scalars = np.tile([length / count, 1.0 / count, v_squared, 0.0, smoothing], (count, 1))
+    is_begin = np.eye(count, 1)
+    samples, unused = np.zeros((count, 18)), np.zeros((count, 6))
+    part_function(problem.kind, parameters.supports, jumps).bind({
+        'state': states[:-1], 'reference': states[0, :6].copy(), 'gains': np.zeros(6),
+        'change': np.array([float(change)]), 'scalars': scalars, 'is_begin': is_begin,
+        'restarts': np.zeros(1), 'column': parameters.column(), 'next_state': states[1:],
+        'begin': unused, 'samples': samples, 'forces': unused})()
+    return states[-1, :6], samples.reshape(-1, 6)
 
 
 @pytest.mark.parametrize('points', [2, 3])
