@@ -119,6 +119,7 @@ class Simulation:
     :param settings: ``SimulationSettings``.
     :param sensors: ``SensorSettings``.
     :param interpret: whether the plant runs as plain Python, see ``Plant``.
+    :param plant_type: ``Plant``, or a class derived from it that moves the bodies otherwise.
     :raises ValueError: where robot and object overlap, or friction changes under a support that
         does not exist.
     """
@@ -126,13 +127,14 @@ class Simulation:
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  settings: SimulationSettings = SimulationSettings(),
                  sensors: SensorSettings = SensorSettings(), *,
-                 interpret: bool = False) -> None:
+                 interpret: bool = False, plant_type: type[Plant] = Plant) -> None:
         self.obj = obj
         self.robot = robot
         self.settings = settings
         self.sensors = sensors
         self._start = (Pose(*object_pose), Pose(*robot_pose))
         self._interpret = interpret
+        self._plant_type = plant_type
         self.reset()
 
     def reset(self, object_pose: Pose | None = None) -> None:
@@ -146,9 +148,10 @@ class Simulation:
         object_start, robot_start = self._start
         if object_pose is not None:
             object_start = Pose(*object_pose)
-        self.plant = Plant(self.obj, self.robot, object_start, robot_start, settings.step,
-                           settings.friction_smoothing, floor=settings.floor_patches,
-                           creep=settings.contact_creep, interpret=self._interpret)
+        self.plant = self._plant_type(
+            self.obj, self.robot, object_start, robot_start, settings.step,
+            settings.friction_smoothing, floor=settings.floor_patches,
+            creep=settings.contact_creep, interpret=self._interpret)
         # A stream for each error, so that none depends on how often another is drawn.
         pose_noise, losses, biases, twist_noise, odometry_noise, outliers = (
             np.random.default_rng(seed)

@@ -23,11 +23,9 @@ _mujoco: Any = mujoco
 FOOT_RADIUS = 0.005
 HALF_HEIGHT = 0.002
 ROBOT_HALF_HEIGHT = 0.4
-# Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down, and mass,
-# inertia and damping of its bumper, which may follow the object's height; chosen: far above and
-# far below those of any object.
+# Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down; chosen: far above
+# those of any object.
 BASE_MASS = 1e6
-BUMPER_MASS = 1e-3
 # Time that the object gets to sink to its rest on the soft floor [s]; chosen: many time constants.
 SETTLING_TIME = 0.5
 SolverParameters = tuple[float, float]
@@ -48,6 +46,8 @@ class Engine:
     :param floor_impedance: of the feet, (at first touch, 1 mm deep).
     :param bumper_impedance: of the contact of robot and object.
     :param cone: 'elliptic' or 'pyramidal'.
+    :param bumper_mass: mass, inertia and damping of the robot's bumper [kg]: one far below that of
+        the object follows its height, one far above keeps its own, and rubs upwards too.
     :param tolerance: of the solver.
     :param iterations: limit on the iterations of the solver.
     """
@@ -61,6 +61,7 @@ class Engine:
     floor_impedance: SolverParameters = (0.9, 0.95)
     bumper_impedance: SolverParameters = (0.9, 0.95)
     cone: str = 'pyramidal'
+    bumper_mass: float = 1e-3
     tolerance: float = 1e-8
     iterations: int = 100
 
@@ -134,8 +135,8 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
       <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
       <joint type="hinge" axis="0 0 1"/>
       <body gravcomp="1">
-        <inertial pos="0 0 0" mass="{BUMPER_MASS}" diaginertia="{xml(*3 * [BUMPER_MASS])}"/>
-        <joint type="slide" axis="0 0 1" damping="{BUMPER_MASS}"/>
+        <inertial pos="0 0 0" mass="{engine.bumper_mass}" diaginertia="{xml(*3 * [engine.bumper_mass])}"/>
+        <joint type="slide" axis="0 0 1" damping="{engine.bumper_mass}"/>
         <geom name="robot" type="cylinder" size="{cylinder}"/>
       </body>
     </body>
@@ -166,10 +167,8 @@ class MujocoPlant:
         self.data = _mujoco.MjData(self.model)
         self.drive = (robot.time_constant, robot.max_acceleration, robot.max_yaw_acceleration)
         self._settle()
-        q = self.data.qpos
-        q[0:2] = object_pose[:2]
-        q[3:7] = math.cos(object_pose[2] / 2), 0.0, 0.0, math.sin(object_pose[2] / 2)
-        q[7:10] = robot_pose
+        self.set_object_pose(object_pose)
+        self.data.qpos[7:10] = robot_pose
         self.twist = Twist()
 
     def _settle(self) -> None:
@@ -178,6 +177,16 @@ class MujocoPlant:
         _mujoco.mj_step(self.model, self.data, int(round(SETTLING_TIME / self.engine.step)))
         self.data.qvel[:] = 0.0
         self.data.qpos[:2] = 0.0
+
+    def set_object_pose(self, pose: Pose) -> None:
+        """
+        Put the object elsewhere, at rest.
+
+        :param pose: ``Pose`` of the object frame in the world.
+        """
+        self.data.qpos[0:2] = pose[:2]
+        self.data.qpos[3:7] = math.cos(pose[2] / 2), 0.0, 0.0, math.sin(pose[2] / 2)
+        self.data.qvel[0:6] = 0.0
 
     def advance(self, duration: float, command: Twist) -> None:
         """
@@ -204,6 +213,12 @@ class MujocoPlant:
         """Pose of the object frame in the world; the angle within +-pi."""
         x, y, _, w, _, _, z = self.data.qpos[:7].tolist()
         return Pose(x, y, 2.0 * math.atan2(z, w))
+
+    @property
+    def object_twist(self) -> Twist:
+        """Velocity of the object frame's origin, world axes, and yaw rate."""
+        v_x, v_y, _, _, _, omega = self.data.qvel[:6].tolist()
+        return Twist(v_x, v_y, omega)
 
     @property
     def robot_pose(self) -> Pose:

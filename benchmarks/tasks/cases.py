@@ -40,14 +40,15 @@ TAG = 'tag'
 STRICT = 'strict'
 INFORMED = 'informed'
 FLATS = 'flats'
+SPATIAL = 'spatial'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
-         INFORMED, FLATS)
+         INFORMED, FLATS, SPATIAL)
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
-# A table that is 0.9 m long cannot be rotated between the walls; a differential drive cannot hold
-# its contact on a round side.
-FITTING = {part: ('box_04', 'carton', 'bin') for part in (IN_MAPS, FLATS)}
+# A table that is 0.9 m long cannot be rotated between the walls, and the other engine has only
+# boxes and cylinders; a differential drive cannot hold its contact on a round side.
+FITTING = {part: ('box_04', 'carton', 'bin') for part in (IN_MAPS, FLATS, SPATIAL)}
 KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part in PARTS}
@@ -84,6 +85,9 @@ TAG_SENSORS = {'pose_rate': 10.0, 'pose_latency': 0.15, 'pose_bias': 0.03,
 # by no more than the bias has not been moved.
 TAG_CONTROL = {'pose_bias': 0.011, 'heading_bias': math.radians(0.5), 'pose_timeout': 0.45}
 TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
+# True heights of contact and mass centre where 0 is believed [m]; chosen: a bumper, and half the
+# height of a box.
+HEIGHTS = {'contact_height': 0.1, 'center_of_mass_height': 0.15}
 # Noise of the place of a robot that knows where it is [m, rad]: as good as none, but above 0.
 INFORMED_NOISE = 1e-4
 SEQUENCES: TaskMethod = 'sequences'
@@ -124,6 +128,7 @@ class Case(NamedTuple):
     :param floor: the ``Floor``, or None for open floor.
     :param intervention: ``Intervention`` that disturbs it, or None.
     :param tolerance: ``Tolerance`` by which it is judged.
+    :param is_spatial: whether MuJoCo moves object and robot, and not the plant.
     """
 
     scenario: Scenario
@@ -131,6 +136,7 @@ class Case(NamedTuple):
     floor: Optional[Floor] = None
     intervention: Optional[Intervention] = None
     tolerance: Tolerance = Tolerance()
+    is_spatial: bool = False
 
 
 def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
@@ -195,7 +201,7 @@ def _draw(part: str, kind: str, seed: int) -> Case:
     speed = rng.uniform(0.1, 0.25)
     dropouts: tuple[tuple[float, float], ...] = ()
     floor, variety, intervention = None, '', None
-    if part in FITTING:
+    if part in (IN_MAPS, FLATS):
         variety = MAPS[seed % len(MAPS)] if part == IN_MAPS else FLAT
         floor, start, goal = _in_map(variety, true, robot, rng)
     else:
@@ -316,6 +322,13 @@ def _tag(case: Case, _: np.random.Generator) -> Case:
         seen.scenario, control=dataclasses.replace(seen.scenario.control, **TAG_CONTROL)))
 
 
+def _spatial(case: Case, _: np.random.Generator) -> Case:
+    """Let MuJoCo move object and robot, with the heights that they have in space."""
+    scenario = case.scenario
+    return case._replace(is_spatial=True, scenario=dataclasses.replace(
+        scenario, true_object=dataclasses.replace(scenario.true_object, **HEIGHTS)))
+
+
 def _informed(case: Case, _: np.random.Generator) -> Case:
     """Let the robot know the true object and where it is; poses come as late as before."""
     sensors = SensorSettings(
@@ -333,4 +346,4 @@ def _strict(case: Case, tolerance: Tolerance) -> Case:
 
 VARIATIONS: dict[str, Callable[[Case, np.random.Generator], Case]] = {
     SLIPPERY: _slippery, CREEPING: _creeping, FRICTIONLESS: _frictionless, WHEELS: _wheels,
-    TAG: _tag, INFORMED: _informed}
+    TAG: _tag, INFORMED: _informed, SPATIAL: _spatial}

@@ -18,6 +18,7 @@ from push_scenario.evaluation.corrections import correcting_pushes
 from push_scenario.evaluation.metrics import distance_travelled
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, simulate
 from push_scenario.simulation.result import Outcome, RunResult
+from push_sim_node.plant import Plant
 from push_sim_node.simulation import Simulation
 from push_sim_node.tape import Tape
 
@@ -110,7 +111,16 @@ def run_case(case: Case) -> tuple[RunResult, PlanningClock]:
     :return: (``RunResult``, ``PlanningClock``).
     """
     clock = PlanningClock(case.intervention)
-    return simulate(case.scenario, intervene=clock), clock
+    plant_type = _plant_type(case)
+    return simulate(case.scenario, intervene=clock, plant_type=plant_type), clock
+
+
+def _plant_type(case: Case) -> type[Plant]:
+    if not case.is_spatial:
+        return Plant
+    # Imported here, as it comes with an extra.
+    from benchmarks.tasks.spatial_plant import SpatialPlant
+    return SpatialPlant
 
 
 def disturbed(case: Case) -> Scenario:

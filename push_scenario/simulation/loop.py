@@ -24,6 +24,7 @@ from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
 from push_scenario.simulation.start import place_robot
+from push_sim_node.plant import Plant
 from push_sim_node.simulation import Simulation
 from push_sim_node.truth import Truth
 
@@ -58,7 +59,8 @@ Intervention = Callable[[Simulation, Controller | Supervisor], None]
 
 def simulate(scenario: Scenario, control_law: str | None = None, *,
              progress: ProgressCallback | None = None, intervene: Intervention | None = None,
-             planning_time: float | None = None) -> RunResult:
+             planning_time: float | None = None,
+             plant_type: type[Plant] = Plant) -> RunResult:
     """
     Simulate a scenario: one push, or as many as its task takes.
 
@@ -71,13 +73,14 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     :param planning_time: in a task, simulated time from a plan request to its answer [s]; None for
         what the method of the task usually takes. A single push is planned before time starts
         to run.
+    :param plant_type: as of ``Simulation``.
     :return: the ``RunResult``.
     :raises ValueError: where there is no such law, or no site for the robot to start from.
     """
     scenario = place_robot(dataclasses.replace(
         scenario, control=control_settings(scenario, control_law)))
     report = progress or _ignore
-    simulation = make_simulation(scenario)
+    simulation = make_simulation(scenario, plant_type)
     report(Progress('planning', 0.0, distance(scenario.start.object.pose, scenario.goal.pose)))
     observation = first_observation(simulation)
     try:
@@ -126,15 +129,17 @@ def control_settings(scenario: Scenario, control_law: str | None = None) -> Cont
     return dataclasses.replace(scenario.control, control_law=control_law)
 
 
-def make_simulation(scenario: Scenario) -> Simulation:
+def make_simulation(scenario: Scenario, plant_type: type[Plant] = Plant) -> Simulation:
     """
     Make the plant of a scenario, at time 0.
 
     :param scenario: the ``Scenario``.
+    :param plant_type: as of ``Simulation``.
     :return: the ``Simulation``.
     """
     return Simulation(scenario.true_object, scenario.true_robot, scenario.start.object.pose,
-                      scenario.robot_start, scenario.simulation, scenario.sensors)
+                      scenario.robot_start, scenario.simulation, scenario.sensors,
+                      plant_type=plant_type)
 
 
 def is_at_rest(truth: Truth) -> bool:

@@ -9,7 +9,7 @@ from benchmarks.tasks.aims import aim_table, aims
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import (
     CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS, METHODS, OPEN, PARTS,
-    SEQUENCES, SLIPPERY, STRICT, TAG, Tolerance, WHEELS, with_method,
+    SEQUENCES, SLIPPERY, SPATIAL, STRICT, TAG, Tolerance, WHEELS, with_method,
 )
 from benchmarks.tasks.groups import (
     faults_of, grouped, kind, side_by_side, with_informed_times, without_numbers,
@@ -135,10 +135,10 @@ def test_a_variation_changes_one_thing_of_the_task_on_open_floor():
     """Goal, start, object and noise stay, so that both can be compared one by one."""
     changed = {SLIPPERY: {'true_object'}, FRICTIONLESS: {'true_object'}, CREEPING: {'simulation'},
                WHEELS: {'sensors'}, TAG: {'sensors', 'control', 'task'},
-               INFORMED: {'object', 'sensors', 'task'}}
+               INFORMED: {'object', 'sensors', 'task'}, SPATIAL: {'true_object'}}
     for part, fields in changed.items():
-        for job in jobs(OPEN, 2 * len(KINDS[OPEN])):
-            plain, varied = draw(**job).scenario, draw(**{**job, 'part': part}).scenario
+        for job in jobs(part, 2 * len(KINDS[part])):
+            plain, varied = draw(**{**job, 'part': OPEN}).scenario, draw(**job).scenario
             different = {field.name for field in dataclasses.fields(plain)
                          if getattr(plain, field.name) != getattr(varied, field.name)}
             assert different - {'description'} == fields

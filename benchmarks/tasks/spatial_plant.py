@@ -1,0 +1,54 @@
+"""The plant of a task in MuJoCo: bodies in space, soft contacts, loads that shift with heights."""
+
+import dataclasses
+from typing import Any
+
+from benchmarks.plant.mujoco_scene import BASE_MASS, DEFAULT, MujocoPlant
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import STOP, Twist
+from push_sim_node.plant import Plant
+
+# MuJoCo as it is, with soft contacts, which slip under any tangential force; but for the cone, which
+# is round here: on the default pyramid friction depends on the direction in the world. The bumper
+# keeps its height.
+ENGINE = dataclasses.replace(DEFAULT, cone='elliptic', bumper_mass=BASE_MASS)
+
+
+class SpatialPlant(Plant):
+    """
+    A ``Plant`` that MuJoCo moves; forces, contact mode and energy are not given.
+
+    :param obj: the true ``PushedObject``; its outline a disc or a rectangle along the axes.
+    :param robot: the true ``RoundRobot``.
+    :param object_pose: ``Pose`` of the object frame in the world.
+    :param robot_pose: ``Pose`` of the robot in the world.
+    :param options: of ``Plant``, without meaning here.
+    """
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
+                 *options: Any, **more_options: Any) -> None:
+        super().__init__(obj, robot, object_pose, robot_pose, *options, **more_options)
+        self._engine = MujocoPlant(obj, robot, object_pose, self.robot_pose, ENGINE)
+
+    def set_object_pose(self, pose: Pose) -> None:
+        """
+        Put the object elsewhere, at rest, as a person would.
+
+        :param pose: ``Pose`` of the object frame in the world.
+        :raises ValueError: where it is not finite or the robot is in the way.
+        """
+        super().set_object_pose(pose)
+        self._engine.set_object_pose(pose)
+
+    def advance(self, duration: float, command: Twist = STOP) -> None:
+        """
+        Let time pass while one command stands.
+
+        :param duration: how long [s], above 0.
+        :param command: ``Twist`` for the robot, its own axes; limits of the drive apply.
+        """
+        engine = self._engine
+        engine.advance(duration, command)
+        self.stand_at(engine.object_pose, engine.robot_pose)
+        self.set_velocities(engine.object_twist, engine.twist)
