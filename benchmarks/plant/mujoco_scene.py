@@ -23,8 +23,8 @@ _mujoco: Any = mujoco
 FOOT_RADIUS = 0.005
 HALF_HEIGHT = 0.002
 ROBOT_HALF_HEIGHT = 0.4
-# Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down; chosen: far above
-# those of any object.
+# Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down; chosen: far
+# above those of any object.
 BASE_MASS = 1e6
 # Time that the object gets to sink to its rest on the soft floor [s]; chosen: many time constants.
 SETTLING_TIME = 0.5
@@ -118,6 +118,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
     cylinder = xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)
     inertia = xml(obj.inertia, obj.inertia, obj.inertia)
     center = xml(*obj.center_of_mass, obj.center_of_mass_height)
+    bumper_inertia = xml(*3 * [engine.bumper_mass])
     return f"""
 <mujoco>
   <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
@@ -135,7 +136,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
       <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
       <joint type="hinge" axis="0 0 1"/>
       <body gravcomp="1">
-        <inertial pos="0 0 0" mass="{engine.bumper_mass}" diaginertia="{xml(*3 * [engine.bumper_mass])}"/>
+        <inertial pos="0 0 0" mass="{engine.bumper_mass}" diaginertia="{bumper_inertia}"/>
         <joint type="slide" axis="0 0 1" damping="{engine.bumper_mass}"/>
         <geom name="robot" type="cylinder" size="{cylinder}"/>
       </body>

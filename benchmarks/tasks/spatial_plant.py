@@ -9,9 +9,9 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
 from push_sim_node.plant import Plant
 
-# MuJoCo as it is, with soft contacts, which slip under any tangential force; but for the cone, which
-# is round here: on the default pyramid friction depends on the direction in the world. The bumper
-# keeps its height.
+# MuJoCo as it is, with soft contacts, which slip under any tangential force; but for the cone,
+# which is round here: on the default pyramid friction depends on the direction in the world. The
+# bumper keeps its height.
 ENGINE = dataclasses.replace(DEFAULT, cone='elliptic', bumper_mass=BASE_MASS)
 
 
