@@ -68,7 +68,8 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
 
     A job whose function raises an exception is kept with its error, and the others continue.
 
-    Processes are spawned: a script that calls this needs ``if __name__ == '__main__':``.
+    Processes start as copies of this one where it has no other threads and no ROS; else they are
+    spawned, so that a script that calls this needs ``if __name__ == '__main__':``.
 
     :param function: of one job, giving a dict of numbers and text; defined in a module, or a
         partial of such a function, or an instance of a frozen dataclass that can be called.

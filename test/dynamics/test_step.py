@@ -174,6 +174,24 @@ def test_a_duration_is_divided_into_equal_steps():
     assert np.array(many.state) == pytest.approx(np.array(one.state), abs=1e-12)
 
 
+@pytest.mark.parametrize('obj', OBJECTS, ids=IDS)
+def test_out_of_reach_the_robot_moves_alone(obj):
+    """What is left out where the robot is far off changes nothing, and the touch comes in time."""
+    far_patch = floor_rows([FloorPatch(50.0, 50.0, 51.0, 51.0, 0.5)])
+    ends = []
+    # With a patch of floor anywhere nothing is left out.
+    for floor in (NO_FLOOR, far_patch):
+        kernel = Kernel(obj, Pose(0.0, 0.0, 0.3), Pose(-1.2, 0.05, 0.2),
+                        command=Twist(1.5, -0.3, 0.05))
+        advance(*kernel.arguments(floor), 0.7, 10 * STEP)
+        ends.append(kernel)
+    counts = [layout.ITERATIONS]
+    alone, whole = (np.delete(np.array(kernel.state), counts) for kernel in ends)
+    assert np.array_equal(alone, whole)
+    assert np.array_equal(np.array(ends[0].forces), np.array(ends[1].forces))
+    assert np.hypot(*ends[0].numbers(layout.X, layout.Y)) > 0.02
+
+
 def test_local_capacities_are_those_of_the_floor_under_each_support():
     obj = box()
     supports = kernel_array(support_rows(obj, obj.capacities, [1.0] * 4))

@@ -35,7 +35,23 @@ def test_an_unknown_name_is_refused():
 @pytest.mark.slow
 def test_nothing_heavy_is_imported_before_it_is_used():
     """Neither by the package nor by its files of scenarios."""
-    code = ('import sys, push_scenario, push_model.files.data\n'
-            f'print([name for name in {LAZY} if name in sys.modules])')
+    assert loaded('push_scenario, push_model.files.data') == []
+    # Not even numpy.
+    assert loaded('push_model, push_planner, push_control', ('numpy', *LAZY)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('module, heavy', [
+    ('push_scenario.cli', LAZY),
+    ('push_control.controller_node', ('matplotlib', 'numba', 'scipy')),
+    ('push_sim_node.sim_node', ('casadi', 'matplotlib', 'numba', 'scipy'))])
+def test_commands_and_nodes_import_what_they_need_to_begin(module, heavy):
+    """Machine code comes with the first call."""
+    assert loaded(module, heavy) == []
+
+
+def loaded(modules, names=LAZY):
+    """Import modules in another process; list which of some packages came with them."""
+    code = f'import sys, {modules}\nprint(*[name for name in {names} if name in sys.modules])'
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == '[]'
+    return done.stdout.split()

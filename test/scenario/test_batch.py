@@ -123,6 +123,24 @@ def test_two_processes_give_the_result_of_one(tmp_path, alone):
     assert len(set(alone[0].column('object_y'))) == len(PUSH_JOBS)
 
 
+def test_processes_are_copies_only_where_no_lock_may_be_held():
+    """Another thread, or ROS with threads of its own, may hold one at that instant."""
+    # Other tests of this process may have loaded ROS, or left threads.
+    code = ('import sys, threading, types\n'
+            'from push_scenario.batch.workers import start_method\n'
+            'methods = [start_method()]\n'
+            'wait = threading.Event()\n'
+            'thread = threading.Thread(target=wait.wait)\n'
+            'thread.start()\n'
+            'methods.append(start_method())\n'
+            'wait.set()\n'
+            'thread.join()\n'
+            "sys.modules['rclpy'] = types.ModuleType('rclpy')\n"
+            'print(*methods, start_method())')
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ['fork', 'spawn', 'spawn']
+
+
 def test_a_cluster_gives_the_result_of_one_process(tmp_path, alone, cluster):
     out = tmp_path / 'out.jsonl'
     assert run_batch(PUSH, PUSH_JOBS, out, executor=cluster, workers=2, chunk=7) == alone[0]

@@ -9,7 +9,9 @@ from push_model.files.parameter_files import read_object
 from push_model.files.strict_yaml import ParameterFileError
 from push_model.friction import friction_center
 from push_model.geometry import Pose
-from push_scenario.definition.catalogue import find_scenario, scenario_directory, scenario_names
+from push_scenario.definition.catalogue import (
+    find_scenario, scenario_description, scenario_directory, scenario_names,
+)
 from push_scenario.definition.loader import read_scenario, scenario_from_text, scenario_text
 import pytest
 
@@ -40,6 +42,7 @@ def write(tmp_path, text):
 def test_every_scenario_survives_being_written_and_read(name):
     scenario = read_scenario(find_scenario(name))
     assert scenario.name == name
+    assert scenario_description(name) == scenario.description
     again = scenario_from_text(scenario_text(scenario), name)
     assert again == scenario
     assert dataclasses.asdict(again) == dataclasses.asdict(scenario)
@@ -175,3 +178,7 @@ def test_missing_files_and_unknown_names_are_errors(tmp_path):
         read_scenario(find_scenario(tmp_path / 'no.yaml'))
     with pytest.raises(ParameterFileError, match='nowhere: got no such scenario.*straight_push'):
         find_scenario('nowhere')
+    with pytest.raises(ParameterFileError, match=r"case.yaml: got \['time_limit'\].*description"):
+        scenario_description(write(tmp_path, 'time_limit: 3'))
+    with pytest.raises(ParameterFileError, match='case.yaml:1: '):
+        scenario_description(write(tmp_path, '[}'))
