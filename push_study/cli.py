@@ -10,7 +10,7 @@ import sys
 from typing import Any, Sequence
 
 from push_scenario.batch.interrupts import Interrupts
-from push_study import catalogue, gallery
+from push_study import catalogue, gallery, schedule
 from push_study.framework.parameters import (
     check_known, ChosenValues, Overrides, read_chosen_values, read_overrides,
 )
@@ -141,27 +141,34 @@ def _run_map(study: Study, chosen: ChosenValues, overrides: Overrides,
 def _run_studies(studies: Sequence[Study], chosen: ChosenValues, overrides: Overrides,
                  options: argparse.Namespace) -> list[StudyResult]:
     """Run studies with a progress bar, and print what they found."""
-    results: list[StudyResult] = []
+    results: dict[str, StudyResult] = {}
     with (contextlib.ExitStack() as stack, _progress_bar(len(studies)) as bar,
           Interrupts() as interrupts):
-        def on_progress(finished: int, total: int) -> None:
-            if finished:
-                bar.update(len(results) + BATCH_FRACTION * finished / total - bar.n)
-            else:
-                bar.update(0.0)
+        def show(finished: float) -> None:
+            # Without progress as well, so that the bar shows how long it has been.
+            bar.update(max(0.0, finished - bar.n))
 
         executor, workers = (stack.enter_context(_cluster(options.scheduler))
                              if options.scheduler else (None, options.jobs))
-        runner = StudyRunner(options.out, chosen, overrides, workers=workers, executor=executor,
-                             on_progress=on_progress)
-        for study in studies:
+        runner = StudyRunner(
+            options.out, chosen, overrides, workers=workers, executor=executor,
+            on_progress=lambda finished, total: show(
+                len(results) + BATCH_FRACTION * finished / total))
+        old = [study for study in studies if runner.find(study) is not None]
+        if executor is None:
+            schedule.run_in_processes(
+                [study for study in studies if study not in old], options.out, overrides, workers,
+                lambda finished: show(len(old) + finished))
+        # Those that are finished first, so that the bar does not go back.
+        for study in sorted(studies, key=lambda study: runner.find(study) is None):
             bar.set_description(study.figure)
-            results.append(runner.run(study))
-            bar.update(len(results) - bar.n)
+            result = runner.run(study)
+            results[study.figure] = result._replace(is_cached=study in old)
+            show(len(results))
             interrupts.check()
-    for result in results:
-        _print(result)
-    return results
+    for study in studies:
+        _print(results[study.figure])
+    return [results[study.figure] for study in studies]
 
 
 @contextlib.contextmanager

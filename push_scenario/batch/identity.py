@@ -79,15 +79,29 @@ def software_digest(function: Any) -> str:
     """
     while isinstance(function, functools.partial):
         function = function.func
-    root = Path(__file__).resolve().parents[2]
-    sources = {path.relative_to(root).as_posix(): path for package in PACKAGES
-               for path in (root / package).rglob('*.py') if not _is_shell(path.relative_to(root))}
     own = getattr(sys.modules[function.__module__], '__file__', None)
-    if own is not None and Path(own).resolve() not in sources.values():
-        sources[''] = Path(own)
+    path = None if own is None else Path(own).resolve()
+    return _sources_digest(None if path is None or path in _sources() else path)
+
+
+@functools.lru_cache(maxsize=1)
+def _sources() -> dict[Path, str]:
+    """Find the pure modules; each with its name."""
+    root = Path(__file__).resolve().parents[2]
+    return {path: path.relative_to(root).as_posix() for package in PACKAGES
+            for path in (root / package).rglob('*.py') if not _is_shell(path.relative_to(root))}
+
+
+# A process keeps the modules that it has read first.
+@functools.lru_cache(maxsize=16)
+def _sources_digest(own: Path | None) -> str:
+    """Compute the digest of the pure modules and one more file."""
+    sources = dict(_sources())
+    if own is not None:
+        sources[own] = ''
     digest = hashlib.sha256()
-    for name in sorted(sources):
-        digest.update(name.encode() + b'\n' + sources[name].read_bytes())
+    for path, name in sorted(sources.items(), key=lambda item: item[1]):
+        digest.update(name.encode() + b'\n' + path.read_bytes())
     return digest.hexdigest()
 
 

@@ -58,6 +58,22 @@ class StudyRunner:
         self._executor = executor
         self._on_progress = on_progress
 
+    def find(self, study: Study) -> StudyResult | None:
+        """
+        Find what a study found before, with the same parameters and source.
+
+        :param study: which.
+        :return: its result; None where its files are not there.
+        :raises ValueError: where a parameter does not fit.
+        """
+        values = study.values(self._chosen, self._overrides)
+        files = StudyFiles(study, self._folder)
+        found = files.read(stamp_of(study, values))
+        if found is None:
+            return None
+        return StudyResult(study, study.title_of(values), found.findings, files, True,
+                           found.page_table)
+
     def run(self, study: Study) -> StudyResult:
         """
         Run one study, unless its files are there for the same parameters and source.
@@ -69,12 +85,12 @@ class StudyRunner:
         :raises ValueError: where a parameter does not fit.
         :raises RuntimeError: where a job of its batch fails.
         """
-        values = study.values(self._chosen, self._overrides)
-        stamp, title = stamp_of(study, values), study.title_of(values)
-        files = StudyFiles(study, self._folder)
-        found = files.read(stamp)
+        found = self.find(study)
         if found is not None:
-            return StudyResult(study, title, found.findings, files, True, found.page_table)
+            return found
+        values = study.values(self._chosen, self._overrides)
+        stamp = stamp_of(study, values)
+        files = StudyFiles(study, self._folder)
         self._folder.mkdir(parents=True, exist_ok=True)
         batches: list[Path] = []
 
@@ -88,7 +104,8 @@ class StudyRunner:
         save_figure(study, outcome, values, files)
         files.write(stamp, outcome)
         _remove_batches(batches)
-        return StudyResult(study, title, outcome.findings, files, False, outcome.page_table)
+        return StudyResult(study, study.title_of(values), outcome.findings, files, False,
+                           outcome.page_table)
 
     def _run_batch(self, function: Callable[[Any], Record], jobs: Sequence[Any],
                    path: Path, is_short: bool) -> Sequence[Record]:
