@@ -18,12 +18,14 @@ from push_model.dubins import dubins_paths, DubinsPath
 from push_model.geometry import Pose
 from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.formulation import formulate
-from push_planner.collocation.nlp_solver import FATROP, IPOPT, nlp_solver, NlpSolver
+from push_planner.collocation.nlp_solver import FATROP, IPOPT, NlpSolver
+from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns, TurnPair
 from push_planner.initial_guess.first_guess import Route
 from push_planner.initial_guess.steady_turns import SteadyTurn
 from push_planner.problem import PushProblem
 
+OWN = 'interior point of the planner, compiled'
 # Numbers of segments, for the solvers and against random starts, and a segment length that leaves
 # them fixed [m].
 SEGMENTS = 24
@@ -141,9 +143,13 @@ def solve(problem: PushProblem, route: Route,
         there is none.
     """
     asked, guess = formulate(problem, route)
-    made = (solver or nlp_solver)(asked.dimensions)
+    if solver is None:
+        work = functools.partial(push_solver(asked.dimensions).solve, asked, guess)
+    else:
+        work = functools.partial(solver(asked.dimensions).solve, asked.parameters(),
+                                 asked.bounds, guess)
     began = time.process_time()
-    found = made.solve(asked.parameters(), asked.bounds, guess)
+    found = work()
     cpu = time.process_time() - began
     duration = math.inf
     if found.solution is not None:
@@ -183,7 +189,7 @@ def quality(answer: Answer, count: int) -> Quality:
                    answer.duration < answer.bound - SLACK / problem.settings.pushing_speed)
 
 
-def _solve_task(build: Callable[[Dimensions], NlpSolver],
+def _solve_task(build: Optional[Callable[[Dimensions], NlpSolver]],
                 task: tuple[PushProblem, Route]) -> tuple[float, float, int]:
     return solve(*task, build)
 
@@ -200,9 +206,11 @@ def compare_solvers(problems: Sequence[PushProblem], compiled: bool) -> list[Sol
              for problem in (with_segments(problem, SEGMENTS) for problem in problems)]
     best = [solve(*task)[0] for task in tasks]
     runs: list[SolverRun] = []
+    builders: dict[str, Optional[Callable[[Dimensions], NlpSolver]]] = {OWN: None}
     for name, (plugin, options) in solvers(compiled).items():
-        build = functools.lru_cache(None)(
+        builders[name] = functools.lru_cache(None)(
             functools.partial(NlpSolver, solver=plugin, options=options))
+    for name, build in builders.items():
         if tasks:
             solve(*tasks[0], build)
         done = collect(tasks, name, functools.partial(_solve_task, build))

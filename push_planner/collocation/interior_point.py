@@ -20,9 +20,11 @@ from push_model.geometry import FloatArray
 from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.newton_step import Bounds, newton_functions, NewtonFunctions, Tuning
 
-# Barrier parameter at first and at the end [m], and of each step over that before. Chosen: the
+# Barrier parameter at first, at first in a second attempt, and at the end [m], and of each step
+# over that before. Chosen: the first leads to most solutions soonest, the second to others; the
 # last costs a push about a millimetre at most (a hundred random pushes against 1e-8).
 FIRST_BARRIER = 1e-2
+SECOND_BARRIER = 1e-1
 LAST_BARRIER = 1e-5
 BARRIER_FACTOR = 0.01
 # Largest error of a solution, in the units of the rows. Chosen: the refinement that follows takes
@@ -125,13 +127,25 @@ class InteriorPointMethod:
             memory.data[:] = data
             memory.bounds[:] = bounds
             if previous is None:
-                memory.begin(guess)
+                converged, count = _solve_from(memory, guess)
             else:
                 memory.resume(previous)
-            converged, count = _iterate(memory)
+                converged, count = _iterate(memory)
             column = memory.primal[:self._variable_count].copy() if converged else None
             return InteriorResult(column, count, Iterate(memory.primal.copy(),
                                                          memory.dual.copy()))
+
+
+def _solve_from(memory: '_Memory', guess: FloatArray) -> tuple[bool, int]:
+    """Solve from variables, if need be in a second attempt."""
+    total = 0
+    for barrier in (FIRST_BARRIER, SECOND_BARRIER):
+        memory.begin(guess, barrier)
+        converged, count = _iterate(memory)
+        total += count
+        if converged:
+            return True, total
+    return False, total
 
 
 def _iterate(memory: '_Memory') -> tuple[bool, int]:
@@ -244,15 +258,15 @@ class _Memory:
                 'dy': dual_steps['end'], 'dgoal': dual_steps['goal'],
                 'limits': self._limits[n + 1]}))
 
-    def begin(self, guess: FloatArray) -> None:
+    def begin(self, guess: FloatArray, barrier: float) -> None:
         """Start from variables: slacks off the edge, multipliers on the central path."""
         self.primal[:] = 1.0
         self.primal[:len(guess)] = guess
         self.dual[:] = 0.0
-        self.tuning[:] = FIRST_BARRIER, 0.0
+        self.tuning[:] = barrier, 0.0
         self.evaluate()
         self.primal[self._slacks] = np.maximum(self._rows, FIRST_SLACK)
-        self.dual[self._multipliers] = FIRST_BARRIER / self.primal[self._slacks]
+        self.dual[self._multipliers] = barrier / self.primal[self._slacks]
 
     def resume(self, iterate: Iterate) -> None:
         """Start from an iterate."""
