@@ -12,6 +12,7 @@ from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.measurements import LatestMeasurements, OdometryState
 from push_control.ros.mode import ControllerParameters, Mode
 from push_control.ros.objects.catalogue import ObjectCatalogue
+from push_control.ros.other_commanders import OtherCommanders
 from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.single_push import SinglePushMode
@@ -88,7 +89,7 @@ class ControllerNode(ManagedNode):
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
         effort; ``push_plan`` (MultiDOFJointTrajectory, latched); ``goal_pose`` (PoseStamped);
         ``map`` (OccupancyGrid, latched); ``/tf`` and ``/tf_static`` (TFMessage) as soon as one of
-        these comes in another frame.
+        these comes in another frame; ``cmd_vel`` while somebody else publishes it.
 
     Action, where ``push_control_msgs`` is installed
         ``push_object`` (PushObject), with the topic ``push_status`` (PushStatus, latched).
@@ -113,6 +114,7 @@ class ControllerNode(ManagedNode):
     _goals: GoalEntry
     _commands: CommandPublisher
     _gate: CommandGate
+    _others: OtherCommanders
     _scene: ScenePublisher
     _base: BaseCheck
     _action: PushActionServer | None = None
@@ -156,9 +158,11 @@ class ControllerNode(ManagedNode):
         self._mode = self._make_mode(parameters)
         self._goals = GoalEntry(self, self._mode, self._frames.world_frame,
                                 is_lockstep=self._options.lockstep)
-        self._commands = CommandPublisher(self, self._frames.base_frame, self._options)
+        self._others = OtherCommanders(self, stamped=self._options.enable_stamped_cmd_vel)
+        self._commands = CommandPublisher(self, self._frames.base_frame, self._options,
+                                          self._others)
         self._base = BaseCheck(self, self._base_settings)
-        self._gate = CommandGate(self, self._mode, parameters, self._options)
+        self._gate = CommandGate(self, self._mode, parameters, self._options, self._others)
         self._action = self._make_action()
 
     def activate(self) -> None:
@@ -194,7 +198,8 @@ class ControllerNode(ManagedNode):
             self._action.destroy()
         self._scene.destroy()
         self._base.destroy()
-        del self._mode, self._goals, self._commands, self._gate
+        self._others.destroy()
+        del self._mode, self._goals, self._commands, self._gate, self._others
         del self._action, self._scene, self._base
 
     def further_parameters(self, values: Mapping[str, Any]) -> Mapping[str, Any]:

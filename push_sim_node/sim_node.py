@@ -122,6 +122,9 @@ class SimNode(PushNode):
         self._simulation.reset(object_pose)
         self._computed: Odometry | ObjectPose | None = None
         self._in_flight: _InFlight | None = None
+        # Simulated time of the last command, where that was to move [s].
+        self._moving_since: float | None = None
+        self._is_abandoned = False
         self._exchange = MeasurementExchange(self._options.answer_timeout,
                                              self._options.enable_stamped_cmd_vel)
         self._control = RunControl(time.monotonic(), self._options.autostart,
@@ -181,7 +184,16 @@ class SimNode(PushNode):
         if delay > SUSPENSION:
             self._outputs.skip_time(delay)
         self._publish(self._computed, now)
+        self._watch_controller()
         self._watch_speed(now)
+
+    def _watch_controller(self) -> None:
+        """Say that commands have ceased while the robot moved; an idle controller stops it."""
+        since, timeout = self._moving_since, self._simulation.settings.command_timeout
+        if since is not None and self._simulation.time > since + timeout:
+            self._moving_since, self._is_abandoned = None, True
+            self._report(WARN, f'no command for {timeout:g} s: the robot stands, its controller '
+                         'is gone or hangs')
 
     def _watch_speed(self, now: float) -> None:
         was_slow = self._speed_meter.is_slow
@@ -242,7 +254,12 @@ class SimNode(PushNode):
 
     def _command(self, message: Any) -> None:
         try:
-            self._simulation.command(from_twist_message(message))
+            twist = from_twist_message(message)
+            self._simulation.command(twist)
+            self._moving_since = None if twist == STOP else self._simulation.time
+            if self._is_abandoned:
+                self._is_abandoned = False
+                self._report(OK, 'runs')
         except ValueError as error:
             self._simulation.command(STOP)
             self._report(WARN, f'{error}; stopped')

@@ -40,8 +40,8 @@ GOAL_RANGE = 0.03, 0.03, 0.1
 # caches are filled; chosen.
 PART = 0.25
 WARM_UP = 0.1
-# Wall time after which the nodes, or a task, count as hanging [s]; chosen: far above what they take
-# on a busy machine.
+# Wall time after which the nodes, or a task, count as hanging [s]; chosen: far above what they
+# take on a busy machine.
 TIMEOUT = 180.0
 
 
@@ -190,9 +190,11 @@ def read_tasks(path: Path) -> list[SoakTask]:
     """
     if not path.is_file():
         return []
-    return [SoakTask(**{**values, 'nodes': {
-        name: Sample(*numbers) for name, numbers in values['nodes'].items()}})
-        for values in json.loads(path.read_text(encoding='utf-8'))]
+    tasks: list[SoakTask] = []
+    for values in json.loads(path.read_text(encoding='utf-8')):
+        nodes = {name: Sample(*numbers) for name, numbers in values.pop('nodes').items()}
+        tasks.append(SoakTask(**values, nodes=nodes))
+    return tasks
 
 
 def soak_table(tasks: Sequence[SoakTask]) -> str:

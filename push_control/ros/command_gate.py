@@ -7,8 +7,10 @@ from typing import Any
 from push_control.observation import Observation
 from push_control.ros.measurements import OdometryCheck, OdometryState, OdometryWatchdog
 from push_control.ros.mode import ControllerParameters, Mode
+from push_control.ros.other_commanders import OtherCommanders
 from push_control.safety.layer import SafetyLayer
 from push_control.safety.stamp_check import StampCheck, StampVerdict
+from push_control.safety.status import SafetyReason
 from push_model.parameters import PushedObject
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_ros.conversions.primitives import MessageRefused, nanoseconds
@@ -25,7 +27,7 @@ class CommandGate:
     """Lets the commands of a mode pass, or stops the robot."""
 
     def __init__(self, node: PushNode, mode: Mode, parameters: ControllerParameters,
-                 options: ControllerOptions) -> None:
+                 options: ControllerOptions, others: OtherCommanders) -> None:
         """
         Begin with a robot that nobody commands.
 
@@ -33,7 +35,9 @@ class CommandGate:
         :param mode: the ``Mode``.
         :param parameters: ``ControllerParameters``.
         :param options: ``ControllerOptions``.
+        :param others: ``OtherCommanders``.
         """
+        self._others = others
         self._node = node
         self._mode = mode
         is_absolute = parameters.supervision.odometry_reference == 'absolute'
@@ -95,6 +99,9 @@ class CommandGate:
         """
         if not self._mode.is_commanding:
             self._layer.release()
+        elif self._others.is_driving:
+            self._layer.stop(SafetyReason.COMMANDED_BY_OTHERS.report(others=self._others.names))
+        self._layer.other_commanders = self._others.names
         observation = self._layer.believed(observation)
         self._warn_of_flip()
         fault = self._layer.observe(observation.odometry)

@@ -1,6 +1,7 @@
 """Velocity commands: published while the robot is driven, then zeros for a moment, then none."""
 
 from builtin_interfaces.msg import Time
+from push_control.ros.other_commanders import OtherCommanders
 from push_model.signals import STOP, Twist
 from push_ros.conversions.measurements import to_command_message
 from push_ros.node import PushNode
@@ -24,14 +25,17 @@ class CommandPublisher:
     of the measurement that it answers.
     """
 
-    def __init__(self, node: PushNode, frame: str, options: ControllerOptions) -> None:
+    def __init__(self, node: PushNode, frame: str, options: ControllerOptions,
+                 others: OtherCommanders) -> None:
         """
         Start silent.
 
         :param node: the ``PushNode``.
         :param frame: id of the robot's frame, in whose axes commands are.
         :param options: ``ControllerOptions``.
+        :param others: ``OtherCommanders``, who get to know what is published here.
         """
+        self._others = others
         self._node = node
         self._frame = frame
         self._is_stamped = options.enable_stamped_cmd_vel
@@ -79,4 +83,6 @@ class CommandPublisher:
         self._publisher.wait_for_all_acked(Duration(seconds=FLUSH_TIMEOUT))
 
     def _publish(self, twist: Twist, stamp: Time) -> None:
-        self._publisher.publish(to_command_message(twist, stamp, self._frame, self._is_stamped))
+        message = to_command_message(twist, stamp, self._frame, self._is_stamped)
+        self._others.add_own(message)
+        self._publisher.publish(message)

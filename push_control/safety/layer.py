@@ -32,7 +32,7 @@ class SafetyLayer:
     Limits commands, and stops a robot that does not follow them.
 
     ``report``: why the robot is stopped; stays until it has stood for a while, None while all is
-    well.
+    well. ``other_commanders``: names of those who may command the base, too; empty for nobody.
     """
 
     def __init__(self, robot: RoundRobot, obj: PushedObject, *, heading_count: int = 0,
@@ -50,6 +50,7 @@ class SafetyLayer:
         self._heading_count = heading_count
         self._is_odometry_absolute = is_odometry_absolute
         self._monitor = MotionMonitor(robot)
+        self.other_commanders = ''
         self.reset()
 
     def reset(self) -> None:
@@ -104,11 +105,20 @@ class SafetyLayer:
             return self._observe_late(odometry, self._odometry.time - odometry.time)
         self._odometry = odometry
         self._late_stamp, self._late_count = -math.inf, 0
-        fault = self._odometry_check.check(odometry) or self._monitor.check(odometry)
+        fault = self._odometry_check.check(odometry) or self._motion_fault(odometry)
         self._note_standing(odometry, fault is not None)
         if fault is not None and self.report is None:
             self.report = fault
         return fault
+
+    def _motion_fault(self, odometry: Odometry) -> SafetyReport | None:
+        """Find out why the robot does not follow: others, odometry, or the base itself."""
+        fault = self._monitor.check(odometry)
+        if fault is None:
+            return None
+        if self.other_commanders:
+            return SafetyReason.COMMANDED_BY_OTHERS.report(others=self.other_commanders)
+        return self._odometry_check.early_contradiction() or fault
 
     def _observe_late(self, odometry: Odometry, shift: float) -> SafetyReport | None:
         """Stop the robot where odometry goes on at an earlier time, until that has caught up."""

@@ -38,6 +38,9 @@ WINDOW_RATIO = 0.4
 DIRECTION_DISTANCE = 0.3
 DIRECTION_TOLERANCE = 0.03
 DIRECTION_RATIO = 0.2
+# The same where the robot does not move as commanded, which may be a mistake of odometry: over the
+# last centimetre or two; chosen: what shows before the motion is a fault.
+EARLY_DISTANCE, EARLY_TOLERANCE, EARLY_RATIO = 0.01, 0.004, 0.4
 # Angle from which on it is the direction that is wrong, and not the unit [rad]; chosen.
 LEAST_DIRECTION_ERROR = 0.2
 # Time for which the same pose may come again from a robot that moves [s], and what counts as that
@@ -152,7 +155,7 @@ class OdometryCheck:
             samples.popleft()
         self._extend_course(last, odometry)
         return (self._repetition(last, odometry) or self._contradiction()
-                or self._direction_error())
+                or self._whole_direction_error())
 
     def _restart(self, odometry: Odometry) -> None:
         self._course.clear()
@@ -212,15 +215,33 @@ class OdometryCheck:
                >= DIRECTION_DISTANCE):
             self._course.popleft()
 
-    def _direction_error(self) -> SafetyReport | None:
-        first, last = self._course[0], self._course[-1]
-        travelled = last.travelled - first.travelled
-        if travelled < DIRECTION_DISTANCE:
+    def early_contradiction(self) -> SafetyReport | None:
+        """
+        Tell what is wrong with odometry, where something is wrong that may be this.
+
+        :return: ``SafetyReport`` where its pose moves quite otherwise than its twist, over
+            however short a distance; else None.
+        """
+        last = self._course[-1].travelled
+        first = next((course for course in reversed(self._course)
+                      if last - course.travelled >= EARLY_DISTANCE), None)
+        return None if first is None else self._direction_error(first, EARLY_TOLERANCE,
+                                                                EARLY_RATIO)
+
+    def _whole_direction_error(self) -> SafetyReport | None:
+        if self._course[-1].travelled - self._course[0].travelled < DIRECTION_DISTANCE:
             return None
+        constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_TOLERANCE
+        return self._direction_error(self._course[0], constant, DIRECTION_RATIO)
+
+    def _direction_error(self, first: _Course, constant: float,
+                         ratio: float) -> SafetyReport | None:
+        """Compare the course since one of its places with its twists, to a tolerance."""
+        last = self._course[-1]
+        travelled = last.travelled - first.travelled
         moved, expected = ((b[0] - a[0], b[1] - a[1]) for a, b in (
             (first.position, last.position), (first.expected, last.expected)))
-        constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_TOLERANCE
-        if distance(moved, expected) <= constant + DIRECTION_RATIO * travelled:
+        if distance(moved, expected) <= constant + ratio * travelled:
             return None
         angle = wrap_angle(math.atan2(moved[1], moved[0]) - math.atan2(expected[1], expected[0]))
         if abs(angle) < LEAST_DIRECTION_ERROR:

@@ -34,6 +34,7 @@ class SafetyReason(enum.Enum):
     NOT_MOVING = 'the robot does not move as commanded: {commanded} commanded, {measured} measured'
     MOVES_OTHERWISE = (
         'the robot moves otherwise than commanded: {commanded} commanded, {measured} measured')
+    COMMANDED_BY_OTHERS = 'somebody else commands the base: cmd_vel is published by {others}, too'
     FOLLOWS_LATE = 'the robot follows its commands {delay:.1f} s late'
 
     # Odometry contradicts itself.

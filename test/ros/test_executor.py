@@ -58,7 +58,8 @@ def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
         process.kill()
 
 
-@pytest.mark.parametrize('content', [None, b'\xff\x00\x1b', b'/**: {ros__parameters: {a: [1, b]}}'])
+@pytest.mark.parametrize('content', [
+    None, b'\xff\x00\x1b', b'/**: {ros__parameters: {a: [1, b]}}'])
 def test_a_parameter_file_that_cannot_be_read_is_refused_in_a_line(tmp_path, capsys, content):
     """With its name; there is no node yet."""
     path = tmp_path / 'parameters.yaml'

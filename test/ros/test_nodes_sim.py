@@ -33,7 +33,7 @@ def sim(tmp_path_factory):
     """Start the simulator on the wall clock, which starts by itself."""
     parameters = {**PHYSICS, **AWAY, 'autostart': True}
     with bench(tmp_path_factory.mktemp('sim'), SIM, MODULE, parameters) as b:
-        for topic in ('odom', 'object_pose'):
+        for topic in ('odom', 'object_pose', 'diagnostics'):
             b.subscribe(topic)
         b.wait_until(lambda: len(b.received['odom']) > 5)
         yield b
@@ -56,6 +56,9 @@ def test_it_moves_as_commanded_and_stops_without_commands(sim):
     # Longer where the machine held the simulator up.
     assert np.median(steps) == pytest.approx(PERIOD, abs=1e-6)
     assert steps.min() > PERIOD - 1e-6
+    sim.wait_until(lambda: any('no command for 0.5 s: the robot stands' in status.message
+                               for message in sim.received['diagnostics']
+                               for status in message.status))
 
 
 def test_it_starts_over_while_a_controller_repeats_its_stop(sim):

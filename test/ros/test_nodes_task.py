@@ -4,7 +4,7 @@ import dataclasses
 import math
 import time
 
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from helpers.node_bench import bench, TIMEOUT
 import numpy as np
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
@@ -292,6 +292,27 @@ def test_stopped_it_stands_until_it_is_started_anew(stand):
     assert stand.measure_unanswered(1.0) == [] and len(stand.requests) == count
     assert stand.b.call('controller/start').success
     stand.wait_for_request(count + 1)
+
+
+def test_somebody_else_who_drives_the_base_stops_the_robot(stand, planned):
+    """And is named; a publisher that is silent is only warned of."""
+    request = stand.requests[-1]
+    stand.answer(planned(request), request)
+    count = len(texts(stand.b, CONTROLLER))
+    stand.b.repeat_until(lambda: stand.measure(0.1), lambda: 'task: approach' in texts(
+        stand.b, CONTROLLER)[count:])
+    other = TwistStamped()
+    # Waits until the controller listens.
+    stand.b.publish('cmd_vel', other)
+    assert any(command != ZERO for command in stand.measure(0.3))
+    other.twist.angular.z = 0.2
+
+    def drive():
+        stand.b.publish('cmd_vel', other)
+        stand.measure(0.1)
+    stand.b.repeat_until(drive, lambda: any(
+        'somebody else commands the base: cmd_vel is published by /' in text
+        for text in texts(stand.b, CONTROLLER)[count:]), period=0.02)
 
 
 def test_its_state_is_in_the_markers(stand):

@@ -215,6 +215,29 @@ def test_a_message_that_comes_late_is_no_reason_to_stop():
     assert [layer.observe(message) for message in messages] == [None] * 60
 
 
+def test_a_twist_in_world_axes_is_a_fault_of_odometry_and_not_of_the_base():
+    """Although the base seems to drive elsewhere, which shows first."""
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+    base.odometry = base.odometry._replace(pose=Pose(0.0, 0.0, 2.9))
+    driven(layer, base, Twist(0.3, 0.0, 0.1), 2.0)
+
+    def in_world_axes(odometry):
+        v_x, v_y = odometry.pose.rotate(odometry.twist[:2])
+        return odometry._replace(twist=Twist(v_x, v_y, odometry.twist.omega))
+    time, report = driven(layer, base, Twist(0.3, 0.0, 0.1), 2.0, in_world_axes)
+    assert time < RESPONSE_TIME and report.reason.is_of_odometry
+
+
+def test_who_else_commands_the_base_is_named():
+    """Where it moves otherwise; while it follows nothing is wrong."""
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+    layer.other_commanders = '/teleop'
+    assert driven(layer, base, Twist(0.2, 0.0, 0.0), 1.0) == (pytest.approx(1.0), None)
+    _, report = driven(layer, base, Twist(0.2, 0.0, 0.0), 3.0,
+                       heed=lambda sent: Twist(0.0, 0.0, 1.0))
+    assert report.reason is SafetyReason.COMMANDED_BY_OTHERS and '/teleop' in str(report)
+
+
 def test_frozen_odometry_stops_the_robot():
     """Fresh stamps alone are no news."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])

@@ -1,0 +1,118 @@
+"""Whether somebody else commands the base: teleoperation, navigation, or another controller."""
+
+from collections import deque
+import time
+from typing import Any
+
+from push_ros.conversions.primitives import nanoseconds
+from push_ros.executor import BackgroundGroup, take_message
+from push_ros.node import PushNode
+from push_ros.topics import TOPICS
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+
+TOPIC = 'cmd_vel'
+# Period at which other publishers are looked for [s]; chosen: nobody begins to drive a robot and
+# has met the base before that.
+PERIOD = 1.0
+# Number of own commands that are known again when they come back; chosen: some seconds of them.
+OWN_COMMANDS = 200
+# Whatever they offer; as many as come between two of the node's own odometry messages.
+LATEST_COMMANDS = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT)
+# Time for which a command of somebody else counts [s]; chosen: longer than the period of any.
+MEMORY = 0.5
+
+
+class OtherCommanders:
+    """
+    Listens to ``cmd_vel`` where it has other publishers; where it has none, that costs nothing.
+
+    A publisher may stay visible for a while after its process was killed, or be silent as long as
+    nobody touches a joystick: only what it commands counts.
+    """
+
+    def __init__(self, node: PushNode, *, stamped: bool) -> None:
+        """
+        Look for other publishers.
+
+        :param node: the ``PushNode``.
+        :param stamped: whether commands have a stamp.
+        """
+        self._node = node
+        self._stamped = stamped
+        self._names: list[str] = []
+        self._subscription: Subscription | None = None
+        self._own: deque[tuple[Any, ...]] = deque(maxlen=OWN_COMMANDS)
+        self._heard_at = 0.0
+        self._timer = node.create_timer(PERIOD, node.guarded(self._look),
+                                        clock=Clock(clock_type=ClockType.STEADY_TIME),
+                                        callback_group=node.background)
+
+    def destroy(self) -> None:
+        """Look no more."""
+        self._node.destroy_timer(self._timer)
+        self._listen(False)
+
+    def add_own(self, message: Any) -> None:
+        """
+        Note a command of this node.
+
+        :param message: as published.
+        """
+        if self._subscription is not None:
+            self._own.append(self._key(message))
+
+    @property
+    def names(self) -> str:
+        """Names of the nodes that publish on the topic, too; empty where there are none."""
+        return ', '.join(self._names)
+
+    @property
+    def is_driving(self) -> bool:
+        """Whether one of them has commanded a motion a moment ago."""
+        while (self._subscription is not None
+               and (message := take_message(self._subscription)) is not None):
+            twist = message.twist if self._stamped else message
+            moves = any((twist.linear.x, twist.linear.y, twist.angular.z))
+            if moves and self._key(message) not in self._own:
+                self._heard_at = time.monotonic()
+        return time.monotonic() - self._heard_at < MEMORY
+
+    def _look(self) -> None:
+        infos = self._node.get_publishers_info_by_topic(TOPIC)
+        names = [f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos]
+        own = self._node.get_fully_qualified_name()
+        if own in names:
+            # Once: a second controller may have the same name.
+            names.remove(own)
+        if names and names != self._names:
+            self._node.get_logger().warning(
+                f'{TOPIC}: is also published by {", ".join(sorted(names))}; the robot is stopped '
+                'where that drives the base while an object is pushed')
+        self._names = sorted(names)
+        self._listen(bool(names))
+
+    def _listen(self, is_wanted: bool) -> None:
+        if is_wanted and self._subscription is None:
+            # Taken where it is asked for: no executor waits for it.
+            group = BackgroundGroup()
+            group.is_open = False
+            self._subscription = self._node.create_subscription(
+                TOPICS[TOPIC].message_type(self._stamped), TOPIC, _ignore, LATEST_COMMANDS,
+                callback_group=group)
+        elif not is_wanted and self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
+            self._own.clear()
+
+    def _key(self, message: Any) -> tuple[Any, ...]:
+        twist, stamp = message, 0
+        if self._stamped:
+            twist, stamp = message.twist, nanoseconds(message.header.stamp)
+        return stamp, twist.linear.x, twist.linear.y, twist.angular.z
+
+
+def _ignore(_: Any) -> None:
+    """Leave a message to ``take_message``."""
