@@ -32,6 +32,9 @@ WINDOW_MARGIN = 4.0
 # counts more where there is none; chosen: a detour of a decimetre at a door is worth 5 cm of gap.
 COMFORTABLE_GAP = 0.15
 NEARNESS_COST = 1.0
+# The gap of a robot that may drift off its route, with the same cost for each length that it lacks
+# [m]; chosen: half the width of a corridor.
+DRIFTING_GAP = 0.6
 # Gap that a shortcut may lose [m]; chosen: below a cell, so that routes get straight.
 SHORTCUT_LOSS = 0.02
 
@@ -69,7 +72,8 @@ def grid_waypoints(kept: MapClearance, body: InflatedObstacle, object_pose: Pose
     """
     space = _FreeSpace(kept, body, object_pose)
     ends = np.array([start, goal], dtype=float)
-    if space.sees(ends[0], ends[1:], kept.radius + COMFORTABLE_GAP)[0]:
+    gap = _comfortable_gap(kept)
+    if space.sees(ends[0], ends[1:], kept.radius + gap)[0]:
         return [Waypoint(*goal)]
     occupancy_map = kept.room.occupancy_map
     grid = _grid_graph(occupancy_map, kept.radius + kept.margin, _window(occupancy_map, ends))
@@ -81,14 +85,19 @@ def grid_waypoints(kept: MapClearance, body: InflatedObstacle, object_pose: Pose
     clearances = np.concatenate([grid.clearances[free], *(
         occupancy_map.clearance(points[link[:, 1]]) for link in links)])
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    shortfalls = np.clip(1.0 - (clearances - kept.radius) / COMFORTABLE_GAP, 0.0, 1.0)
+    shortfalls = np.clip(1.0 - (clearances - kept.radius) / gap, 0.0, 1.0)
     # Rounded, so that ties do not depend on how the map lies in the world.
-    costs = np.round(lengths * (1.0 + NEARNESS_COST * shortfalls), 6)
+    nearness = NEARNESS_COST * gap / COMFORTABLE_GAP
+    costs = np.round(lengths * (1.0 + nearness * shortfalls), 6)
     route = _shortest_route(edges, costs, len(points))
     if not route:
         raise NoPathFound('obstacles of the map, or the object between them, are in the way')
     corners = _straightened(space, points[route], grid.spacing)
     return [Waypoint(float(x), float(y)) for x, y in corners[1:]]
+
+
+def _comfortable_gap(kept: MapClearance) -> float:
+    return COMFORTABLE_GAP if kept.counts_drift else DRIFTING_GAP
 
 
 class _FreeSpace:
@@ -108,7 +117,8 @@ class _FreeSpace:
 
     def gap_distances(self, points: FloatArray) -> FloatArray:
         """Distance of points from obstacles, as far as that is of concern."""
-        return np.minimum(self._map.clearance(points), self._kept.radius + COMFORTABLE_GAP)
+        gap = _comfortable_gap(self._kept)
+        return np.minimum(self._map.clearance(points), self._kept.radius + gap)
 
     def sees(self, place: FloatArray, points: FloatArray,
              clearances: FloatArray | float = 0.0) -> BoolArray:

@@ -7,7 +7,18 @@ Odometry drifts, so that the standard deviation of the robot's place grows as it
 
 with that at the start p, the errors of heading and distance a, the drift of the heading d, the
 distance r from the start and the length s driven. A path keeps some standard deviations clear.
+
+That bounds the deviation in all directions, whatever the path. Where there is less room, the path
+itself tells more: a drift of the heading displaces a robot that has driven through the places q to
+p along one line only, by
+
+    d J (s p - int q ds),
+
+J a quarter turn to the left: across a straight path, and so not across the door at its end round a
+corner. Then the ellipse of these deviations is kept clear.
 """
+
+import math
 
 from typing import NamedTuple
 
@@ -24,6 +35,9 @@ GAIN = 0.5
 # Length of a path over the distance of its ends, where it is not known yet; chosen: that of a path
 # through a door round a corner.
 WINDING = 1.3
+# Places on the long axis of an ellipse of deviations, over half of it; chosen: the robot's disc
+# about one reaches those about the next up to axes of twice its diameter.
+AXIS_PLACES = (-1.0, -0.7, -0.35, 0.0, 0.35, 0.7, 1.0)
 
 
 class PlaceUncertainty(NamedTuple):
@@ -78,6 +92,8 @@ class MapClearance(NamedTuple):
     :param start: of the path (x, y) [m].
     :param margin: kept everywhere [m].
     :param gap: of the robot at the start [m].
+    :param counts_drift: whether ``required`` counts the drift of the heading; else that is up to
+        ``is_free``.
     """
 
     room: Room
@@ -85,6 +101,7 @@ class MapClearance(NamedTuple):
     start: tuple[float, float]
     margin: float
     gap: float
+    counts_drift: bool = True
 
     def required(self, points: FloatArray, lengths: FloatArray | None = None) -> FloatArray:
         """
@@ -95,7 +112,10 @@ class MapClearance(NamedTuple):
         :return: shape (n,).
         """
         away = np.hypot(*(np.asarray(points)[:, :2] - self.start).T)
-        deviations = self.room.uncertainty.deviations(
+        uncertainty = self.room.uncertainty
+        if not self.counts_drift:
+            uncertainty = uncertainty._replace(drift=0.0)
+        deviations = uncertainty.deviations(
             WINDING * away if lengths is None else lengths, away)
         # What the start lacks cannot be had near it.
         margins = np.minimum(self.room.sigmas * deviations, self.gap + GAIN * away)
@@ -109,9 +129,41 @@ class MapClearance(NamedTuple):
         :param slack: that the clearance may lack [m].
         """
         points = np.asarray(poses)[:, :2]
-        lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        steps = np.diff(points, axis=0)
+        lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
         clearance = self.room.occupancy_map.clearance(points)
-        return bool(np.all(clearance >= self.required(points, lengths) - slack))
+        if np.all(clearance >= self.required(points, lengths) - slack):
+            return True
+        iso = self._replace(counts_drift=False).required(points)
+        if not np.all(clearance >= iso - slack):
+            return False
+        middles = (points[:-1] + 0.5 * steps - points[0]) * np.diff(lengths)[:, None]
+        moments = np.concatenate([np.zeros((1, 2)), np.cumsum(middles, axis=0)])
+        levers = lengths[:, None] * (points - points[0]) - moments
+        return self._is_free_along(points, levers, iso - self.radius, slack)
+
+    def _is_free_along(self, points: FloatArray, levers: FloatArray, others: FloatArray,
+                       slack: float) -> bool:
+        """
+        Tell whether the ellipses of the deviations are clear.
+
+        :param points: (x, y) along the path, shape (n, 2) [m].
+        :param levers: ``s p - int q ds`` of each, shape (n, 2) [m^2].
+        :param others: what the deviations besides the drift need, shape (n,) [m].
+        :param slack: that the clearance may lack [m].
+        """
+        axes = self.room.sigmas * self.room.uncertainty.drift * np.column_stack(
+            [-levers[:, 1], levers[:, 0]])
+        # What the start lacks cannot be had near it.
+        away = np.hypot(*(points - points[0]).T)
+        lengths = np.hypot(*axes.T)
+        axes *= np.minimum(1.0, (self.gap + GAIN * away) / np.maximum(lengths, 1e-9))[:, None]
+        for place in AXIS_PLACES:
+            found = self.room.occupancy_map.clearance(points + place * axes)
+            needed = self.radius + math.sqrt(1.0 - place * place) * others
+            if np.any(found < needed - slack):
+                return False
+        return True
 
 
 def map_clearance(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
@@ -136,8 +188,8 @@ def map_clearance(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSet
     if there < kept.radius + kept.margin:
         raise NoPathFound(f'the goal of the path, {goal.x:.2f} m, {goal.y:.2f} m, is too near to '
                           'an obstacle of the map')
-    straight = np.array([np.hypot(goal.x - start.x, goal.y - start.y)])
-    if there < float(kept.required(np.array([goal[:2]]), straight)[0]):
+    least = kept._replace(counts_drift=False).required(np.array([goal[:2]]))
+    if there < float(least[0]):
         raise NoPathFound('the place of the robot is too uncertain for the goal of its path, '
                           f'{goal.x:.2f} m, {goal.y:.2f} m, so near to an obstacle of the map')
     return kept

@@ -13,9 +13,10 @@ MIN_FACE_LENGTH = 0.15
 # localized robot touches.
 VERTEX_DISTANCE = 0.015
 # Places of a face and of a disc, chosen: 26 mm apart on a face of 0.4 m, which is less than the
-# effect of a push changes noticeably over, and 15 degrees apart on a disc.
+# effect of a push changes noticeably over, and 7.5 degrees apart on a disc, which
+# rolls off along the normal however it is pushed: at 15 degrees it gets stuck beside walls.
 PLACES_PER_FACE = 15
-PLACES_OF_DISC = 24
+PLACES_OF_DISC = 48
 # A disc has no faces; these many sectors of it count as such.
 DISC_SECTORS = 4
 

@@ -44,10 +44,9 @@ LENGTH_TO_GOAL, MISS, GAP = range(3)
 FINAL_SIZE = 3
 # How a search ends, where it finds nothing: all nodes are expanded, or as many as allowed.
 EXHAUSTED, LIMIT = -1, -2
-# Cells of the lattice in which only the cheapest node is kept: side [m], headings of a turn; and
-# near the goal, where otherwise all corrections would fall into one cell. Chosen.
-CELL, HEADINGS = 0.06, 24
-FINE_FACTOR = 3
+# Cells near the goal, where otherwise all corrections would fall into one: side [m], headings of a
+# turn; chosen.
+FINE_CELL, FINE_HEADINGS = 0.02, 72
 FINE_DISTANCE, FINE_ANGLE = 0.25, 0.6
 # Distance from the start along either axis within which the object may keep the clearance that it
 # has [m]; chosen: along a wall until there is room behind it.
@@ -69,8 +68,13 @@ MISS_COST = 0.4
 # Time that the standard deviation of a last push costs [s/m], as what it misses has to be
 # corrected; chosen: 1 cm counts as a fifth of a contact.
 SPREAD_COST = 100.0
-# Time charged for a place where no two opposite faces can be reached, as it may be a dead end [s].
+# Time charged for a place that may be a dead end [s]: where the robot has no room at any two
+# opposite faces; or, of a disc, which rolls off along the line to it however it pushes, none to
+# push it off an obstacle at this angle [rad], of which one place of the table is certain to have
+# most. For the direction of the obstacle the floor is looked at so far from the middle [m].
 DEAD_END_COST = 20.0
+LEAVING_ANGLE = math.radians(20.0)
+GRADIENT_STEP = 0.05
 # Steps between the floor is looked at on a line to the goal [m].
 OPEN_STEP = 0.1
 # Gap before the contact from which on the robot drives straight, and after a push [m].
@@ -108,6 +112,10 @@ class Query(NamedTuple):
     :param closing_time: that the cost-to-go of open floor has in excess at ``CLOSE_DISTANCE`` [s].
     :param weight: of the estimate, at least 1.
     :param max_expansions: number of nodes that are expanded at most.
+    :param cell: side of the cells of the lattice, in which only the cheapest node is kept [m].
+    :param headings: of a turn that it distinguishes.
+    :param dense_range: distance of the object from its start, along either axis, within which it
+        is pushed at all places and with all tilts [m].
     :param half: half the side of the window in which the robot comes from one contact to another.
     :param first_half: likewise to the first contact.
     """
@@ -128,6 +136,9 @@ class Query(NamedTuple):
     closing_time: float
     weight: float
     max_expansions: int
+    cell: float
+    headings: int
+    dense_range: float
     half: int
     first_half: int
 
@@ -303,20 +314,21 @@ def _expand(problem: Any, memory: Any, number: int) -> None:
     is_near = d_x * d_x + d_y * d_y < FINAL_RANGE * FINAL_RANGE
     memory.final[LENGTH_TO_GOAL] = 0.0
     memory.final[GAP] = UNREACHED
-    if (abs(query.start[0] - node[X]) < START_RANGE
-            and abs(query.start[1] - node[Y]) < START_RANGE):
+    away = max(abs(query.start[0] - node[X]), abs(query.start[1] - node[Y]))
+    is_dense = away < query.dense_range
+    if away < START_RANGE:
         memory.final[GAP] = max(LEAST_GAP, object_clearance(
             problem.scene, node[X], node[Y], node[THETA], ENOUGH) - LOST_GAP)
     for begin in range(pushes.starts.shape[0]):
         if is_near:
             _find_final_length(query, pushes, node, begin, memory.final)
-        if memory.final[LENGTH_TO_GOAL] == 0.0 and not pushes.coarse[begin]:
+        if not (is_dense or pushes.coarse[begin] or memory.final[LENGTH_TO_GOAL] > 0.0):
             continue
         if number == 0 and query.blocked[begin]:
             continue
         travel = _travel(problem, memory, number, begin)
         if travel < UNREACHED:
-            _add_pushes(problem, memory, number, begin, travel)
+            _add_pushes(problem, memory, number, begin, travel, is_dense)
 
 
 @compiled
@@ -364,7 +376,7 @@ def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
     scene, counters = problem.scene, memory.counters
     margins = problem.first_margins if number == 0 else problem.margins
     straight = math.sqrt((x - node[ROBOT_X]) ** 2 + (y - node[ROBOT_Y]) ** 2)
-    if clearance(scene.floor, x, y) < scene.robot_radius + needed_gap(margins, straight, straight):
+    if clearance(scene.floor, x, y) < scene.robot_radius + needed_gap(margins, straight):
         return UNREACHED
     half = query.first_half if number == 0 else query.half
     if counters[REACH_FILLED] == 0:
@@ -374,7 +386,8 @@ def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
 
 
 @compiled
-def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: float) -> None:
+def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: float,
+                is_dense: bool) -> None:
     """Add pushes that begin alike, and end after several lengths or at the goal."""
     pushes, query, node = _pushes_from(problem, number), problem.query, memory.nodes[number]
     cost = node[COST] + query.contact_time + travel / query.robot_speed
@@ -393,7 +406,7 @@ def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: floa
         _place(pushes.means[begin, step], node, memory.pose)
         if not _is_free(problem, memory, number, begin, step):
             return
-        if pushes.coarse[begin] and pushes.is_end[step]:
+        if (is_dense or pushes.coarse[begin]) and pushes.is_end[step]:
             _add_node(problem, memory, number, begin, length,
                       cost + length / query.pushing_speed)
 
@@ -438,10 +451,10 @@ def _robot_place(problem: Any, node: Any, begin: int, length: float) -> tuple[fl
 def _add_node(problem: Any, memory: Any, number: int, begin: int, length: float,
               cost: float) -> None:
     """Add the end of a push, unless one in the same cell of the lattice is as cheap."""
-    pose, query = memory.pose, problem.query
+    pose = memory.pose
     if _is_dead_end(problem, pose):
         cost += DEAD_END_COST
-    cell = _cell_number(query.goal, pose, problem.pushes.faces[begin])
+    cell = _cell_number(problem, pose, problem.pushes.faces[begin])
     slot = _find_slot(memory.cells, cell)
     if memory.cells[slot] == cell:
         other = memory.cell_nodes[slot]
@@ -479,11 +492,13 @@ def _append(problem: Any, memory: Any, number: int, begin: int, length: float,
 
 @compiled
 def _is_dead_end(problem: Any, pose: Any) -> bool:
-    """Tell whether the robot has no room at any two opposite faces of the object."""
+    """Tell whether the robot has no room where the object may have to be pushed next."""
     scene, pushes = problem.scene, problem.pushes
     needed = scene.robot_radius + problem.margins.obstacles
     if clearance(scene.floor, pose[0], pose[1]) >= scene.outer_radius + STANDOFF + 2.0 * needed:
         return False
+    if scene.vertices.shape[0] == 0:
+        return not _leaves_obstacle(scene, pose, needed)
     for first in range(pushes.middles.shape[0]):
         if not _has_room(problem, pose, first, needed):
             continue
@@ -493,6 +508,23 @@ def _is_dead_end(problem: Any, pose: Any) -> bool:
             if cosine < OPPOSITE and _has_room(problem, pose, second, needed):
                 return False
     return True
+
+
+@compiled
+def _leaves_obstacle(scene: Any, pose: Any, needed: float) -> bool:
+    """Tell whether the robot has room to push a disc off the nearest obstacle."""
+    x, y = pose[0], pose[1]
+    u = clearance(scene.floor, x + GRADIENT_STEP, y) - clearance(scene.floor, x - GRADIENT_STEP, y)
+    v = clearance(scene.floor, x, y + GRADIENT_STEP) - clearance(scene.floor, x, y - GRADIENT_STEP)
+    norm = math.sqrt(u * u + v * v)
+    if norm < GRADIENT_STEP:
+        # Between obstacles.
+        return True
+    away = scene.outer_radius + scene.robot_radius + STANDOFF
+    back, aside = away * math.sin(LEAVING_ANGLE) / norm, away * math.cos(LEAVING_ANGLE) / norm
+    return (clearance(scene.floor, x - back * u - aside * v, y - back * v + aside * u) >= needed
+            or clearance(scene.floor, x - back * u + aside * v, y - back * v - aside * u)
+            >= needed)
 
 
 @compiled
@@ -506,12 +538,16 @@ def _has_room(problem: Any, pose: Any, face: int, needed: float) -> bool:
 
 
 @compiled
-def _cell_number(goal: Any, pose: Any, face: int) -> int:
+def _cell_number(problem: Any, pose: Any, face: int) -> int:
     """Return the number of the cell of the lattice in which a pose lies."""
-    cell, headings, kind = CELL, HEADINGS, 0
+    query = problem.query
+    goal, cell, headings, kind = query.goal, query.cell, query.headings, 0
     if (abs(goal[0] - pose[0]) < FINE_DISTANCE and abs(goal[1] - pose[1]) < FINE_DISTANCE
             and abs(wrapped(goal[2] - pose[2])) < FINE_ANGLE):
-        cell, headings, kind = CELL / FINE_FACTOR, HEADINGS * FINE_FACTOR, 1
+        cell, headings, kind = FINE_CELL, FINE_HEADINGS, 1
+    elif problem.scene.vertices.shape[0] == 0:
+        # How a disc is turned, and where it was pushed, matters at its goal only.
+        headings, face = 1, 0
     column, row = int(math.floor(pose[0] / cell)), int(math.floor(pose[1] / cell))
     heading = int(math.floor(pose[2] * headings / (2.0 * math.pi) + 0.5)) % headings
     number = (column * 1048576 + row) * 128 + heading

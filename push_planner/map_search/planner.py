@@ -29,7 +29,7 @@ from push_planner.map_search.object_distance import (
 from push_planner.map_search.pushes import make_pushes, Pushes
 from push_planner.map_search.scene import Floor, make_scene
 from push_planner.map_search.search import (
-    MapSearch, Margins, SearchEnd, SearchResult, SearchSettings,
+    FINE, MapSearch, Margins, SearchEnd, SearchResult, SearchSettings,
 )
 from push_planner.primitive_push.planner import (
     ApproachPaths, checked_request, friction_belief, lay_out, place_uncertainty,
@@ -214,8 +214,8 @@ class _MapPlanner:
         expansions = 0
         is_exhausted = False
         for margins in self._margins():
-            if is_exhausted and margins.max_expansions == LAST_EXPANSIONS:
-                margins = margins._replace(max_expansions=WIDE_EXPANSIONS, is_wide=True)
+            if margins.is_wide and not is_exhausted:
+                break
             blocked = np.zeros(len(pushes.numbers), dtype=np.bool_)
             for _ in range(MAX_WIDE_PUSHES if margins.is_wide else MAX_FIRST_PUSHES):
                 if expansions >= TOTAL_EXPANSIONS:
@@ -308,7 +308,9 @@ class _MapPlanner:
                               drive.map_clearance, drive.clearance, uncertainty, sigmas, limit)
             yield margins
         if margins is not None:
-            yield margins._replace(max_expansions=LAST_EXPANSIONS)
+            last = margins._replace(max_expansions=LAST_EXPANSIONS, lattice=FINE)
+            yield last
+            yield last._replace(max_expansions=WIDE_EXPANSIONS, is_wide=True)
 
     def _search_settings(self, primitives: PushPrimitives) -> SearchSettings:
         request, costs = self._request, primitives.settings

@@ -103,8 +103,9 @@ def _starts(table: PrimitiveTable, obj: PushedObject, robot_radius: float) -> _S
     numbers = np.flatnonzero(table.curvatures == 0.0)
     places = table.place_indices[numbers]
     is_round = obj.radius > 0.0
-    coarse = ((np.abs(table.tilts[numbers]) <= LARGEST_TILT)
-              & (is_round | (places % PLACE_STRIDE == 0)))
+    tilts = np.abs(table.tilts[numbers])
+    coarse = np.isclose(tilts, 0.0) if is_round else (
+        (tilts <= LARGEST_TILT) & (places % PLACE_STRIDE == 0))
     is_end = np.asarray(np.isclose(table.lengths[:, None], END_LENGTHS).any(axis=1), dtype=bool)
     sides, middles, normals = [], [], []
     for face in range(table.face_count):

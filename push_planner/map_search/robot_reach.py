@@ -21,6 +21,9 @@ HALF_WINDOW, WIDE_WINDOW = 28, 100
 # Where the robot does not get [m]. Finite, see ``object_distance``.
 UNREACHED = 1e9
 DIAGONAL = math.sqrt(2.0)
+# Places on half of the line along which the robot may have been displaced; chosen: see
+# ``map_clearance``.
+AXIS_STEPS = 3
 
 
 class Reach(NamedTuple):
@@ -29,10 +32,13 @@ class Reach(NamedTuple):
 
     :param lengths: of the paths to grid points, shape (n, n), n odd and at least as much as the
         window needs [m]; the middle is at the object.
+    :param moments: integrals of (x, y) along them, from where they start, shape (n, n, 2) [m^2];
+        not used where the heading of the robot does not drift.
     :param queue: of grid points, a ring.
     """
 
     lengths: FloatArray
+    moments: FloatArray
     queue: IntArray
 
 
@@ -44,7 +50,7 @@ class RobotMargins(NamedTuple):
     :param object: from the object [m].
     :param position: what it keeps from obstacles at least as its place is uncertain [m].
     :param slope: growth of that per distance from where it starts [m/m]; all add as squares.
-    :param drift: further growth per distance and length driven [1/m].
+    :param drift: displacement for each lever of the path behind it, as of ``map_clearance`` [1/m].
     """
 
     obstacles: float
@@ -78,9 +84,10 @@ def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
         return
     lengths[row, column] = 0.0
     queue[0] = row * side + column
+    reach.moments[row, column, 0] = reach.moments[row, column, 1] = 0.0
     first, last = 0, 1
     size = queue.shape[0]
-    first_row, first_column = row, column
+    origin = row, column, half
     while first < last:
         number = queue[first % size]
         first += 1
@@ -91,11 +98,13 @@ def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
                 length = lengths[i, j] + step
                 if lengths[a, b] <= length + 1e-6 or last - first >= size:
                     continue
-                away = SPACING * math.sqrt(float(
-                    (a - first_row) * (a - first_row) + (b - first_column) * (b - first_column)))
+                if not _may_drift(scene, margins, pose, reach, (i, j, a, b), origin):
+                    continue
+                distance = SPACING * math.sqrt(float(
+                    (a - row) * (a - row) + (b - column) * (b - column)))
                 if lengths[a, b] >= UNREACHED and not _may_enter(
                         scene, margins, pose, (a - half, b - half), (i - half, j - half),
-                        needed_gap(margins, length, away)):
+                        needed_gap(margins, distance)):
                     continue
                 lengths[a, b] = length
                 queue[last % size] = a * side + b
@@ -125,18 +134,77 @@ def path_length(reach: Any, pose: Any, half: int, x: float, y: float) -> float:
 
 
 @compiled
-def needed_gap(margins: Any, length: float, away: float) -> float:
+def needed_gap(margins: Any, away: float) -> float:
     """
-    Compute what the robot keeps from obstacles.
+    Compute what the robot keeps from obstacles, but for the drift of its heading.
 
     :param margins: ``RobotMargins``.
-    :param length: of its path [m].
     :param away: from where it starts [m].
     :return: gap [m].
     """
-    rising, bending = margins.slope * away, margins.drift * length * away
-    return max(margins.obstacles, math.sqrt(
-        margins.position * margins.position + rising * rising + bending * bending))
+    rising = margins.slope * away
+    return max(margins.obstacles, math.sqrt(margins.position * margins.position + rising * rising))
+
+
+@compiled
+def _may_drift(scene: Any, margins: Any, pose: Any, reach: Any, step: tuple[int, int, int, int],
+               origin: tuple[int, int, int]) -> bool:
+    """
+    Tell whether the robot is clear wherever the drift of its heading displaces it in a step.
+
+    :param scene: ``Scene``.
+    :param margins: ``RobotMargins``.
+    :param pose: (x, y, theta) of the object.
+    :param reach: ``Reach``, of which the moment at the end of the step is written.
+    :param step: from a row and column of the grid to others.
+    :param origin: row and column in which the path starts, and those of the object.
+    """
+    if margins.drift == 0.0:
+        return True
+    i, j, a, b = step
+    row, column, half = origin
+    length = SPACING if a == i or b == j else DIAGONAL * SPACING
+    middle = 0.5 * length * SPACING
+    moments = reach.moments
+    m_x = moments[i, j, 0] + middle * (b + j - 2 * column)
+    m_y = moments[i, j, 1] + middle * (a + i - 2 * row)
+    length += reach.lengths[i, j]
+    away_x, away_y = SPACING * (b - column), SPACING * (a - row)
+    axis = margins.drift * (m_y - length * away_y), margins.drift * (length * away_x - m_x)
+    rising = margins.slope * math.sqrt(away_x * away_x + away_y * away_y)
+    other = math.sqrt(margins.position * margins.position + rising * rising)
+    is_clear = _axis_is_clear(
+        scene, pose[0] + SPACING * (b - half), pose[1] + SPACING * (a - half), axis, other)
+    if is_clear:
+        moments[a, b, 0], moments[a, b, 1] = m_x, m_y
+    return is_clear
+
+
+@compiled
+def _axis_is_clear(scene: Any, x: float, y: float, axis: tuple[float, float],
+                   other: float) -> bool:
+    """
+    Tell whether the robot is clear all along the long axis of the ellipse of its deviations.
+
+    :param scene: ``Scene``.
+    :param x: of the robot [m].
+    :param y: of the robot [m].
+    :param axis: half of it (x, y) [m].
+    :param other: half of the other axis [m].
+    """
+    u, v = axis
+    square = u * u + v * v
+    if square < SPACING * SPACING:
+        return True
+    if clearance(scene.floor, x, y) >= scene.robot_radius + math.sqrt(square + other * other):
+        return True
+    for k in range(1, AXIS_STEPS + 1):
+        part = k / AXIS_STEPS
+        needed = scene.robot_radius + other * math.sqrt(1.0 - part * part)
+        if (clearance(scene.floor, x + part * u, y + part * v) < needed
+                or clearance(scene.floor, x - part * u, y - part * v) < needed):
+            return False
+    return True
 
 
 @compiled

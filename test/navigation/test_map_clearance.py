@@ -21,8 +21,8 @@ DRIFTING = PlaceUncertainty(0.005, 0.02, 0.02)
 ASIDE = Pose(-1.5, -2.2, 0.4)
 
 
-def true_deviations(rows, uncertainty):
-    """Spread of robots that follow a path by odometries with such errors, straight lines each."""
+def drawn_errors(rows, uncertainty):
+    """Errors of robots that follow a path by odometries with such errors, as complex numbers."""
     rng = np.random.default_rng(1)
     steps = np.diff(rows[:, :2], axis=0)
     lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])[:-1]
@@ -34,7 +34,11 @@ def true_deviations(rows, uncertainty):
         moved = moved * (1.0 + scale) * np.exp(1j * turned)
         start = rng.normal(0.0, uncertainty.position, 2) @ (1.0, 1j)
         ends.append(start + np.concatenate([[0.0], np.cumsum(moved)]))
-    errors = np.array(ends) - (rows[:, 0] - rows[0, 0]) - 1j * (rows[:, 1] - rows[0, 1])
+    return np.array(ends) - (rows[:, 0] - rows[0, 0]) - 1j * (rows[:, 1] - rows[0, 1])
+
+
+def true_deviations(rows, uncertainty):
+    errors = drawn_errors(rows, uncertainty)
     return np.maximum(errors.real.std(axis=0), errors.imag.std(axis=0))
 
 
@@ -52,6 +56,21 @@ def test_a_path_keeps_at_least_the_expected_deviation(goal):
     deviations = true_deviations(rows, DRIFTING)
     assert deviations.max() > SETTINGS.map_clearance
     assert (gaps(occupancy_map, rows) >= deviations - 1e-3).all()
+
+
+def test_robots_that_drift_along_a_hallway_pass_the_door_at_its_side():
+    """Of robots drawn so, no more touch than deviate by 1.5 standard deviations."""
+    # A hallway of 1.2 m, and a door of 0.9 m out of it.
+    occupancy_map = walled_room((-3.0, 1.6, -0.05, 0.05), (2.5, 3.0, -0.05, 0.05),
+                                (-3.0, 3.0, 1.25, 3.0))
+    path = plan_path(ROBOT, box(), ASIDE, Pose(-2.5, 0.65, 0.0), Pose(1.9, -1.5, 0.0), SETTINGS,
+                     occupancy_map=occupancy_map, uncertainty=DRIFTING)
+    rows = sample_path(path, ROBOT, 0.05)
+    errors = drawn_errors(rows, DRIFTING)
+    places = np.stack([rows[:, 0] + errors.real, rows[:, 1] + errors.imag], axis=-1)
+    clearances = occupancy_map.clearance(places.reshape(-1, 2)).reshape(errors.shape)
+    assert abs(errors[:, -1]).std() > 0.1
+    assert (clearances.min(axis=1) < ROBOT.radius).mean() < math.erfc(1.5 / math.sqrt(2.0))
 
 
 def test_the_prediction_is_that_of_drawn_robots():

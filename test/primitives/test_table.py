@@ -38,7 +38,7 @@ def test_places_lie_on_the_outline_with_their_normal_inwards():
                 pytest.approx(reach)
             assert x * inward[0] + y * inward[1] < 0.0
     assert [place.face for place in contact_places(BOX)] == [i // 15 for i in range(60)]
-    assert [place.face for place in contact_places(BIN)] == [i // 6 for i in range(24)]
+    assert [place.face for place in contact_places(BIN)] == [i // 12 for i in range(48)]
 
 
 def test_places_keep_from_the_vertices():

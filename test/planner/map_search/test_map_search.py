@@ -190,7 +190,8 @@ def test_the_robot_reaches_what_is_connected():
     gaps = occupancy_map.clearance_in_map_frame(*points.T)
     free = (away >= 0.2 + 1e-6) & (gaps >= 0.22 + 1e-6)
     labels, _ = label(free.reshape(side, side), structure=np.ones((3, 3)))
-    reach = Reach(np.empty((side, side)), np.empty(1 << 14, dtype=np.int64))
+    reach = Reach(np.empty((side, side)), np.empty((side, side, 2)),
+                  np.empty(1 << 14, dtype=np.int64))
     start = int(np.flatnonzero(free)[0])
     fill_reach(scene, margins, pose, points[start], HALF_WINDOW, reach)
     connected = labels == labels.ravel()[start]
@@ -200,6 +201,22 @@ def test_the_robot_reaches_what_is_connected():
     there = points[np.flatnonzero(connected.ravel())[-1]]
     straight = math.dist(there, points[start])
     assert straight <= path_length(reach, pose, HALF_WINDOW, *there) + SPACING
+
+
+def test_a_hallway_is_driven_until_the_drift_fills_it():
+    """A heading that drifts by d moves a robot by d s^2 / 2 across a straight path of length s."""
+    occupancy_map = walled_room((-3.0, 3.0, -3.0, -0.6), (-3.0, 3.0, 0.6, 3.0))
+    scene = make_scene(occupancy_map, BOX, 0.17)
+    # The object is elsewhere.
+    pose, drift = np.array([3.0, 5.5, 0.0]), 0.06
+    half = 56
+    side = 2 * half + 1
+    reach = Reach(np.empty((side, side)), np.empty((side, side, 2)),
+                  np.empty(1 << 14, dtype=np.int64))
+    fill_reach(scene, RobotMargins(0.0, 0.0, drift=drift), pose, (0.3, 3.0), half, reach)
+    row = reach.lengths[half - 50]
+    farthest = row[row < UNREACHED].max()
+    assert math.isclose(farthest, math.sqrt(2.0 * (0.6 - 0.17) / drift), rel_tol=0.05)
 
 
 def test_clearances_of_the_object_are_those_of_its_outline():
