@@ -123,17 +123,26 @@ def numbers_of(values: Any) -> list[float]:
 
 def cache_directory(folder: pathlib.Path = HERE) -> str | None:
     """
-    Return the directory for machine code, made if need be; None where it cannot be written to.
-
-    ``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``.
+    Return the directory for numba's machine code; see ``user_cache``.
 
     :param folder: of the compiled function's module.
+    """
+    return user_cache(_source_digest(folder))
+
+
+def user_cache(name: str) -> str | None:
+    """
+    Return a directory for machine code, made if need be; None where it cannot be written to.
+
+    It lies in ``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``.
+
+    :param name: of the directory.
     """
     root = os.environ.get('NUMBA_CACHE_DIR') or os.environ.get('XDG_CACHE_HOME')
     if not root:
         home = os.path.expanduser('~')
         root = os.path.join(home, '.cache')
-    path = pathlib.Path(root) / 'push_control' / _source_digest(folder)
+    path = pathlib.Path(root) / 'push_control' / name
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -4,7 +4,8 @@ Machine code of casadi functions, for chains of many small evaluations.
 A casadi function of scalars (``SX``) is a list of elementary operations, which casadi interprets
 one by one. Here the list is translated to the intermediate language of LLVM, which comes with
 numba, and compiled while the program runs: several times as fast, and still generated from the
-expressions of ``push_model``. Where llvmlite is missing, casadi evaluates the same function.
+expressions of ``push_model``. The code is kept on disk, under a name made of the operations and
+the processor. Where llvmlite is missing, casadi evaluates the same function.
 
 An evaluation runs over many rows: row k of every argument and result is an array of its own. Rows
 of a result may be rows of an argument too, one further on, so that a row goes on from the one
@@ -14,11 +15,15 @@ before.
 from collections.abc import Callable, Mapping, Sequence
 import ctypes
 import functools
+import hashlib
 import importlib
-from typing import Any, NamedTuple
+import os
+import pathlib
+from typing import Any, NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
+from push_dynamics.compiled import user_cache
 from push_model.geometry import FloatArray
 
 # From this version of LLVM on, pointers have no type.
@@ -129,18 +134,45 @@ def _llvm() -> Any:
 
 
 def _compile(function: Any) -> Any:
+    """Compile a function, or load its machine code; None where there is no compiler."""
     llvm = _llvm()
     if llvm is None:
         return None
+    cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     machine = llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(),
-        opt=OPTIMIZATION, jit=True)
-    module = llvm.parse_assembly(_translate(function, llvm.llvm_version_info[0]))
-    module.triple = machine.triple
-    engine = llvm.create_mcjit_compiler(module, machine)
+        cpu=cpu, features=features, opt=OPTIMIZATION, jit=True)
+    text = _translate(function, llvm.llvm_version_info[0])
+    key = repr((text, cpu, features, llvm.llvm_version_info, OPTIMIZATION)).encode()
+    file = _cache_file(hashlib.sha256(key).hexdigest())
+    if file is None or not file.exists():
+        module = llvm.parse_assembly(text)
+        module.triple = machine.triple
+        code = machine.emit_object(module)
+        _store(file, code)
+    else:
+        code = file.read_bytes()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(''), machine)
+    engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(code))
     engine.finalize_object()
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
     return _Code(engine, prototype(engine.get_function_address('rows')))
+
+
+def _cache_file(name: str) -> Optional[pathlib.Path]:
+    directory = user_cache('expressions')
+    return None if directory is None else pathlib.Path(directory) / f'{name}.o'
+
+
+def _store(file: Optional[pathlib.Path], code: bytes) -> None:
+    """Write machine code to its file, at once as a whole: other processes may read it."""
+    if file is None:
+        return
+    unfinished = file.with_suffix(f'.{os.getpid()}')
+    try:
+        unfinished.write_bytes(code)
+        os.replace(unfinished, file)
+    except OSError:
+        unfinished.unlink(missing_ok=True)
 
 
 def _translate(function: Any, version: int) -> str:
