@@ -295,6 +295,8 @@ def _is_point(value: Any) -> bool:
             and all(isinstance(number, float) for number in value))
 
 
+# Kept for the same reason as the load fractions.
+@functools.lru_cache(maxsize=256)
 def _check_convex(outline: tuple[Any, ...]) -> None:
     for vertex in outline:
         if not _is_point(vertex):

@@ -122,11 +122,31 @@ def _normalised(value: Any, kind: Any, metadata: Mapping[str, Any]) -> Any:
         if not isinstance(value, kind):
             raise _Refused
         return value
-    return _numbers(value, metadata)
+    return _checked_numbers(value, metadata)
+
+
+def _checked_numbers(value: Any, metadata: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Normalise numbers; those of a field of which this is a copy need no second look."""
+    key = id(value), id(metadata)
+    known = _known_numbers.get(key)
+    if known is not None:
+        return known[0]
+    found = _numbers(value, metadata)
+    if len(_known_numbers) >= MAX_KNOWN:
+        _known_numbers.clear()
+    # As both are kept here, no other object has their identity.
+    _known_numbers[id(found), id(metadata)] = found, metadata
+    return found
 
 
 def _is_dataclass_type(kind: Any) -> bool:
     return isinstance(kind, type) and dataclasses.is_dataclass(kind)
+
+
+# Tuples of numbers that were found to be right, by their identity and that of the field.
+_known_numbers: dict[tuple[int, int], tuple[tuple[Any, ...], Mapping[str, Any]]] = {}
+# Number of them that is kept; chosen: variations of some objects and robots take few kB.
+MAX_KNOWN = 256
 
 
 class _Refused(Exception):

@@ -263,9 +263,10 @@ class Estimator:
         """Carry state and covariance to a later time; give the motion of the robot meanwhile."""
         motions: list[RobotMotion] = []
         for duration, twist in self._odometry.between(self._time, time):
-            transition, distance = self.motion.linearize(self.state, twist, duration)
+            rates = self.motion.rates(self.state, twist)
+            transition, distance = self.motion.linearize(self.state, rates, duration)
             motions.append(RobotMotion(twist, duration, distance, self.state.phi))
-            self.state = self.motion.propagate(self.state, twist, duration)
+            self.state = self.motion.propagate(self.state, twist, duration, rates)
             self._covariance = transition @ self._covariance @ transition.T
             self._covariance[range(7), range(7)] += distance * self._noise.walk
         self._time = max(time, self._time)

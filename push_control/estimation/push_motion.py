@@ -65,6 +65,7 @@ class Rates(NamedTuple):
     :param omega: yaw rate [rad/s].
     :param lever: a, C minus F in the object's axes (x, y) [m].
     :param push: v, velocity imposed at C in the object's axes (x, y) [m/s].
+    :param c_squared: of the supports for that push [m^2].
     """
 
     x: float
@@ -72,6 +73,7 @@ class Rates(NamedTuple):
     omega: float
     lever: tuple[float, float]
     push: tuple[float, float]
+    c_squared: float
 
 
 class Linearization(NamedTuple):
@@ -114,25 +116,28 @@ class PushMotion(NamedTuple):
         u_x, u_y = contact_velocity(state.phi, gamma, self.robot_radius, twist)
         lever = c_x - state.p_x, c_y - state.p_y
         if self.is_lost or u_x * math.cos(gamma) + u_y * math.sin(gamma) <= 0.0:
-            return Rates(0.0, 0.0, 0.0, lever, (0.0, 0.0))
+            # Nothing moves, whatever the supports are like.
+            return Rates(0.0, 0.0, 0.0, lever, (0.0, 0.0), 1.0)
         cosine, sine = math.cos(state.theta), math.sin(state.theta)
         push = cosine * u_x + sine * u_y, cosine * u_y - sine * u_x
         c_squared = math.exp(state.q) * self.supports.c_squared(push_angle(lever, push))
         omega = ellipsoid_yaw_rate(c_squared, *lever, *push)
         return Rates(u_x + omega * (sine * c_x + cosine * c_y),
-                     u_y - omega * (cosine * c_x - sine * c_y), omega, lever, push)
+                     u_y - omega * (cosine * c_x - sine * c_y), omega, lever, push, c_squared)
 
-    def propagate(self, state: PushState, twist: Coordinates, duration: float) -> PushState:
+    def propagate(self, state: PushState, twist: Coordinates, duration: float,
+                  rates: Rates | None = None) -> PushState:
         """
         Carry a state over one step (midpoint rule).
 
         :param state: ``PushState``.
         :param twist: mean motion of the robot over the step, robot's axes.
         :param duration: of the step [s].
+        :param rates: ``Rates`` of that state, where they are known already.
         :return: ``PushState``.
         """
         half = 0.5 * duration
-        rates = self.rates(state, twist)
+        rates = rates or self.rates(state, twist)
         middle = state._replace(theta=state.theta + half * rates.omega,
                                 phi=state.phi + half * twist[2])
         rates = self.rates(middle, twist)
@@ -140,19 +145,16 @@ class PushMotion(NamedTuple):
                          state.theta + duration * rates.omega, state.phi + duration * twist[2],
                          state.p_x, state.p_y, state.q)
 
-    def linearize(self, state: PushState, twist: Coordinates, duration: float) -> Linearization:
+    def linearize(self, state: PushState, rates: Rates, duration: float) -> Linearization:
         """
         Linearise one step; the shift of a rolling contact with theta and phi is left out.
 
         :param state: ``PushState``.
-        :param twist: mean motion of the robot over the step, robot's axes.
+        :param rates: ``Rates`` of that state.
         :param duration: of the step [s].
         :return: ``Linearization``.
         """
-        rates = self.rates(state, twist)
-        (a_x, a_y), (v_x, v_y) = rates.lever, rates.push
-        c_squared = math.exp(state.q) * self.supports.c_squared(
-            push_angle(rates.lever, rates.push))
+        (a_x, a_y), (v_x, v_y), c_squared = rates.lever, rates.push, rates.c_squared
         denominator = c_squared + a_x * a_x + a_y * a_y
         # Derivatives of omega by theta, phi, p_x, p_y and q.
         by_phi = (a_x * v_x + a_y * v_y) / denominator

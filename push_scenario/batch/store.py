@@ -146,17 +146,21 @@ def write_table(out: str | PathLike[str], jobs: Sequence[Job], records: Sequence
     :param records: flat dict of each job, None where it failed.
     :param errors: what went wrong, by number of the job.
     """
-    rows: list[dict[str, Any]] = [
-        {'job': index, 'error': errors.get(index, ''), **dict(_columns('job', job)),
-         **(record or {})}
-        for index, (job, record) in enumerate(zip(jobs, records))]
-    columns = list(dict.fromkeys(column for row in rows for column in row))
+    def rows() -> Iterator[dict[str, Any]]:
+        for index, (job, record) in enumerate(zip(jobs, records)):
+            yield {'job': index, 'error': errors.get(index, ''), **dict(_columns('job', job)),
+                   **(record or {})}
+
+    # Row by row, and twice: all rows at once would take more memory than the records.
+    columns: dict[str, None] = {}
+    for row in rows():
+        columns.update(dict.fromkeys(row))
     path = Path(out).with_suffix('.csv')
     unfinished = path.with_suffix('.csv.part')
     with open(unfinished, 'w', encoding='utf-8', newline='') as stream:
-        writer = csv.DictWriter(stream, columns, restval='', lineterminator='\n')
-        writer.writeheader()
-        writer.writerows(rows)
+        writer = csv.writer(stream, lineterminator='\n')
+        writer.writerow(columns)
+        writer.writerows([row.get(column, '') for column in columns] for row in rows())
     os.replace(unfinished, path)
 
 

@@ -14,6 +14,9 @@ from push_sim_node.plant import Plant
 
 JOB_KEYS = ('object', 'robot', 'object_pose', 'robot_pose', 'friction_factors', 'segments',
             'floor')
+# Poses and velocities of a record, in the order of ``Truth``.
+POSE_COLUMNS = tuple(f'{name}_{axis}' for name in ('object', 'object_v', 'robot', 'robot_v')
+                     for axis in ('x', 'y', 'theta'))
 Triple = tuple[float, float, float]
 Parameters = TypeVar('Parameters', PushedObject, RoundRobot)
 
@@ -112,11 +115,8 @@ def _check_names(key: str, names: Iterable[str], kind: Any) -> None:
 
 
 def _record(plant: Plant) -> Record:
-    record: Record = {}
-    for name, values in (('object', plant.object_pose), ('object_v', plant.object_twist),
-                         ('robot', plant.robot_pose), ('robot_v', plant.robot_twist)):
-        record.update((f'{name}_{axis}', value)
-                      for axis, value in zip(('x', 'y', 'theta'), values))
-    record.update(plant.energy._asdict())
-    record.update(mode=plant.mode.value, steps=plant.steps, unsolved_steps=plant.unsolved_steps)
-    return record
+    truth = plant.truth(0.0)
+    return {**dict(zip(POSE_COLUMNS, (*truth.object_pose, *truth.object_twist, *truth.robot_pose,
+                                      *truth.robot_twist))),
+            **truth.energy._asdict(), 'mode': truth.mode.value, 'steps': plant.steps,
+            'unsolved_steps': plant.unsolved_steps}

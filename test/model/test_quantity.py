@@ -42,6 +42,22 @@ class Machine:
         check(self)
 
 
+def test_numbers_that_are_right_in_one_field_are_checked_in_another():
+    """The same tuple, in a field with another range; and again where it was refused."""
+    @dataclasses.dataclass(frozen=True)
+    class Wider:
+        corner: tuple[float, ...] = quantity('corner', 'm', -9.0, 9.0)
+
+        def __post_init__(self):
+            check(self)
+
+    corner = Wider((1, 5.0)).corner
+    assert corner == (1.0, 5.0) and Wider(corner).corner is corner
+    for _ in range(2):
+        with pytest.raises(ValueError, match='Machine.corner'):
+            Machine(1.0, corner=corner)
+
+
 @pytest.mark.parametrize('field, value, expected', [
     ('mass', 0.0, 'a finite number above 0, at most 10 [kg]'),
     ('mass', 10.1, 'a finite number above 0, at most 10 [kg]'),

@@ -50,7 +50,8 @@ def test_the_jacobian_is_that_of_the_motion():
     motion = PushMotion(0.17, VERTEX, LimitSurfaceTable(NOMINAL, VERTEX.point))
     start = np.array((0.1, 0.2, 0.7, 0.72 + math.pi / 4, 0.01, -0.02, 0.3))
     twist, duration, h = Twist(0.15, 0.0, 0.1), 1e-4, 1e-5
-    found, distance = motion.linearize(PushState(*start), twist, duration)
+    state = PushState(*start)
+    found, distance = motion.linearize(state, motion.rates(state, twist), duration)
 
     def after(state):
         return np.array(motion.propagate(PushState(*state), twist, duration))
