@@ -23,6 +23,7 @@ import types
 from typing import Any, Callable, cast, TypeVar
 
 import numpy as np
+from push_dynamics.reservation import reserved
 from push_model import friction, geometry
 
 # Environment variable that keeps the kernel in plain Python, to debug it.
@@ -76,9 +77,12 @@ class CompiledFunction:
         before = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = directory
         try:
-            return numba.njit(cache=True, **options)(self.py_func)
+            dispatcher = numba.njit(cache=True, **options)(self.py_func)
         finally:
             numba.config.CACHE_DIR = before
+        name = f'{self.py_func.__module__}.{self.py_func.__qualname__}'.replace('.', '-')
+        dispatcher.compile = _in_turn(dispatcher.compile, pathlib.Path(directory) / name)
+        return dispatcher
 
     @property
     def is_loaded(self) -> bool:
@@ -171,6 +175,33 @@ def _interpreted_names(module: str) -> dict[str, Any]:
         else:
             names[name] = interpreted(value)
     return names
+
+
+# Files that this process is about to write, by the recursions of the compiler.
+_reserved_here: set[pathlib.Path] = set()
+
+
+def _in_turn(compile_function: Callable[..., Any], path: pathlib.Path) -> Callable[..., Any]:
+    """
+    Let one process compile, and those that started with it wait and load its machine code.
+
+    :param compile_function: of a dispatcher.
+    :param path: what is compiled, without a suffix.
+    """
+    lock = importlib.import_module('numba.core.compiler_lock').global_compiler_lock
+
+    def compile_in_turn(signature: Any) -> Any:
+        # First the lock of the compiler: another thread that has it may want this file.
+        with lock:
+            if path in _reserved_here:
+                return compile_function(signature)
+            _reserved_here.add(path)
+            try:
+                with reserved(path):
+                    return compile_function(signature)
+            finally:
+                _reserved_here.remove(path)
+    return compile_in_turn
 
 
 # One digest for each folder: some dozen functions ask for it.

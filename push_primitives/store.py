@@ -5,10 +5,9 @@ They lie in the user's cache, beside the machine code of the dynamics, in a file
 digest of everything that they depend on: shape, supports, robot, settings and the source text.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 import contextlib
 import dataclasses
-import fcntl
 import functools
 import hashlib
 import os
@@ -19,6 +18,7 @@ import zipfile
 
 import numpy as np
 from push_dynamics.compiled import cache_directory
+from push_dynamics.reservation import reserved
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives import contact_places, placement_errors
@@ -191,25 +191,13 @@ def _kept(path: pathlib.Path | None, make: Callable[[], dict[str, Any]]) -> dict
     """Read arrays, or make and write them: nodes that start together make them once."""
     arrays = _read(path)
     if arrays is None:
-        with _reserved(path):
+        with reserved(path):
             # Another process may have made them while this one waited.
             arrays = _read(path)
             if arrays is None:
                 arrays = make()
                 _write(path, arrays)
     return arrays
-
-
-@contextlib.contextmanager
-def _reserved(path: pathlib.Path | None) -> Generator[None, None, None]:
-    """Let other processes wait that want to make a file too; where it can be written to."""
-    with contextlib.ExitStack() as stack:
-        if path is not None:
-            # On a disk without locks every process makes its own.
-            with contextlib.suppress(OSError):
-                lock = stack.enter_context(path.with_suffix('.lock').open('w'))
-                fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
 
 
 def _read(path: pathlib.Path | None) -> dict[str, Any] | None:
