@@ -1,0 +1,47 @@
+"""Machine code is made once, whoever needs it at the same time."""
+
+import os
+import subprocess
+import sys
+
+from push_dynamics.compiled import IS_COMPILED
+import pytest
+
+MODULE = """
+from push_dynamics.compiled import compiled
+
+@compiled
+def power(base, exponent):
+    return base * power_of_even(base, exponent - 1) if exponent % 2 else power_of_even(
+        base, exponent)
+
+@compiled
+def power_of_even(base, exponent):
+    result = 1.0
+    for _ in range(exponent // 2):
+        result *= base * base
+    return result
+"""
+SCRIPT = """
+import power
+input()
+print(power.power(2.0, 10), sum(function.dispatcher.stats.cache_misses.total() for function in (
+    power.power, power.power_of_even)))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+def test_processes_that_start_together_compile_once(tmp_path):
+    """One compiles both functions, the other loads them."""
+    (tmp_path / 'power.py').write_text(MODULE)
+    environment = {**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path),
+                   'PYTHONPATH': os.pathsep.join([str(tmp_path), *sys.path])}
+    processes = [subprocess.Popen([sys.executable, '-c', SCRIPT], env=environment, text=True,
+                                  stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+                 for _ in range(2)]
+    for process in processes:
+        process.stdin.write('\n')
+        process.stdin.flush()
+    printed = sorted(process.communicate()[0].split() for process in processes)
+    assert printed == [['1024.0', '0'], ['1024.0', '2']]
