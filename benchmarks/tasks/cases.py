@@ -87,7 +87,7 @@ TAG_CONTROL = {'pose_bias': 0.011, 'heading_bias': math.radians(0.5), 'pose_time
 TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
 # True heights of contact and mass centre where 0 is believed [m]; chosen: a bumper, and half the
 # height of a box.
-HEIGHTS = {'contact_height': 0.1, 'center_of_mass_height': 0.15}
+HEIGHTS = {'contact_height': 0.08, 'center_of_mass_height': 0.15}
 # Noise of the place of a robot that knows where it is [m, rad]: as good as none, but above 0.
 INFORMED_NOISE = 1e-4
 SEQUENCES: TaskMethod = 'sequences'
