@@ -9,6 +9,7 @@ done until then. Prints Markdown, and writes it with a figure to a directory if 
 
 import argparse
 import dataclasses
+import functools
 from pathlib import Path
 import time
 from typing import NamedTuple, Optional, Sequence
@@ -18,6 +19,7 @@ from benchmarks.planner.measure import Answer, collect, measure
 from benchmarks.planner.nlp_solvers import compare_solvers, Quality, quality, SolverRun
 from benchmarks.planner.report import picture, text
 from benchmarks.planner.shooting import shoot, Shot
+from benchmarks.planner.sites import Choice, choices, KINDS
 from benchmarks.planner.vehicle_bound import BoundComparison
 import numpy as np
 from push_model.geometry import Pose
@@ -34,6 +36,12 @@ MOVED_SEED = 11
 MOVED = 0.05
 
 
+# Numbers that growth is measured over: segments of slow pushes, faces.
+SEGMENT_COUNTS = 12, 24, 48, 96, 192
+SLOW_SPEEDS = (0.25,)
+FACE_COUNTS = 3, 4, 6, 8, 12
+
+
 class Results(NamedTuple):
     """
     All measurements.
@@ -46,6 +54,8 @@ class Results(NamedTuple):
     :param bounded: name -> (time over the vehicle bound, over the upper one) of each push.
     :param solvers: ``SolverRun`` of each solver.
     :param starts: number of random starts.
+    :param sites: name of a drive -> ``Choice`` of each goal.
+    :param growth: (what, number, CPU times [s]).
     """
 
     kinds: dict[str, list[Answer]]
@@ -56,6 +66,8 @@ class Results(NamedTuple):
     bounded: dict[str, list[tuple[float, float]]]
     solvers: list[SolverRun]
     starts: int
+    sites: dict[str, list[Choice]]
+    growth: list[tuple[str, int, list[float]]]
 
 
 def family(name: str, make: ProblemMaker, count: int, warm: int) -> list[Answer]:
@@ -120,6 +132,7 @@ def options() -> argparse.Namespace:
     parser.add_argument('--starts', type=int, default=64, help='random starts of each')
     parser.add_argument('--bounded', type=int, default=100,
                         help='pushes of each compared with the vehicle bound')
+    parser.add_argument('--sites', type=int, default=30, help='goals for the choice of a site')
     parser.add_argument('--solvers', type=int, default=20, help='goals for each solver')
     parser.add_argument('--compiled', action='store_true',
                         help='compile an NLP for the comparison of solvers: minutes')
@@ -129,6 +142,7 @@ def options() -> argparse.Namespace:
     if chosen.quick:
         chosen.goals, chosen.others, chosen.warm, chosen.shots, chosen.fine = 20, 4, 3, 3, 0
         chosen.quality, chosen.bounded, chosen.starts, chosen.solvers = 2, 2, 8, 3
+        chosen.sites = 3
     return chosen
 
 
@@ -145,7 +159,22 @@ def measure_all(chosen: argparse.Namespace) -> Results:
         warm_starts(square[:chosen.others]), quality_of(square, boxes, chosen),
         bounded(square, boxes, chosen.bounded),
         compare_solvers([answer.problem for answer in square[:chosen.solvers]], chosen.compiled),
-        chosen.starts)
+        chosen.starts, {kind: choices(kind, chosen.sites, chosen.warm) for kind in KINDS},
+        growth(chosen))
+
+
+def growth(chosen: argparse.Namespace) -> list[tuple[str, int, list[float]]]:
+    """Measure how plans grow with their segments, and choices of sites with the faces."""
+    found: list[tuple[str, int, list[float]]] = []
+    for count in SEGMENT_COUNTS:
+        make = functools.partial(mid_face, speeds=SLOW_SPEEDS, segments=count, segment_length=20.0)
+        answers = family(f'{count} segments', make, chosen.solvers, 3)
+        found.append(('segments of a plan', count, [answer.cpu for answer in answers]))
+    for faces in FACE_COUNTS:
+        sites = choices('holonomic', chosen.solvers, 3, faces)
+        found.append(('faces of an object, choosing a site', faces,
+                      [choice.cpu for choice in sites if choice.found]))
+    return found
 
 
 def quality_of(square: Sequence[Answer], boxes: Sequence[Answer],

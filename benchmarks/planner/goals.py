@@ -28,6 +28,7 @@ ROLLED_FRACTION = 0.8
 ROLLED_KNOTS = 5
 ROLLED_RADII = 0.05, 0.1, 0.17, 0.3
 ROLLED_DISTANCES = 0.2, 2.0
+DIFFERENTIAL = 'random boxes, vertex, differential'
 ProblemMaker = Callable[[np.random.Generator], PushProblem]
 
 
@@ -182,7 +183,7 @@ def families() -> dict[str, ProblemMaker]:
     kinds: dict[str, ProblemMaker] = {
         'random boxes, face, holonomic': random_face,
         'square, vertex, differential': vertex,
-        'random boxes, vertex, differential': lambda rng: vertex(
+        DIFFERENTIAL: lambda rng: vertex(
             rng, random_box(rng), rng.choice((0.1, 0.17, 0.25, 0.5))),
         'random boxes, vertex, holonomic': lambda rng: vertex(
             rng, random_box(rng), drive='holonomic', speeds=SPEEDS),

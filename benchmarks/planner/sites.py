@@ -8,14 +8,15 @@ built before. Prints Markdown.
 import argparse
 import math
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 from benchmarks.planner.measure import collect
-from benchmarks.planner.tables import table
+from benchmarks.planner.tables import site_table
 import numpy as np
 from push_model.files import data
 from push_model.files.parameter_files import read_object, read_robot
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject, Support
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.site_selection import choose_site
@@ -41,13 +42,41 @@ def goals(count: int, seed: int) -> list[tuple[Pose, float]]:
     return drawn
 
 
-def measure(kind: str, count: int, seed: int, title: str) -> list[tuple[float, bool]]:
-    """Choose a site for each goal; return list of (CPU time [s], whether there is one)."""
-    obj = read_object(data.config_file(f'objects/{BOX}.yaml'))
+class Choice(NamedTuple):
+    """
+    Choice of a site.
+
+    :param cpu: CPU time [s].
+    :param found: whether there is one.
+    :param faces: number of faces of the object.
+    """
+
+    cpu: float
+    found: bool
+    faces: int
+
+
+def polygon(faces: int) -> PushedObject:
+    """Return a regular object on a foot at each corner, about as large as the box."""
+    corners = tuple((0.28 * math.cos(angle), 0.28 * math.sin(angle))
+                    for angle in 2.0 * math.pi * np.arange(faces) / faces)
+    return PushedObject(2.0, supports=tuple(Support(x, y, 0.3) for x, y in corners),
+                        outline=corners)
+
+
+def choices(kind: str, count: int, warm: int, faces: int = 4) -> list[Choice]:
+    """Choose sites for random goals, after some others so that every program has been built."""
+    measure(kind, warm, WARM_SEED, f'sites, {kind}, to warm up', faces)
+    return measure(kind, count, SEED, f'sites, {kind}, {faces} faces', faces)
+
+
+def measure(kind: str, count: int, seed: int, title: str, faces: int = 4) -> list[Choice]:
+    """Choose a site for each goal."""
+    obj = read_object(data.config_file(f'objects/{BOX}.yaml')) if faces == 4 else polygon(faces)
     name, settings = KINDS[kind]
     robot = read_robot(data.config_file(f'robots/{name}.yaml'))
 
-    def choose(drawn: tuple[Pose, float]) -> tuple[float, bool]:
+    def choose(drawn: tuple[Pose, float]) -> Choice:
         goal, speed = drawn
         began = time.process_time()
         try:
@@ -56,7 +85,7 @@ def measure(kind: str, count: int, seed: int, title: str) -> list[tuple[float, b
             found = True
         except PlanningFailed:
             found = False
-        return time.process_time() - began, found
+        return Choice(time.process_time() - began, found, faces)
     return collect(goals(count, seed), title, choose)
 
 
@@ -66,16 +95,7 @@ def main() -> None:
     parser.add_argument('--goals', type=int, default=60, help='of each kind of drive')
     parser.add_argument('--warm', type=int, default=8, help='goals of each before')
     chosen = parser.parse_args()
-    rows: list[tuple[Any, ...]] = []
-    for kind in KINDS:
-        measure(kind, chosen.warm, WARM_SEED, f'{kind}, to warm up')
-        found = measure(kind, chosen.goals, SEED, kind)
-        for name, times in (('a site', [cpu for cpu, done in found if done]),
-                            ('none', [cpu for cpu, done in found if not done])):
-            if times:
-                rows.append((kind, name, len(times), *(f'{value:.2f}' for value in (
-                    np.median(times), np.percentile(times, 95), max(times)))))
-    print(table(['drive', 'answer', 'goals', 'CPU s, median', 'p95', 'max'], rows))
+    print(site_table({kind: choices(kind, chosen.goals, chosen.warm) for kind in KINDS}))
 
 
 if __name__ == '__main__':

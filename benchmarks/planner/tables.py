@@ -2,15 +2,25 @@
 
 import collections
 import math
-from typing import Any, Iterable, Sequence
+from typing import Any, Iterable, Mapping, Protocol, Sequence
 
 from benchmarks.planner.measure import Answer
 from benchmarks.planner.nlp_solvers import Quality, SolverRun
 from benchmarks.planner.shooting import Shot
 import numpy as np
 
-# Aim that was set for the duration above the best of random starts [%].
-GAP_AIM = 0.5
+# Duration above the best of random starts that counts as small [%]; chosen.
+SMALL_GAP = 0.5
+
+
+class SiteTimes(Protocol):
+    """CPU time [s] of a choice of a site, and whether there is one."""
+
+    @property
+    def cpu(self) -> float: ...  # noqa: D102
+
+    @property
+    def found(self) -> bool: ...  # noqa: D102
 
 
 def table(head: Sequence[Any], rows: Iterable[Sequence[Any]]) -> str:
@@ -110,11 +120,11 @@ def quality_table(groups: dict[str, list[Quality]]) -> str:
     for name, found in groups.items():
         gaps = [100.0 * item.gap for item in found]
         rows.append([name, len(found), *spread(gaps, '{:.2f}', 1.0),
-                     sum(gap <= GAP_AIM for gap in gaps),
+                     sum(gap <= SMALL_GAP for gap in gaps),
                      f'{np.mean([item.converged for item in found]):.0f}' if found else '',
                      sum(item.below_bound for item in found)])
     return table(['', 'pushes', 'above the best start by %, median', 'p95', 'max',
-                  f'within {GAP_AIM} %', 'starts that converged, mean', 'below the bound'], rows)
+                  f'within {SMALL_GAP} %', 'starts that converged, mean', 'below the bound'], rows)
 
 
 def bound_table(groups: dict[str, list[tuple[float, float]]]) -> str:
@@ -140,3 +150,25 @@ def solver_table(rows: Sequence[SolverRun]) -> str:
                  [[run.name, f'{run.solved}/{run.tried}', *spread(run.cpu),
                    f'{np.median(run.iterations):.0f}' if run.iterations else '',
                    greatest(run.gaps, '{:.3f}', 100.0)] for run in rows])
+
+
+def site_table(kinds: Mapping[str, Sequence[SiteTimes]]) -> str:
+    """Write the choice of the contact site, by the kind of drive and the answer."""
+    rows: list[list[Any]] = []
+    for kind, found in kinds.items():
+        for name, done in (('a site', True), ('none', False)):
+            times = [choice.cpu for choice in found if choice.found == done]
+            if times:
+                rows.append([kind, name, len(times), *spread(times)])
+    return table(['drive', 'answer', 'goals', 'CPU ms, median', 'p95', 'max'], rows)
+
+
+def growth_table(found: Sequence[tuple[str, int, Sequence[float]]]) -> str:
+    """Write CPU times over a number, each beside that of the first of its kind."""
+    rows: list[list[Any]] = []
+    first: dict[str, float] = {}
+    for name, count, times in found:
+        median = float(np.median(times))
+        first.setdefault(name, median)
+        rows.append([name, count, f'{1e3 * median:.1f}', f'{median / first[name]:.2f}'])
+    return table(['', 'number', 'CPU ms, median', 'over the first'], rows)
