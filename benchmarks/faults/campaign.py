@@ -53,8 +53,8 @@ NODE_SCENARIO = 'task_tap'
 # How long a fault lasts [s]: for a while, after which the input is ok again, or to the end.
 DURATIONS = 2.0, math.inf
 # Simulated time after the fault in which a run has to end [s]; chosen: longer than all time limits
-# of the supervisor, and than twelve attempts.
-TIME_AFTER = 150.0
+# of the supervisor, and than some dozens of attempts.
+TIME_AFTER = 300.0
 # The same where the controller's node is over DDS; chosen: some attempts, and time-outs of plans.
 NODE_TIME_AFTER = 60.0
 # Planning time of tasks [s]; chosen: the usual one with primitives.

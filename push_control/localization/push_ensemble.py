@@ -242,6 +242,11 @@ class PushEnsemble:
             math.hypot(drift, HEADING_WALK_SHARE * noise.heading_walk))
 
     @property
+    def odometry_scale(self) -> float:
+        """Estimated part by which odometry means more motion than there is."""
+        return float(self.members.parameters[:, SCALE].mean())
+
+    @property
     def contact_ratio(self) -> float:
         """Ratio of members in which the robot touches the object."""
         return self.members.contact_ratio

@@ -45,7 +45,7 @@ class OtherCommanders:
         self._names: list[str] = []
         self._subscription: Subscription | None = None
         self._own: deque[tuple[Any, ...]] = deque(maxlen=OWN_COMMANDS)
-        self._heard_at = 0.0
+        self._driven_at = 0.0
         self._timer = node.create_timer(PERIOD, node.guarded(self._look),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME),
                                         callback_group=node.background)
@@ -77,8 +77,8 @@ class OtherCommanders:
             twist = message.twist if self._stamped else message
             moves = any((twist.linear.x, twist.linear.y, twist.angular.z))
             if moves and self._key(message) not in self._own:
-                self._heard_at = time.monotonic()
-        return time.monotonic() - self._heard_at < MEMORY
+                self._driven_at = time.monotonic()
+        return time.monotonic() - self._driven_at < MEMORY
 
     def _look(self) -> None:
         infos = self._node.get_publishers_info_by_topic(TOPIC)
@@ -94,15 +94,15 @@ class OtherCommanders:
         self._names = sorted(names)
         self._listen(bool(names))
 
-    def _listen(self, is_wanted: bool) -> None:
-        if is_wanted and self._subscription is None:
+    def _listen(self, is_needed: bool) -> None:
+        if is_needed and self._subscription is None:
             # Taken where it is asked for: no executor waits for it.
             group = BackgroundGroup()
             group.is_open = False
             self._subscription = self._node.create_subscription(
                 TOPICS[TOPIC].message_type(self._stamped), TOPIC, _ignore, LATEST_COMMANDS,
                 callback_group=group)
-        elif not is_wanted and self._subscription is not None:
+        elif not is_needed and self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
             self._own.clear()

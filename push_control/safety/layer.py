@@ -162,6 +162,7 @@ class SafetyLayer:
             self.report = SafetyReason.COMMAND_NOT_FINITE.report(command=tuple(command))
         sent = STOP if self.report is not None else self._limited(command)
         self._monitor.add_command(sent, time)
+        self._odometry_check.add_command(sent, time)
         return sent
 
     def stop(self, report: SafetyReport) -> None:

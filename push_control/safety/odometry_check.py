@@ -15,7 +15,7 @@ from typing import NamedTuple
 from push_control.safety.status import SafetyReason, SafetyReport
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_model.signals import Odometry
+from push_model.signals import Odometry, STOP, Twist
 
 # What a step may differ from its twist: constant part [m], [rad], and over what twist, or the
 # limits of the robot where the step is long, mean; chosen: the rounding of bases, and one step of
@@ -23,6 +23,8 @@ from push_model.signals import Odometry
 JUMP_DISTANCE = 0.03
 JUMP_ROTATION = 0.08
 JUMP_RATIO = 1.0
+# What a robot may move over what it was commanded to; chosen: it follows with a lag.
+COMMAND_RATIO = 1.5
 # The same where the pose is absolute, which corrects itself [m], [rad]; chosen: a correction of a
 # map's localization.
 ABSOLUTE_JUMP_DISTANCE = 0.15
@@ -100,10 +102,26 @@ class OdometryCheck:
         self._course: deque[_Course] = deque()
         # Time at which the present pose came first [s].
         self._pose_since = 0.0
+        # Command that was sent last, and when [s]; and what commands add up to since the pose of
+        # odometry has last changed [m], [rad].
+        self._commanded = STOP, 0.0
+        self._commanded_distance = self._commanded_rotation = 0.0
         # Newest of those that came after ``_last`` with stamps before it, and whether each pose
         # continues the one before.
         self._late: Odometry | None = None
         self._is_continuous = True
+
+    def add_command(self, command: Twist, time: float) -> None:
+        """
+        Note a command, which tells where the robot may have come while odometry stands still.
+
+        :param command: ``Twist``, finite, that was sent.
+        :param time: when [s].
+        """
+        (before, since), self._commanded = self._commanded, (command, time)
+        duration = min(max(0.0, time - since), LONG_STEP)
+        self._commanded_distance += duration * math.hypot(before.v_x, before.v_y)
+        self._commanded_rotation += duration * abs(before.omega)
 
     def continue_late(self, odometry: Odometry) -> None:
         """
@@ -146,6 +164,12 @@ class OdometryCheck:
             fault = self._jump(late, odometry, integrated_step(late, odometry))
             self._restart(odometry)
             return fault
+        if odometry.pose != last.pose:
+            if fault is not None and self._explains(last.pose.inverse() @ odometry.pose):
+                # Odometry had stood still, and has caught up.
+                fault = None
+                self._restart(odometry)
+            self._commanded_distance = self._commanded_rotation = 0.0
         if fault is not None or odometry.time - last.time > LONG_STEP:
             self._restart(odometry)
             return fault
@@ -189,6 +213,13 @@ class OdometryCheck:
             return None
         return SafetyReason.ODOMETRY_JUMPED.report(distance=offset,
                                                    rotation=math.degrees(rotation))
+
+    def _explains(self, moved: Pose) -> bool:
+        """Tell whether the commands since odometry has stood still may have moved the robot so."""
+        return (math.hypot(moved.x, moved.y)
+                <= JUMP_DISTANCE + COMMAND_RATIO * self._commanded_distance
+                and abs(wrap_angle(moved.theta))
+                <= JUMP_ROTATION + COMMAND_RATIO * self._commanded_rotation)
 
     def _contradiction(self) -> SafetyReport | None:
         first, last = self._samples[0], self._samples[-1]

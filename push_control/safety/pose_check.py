@@ -6,6 +6,7 @@ each other: then somebody has moved the object. A tracker whose poses have shown
 repeat to the last digit, measures nothing any more.
 """
 
+from collections import deque
 import math
 
 import numpy as np
@@ -24,14 +25,14 @@ AGREEING_COUNT = 3
 # Time without any pose after which the next one is believed wherever it is [s]; chosen: somebody
 # may have moved the object meanwhile.
 LONGEST_GAP = 1.0
-# First steps by which it is known whether a tracker shows noise, in how many of them the change of
-# the step changes its sign where that is noise, and the least mean change that is [m], [rad];
+# Steps by which it is known whether a tracker shows noise, in how many of them the change of the
+# step changes its sign where that is noise, and the least mean change that is [m], [rad];
 # chosen: noise changes it in three of four, motion seldom, and rounding is far below.
-NOISE_STEPS = 20
-SIGN_CHANGES = 8
+NOISE_STEPS = 12
+SIGN_CHANGES = 5
 LEAST_NOISE = 1e-5
-# Times that a noisy pose may come again; chosen: messages may be more frequent than images.
-MAX_REPETITIONS = 5
+# Times that a noisy pose may come again; chosen: a message or two may be sent twice.
+MAX_REPETITIONS = 3
 
 
 class PoseCheck:
@@ -99,24 +100,25 @@ class PoseCheck:
 
 
 class _NoiseTest:
-    """Whether the first poses differ from each other as by noise, and not as by motion."""
+    """Whether poses differ from each other as by noise, and not as by motion."""
 
     def __init__(self) -> None:
-        self._steps: list[tuple[float, float, float]] = []
+        self._steps: deque[tuple[float, float, float]] = deque(maxlen=NOISE_STEPS)
+        self._has_repeated = False
         self.is_noisy = False
 
     def add(self, last: Pose, pose: Pose) -> None:
         """Take in a pose and the one before it."""
-        steps = self._steps
-        if len(steps) >= NOISE_STEPS:
+        if self.is_noisy or self._has_repeated:
             return
-        steps.append((pose.x - last.x, pose.y - last.y, wrap_angle(pose.theta - last.theta)))
-        if len(steps) == NOISE_STEPS:
-            changes = np.diff(np.array(steps), axis=0)
+        # A tracker that repeats itself now and then, as one that rounds, is never known to freeze.
+        self._has_repeated = pose == last
+        self._steps.append((pose.x - last.x, pose.y - last.y, wrap_angle(pose.theta - last.theta)))
+        if len(self._steps) == NOISE_STEPS and not self._has_repeated:
+            changes = np.diff(np.array(self._steps), axis=0)
             sign_changes = (changes[1:] * changes[:-1] < 0.0).sum(axis=0)
-            self.is_noisy = bool(
-                (0.0, 0.0, 0.0) not in steps and sign_changes.min() >= SIGN_CHANGES
-                and np.abs(changes).mean(axis=0).min() > LEAST_NOISE)
+            self.is_noisy = bool(sign_changes.min() >= SIGN_CHANGES
+                                 and np.abs(changes).mean(axis=0).min() > LEAST_NOISE)
 
 
 def _jumps(before: Pose, pose: Pose, duration: float) -> bool:

@@ -35,6 +35,8 @@ NOISY_RATIO = 1.6
 # noticed and until it stands.
 JUMP_STD = 0.03, 0.03
 DISTRUST_STD = 0.08, 0.05
+# Standard deviations of the scale of odometry beyond which an estimate of it is no chance; chosen.
+UNLIKELY_SIGMAS = 4.0
 # Errors of the object at rest over the standard deviations of an ensemble that estimates a bias,
 # which is too sure; measured: 1.1 to 1.3 in the root mean square.
 DEVIATION_FACTOR = 1.3
@@ -125,6 +127,12 @@ class StationarityWindow:
                              wrap_angle(pose.theta - self._first_heading),
                              position_deviation ** 2, heading_deviation ** 2))
         self._average = self._averaged()
+
+    @property
+    def repeats_pose(self) -> bool:
+        """Whether the last poses are one, to the last digit."""
+        return (len(self._latest) == NOISE_POSES
+                and len({measured.pose for measured in self._latest}) == 1)
 
     @property
     def object_at_rest(self) -> ObjectAtRest | None:
@@ -341,6 +349,20 @@ class TaskPerception:
     def unrest(self) -> str:
         """Why the object does not come to rest, one sentence."""
         return self._window.unrest()
+
+    @property
+    def repeats_pose(self) -> bool:
+        """Whether the last object poses are one, to the last digit."""
+        return self._window.repeats_pose
+
+    @property
+    def odometry_doubt(self) -> str:
+        """What is wrong with odometry by the contacts with the object; empty where nothing is."""
+        scale = self.localization.odometry_scale
+        if abs(scale) <= UNLIKELY_SIGMAS * self._supervision.odometry_scale:
+            return ''
+        return (f'odometry means {100.0 * abs(scale):.0f} % {"more" if scale > 0.0 else "less"} '
+                'motion than there is, as where wheels slip')
 
     def restart_averaging(self, time: float) -> None:
         """

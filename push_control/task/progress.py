@@ -19,6 +19,10 @@ ATTEMPTS_PER_REDUCTION = 2
 MAX_INSPECTIONS = 3
 # Stops by the safety layer in one task; chosen: one may be a person, and one the next time.
 MAX_SAFETY_STOPS = 3
+# Pushes in a row that may leave the object pose as it was, to the last digit; chosen: the robot
+# may have missed the object once or twice, and a tracker that is frozen from the start shows no
+# more.
+MAX_UNSEEN_PUSHES = 3
 # Pushes to waypoints as planned that may bring the object no nearer to its goal, over the attempts
 # that may; chosen: a detour through three rooms takes some thirty pushes.
 WAYPOINTS_PER_ATTEMPT = 4
@@ -61,6 +65,7 @@ class ProgressMonitor:
         self.aim = aim
         self._inspections = 0
         self._safety_stops = 0
+        self._unseen_pushes = 0
         self._least_error = math.inf
         self._least_time = math.inf
         self._attempts = 0
@@ -91,6 +96,14 @@ class ProgressMonitor:
         """Count a stop by the safety layer; return whether it is one too many."""
         self._safety_stops += 1
         return self._safety_stops >= MAX_SAFETY_STOPS
+
+    def count_push(self, repeats_pose: bool) -> None:
+        """
+        Count a push that has ended.
+
+        :param repeats_pose: whether the object pose is what it was before, to the last digit.
+        """
+        self._unseen_pushes = self._unseen_pushes + 1 if repeats_pose else 0
 
     def count_inspection(self, object_at_rest: ObjectAtRest) -> None:
         """
@@ -180,6 +193,9 @@ class ProgressMonitor:
     @property
     def abort_reason(self) -> str:
         """Why the task is to be aborted, empty while it is not."""
+        if self._unseen_pushes >= MAX_UNSEEN_PUSHES:
+            return (f'aborted: {self._unseen_pushes} pushes have left the object pose as it was, '
+                    'to the last digit: the tracker is frozen, or the robot pushes elsewhere')
         if self._attempts < self.settings.max_attempts:
             return self._uncertainty or self._planning_failure
         last = f'; last failure: {self._last_failure}' if self._last_failure else ''
@@ -188,6 +204,8 @@ class ProgressMonitor:
     @property
     def failure(self) -> TaskFailure | None:
         """Why the task is to be aborted, None while it is not."""
+        if self._unseen_pushes >= MAX_UNSEEN_PUSHES:
+            return TaskFailure.NO_MEASUREMENTS
         if self._attempts >= self.settings.max_attempts:
             return TaskFailure.NO_PROGRESS
         return TaskFailure.NO_PLAN if self._planning_failure else None

@@ -463,8 +463,7 @@ class Supervisor:
         elif check is GoalCheck.UNSEEN:
             self._inspect(object_at_rest)
         elif check is GoalCheck.MISSED and self._progress.abort_reason:
-            self._enter(TaskState.FAILED, self._progress.abort_reason)
-            self._entered = dataclasses.replace(self._entered, failure=self._progress.failure)
+            self._abort()
         elif check is GoalCheck.MISSED:
             self._behaviors.correct_overlap(perception)
             localization, knowledge = perception.localization, perception.localization.knowledge
@@ -475,6 +474,14 @@ class Supervisor:
                 knowledge.center_deviation, knowledge.contact_friction_deviation,
                 uncertainty.slope, uncertainty.drift)
             self._pending = _PendingRequest(request, now)
+
+    def _abort(self) -> None:
+        """Give the task up for want of progress, and say what odometry may have to do with it."""
+        reason, failure = self._progress.abort_reason, self._progress.failure
+        if failure is TaskFailure.NO_PROGRESS and self._perception.odometry_doubt:
+            reason += f'; {self._perception.odometry_doubt}'
+        self._enter(TaskState.FAILED, reason)
+        self._entered = dataclasses.replace(self._entered, failure=failure)
 
     def _await_rest(self) -> None:
         """Say why the object does not come to rest, and give up after a while."""
@@ -541,6 +548,8 @@ class Supervisor:
             # After the retreat of a task that was cancelled.
             state = TaskState.IDLE
         push, now = self._push_status(), self._perception.time
+        if self._entered.state is TaskState.PUSH:
+            self._progress.count_push(self._perception.repeats_pose)
         self._pending = None
         self._moving_since = None
         self._behavior = self._behaviors.create(state, self._plan, self._goal, self._perception)

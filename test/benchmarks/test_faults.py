@@ -4,8 +4,12 @@ import math
 
 from benchmarks.faults.campaign import Case, draw, run
 from benchmarks.faults.injection import Fault, Input, SIMULATED, Word, words_of
-from benchmarks.faults.report import table
-from benchmarks.faults.row import Ending
+from benchmarks.faults.process_rig import (
+    append_process_row, process_faults, ProcessRow, read_process_rows,
+)
+from benchmarks.faults.report import Findings, table, write_report
+from benchmarks.faults.row import Ending, Row
+from benchmarks.faults.soak import read_tasks, Sample, SoakTask, write_tasks
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -60,3 +64,36 @@ def test_every_word_is_drawn_for_every_input():
     row = run(Case(PUSH, Fault(Input.POSE, Word.SLOW, 1.0, 1.5)), time_after=1.0)
     lines = table([row._replace(fault=case.fault) for case in drawn]).splitlines()
     assert len(lines) == 2 + 2 * sum(words.values())
+
+
+def test_the_report_has_everything(tmp_path):
+    """Runs, stops, processes and the soak; numbers that were not measured leave no hole."""
+    fault = Fault(Input.POSE, Word.OFF, 1.0, math.inf)
+    row = Row(PUSH, fault, Ending.FAILED, 'object pose is stale', True, 0.2, 0.03, 0.0)
+    process = ProcessRow(process_faults()[0], Ending.WAITS, 'waits for a goal', False, math.nan)
+    node = Sample(100.0, 18, 15, 0.5)
+    task = SoakTask(True, '', 5.0, 2.0, {'push_sim': node})
+    path = tmp_path / 'faults.md'
+    for findings in (Findings([row], [process], [task] * 20), Findings([row], [], [])):
+        write_report(path, findings, '--count 1')
+        text = path.read_text(encoding='utf-8')
+        assert '@' not in text and '--count 1' in text
+        assert '| odometry or poses off, stuck or garbage | 1 | 0.20 |' in text
+    write_report(path, Findings([row], [process], [task] * 20), '')
+    text = path.read_text(encoding='utf-8')
+    assert '1 unexplained' in text and 'waits, unexplained' in text
+    assert '20 tasks in a row, 100 s simulated: 20 done.' in text
+    assert '| `push_sim`: memory [MB] | 100.0 | 100.0 | 1.000 |' in text
+
+
+def test_what_was_found_is_read_back(tmp_path):
+    """As it was written."""
+    rows = [ProcessRow(fault, Ending.DONE, '', True, 0.5) for fault in process_faults()]
+    assert len(set(process_faults())) == len(rows)
+    for row in rows:
+        append_process_row(tmp_path / 'processes.jsonl', row)
+    assert read_process_rows(tmp_path / 'processes.jsonl') == rows
+    tasks = [SoakTask(False, 'reason', 5.0, 2.0, {'push_sim': Sample(1.0, 2, 3, 4.0)})]
+    write_tasks(tmp_path / 'soak.json', tasks)
+    assert read_tasks(tmp_path / 'soak.json') == tasks
+    assert read_tasks(tmp_path / 'none') == [] == read_process_rows(tmp_path / 'none')

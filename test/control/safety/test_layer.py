@@ -9,7 +9,7 @@ from push_control.safety.motion_monitor import RESPONSE_TIME
 from push_control.safety.status import SafetyReason, SafetyState
 from push_dynamics.actuation import track_command
 from push_dynamics.layout import MAX_ACCELERATION, MAX_YAW_ACCELERATION, TIME_CONSTANT
-from push_model.geometry import Pose, wrap_angle
+from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.signals import Odometry, STOP, Twist
 import pytest
@@ -236,6 +236,26 @@ def test_who_else_commands_the_base_is_named():
     _, report = driven(layer, base, Twist(0.2, 0.0, 0.0), 3.0,
                        heed=lambda sent: Twist(0.0, 0.0, 1.0))
     assert report.reason is SafetyReason.COMMANDED_BY_OTHERS and '/teleop' in str(report)
+
+
+@pytest.mark.parametrize('drive', ROBOTS)
+def test_odometry_that_has_stood_still_and_catches_up_has_not_jumped(drive):
+    """Where the commands since explain it; where the robot was not commanded, it has jumped."""
+    for command, is_explained in ((Twist(0.2, 0.0, 1.0), True), (STOP, False)):
+        layer, base = SafetyLayer(ROBOTS[drive], BOX), Base(ROBOTS[drive])
+        driven(layer, base, command, 0.5, lambda odometry: odometry)
+        frozen = base.odometry
+        for _ in range(100):
+            layer.observe(frozen._replace(time=base.odometry.time, twist=STOP))
+            base.drive(layer.filter(command, base.odometry.time))
+        here = base.odometry
+        if not is_explained:
+            here = here._replace(pose=Pose(0.1, 0.0, 0.0) @ here.pose)
+        layer.observe(here._replace(time=here.time + PERIOD))
+        found = layer.observe(here._replace(time=here.time + 2 * PERIOD))
+        assert distance(frozen.pose, here.pose) > 0.05 and found is None
+        assert (layer.report is not None
+                and layer.report.reason is SafetyReason.ODOMETRY_JUMPED) is not is_explained
 
 
 def test_frozen_odometry_stops_the_robot():

@@ -5,9 +5,10 @@ import math
 from helpers.objects import bin_, box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
+from push_control.localization.members import SCALE
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
-from push_control.task.perception import StationarityWindow, TaskPerception
+from push_control.task.perception import NOISE_POSES, StationarityWindow, TaskPerception
 from push_control.task.settings import SupervisionSettings
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
@@ -104,3 +105,22 @@ def test_what_moves_an_object_twice_is_the_robot_behind_it(angle):
     assert back[0] < -0.3 and abs(back[1]) < 0.05
     assert 0.0 <= perception.gap(box(), HOLONOMIC) < 0.15
     assert perception.localization.position_deviation < 0.2
+
+
+def test_odometry_that_means_more_than_the_robot_moves_is_named():
+    """By what the contacts have shown; a scale within its deviation is none."""
+    perception = seen(box(), Pose(-1.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0), 0.0)
+    assert perception.odometry_doubt == ''
+    perception.localization.members.parameters[:, SCALE] += 0.15
+    assert 'odometry means 15 % more motion than there is' in perception.odometry_doubt
+
+
+def test_poses_that_are_one_to_the_last_digit_are_known():
+    """Once there are enough; noise ends that."""
+    window = StationarityWindow(ControlSettings(), SupervisionSettings())
+    for i in range(NOISE_POSES):
+        assert not window.repeats_pose
+        window.add(ObjectPose(0.05 * i, Pose(1.0, 2.0, 0.3)))
+    assert window.repeats_pose
+    window.add(ObjectPose(10.0, Pose(1.0, 2.0, 0.3 + 1e-9)))
+    assert not window.repeats_pose
