@@ -22,7 +22,7 @@ from push_scenario.simulation.result import Outcome
 import pytest
 
 # Until when pushes are replayed that need not arrive [s].
-PART = 6.0
+PART = 4.0
 AnyReader = import_extra('rosbags', 'record', 'rosbags.highlevel').AnyReader
 make_reader = import_extra('mcap', 'test', 'mcap.reader').make_reader
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
@@ -93,6 +93,17 @@ def test_a_sensor_dropout_is_tolerated(tmp_path):
 
 
 DISTURBED = {'friction_shift': 'mpc', 'bin_round': 'feedback'}
+# When friction changes that does [s].
+SHIFT = 1.0
+
+
+def disturbed_part(name):
+    """Load the first part of a scenario, in which friction changes early."""
+    part = scenario(name, time_limit=PART)
+    changes = tuple(dataclasses.replace(change, start=SHIFT)
+                    for change in part.simulation.friction_changes)
+    return dataclasses.replace(part, simulation=dataclasses.replace(part.simulation,
+                                                                    friction_changes=changes))
 
 
 @pytest.fixture(scope='module')
@@ -100,8 +111,8 @@ def disturbed(tmp_path_factory):
     """Replay scenarios side by side."""
     folders = {name: tmp_path_factory.mktemp(name) for name in DISTURBED}
     with ThreadPoolExecutor(2) as pool:
-        runs = {name: pool.submit(run_over_dds, scenario(name, time_limit=PART), law,
-                                  folders[name], record=False)
+        runs = {name: pool.submit(run_over_dds, disturbed_part(name), law, folders[name],
+                                  record=False)
                 for name, law in DISTURBED.items()}
         return {name: run.result() for name, run in runs.items()}
 
@@ -111,7 +122,7 @@ def test_a_disturbed_push_goes_as_in_process(disturbed, name):
     """Over DDS too, under the law that is asked for; later, feedback makes more of rounding."""
     result = disturbed[name]
     assert result.control_law == DISTURBED[name]
-    expected = simulate(scenario(name, time_limit=PART), DISTURBED[name])
+    expected = simulate(disturbed_part(name), DISTURBED[name])
     assert result.outcome is expected.outcome is Outcome.TIME_LIMIT
     assert (result.duration, result.bag) == (PART, None)
     assert result.tape['time'][-1] == pytest.approx(PART + SETTLE_TIME)
