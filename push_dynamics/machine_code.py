@@ -75,7 +75,8 @@ class RowFunction:
             _check_rows(name, array, self.sizes[name], count)
         if self._code is None:
             return functools.partial(_interpret, self._function, rows, count)
-        addresses = (ctypes.c_void_p * len(rows))(*(array.ctypes.data for array in rows))
+        addresses = (ctypes.c_void_p * len(rows))(*(
+            array.__array_interface__['data'][0] for array in rows))
         strides = (ctypes.c_int64 * len(rows))(
             *(array.strides[0] // ITEM_SIZE if array.ndim == 2 else 0 for array in rows))
         return _Call(self._code, rows, addresses, strides, count)
