@@ -7,8 +7,8 @@ its start; this leaves neither drift nor an error of first order.
 Arguments have the same meaning in every function: ``state`` and ``body`` are numbers in the order
 of ``layout``, ``supports`` rows in that order, ``outline`` the vertices [m], ``floor`` the patches
 of ``floor.floor_rows``, ``forces`` the friction on each support (x, y, x, y, ...) [N] that is
-written, or none where neither that nor energies are asked for, ``command`` the (v_x, v_y, omega) asked of the robot, ``drive`` its lag and limits, ``h``
-the step [s].
+written, or none where neither that nor energies are asked for, ``command`` the (v_x, v_y, omega)
+asked of the robot, ``drive`` its lag and limits, ``h`` the step [s].
 """
 
 import math

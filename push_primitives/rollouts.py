@@ -42,6 +42,18 @@ def cost_of_stopping(state: Any, body: Any, values: Any, distances: Any, heading
 
 
 @compiled
+def copy_numbers(target: Any, source: Any) -> None:
+    """
+    Copy a state.
+
+    :param target: is written.
+    :param source: as many numbers.
+    """
+    for i in range(len(target)):
+        target[i] = source[i]
+
+
+@compiled
 def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, forces: Any,
              drive: Any, command: Any, scratch: Any, arcs: Any, switch_distance: float,
              direction: float, speed: float, step: float, stops: Any, values: Any,
@@ -71,7 +83,8 @@ def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, 
     :param headings: of its grid [rad].
     :param goal: (x, y, theta) in the world.
     :param face: where the robot stands.
-    :param costs: mean cost-to-go, shape (m + 1, k) [s], is written; its last row is scratch.
+    :param costs: zeros, shape (m + 1, k), to which mean costs-to-go are added [s]; the last row is
+        scratch.
     """
     v_x, v_y = speed * math.cos(direction), speed * math.sin(direction)
     weight = 1.0 / len(states)
@@ -81,18 +94,13 @@ def roll_out(states: Any, bodies: Any, supports: Any, outline: Any, floor: Any, 
     switch = 1
     while switch < len(stops) and stops[switch - 1] < switch_distance:
         switch += 1
-    for a in range(len(arcs)):
-        for k in range(len(stops)):
-            costs[a][k] = 0.0
     for i in range(len(states)):
         for a in range(len(arcs)):
             is_known = a > 0 and arcs[a][0] == arcs[a - 1][0]
-            for j in range(len(state)):
-                state[j] = at_switch[j] if is_known else states[i][j]
+            copy_numbers(state, at_switch if is_known else states[i])
             for k in range(switch if is_known else 0, len(stops)):
                 if k == switch and not is_known:
-                    for j in range(len(state)):
-                        at_switch[j] = state[j]
+                    copy_numbers(at_switch, state)
                 if k > 0:
                     curvature = arcs[a][0] if k < switch else arcs[a][1]
                     drive_robot(state, command, v_x, v_y, curvature * speed)

@@ -154,13 +154,12 @@ def bare_rate(jobs: Sequence[dict[str, Any]]) -> float:
     for each in jobs:
         plant = PUSH.plant(each)
         rows = support_rows(plant.obj, plant.obj.capacities, each['friction_factors'])
-        arrays = [kernel_array(numbers) for numbers in (
+        state, body, supports, outline, forces, command, drive = map(kernel_array, (
             initial_state(plant.obj, plant.object_pose, plant.robot_pose),
-            body_numbers(plant.obj, plant.robot, PUSH.smoothing), rows, plant.obj.outline)]
-        forces, command = kernel_array([0.0] * (2 * len(rows))), each['segments'][0][1:]
+            body_numbers(plant.obj, plant.robot, PUSH.smoothing), rows, plant.obj.outline,
+            [0.0] * (2 * len(rows)), each['segments'][0][1:], drive_numbers(plant.robot)))
         began = time.process_time()
-        advance(*arrays, floor, forces, kernel_array(command),
-                kernel_array(drive_numbers(plant.robot)), STEPS * STEP, STEP)
+        advance(state, body, supports, outline, floor, forces, command, drive, STEPS * STEP, STEP)
         passed += time.process_time() - began
     return len(jobs) * STEPS / passed
 

@@ -181,7 +181,7 @@ _stop_event: Event | None = None
 
 
 def _prepare_worker(stop: Event, parent: Any, alive: Any) -> None:
-    """Leave Ctrl-C to the parent; ``parent`` is a pipe whose end ``alive`` it closes at its end."""
+    """Leave Ctrl-C to the parent; it closes the other end of a pipe, ``alive``, when it ends."""
     global _stop_event
     _stop_event = stop
     alive.close()

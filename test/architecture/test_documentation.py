@@ -17,6 +17,7 @@ REPORTS = {
     'benchmarks/planner/planner.md.in': 'docs/planner/planner.md',
     'benchmarks/plant/mujoco.md.in': 'docs/validation/mujoco.md',
     'benchmarks/plant/plant.md.in': 'docs/validation/plant.md',
+    'benchmarks/speed/performance.md.in': 'docs/performance.md',
     'benchmarks/tasks/tasks.md.in': 'docs/tasks/tasks.md',
 }
 LINK = re.compile(r'\]\(([^)\s]+)\)')
