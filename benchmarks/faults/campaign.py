@@ -227,7 +227,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = _parser().parse_args(arguments)
     if not options.resume:
-        for name in (ROWS, PROCESS_ROWS, SOAK_TASKS):
+        for name in (SOAK_TASKS,) if options.only_soak else (ROWS, PROCESS_ROWS, SOAK_TASKS):
             (options.folder / name).unlink(missing_ok=True)
     scenarios = options.scenario or list(MOMENTS)
     if not options.only_soak:
