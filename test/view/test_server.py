@@ -96,7 +96,7 @@ def test_who_sends_nothing_but_nonsense_is_disconnected():
         await lengthy.send_str(json.dumps({'type': 'x' * server.MAX_COMMAND}))
         for socket in (nonsense, lengthy):
             while not socket.closed:
-                await socket.receive(timeout=60.0)
+                await socket.receive(timeout=300.0)
         assert not page.commands
         other = await page.socket()
         await other.send_str('{"type": "step"}')
