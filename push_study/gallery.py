@@ -37,8 +37,7 @@ def _entry(result: StudyResult, folder: Path) -> list[str]:
     """Write the lines of one study."""
     study = result.study
     link = os.path.relpath(result.files.png, folder).replace(os.sep, '/')
-    number = f'Table {study.figure[1:]}' if study.figure.startswith('T') else study.figure
-    lines = [f'### {number} {result.title}', '', f'![{result.title}]({link})', '',
+    lines = [f'### {study.label} {result.title}', '', f'![{result.title}]({link})', '',
              study.caption(result.findings), '']
     return lines + _markdown(result.page_table)
 

@@ -57,16 +57,18 @@ def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
         path, radius = outcome.tables[f'path_{name}'], name / MILLIMETRES
         duration = path['time_s'][-1]
         draw_outlines(axes, box(values), poses_at(path, np.linspace(0.0, duration, OUTLINES)))
-        draw_center(axes, path, **plot_style.series(0))
-        axes.plot(path['contact_x_m'], path['contact_y_m'], zorder=3.0, **plot_style.series(1))
+        draw_center(axes, path, label='middle of the box', **plot_style.series(0))
+        axes.plot(path['contact_x_m'], path['contact_y_m'], zorder=3.0, label='contact',
+                  **plot_style.series(1))
         x, y, normal = contact_at(path, 0.0)
         sketch.robot(axes, sketch.polar(normal, -radius, (x, y)), radius)
         rotations = np.degrees((path['theta_rad'].min(), path['theta_rad'].max()))
         axes.annotate('$\\theta$ {:.1f} to {:.1f}°'.format(*rotations), (0.98, 0.04),
                       xycoords='axes fraction', ha='right', fontsize=8.0)
-        axes.set_xlim(-1.1, 2.4)
-        axes.set_ylim(-0.6, 0.75)
+        axes.set_xlim(-1.35, 2.4)
+        axes.set_ylim(-0.65, 0.75)
         axes.label_outer()
+    figure.legend(*axes.get_legend_handles_labels(), loc='outside upper right', ncols=2)
 
 
 def draw_angles(figure: Figure, outcome: Outcome, values: Values) -> None:
@@ -104,7 +106,7 @@ STUDIES = (
           'contact, but the contact rolls to the left too: beyond a radius of {arm:.2f} m, the '
           'distance of the centre of friction from the face, the contact moves further, a push '
           'through the centre of friction leads to the right, and the box must be rotated to the '
-          'right to move to the left.', (7.6, 6.6)),
+          'right to move to the left.', (7.6, 6.0)),
     Study('3.11', 'Curved pusher: inputs for several radii of the robot', PARAMETERS,
           compute, draw_angles,
           'Inputs of the two smallest robots and of the two largest begin with small angles of '

@@ -87,6 +87,8 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
         draw_push(above, path, time, angle)
     draw_inputs(below, inputs, 's', **plot_style.series(0))
     below.set_xlim(0.0, duration)
+    above.set_title('(a) trajectory of the object', loc='left')
+    below.set_title('(b) input', loc='left')
 
 
 STUDIES = (

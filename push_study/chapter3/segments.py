@@ -78,6 +78,8 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
         draw_push(above, path, begin, angle)
     draw_inputs(below, inputs, 's', color=COLOR)
     below.set_xlim(0.0, duration)
+    above.set_title('(a) trajectory of the object', loc='left')
+    below.set_title('(b) input', loc='left')
 
 
 def compute_smooth(values: Values, _: RunJobs) -> Outcome:
@@ -131,7 +133,7 @@ def draw_counts(figure: Figure, outcome: Outcome, values: Values) -> None:
     lost_panel.set_xticks(counts[:-1], [str(count) for count in counts[:-1]])
     lost_panel.minorticks_off()
     lost_panel.set_xlabel('segments')
-    lost_panel.set_ylabel('extra duration [%]')
+    lost_panel.set_ylabel(f'duration above that\nwith {counts[-1]} segments [%]')
 
 
 STUDIES = (

@@ -9,8 +9,11 @@ from push_planner.plan import Plan
 from push_planner.single_push.planner import plan_push
 from push_planner.verification.verification import verify
 from push_study.chapter3.friction_cone import PARAMETERS
-from push_study.chapter3.setup import draw_inputs, input_table, push_problem
+from push_study.chapter3.setup import (
+    draw_center, draw_inputs, draw_outlines, input_table, path_table, poses_at, push_problem,
+)
 from push_study.framework import plot_style
+from push_study.framework.box import box
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table
 from scipy.optimize import brentq
@@ -29,6 +32,7 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         found = _unlimited_plan(values, speed)
         inputs, first_touch = input_table(found), found.switches[0]
         tables[f'inputs_{speed:g}'] = inputs
+        tables[f'path_{speed:g}'] = path_table(found.trajectory)
         impulse_angle = math.atan2(first_touch.tangential_impulse, first_touch.normal_impulse)
         rows.append((speed, float(np.abs(inputs['rho_rad']).max()),
                      cone * verify(found).friction_usage, abs(impulse_angle)))
@@ -65,15 +69,19 @@ def _leaving_speed(values: Values, cone: float) -> float:
 
 
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
-    """Draw inputs, and the steepest angles over the speed."""
-    left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
+    """Draw paths, inputs, and the steepest angles over the speed."""
+    panels = figure.subplot_mosaic('AA;BC', height_ratios=(1.0, 1.3), width_ratios=(1.2, 1.0))
+    above, left, right = panels['A'], panels['B'], panels['C']
+    first = outcome.tables[f'path_{values.speeds[0]:g}']
+    draw_outlines(above, box(values), poses_at(first, first['time_s'][[0, -1]]))
     cone = outcome.findings['cone'].value
     left.axhspan(-cone, cone, color=plot_style.REGION, linewidth=0.0, zorder=0.5)
     # Every second one, as neighbours hide one another.
     for number, speed in enumerate(values.speeds[::2]):
-        draw_inputs(left, outcome.tables[f'inputs_{speed:g}'], label=f'{speed:g} m/s',
-                    **plot_style.series(number))
-    left.legend(loc='lower right')
+        style = plot_style.series(number)
+        draw_center(above, outcome.tables[f'path_{speed:g}'], label=f'{speed:g} m/s', **style)
+        draw_inputs(left, outcome.tables[f'inputs_{speed:g}'], **style)
+    above.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
     table = outcome.tables['steepest']
     right.axhspan(0.0, cone, color=plot_style.REGION, linewidth=0.0, zorder=0.5,
                   label='friction cone')
@@ -85,11 +93,11 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     right.set_ylim(0.0, 1.15 * max(table['push_rad']))
     right.set_xlabel('speed [m/s]')
     right.set_ylabel('greatest angle to the normal [rad]')
-    right.legend(loc='upper left')
+    right.legend(loc='upper left', fontsize=7.5)
 
 
 STUDIES = (
-    Study('3.8', 'Raising the velocity where the pushing angle is not limited',
+    Study('3.8', 'Trajectories and inputs at growing velocity, without limit on the pushing angle',
           (*PARAMETERS, Parameter('speeds', 'm/s', 'speeds of the contact')),
           compute, draw,
           'The greatest pushing angle grows from {slowest:.2f} rad to {fastest:.2f} rad and '
@@ -97,4 +105,4 @@ STUDIES = (
           'friction that it needs grows from {friction_slowest:.2f} to {friction_fastest:.2f}.',
           'The faster the push, the more inertia resists the rotation, and the further from the '
           'centre of friction it must aim; the force is less inclined, as the centre of friction '
-          'does not move sideways as much as the contact.'),)
+          'does not move sideways as much as the contact.', (6.8, 5.6)),)

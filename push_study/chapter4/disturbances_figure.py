@@ -55,11 +55,11 @@ def draw_centers(end_time: EndTime, figure: Figure, outcome: Outcome, values: Va
 
 def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the box on its path, in the panels of ``draw_centers``, and the ends of all pushes."""
-    panels = figure.subplot_mosaic('a;b;c', height_ratios=(1.0, 1.0, 0.7))
-    panels['b'].sharex(panels['a'])
-    panels['b'].sharey(panels['a'])
-    for letter, laws, title in zip('ab', PANELS, TITLES):
-        axes, obj = panels[letter], box(values)
+    # Figures of their own, so that the labels of one do not narrow the other.
+    above, below = figure.subfigures(2, 1, height_ratios=(1.9, 1.0))
+    obj = box(values)
+    for letter, axes, laws, title in zip('ab', above.subplots(2, 1, sharex=True, sharey=True),
+                                         PANELS, TITLES):
         draw_outlines(axes, obj, [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
         for law in laws[:2]:
             path = outcome.tables[law]
@@ -70,10 +70,9 @@ def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
                           linewidth=1.6 if pose is poses[-1] else 0.7)
             draw_center(axes, path, label=LABELS[law], **STYLES[law])
         axes.set_title(f'({letter}) {title}', loc='left')
+        axes.label_outer()
         axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
-    panels['a'].set_xlabel('')
-    panels['a'].tick_params(labelbottom=False)
-    draw_ends(panels['c'], outcome.tables['ends'], PANELS[1])
+    draw_ends(below.subplots(), outcome.tables['ends'], PANELS[1])
 
 
 def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:

@@ -58,7 +58,7 @@ def draw_path(figure: Figure, outcome: Outcome, values: Values) -> None:
             draw_push(axes, path, time, float(angle))
         axes.set_title(f'({letter}) {title}', loc='left')
         axes.label_outer()
-        axes.legend(loc='best')
+        axes.legend(loc='lower right' if count == 2 else 'best')
 
 
 def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:
@@ -76,5 +76,5 @@ def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:
                zorder=1.0)
     above.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
     below.set_xlabel('time [s]')
-    below.set_ylabel('robot [m/s]')
+    below.set_ylabel('robot speed [m/s]')
     below.set_ylim(bottom=0.0)

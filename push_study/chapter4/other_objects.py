@@ -97,7 +97,8 @@ def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
     panels = figure.subplots(len(outcome.tables), 1, sharex=True)
     for axes, (name, table) in zip(panels, outcome.tables.items()):
         draw_ends(axes, table, LAWS)
-        axes.set_title(name.replace('_', ' '), loc='left')
+        thing, _, drive = name.rpartition('_')
+        axes.set_title(f'{thing.replace("_", " ")}, {drive} drive', loc='left')
         axes.label_outer()
 
 

@@ -28,6 +28,8 @@ PARAMETERS = (*PUSH, Parameter('seeds', '', 'number of pushes, each with draws o
 PANELS: tuple[tuple[Law, Law], tuple[Law, Law]] = ((OPEN_LOOP, OBJECT_FRAME), (FEEDBACK, MPC))
 LAWS: tuple[Law, ...] = (*PANELS[0], *PANELS[1])
 CENTIMETRES = 100.0
+# Chosen: beyond this ratio of the greatest to the least distance, only powers of ten are labelled.
+LABELLED_RANGE = 3000.0
 
 
 def first_pushes(values: Values) -> dict[Law, ExecutedPush]:
@@ -110,20 +112,24 @@ def mark_new_paths(axes: Axes, path: Table) -> None:
 
 def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the first path of the middle, one panel for each kind of law, and all ends."""
-    panels = figure.subplot_mosaic('ab;cc', height_ratios=(1.5, 1.0))
-    for letter, laws, title in zip('ab', PANELS, ('optimiser, open loop', 'feedback')):
-        axes = panels[letter]
+    # Figures of their own, so that the labels of one do not narrow the other.
+    above, below = figure.subfigures(2, 1, height_ratios=(1.1, 1.0))
+    panels = above.subplots(1, 2, sharey=True)
+    for letter, axes, laws, title in zip('ab', panels, PANELS, ('optimiser, open loop',
+                                                                'feedback')):
         draw_outlines(axes, box(values), [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
         for law in laws:
             path = outcome.tables[law]
-            draw_center(axes, path, **STYLES[law])
+            draw_center(axes, path, label=LABELS[law], **STYLES[law])
             end = Pose(*(path[name][-1] for name in POSE_COLUMNS))
             axes.fill(*zip(*map(end.transform, box(values).outline)), facecolor='none',
                       zorder=2.0, edgecolor=STYLES[law]['color'], linewidth=1.2)
         axes.set_title(f'({letter}) {title}', loc='left')
         axes.set_xlim(-0.3, values.goal[0] + 0.4)
-        axes.set_ylim(-0.6, values.goal[1] + 0.8)
-    draw_ends(panels['c'], outcome.tables['ends'], LAWS)
+        axes.set_ylim(-0.6, values.goal[1] + 1.0)
+        axes.legend(loc='upper left')
+        axes.label_outer()
+    draw_ends(below.subplots(), outcome.tables['ends'], LAWS)
 
 
 def draw_ends(axes: Axes, table: Table, laws: tuple[Law, ...]) -> None:
@@ -145,7 +151,9 @@ def draw_ends(axes: Axes, table: Table, laws: tuple[Law, ...]) -> None:
     axes.set_yticks(range(len(laws)), [LABELS[law] for law in reversed(laws)])
     axes.set_ylim(-0.5, len(laws) - 0.4)
     axes.set_xscale('log')
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    low, high = axes.get_xlim()
+    subs = (1.0, 2.0, 5.0) if high < LABELLED_RANGE * low else (1.0,)
+    axes.xaxis.set_major_locator(LogLocator(subs=subs))
     axes.xaxis.set_major_formatter('{x:g}')
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel('distance from the goal [cm]; bars: median and its 95 % interval')

@@ -88,8 +88,8 @@ def annotate(figure: Figure, study: Study, values: Values) -> None:
     :param study: which is drawn.
     :param values: of its parameters.
     """
-    figure.suptitle(f'{study.figure}  {study.title_of(values)}', fontsize=10.5, color=INK,
-                    x=0.01, ha='left')
+    figure.suptitle(f'{study.label}  {study.title_of(values)}', fontsize=10.5, color=INK, x=0.01,
+                    ha='left')
     lines: list[str] = []
     for source, title in SOURCE_TITLES.items():
         texts = [value.text() for value in values if value.source is source]

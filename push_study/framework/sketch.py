@@ -37,6 +37,21 @@ def set_up(axes: Axes) -> None:
     axes.margins(0.07)
 
 
+def same_scale(panels: Sequence[Axes]) -> None:
+    """
+    Show sketches that stand side by side to one scale, with their titles at one height.
+
+    :param panels: from the left to the right, all drawn.
+    """
+    height = max(float(np.ptp(axes.get_ylim())) for axes in panels)
+    for axes in panels:
+        middle = float(np.mean(axes.get_ylim()))
+        axes.set_ylim(middle - 0.5 * height, middle + 0.5 * height)
+    spec = panels[0].get_subplotspec()
+    assert spec is not None
+    spec.get_gridspec().set_width_ratios([float(np.ptp(axes.get_xlim())) for axes in panels])
+
+
 def pushed_object(axes: Axes, obj: PushedObject, pose: Pose, ghost: bool = False) -> None:
     """
     Draw the outline and the support points of an object.

@@ -137,6 +137,11 @@ class Study:
         part = self.figure.lstrip('T').split('.')[0]
         return f'chapter{part}' if part.isdigit() else GROUPS.get(part, BEYOND_THESIS)
 
+    @property
+    def label(self) -> str:
+        """Number as a reader knows it, such as ``2.11`` or ``Table 3.1``."""
+        return f'Table {self.figure[1:]}' if self.figure.startswith('T') else self.figure
+
     def values(self, chosen: ChosenValues, overrides: Overrides | None = None) -> Values:
         """
         Find the values of all parameters.

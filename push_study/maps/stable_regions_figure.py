@@ -55,7 +55,7 @@ def draw(panels: Sequence[Panel], figure: Figure, outcome: Outcome, values: Valu
         axes.set_xlabel('')
     bar = figure.colorbar(ScalarMappable(norm, SHADES), ax=list(all_axes), shrink=0.8, aspect=30)
     bar.set_label('tolerated rotation to the weaker side [deg]\n'
-                  'red: borders in closed form; cross: centre of friction')
+                  'red: borders in closed form; cross: centre of friction', linespacing=1.6)
 
 
 class _Frame:

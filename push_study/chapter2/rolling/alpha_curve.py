@@ -101,14 +101,18 @@ def draw_rolling_range(axes: Axes, low: float, high: float, friction: float) -> 
     """
     Mark where the contact force leaves the friction cone.
 
-    :param axes: with the pushing angle as abscissa.
+    :param axes: with the pushing angle as abscissa, and alpha drawn.
     :param low: least pushing angle of a contact that rolls [rad].
     :param high: greatest one [rad].
     :param friction: of the contact.
     """
     left, right = axes.get_xlim()
-    for edge, height, alignment in ((low, 0.97, 'top'), (high, 0.03, 'bottom')):
+    abscissa, alpha = axes.get_lines()[1].get_data()
+    for edge in (low, high):
         if left < edge < right:
+            # On the side of the axis where the curve and its arrows are not.
+            is_above = np.interp(edge, abscissa, alpha) < 0.0
+            height, alignment = (0.97, 'top') if is_above else (0.03, 'bottom')
             axes.axvline(edge, color=plot_style.UNSTABLE, linewidth=1.0, linestyle=(0, (1, 2)))
             axes.annotate(f'slides, $\\mu_c$ = {friction:g}', (edge, height), (4, 0),
                           xycoords=axes.get_xaxis_transform(), textcoords='offset points',

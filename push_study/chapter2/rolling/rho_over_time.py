@@ -108,7 +108,7 @@ def _needed_friction(obj: PushedObject, location: PushingLocation, states: Float
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the pushing angle over time."""
     axes, table, rest = figure.subplots(), outcome.tables['rho'], outcome.findings['rest'].value
-    axes.axhline(rest, color=plot_style.GREY, linewidth=0.8)
+    axes.axhline(rest, color=plot_style.GREY, linewidth=0.8, label='equilibrium')
     axes.plot(table['time_s'], table['rho_rad'], label='full dynamics', **plot_style.series(0))
     axes.plot(table['time_s'], table['linear_rho_rad'], label='linearized motion',
               **plot_style.series(1))

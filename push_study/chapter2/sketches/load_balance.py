@@ -79,6 +79,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     right.set_xlim(-half_width, half_width)
     left.set_title('(a) mass distribution', loc='left')
     right.set_title('(b) support points', loc='left')
+    sketch.same_scale((left, right))
 
 
 def _draw_mass(axes: Axes, obj: PushedObject, values: Values) -> None:

@@ -83,6 +83,7 @@ def draw(figure: Figure, _: Outcome, values: Values) -> None:
         sketch.mass_center(axes, now.mass_center, angle=70.0)
     _draw_motion(left, now)
     _draw_forces(right, now)
+    sketch.same_scale((left, right))
 
 
 def _draw_motion(axes: Axes, now: PushInstant) -> None:

@@ -80,6 +80,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     _draw_disturbed(right, outcome, values)
     left.set_title('(a) steady', loc='left')
     right.set_title('(b) disturbed', loc='left')
+    sketch.same_scale((left, right))
 
 
 def _draw_steady(axes: Axes, outcome: Outcome, now: PushInstant) -> None:
