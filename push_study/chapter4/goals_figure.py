@@ -18,6 +18,8 @@ PUSHES = 9
 # Chosen: panels stand side by side where the goal is further aside than this fraction of its
 # distance ahead.
 NARROW = 0.4
+# Chosen: height of a legend in a narrow panel [m].
+LEGEND_ROOM = 0.4
 # By panel: (a) optimiser, (b) feedback law; the first of each is drawn with its pushes.
 PANELS: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, OBJECT_FRAME), (OWN_PATH,))
 TITLES = ('optimiser, in open loop', 'feedback law, path of its own')
@@ -58,7 +60,10 @@ def draw_path(figure: Figure, outcome: Outcome, values: Values) -> None:
             draw_push(axes, path, time, float(angle))
         axes.set_title(f'({letter}) {title}', loc='left')
         axes.label_outer()
-        axes.legend(loc='lower right' if count == 2 else 'best')
+        axes.legend(loc='upper left' if count == 2 else 'best')
+    if count == 2:
+        # Room for the legends.
+        panels[0].set_ylim(top=panels[0].get_ylim()[1] + LEGEND_ROOM)
 
 
 def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:
