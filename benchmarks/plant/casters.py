@@ -7,9 +7,9 @@ docs/physics.md:
 
     (I + m r^2) omega' = sum (s_i - C) x f_i + sum tau_i - m r x a_C
 
-A caster i has no mass. Its wheel is the trail t behind its swivel axis s_i, against its heading h,
-and does not slide. With p to the left of h, v_i the velocity of the axis, and psi the angle of h in
-the frame of the box:
+A caster i has no mass. Its wheel is the trail t behind its swivel axis s_i, against its heading
+h, and does not slide. With p to the left of h, v_i the velocity of the axis, and psi the angle of
+h in the frame of the box:
 
     psi' = v_i . p / t - omega
     f_i = -c N sgn(v_i . h) h - (tau / t) sgn(psi') p,    tau_i = tau sgn(psi')
@@ -34,7 +34,7 @@ SWIVELS = slice(5, 9)
 # Of time and state, the rate of the pushing angle [rad/s].
 AngleRate = Callable[[float, FloatArray], float]
 
-# Chosen: the box, its feet or casters, and the push of the studies' robot, a point at a walking pace.
+# Chosen: the box of the studies, its feet or casters, and a slow push.
 MASS = 3.0
 INERTIA = 0.08
 SUPPORTS = np.array([[-0.17, -0.17], [0.17, -0.17], [0.17, 0.17], [-0.17, 0.17]])

@@ -53,7 +53,8 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 
 def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the box on its path, a panel for each robot, and its rotation below."""
-    for axes, name in zip(_panels(figure, values), _names(values)):
+    panels = _panels(figure, values)
+    for axes, name in zip(panels, _names(values)):
         path, radius = outcome.tables[f'path_{name}'], name / MILLIMETRES
         duration = path['time_s'][-1]
         draw_outlines(axes, box(values), poses_at(path, np.linspace(0.0, duration, OUTLINES)))
@@ -68,7 +69,7 @@ def draw_paths(figure: Figure, outcome: Outcome, values: Values) -> None:
         axes.set_xlim(-1.35, 2.4)
         axes.set_ylim(-0.65, 0.75)
         axes.label_outer()
-    figure.legend(*axes.get_legend_handles_labels(), loc='outside upper right', ncols=2)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc='outside upper right', ncols=2)
 
 
 def draw_angles(figure: Figure, outcome: Outcome, values: Values) -> None:

@@ -97,8 +97,8 @@ def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
     panels = figure.subplots(len(outcome.tables), 1, sharex=True)
     for axes, (name, table) in zip(panels, outcome.tables.items()):
         draw_ends(axes, table, LAWS)
-        thing, _, drive = name.rpartition('_')
-        axes.set_title(f'{thing.replace("_", " ")}, {drive} drive', loc='left')
+        thing, drive = name.replace('_', ' ').rsplit(maxsplit=1)
+        axes.set_title(f'{thing}, {drive} drive', loc='left')
         axes.label_outer()
 
 

@@ -15,14 +15,14 @@ SQUARE = ((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))
 
 
 def test_without_casters_the_box_turns_as_the_model_says():
-    """The inertia of a push at 0.15 m/s takes less than 2 of 100 from the quasi-static rate."""
+    """The inertia of a push at 0.15 m/s takes less than 3 of 100 from the quasi-static rate."""
     obj = PushedObject(MASS, INERTIA, outline=SQUARE, supports=tuple(
         Support(x, y, FRICTION) for x, y in SUPPORTS.tolist()))
     rho = 0.2
     end = Cart(()).push(1.0, hold, start_state(rho))[:, -1]
     expected = quasi_static_yaw_rate(obj, (float(CONTACT[0]), float(CONTACT[1])),
                                      SPEED * math.cos(rho), SPEED * math.sin(rho))
-    assert end[OMEGA] == pytest.approx(expected, rel=0.02)
+    assert 0.97 < end[OMEGA] / expected < 1.0
 
 
 def test_a_wheel_swings_behind_its_swivel_within_a_few_trails():

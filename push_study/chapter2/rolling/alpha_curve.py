@@ -107,7 +107,7 @@ def draw_rolling_range(axes: Axes, low: float, high: float, friction: float) -> 
     :param friction: of the contact.
     """
     left, right = axes.get_xlim()
-    abscissa, alpha = axes.get_lines()[1].get_data()
+    abscissa, alpha = map(np.asarray, axes.get_lines()[1].get_data())
     for edge in (low, high):
         if left < edge < right:
             # On the side of the axis where the curve and its arrows are not.
