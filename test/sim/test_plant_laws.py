@@ -18,7 +18,10 @@ pytestmark = pytest.mark.physics
 
 SCRIPT = """
 import sys
-import push_sim_node
+from helpers.objects import box
+from push_model import Pose, RoundRobot
+from push_sim_node.plant import Plant
+Plant(box(), RoundRobot(0.17), Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0)).advance(0.01)
 assert 'numba' not in sys.modules
 """
 
