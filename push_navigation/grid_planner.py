@@ -26,8 +26,9 @@ SPACING = 0.08
 # Start and goal are linked to the grid points within this distance, in spacings. Chosen: twelve
 # points or so, of which some are free.
 LINK_RANGE = 2.0
-# Start and goal are surrounded by at least this much of the map [m]. Chosen: the width of a room.
-WINDOW_MARGIN = 4.0
+# Start and goal are surrounded by at least this much of the map [m], the second where nothing is
+# found in the first. Chosen: the width of a room; and as far as the search for pushes looks.
+WINDOW_MARGINS = 4.0, 10.0
 # Gap of the robot from obstacles from which on it is no concern [m], and by which part a length
 # counts more where there is none; chosen: a detour of a decimetre at a door is worth 5 cm of gap.
 COMFORTABLE_GAP = 0.15
@@ -60,7 +61,7 @@ def grid_waypoints(kept: MapClearance, body: InflatedObstacle, object_pose: Pose
     """
     Find the best route on a grid, and pull it straight.
 
-    It is searched up to ``WINDOW_MARGIN`` beyond start and goal.
+    It is searched up to ``WINDOW_MARGINS`` beyond start and goal.
 
     :param kept: ``MapClearance`` of the path.
     :param body: ``InflatedObstacle`` that the robot's centre keeps out of.
@@ -72,11 +73,22 @@ def grid_waypoints(kept: MapClearance, body: InflatedObstacle, object_pose: Pose
     """
     space = _FreeSpace(kept, body, object_pose)
     ends = np.array([start, goal], dtype=float)
-    gap = _comfortable_gap(kept)
-    if space.sees(ends[0], ends[1:], kept.radius + gap)[0]:
+    if space.sees(ends[0], ends[1:], kept.radius + _comfortable_gap(kept))[0]:
         return [Waypoint(*goal)]
-    occupancy_map = kept.room.occupancy_map
-    grid = _grid_graph(occupancy_map, kept.radius + kept.margin, _window(occupancy_map, ends))
+    windows = dict.fromkeys(_window(kept.room.occupancy_map, ends, margin)
+                            for margin in WINDOW_MARGINS)
+    for window in windows:
+        corners = _route_in_window(space, kept, ends, window)
+        if corners is not None:
+            return [Waypoint(float(x), float(y)) for x, y in corners[1:]]
+    raise NoPathFound('obstacles of the map, or the object between them, are in the way')
+
+
+def _route_in_window(space: '_FreeSpace', kept: MapClearance, ends: FloatArray,
+                     window: tuple[int, int, int, int]) -> FloatArray | None:
+    """Find the corners of the best route in a part of the map; None where there is none."""
+    occupancy_map, gap = kept.room.occupancy_map, _comfortable_gap(kept)
+    grid = _grid_graph(occupancy_map, kept.radius + kept.margin, window)
     links = [_links(space, grid, len(grid.points) + i, place) for i, place in enumerate(ends)]
     points = np.concatenate([grid.points, ends])
     free = space.keeps_off_object(grid) & (
@@ -90,10 +102,7 @@ def grid_waypoints(kept: MapClearance, body: InflatedObstacle, object_pose: Pose
     nearness = NEARNESS_COST * gap / COMFORTABLE_GAP
     costs = np.round(lengths * (1.0 + nearness * shortfalls), 6)
     route = _shortest_route(edges, costs, len(points))
-    if not route:
-        raise NoPathFound('obstacles of the map, or the object between them, are in the way')
-    corners = _straightened(space, points[route], grid.spacing)
-    return [Waypoint(float(x), float(y)) for x, y in corners[1:]]
+    return _straightened(space, points[route], grid.spacing) if route else None
 
 
 def _comfortable_gap(kept: MapClearance) -> float:
@@ -144,11 +153,12 @@ class _FreeSpace:
         return free
 
 
-def _window(occupancy_map: OccupancyMap, ends: FloatArray) -> tuple[int, int, int, int]:
+def _window(occupancy_map: OccupancyMap, ends: FloatArray,
+            margin: float) -> tuple[int, int, int, int]:
     """Cells (left, bottom, right, top) of the map to search."""
     # In whole steps, so that paths near each other share their grid graph.
     cells = occupancy_map.to_map(ends) / occupancy_map.resolution
-    step = math.ceil(WINDOW_MARGIN / occupancy_map.resolution)
+    step = math.ceil(margin / occupancy_map.resolution)
     low = (np.floor(cells.min(axis=0) / step).astype(int) - 1) * step
     high = (np.floor(cells.max(axis=0) / step).astype(int) + 2) * step
     left, bottom, right, top = np.clip(

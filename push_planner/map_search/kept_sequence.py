@@ -8,7 +8,7 @@ from push_planner.map_search.pushes import Pushes
 from push_planner.map_search.search import SearchPush, SearchResult
 
 # Distance and rotation from the plan within which a push has ended as planned, the first at least
-# and else a standard deviation of it [m, rad]; chosen: half a cell of the search.
+# and else a standard deviation of it [m, rad]; chosen: what the next push corrects in passing.
 LEAST_DISTANCE, LARGEST_ROTATION = 0.03, 0.15
 # A goal that has moved by less is the same [m, rad]; chosen: below the tolerances of a goal.
 SAME_GOAL = 1e-3

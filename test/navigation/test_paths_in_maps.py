@@ -46,6 +46,16 @@ def test_paths_keep_clear_of_obstacles_and_object(drive):
         assert np.all(inside[int(np.argmax(inside)):len(inside) - int(np.argmax(inside[::-1]))])
 
 
+def test_a_wall_that_goes_on_for_six_metres_is_driven_round():
+    """Farther off than a room is wide; the path is little longer than the taut one."""
+    occupancy_map = walled_room((-4.5, 3.5, -0.05, 0.05), side=9.0)
+    start, goal = Pose(-3.0, -1.0, 0.0), Pose(-3.0, 1.0, 0.0)
+    path = plan_path(ROBOTS['differential'], box(), ASIDE, start, goal, SETTINGS,
+                     occupancy_map=occupancy_map)
+    taut = 2.0 * math.dist(start[:2], (3.5, 0.0))
+    assert taut < path.length < 1.1 * taut
+
+
 @either
 def test_it_goes_through_a_door_and_not_through_a_slit(drive):
     """The path through the door is little longer than the taut one; the slit is refused."""
