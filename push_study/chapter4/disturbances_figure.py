@@ -3,6 +3,7 @@
 from typing import Callable
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 import numpy as np
 from push_model.geometry import Pose
 from push_study.chapter3.setup import draw_center, draw_outlines, poses_at
@@ -70,6 +71,7 @@ def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
                           linewidth=1.6 if pose is poses[-1] else 0.7)
             draw_center(axes, path, label=LABELS[law], **STYLES[law])
         axes.set_title(f'({letter}) {title}', loc='left')
+        axes.yaxis.set_major_locator(MultipleLocator(0.5))
         axes.label_outer()
         axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
     draw_ends(below.subplots(), outcome.tables['ends'], PANELS[1])
