@@ -84,7 +84,7 @@ def start_rows(repeat: int) -> list[Row]:
                                for name, module in measures.NODES.items())):
         measures.process_time(words)
         seconds = median(lambda words=words: measures.process_time(words), repeat)
-        rows.append(Row(what, aim, seconds - python, ' s'))
+        rows.append(Row(what, aim, max(0.0, seconds - python), ' s'))
     return rows
 
 
