@@ -80,11 +80,11 @@ def stop_table(rows: Sequence[Row]) -> str:
         found = [row for row in rows if row.fault.input in inputs and row.fault.word in words
                  and row.stop_time > 0.0]
         if found:
-            times, ways = ([getattr(row, field) for row in found]
-                           for field in ('stop_time', 'driven'))
+            times, distances = ([getattr(row, field) for row in found]
+                                for field in ('stop_time', 'driven'))
             lines.append(_markdown([
                 name, str(len(found)), *(f'{np.quantile(times, q):.2f}' for q in (0.5, 0.99, 1.0)),
-                *(f'{np.quantile(ways, q):.2f}' for q in (0.99, 1.0))]))
+                *(f'{np.quantile(distances, q):.2f}' for q in (0.99, 1.0))]))
     return '\n'.join(lines)
 
 
