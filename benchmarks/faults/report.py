@@ -58,7 +58,7 @@ def write_report(path: Path, findings: Findings, options: str) -> None:
               'UNEXPLAINED': sum(not row.is_explained for row in [*rows, *processes]),
               'TEMPORARY': len(temporary),
               'RECOVERED': sum(row.ending is Ending.DONE for row in temporary),
-              'STOPS': stop_table(rows), 'PROCESS_RUNS': len(processes),
+              'STOPS': stop_table(rows), 'STRUCK': len(processes),
               'PROCESSES': process_table(processes), 'SOAK': soak_table(findings.soak)}
     text = TEMPLATE.read_text(encoding='utf-8')
     for name, value in values.items():
