@@ -81,7 +81,8 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
         for number, name in enumerate((DISTURBED, UNDISTURBED)):
             _draw_rotation(axes, outcome.tables[name], distance, name,
                            plot_style.series(number))
-        axes.set_title(f'({letter}) centre of friction at {MILLIMETRES * distance:.0f} mm', loc='left')
+        axes.set_title(f'({letter}) centre of friction at {MILLIMETRES * distance:.0f} mm',
+                       loc='left')
         axes.set_xlim(0.0, values.duration)
     panels[0, 0].legend(title='start', loc='upper right')
     for axes in panels[-1]:
