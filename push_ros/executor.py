@@ -145,8 +145,8 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
 
     :param make_node: takes nothing, returns a ``push_ros.node.PushNode``.
     :param arguments: command line; None for that of the process.
-    :return: exit status: 0 after a signal, 1 where a file could not be written at the end, 2 where the node refuses a parameter, or a parameter
-        file or the command line cannot be read.
+    :return: exit status: 0 after a signal, 1 where a file could not be written at the end, 2 where
+        the node refuses a parameter, or a parameter file or the command line cannot be read.
     """
     stop = _StopSignal()
     try:
