@@ -106,7 +106,7 @@ class ControlSettings:
         'number of plans that are requested after a push has failed', '', 0, 100, default=3)
     max_path_deviation: float = quantity(
         'distance of the object from the path that it is pushed along, sideways, at which a push '
-        'is aborted; 0: the size of the object', 'm', 0.0, 10.0, default=0.0)
+        'is aborted; 0: four times its size', 'm', 0.0, 10.0, default=0.0)
     max_length_ratio: float = quantity(
         'travelled over planned path length at which the push is aborted', '', 1.0, 100.0,
         default=2.0)

@@ -31,6 +31,10 @@ from push_model.trajectory import PushTrajectory
 # Length beyond ``max_length_ratio`` of the planned one before a push is aborted [m]. Chosen: short
 # plans may be exceeded by more.
 LENGTH_MARGIN = 1.0
+# Distance beside its path at which a push is aborted, over the size of the object, where it is not
+# set. Chosen: a disc whose centre of friction lies far to the side, and round which the contact
+# rolls, comes back from more than twice its size.
+DEVIATION_RATIO = 4.0
 
 
 class _Target(NamedTuple):
@@ -111,7 +115,7 @@ class ClosedLoopPush(PushExecution):
         if observation.object_pose is None:
             raise ValueError('observation.object_pose: got None, expected an ObjectPose')
         self._settings = settings
-        self._max_deviation = settings.max_path_deviation or obj.size
+        self._max_deviation = settings.max_path_deviation or DEVIATION_RATIO * obj.size
         self._law = law
         self._model = ContactModel(obj, robot, settings, target)
         self._tracker = PushTracker(self._model.motion, self._model.time_constant, settings,
