@@ -156,7 +156,7 @@ class PushEnsemble:
     def _draw_parameters(self) -> None:
         members, noise = self.members, self._odometry_noise
         parameters = members.parameters
-        spread = self._normal(parameters.shape)
+        spread = self._normal((members.count, parameters.shape[1]))
         parameters[:, SCALE] = noise.scale * spread[:, SCALE]
         parameters[:, YAW_SCALE] = YAW_SCALE_STD * spread[:, YAW_SCALE]
         parameters[:, DRIFT] = noise.drift * spread[:, DRIFT]

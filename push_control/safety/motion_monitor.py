@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.safety.status import SafetyReason, SafetyReport
-from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, Twist
 
@@ -216,7 +215,7 @@ class MotionMonitor:
             return None
 
         # The response shifted by every delay, shape (delays, times).
-        delays: FloatArray = np.arange(0.0, MAX_DELAY + DELAY_STEP, DELAY_STEP)
+        delays = np.arange(0.0, MAX_DELAY + DELAY_STEP, DELAY_STEP, dtype=np.float64)
         shifted_times = times[covered] - delays[:, None]
         errors = np.zeros(len(delays))
         for column, response in zip(measured[covered].T, nominal.T):
