@@ -46,7 +46,7 @@ SUSPENSION, RESTART_TIME = 3.0, 1.0
 # above the time limit of a plan, and a task besides.
 OBSERVATION_TIME = 45.0
 # How long nothing happens where the robot waits [s]; chosen: longer than the time-out of a plan.
-WAITING_TIME = 12.0
+WAITING_TIME = 24.0
 # Limits on the wall [s]; chosen: far above what nodes take on a busy machine.
 START_TIMEOUT, STATE_TIMEOUT = 180.0, 120.0
 # Speeds below which the robot stands [m/s], [rad/s]; chosen: above the noise of odometry.
