@@ -154,7 +154,9 @@ class _Monitor:
 
     def _on_state(self, state: TaskState, reason: str) -> None:
         if (state, reason) != (self.state, self.reason):
-            self.state, self.reason, self.changed_at = state, reason, time.monotonic()
+            self.state = state
+            self.reason = reason
+            self.changed_at = time.monotonic()
 
 
 class ProcessRig:
