@@ -10,7 +10,6 @@ a simulator that was lost its world: then somebody has to set the next goal.
 from collections.abc import Callable, Generator
 import contextlib
 import enum
-import json
 import math
 from pathlib import Path
 import signal
@@ -18,7 +17,7 @@ import tempfile
 import time
 from typing import NamedTuple
 
-from benchmarks.faults.row import Ending
+from benchmarks.faults.row import append_line, Ending, read_lines
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -310,11 +309,8 @@ def append_process_row(path: Path, row: ProcessRow) -> None:
     :param row: the ``ProcessRow``.
     """
     fault = row.fault
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open('a', encoding='utf-8') as file:
-        file.write(json.dumps({
-            **row._asdict(), 'ending': row.ending.value,
-            'fault': [fault.node, fault.strike.value, fault.state.value]}) + '\n')
+    append_line(path, {**row._asdict(), 'ending': row.ending.value,
+                       'fault': [fault.node, fault.strike.value, fault.state.value]})
 
 
 def read_process_rows(path: Path) -> list[ProcessRow]:
@@ -323,11 +319,8 @@ def read_process_rows(path: Path) -> list[ProcessRow]:
 
     :param path: of the file; where it is not there, there are none.
     """
-    if not path.is_file():
-        return []
     rows: list[ProcessRow] = []
-    for line in path.read_text(encoding='utf-8').splitlines():
-        values = json.loads(line)
+    for values in read_lines(path):
         node, strike, state = values['fault']
         values.update(fault=ProcessFault(node, Strike(strike), TaskState(state)),
                       ending=Ending(values['ending']))

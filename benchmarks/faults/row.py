@@ -3,7 +3,7 @@
 import enum
 import json
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from benchmarks.faults.injection import Fault, Input, Word
 
@@ -61,9 +61,30 @@ def append_row(path: Path, row: Row) -> None:
     fault = row.fault
     values = {**row._asdict(), 'ending': row.ending.value,
               'fault': [fault.input.value, fault.word.value, fault.start, fault.end]}
+    append_line(path, values)
+
+
+def append_line(path: Path, values: dict[str, Any]) -> None:
+    """
+    Add a line of JSON to a file.
+
+    :param path: of the file.
+    :param values: by name.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open('a', encoding='utf-8') as file:
         file.write(json.dumps(values) + '\n')
+
+
+def read_lines(path: Path) -> list[dict[str, Any]]:
+    """
+    Read the lines of JSON of a file.
+
+    :param path: of the file; where it is not there, there are none.
+    """
+    if not path.is_file():
+        return []
+    return [json.loads(line) for line in path.read_text(encoding='utf-8').splitlines()]
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -72,11 +93,8 @@ def read_rows(path: Path) -> list[Row]:
 
     :param path: of the file; where it is not there, there are none.
     """
-    if not path.is_file():
-        return []
     rows: list[Row] = []
-    for line in path.read_text(encoding='utf-8').splitlines():
-        values = json.loads(line)
+    for values in read_lines(path):
         kind, word, start, end = values['fault']
         values.update(fault=Fault(Input(kind), Word(word), start, end),
                       ending=Ending(values['ending']))
