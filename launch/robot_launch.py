@@ -34,8 +34,9 @@ TOPICS = {
     'goal_pose': 'geometry_msgs/PoseStamped, goal pose of the object',
     'cmd_vel': 'velocity command for the robot',
 }
-# Name: (default, choices, description).
+# Choices of arguments that leave a parameter as it is where they are empty.
 SWITCH = ['', 'true', 'false']
+# Name: (default, choices, description).
 ARGUMENTS = {
     'namespace': ('', None, 'namespace of all nodes, topics and services, tf included'),
     'params_file': (PathJoinSubstitution([CONFIG, 'push.yaml']), None,

@@ -8,7 +8,7 @@ from push_model.quantity import check, quantity
 
 @dataclasses.dataclass(frozen=True)
 class Frames:
-    """Frame ids; a message in another frame is refused."""
+    """Frame ids; messages in other frames are brought to the world frame by tf."""
 
     world_frame: str = quantity('frame of odometry, object poses, goals and plans',
                                 default='odom')

@@ -108,9 +108,10 @@ class ObjectTracker:
     def _candidate(self, sighting: TagSighting) -> _Candidate:
         settings, tag = self._settings, self._tags[sighting.frame]
         pose = (sighting.pose @ tag.pose.inverse()).planar
-        place = math.hypot(settings.position_noise, settings.distance_noise * sighting.distance)
-        return _Candidate(sighting.frame, pose,
-                          _covariance(tag, pose.theta, place, settings.heading_noise))
+        position_deviation = math.hypot(settings.position_noise,
+                                        settings.distance_noise * sighting.distance)
+        return _Candidate(sighting.frame, pose, _covariance(tag, pose.theta, position_deviation,
+                                                            settings.heading_noise))
 
     def _follows(self, before: ObjectPose | None, candidate: _Candidate, time: float) -> bool:
         """Whether an object can have come from one pose to another."""
@@ -164,11 +165,13 @@ class ObjectTracker:
         return found
 
 
-def _covariance(tag: MountedTag, heading: float, place: float, yaw: float) -> FloatArray:
+def _covariance(tag: MountedTag, heading: float, position_deviation: float,
+                yaw_deviation: float) -> FloatArray:
     """Covariance of the object pose of one tag; see the formula of the module."""
     d_x, d_y = Pose(0.0, 0.0, heading).rotate((tag.x, tag.y))
     column = np.array((d_y, -d_x, 1.0))
-    return np.diag((place ** 2, place ** 2, 0.0)) + yaw ** 2 * np.outer(column, column)
+    return (np.diag((position_deviation ** 2, position_deviation ** 2, 0.0))
+            + yaw_deviation ** 2 * np.outer(column, column))
 
 
 def _deviations(covariance: FloatArray) -> tuple[float, float]:

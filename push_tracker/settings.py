@@ -24,6 +24,8 @@ class MountedTag:
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+        # tf2 knows no leading slash, which older files have.
+        object.__setattr__(self, 'frame', self.frame.lstrip('/'))
         if not self.frame:
             raise ValueError('MountedTag.frame: got an empty text, expected a frame id')
 

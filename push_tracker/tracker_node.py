@@ -64,7 +64,7 @@ class TrackerNode(PushNode):
     def __init__(self) -> None:
         super().__init__(TRACKER, SECTIONS)
         settings, self._options = self.settings
-        self._frames = tuple(tag.frame.lstrip('/') for tag in settings.tags)
+        self._frames = tuple(tag.frame for tag in settings.tags)
         self._tracker = ObjectTracker(settings)
         self._buffer = TransformBuffer()
         self._rate = RateLimiter(self._options.max_rate)

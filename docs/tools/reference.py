@@ -15,10 +15,11 @@ from typing import Any
 from push_control import controller_node
 from push_model.files.flat_values import parameter_specs, ParameterSpec
 from push_planner import planner_node
-from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS, TRACKER
+from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, Topic, TOPICS, TRACKER
 from push_sim_node import sim_node
 from push_tracker import tracker_node
 from push_view import view_node
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 REFERENCE = Path(__file__).resolve().parents[1] / 'reference'
 SECTION = re.compile(r'(<!-- (?P<name>[\w. ]+) -->\n)(?P<body>.*?)(<!-- end -->)', re.DOTALL)
@@ -34,9 +35,10 @@ GROUPS: dict[str, Sequence[tuple[str, type]]] = {
 
 def topic_table() -> str:
     """Format the topics as a Markdown table."""
-    return markdown_table(('topic', 'type', 'from', 'to', 'content'), [
+    return markdown_table(('topic', 'type', 'from', 'to', 'QoS', 'content'), [
         (f'`{name}`', f'`{interface_name(topic.type)}`', _nodes(topic.publishers),
-         _nodes(topic.subscribers), topic.description) for name, topic in TOPICS.items()])
+         _nodes(topic.subscribers), _qos_text(topic), topic.description)
+        for name, topic in TOPICS.items()])
 
 
 def service_table() -> str:
@@ -169,6 +171,23 @@ def main() -> None:
 
 def _nodes(names: Iterable[str]) -> str:
     return ', '.join(f'`{name}`' for name in names) or 'user'
+
+
+def _qos_text(topic: Topic) -> str:
+    """Say how a topic is published and subscribed, where nodes of ours do so."""
+    sides: list[str] = []
+    if topic.publishers:
+        sides.append(f'published {_profile_text(topic.publish_qos)}')
+    if topic.subscribers:
+        sides.append(f'subscribed {_profile_text(topic.subscribe_qos)}')
+    return '; '.join(sides)
+
+
+def _profile_text(profile: QoSProfile) -> str:
+    words = [profile.reliability.name.lower().replace('_', ' ')]
+    if profile.durability is DurabilityPolicy.TRANSIENT_LOCAL:
+        words.append('transient local')
+    return ', '.join((*words, f'depth {profile.depth}'))
 
 
 def _range_text(spec: ParameterSpec) -> str:

@@ -37,7 +37,7 @@ def config_file(name: str) -> Path:
     """
     Find one file of the package's ``config`` directory.
 
-    :param name: path below ``config``, for example ``'scenarios/demo.yaml'``.
+    :param name: path below ``config``, for example ``'scenarios/task_demo.yaml'``.
     :return: the file.
     :raises FileNotFoundError: naming the file and where it should have been.
     """

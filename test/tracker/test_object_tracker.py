@@ -129,3 +129,10 @@ def test_tags_that_cannot_be_told_apart_are_refused(tags, text):
     """No tag, or the same frame twice."""
     with pytest.raises(ValueError, match=rf'TrackerSettings.tags: .*{text}'):
         TrackerSettings(tags=tags)
+
+
+def test_a_leading_slash_does_not_belong_to_a_frame():
+    """Transforms come without it."""
+    assert MountedTag('/top').frame == 'top'
+    with pytest.raises(ValueError, match='MountedTag.frame'):
+        MountedTag('/')
