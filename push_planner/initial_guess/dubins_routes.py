@@ -88,9 +88,11 @@ def routes(problem: PushProblem, turns: TurnPair) -> list[Route]:
     full = problem.settings.final_straight
     shortest = min(MIN_FINAL_STRAIGHT, full)
     with_full = _routes(problem, turns, full)
+    if full == shortest:
+        return with_full
     with_shortest = _routes(problem, turns, shortest)
     if with_full[0].path_length <= DETOUR_RATIO * with_shortest[0].path_length:
-        return with_full + (with_shortest if full > shortest else [])
+        return with_full + with_shortest
     found = with_shortest + [route for fraction in SHORTER_STRAIGHTS if fraction * full > shortest
                              for route in _routes(problem, turns, fraction * full)]
     # Of all that are no detour, those with the longest final straight come first.

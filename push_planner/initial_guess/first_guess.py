@@ -6,11 +6,14 @@ its heading that of the path. The contact covers ``1 / cos(alpha)`` times the le
 alpha the steering angle of the turn.
 """
 
+import functools
 import math
 from typing import Any, NamedTuple
 
+import casadi as ca
 import numpy as np
-from push_model.dubins import advance_along_arc, DubinsPath
+from push_dynamics.machine_code import RowFunction
+from push_model.dubins import DubinsPath
 from push_model.geometry import FloatArray, wrap_angle
 from push_planner.collocation.formulation import NodeGuess
 from push_planner.initial_guess.steady_turns import SteadyTurn
@@ -20,8 +23,8 @@ from push_planner.push_parameters import contact_frames
 # Largest sine of the robot's steering in the guess of a differential drive. Chosen: an arcsine of
 # it exists, and the solver takes over from there.
 MAX_STEERING_SINE = 0.9
-# Length that stands for a final straight of none [m]: the arcs before it need an end.
-NO_LENGTH = 1e-9
+# Half of an angle below which an arc is as long as its chord [rad]: rounding.
+STRAIGHT = 1e-9
 
 
 class Route(NamedTuple):
@@ -60,12 +63,22 @@ class Route(NamedTuple):
         return guess_along(self, problem, lengths, points)
 
 
-class _ObjectPoses(NamedTuple):
-    """Rotations [rad] and positions [m] of the object in its start frame, shape (n,) each."""
+class _Motion(NamedTuple):
+    """
+    Motion along a route, in the object's start frame, at m path lengths of the contact.
+
+    :param theta: rotation of the object, shape (m,) [rad].
+    :param x: position of the object, shape (m,) [m].
+    :param y: the same, shape (m,) [m].
+    :param steering: steering angle, shape (m,) [rad].
+    :param w: yaw rate of the object over the pushing speed, shape (m,) [1/m].
+    """
 
     theta: FloatArray
     x: FloatArray
     y: FloatArray
+    steering: FloatArray
+    w: FloatArray
 
 
 def guess_along(route: Route, problem: PushProblem, lengths: FloatArray,
@@ -78,55 +91,56 @@ def guess_along(route: Route, problem: PushProblem, lengths: FloatArray,
     :param lengths: of the steps, summing to the path length, shape (n,) [m].
     :param points: Radau points of a step, shape (K,).
     """
-    course = _Course(problem, route)
     ends = np.concatenate([[0.0], np.cumsum(lengths)])
-    poses = course.poses_at(ends)
-    width = float(np.median(lengths))
-    steering, w = course.averaged(ends, width)
-    rates = course.averaged(ends[:-1, None] + lengths[:, None] * points, width)[1]
-    if problem.kind == 'differential':
-        gamma, rho = _differential_steering(problem, poses.theta, steering, lengths)
-        q_x, q_y = _contact_positions(poses, problem.contact_point)
-        return NodeGuess(np.column_stack([w, rho, poses.theta, q_x, q_y, gamma - gamma[0]]), rates)
+    at_points = ends[:-1, None] + lengths[:, None] * points
+    # Nodes and points alike; steering and w are averages over the length of a step.
+    middle = len(lengths) // 2
+    everywhere = _motion_along(route, problem, np.concatenate([ends, at_points.ravel()]),
+                               float(np.partition(lengths, middle)[middle]))
+    motion = _Motion(*everywhere[:len(ends)].T)
+    rates = everywhere[len(ends):, 4].reshape(at_points.shape)
     if problem.kind == 'rolling':
-        return _rolling_guess(problem, poses, steering, w, rates)
-    gamma = poses.theta + problem.start_normal
-    q_x, q_y = _contact_positions(poses, problem.contact_point)
-    rho = _next_to_zero(steering + (poses.theta + problem.vehicle.angle) - gamma)
-    return NodeGuess(np.column_stack([w, rho, poses.theta, q_x, q_y, poses.theta]), rates)
+        return _rolling_guess(problem, motion, rates)
+    q_x, q_y = _contact_positions(motion, problem.contact_point)
+    if problem.kind == 'differential':
+        gamma, rho = _differential_steering(problem, motion, lengths)
+        phi = gamma - gamma[0]
+    else:
+        phi = motion.theta
+        rho = _next_to_zero(motion.steering + (problem.vehicle.angle - problem.start_normal))
+    return NodeGuess(np.array([motion.w, rho, motion.theta, q_x, q_y, phi]).T, rates)
 
 
-def _rolling_guess(problem: PushProblem, poses: _ObjectPoses, steering: FloatArray, w: FloatArray,
-                   rates: FloatArray) -> NodeGuess:
+def _rolling_guess(problem: PushProblem, motion: _Motion, rates: FloatArray) -> NodeGuess:
     """Guess of a robot that does not rotate; its centre is the followed point."""
-    theta = poses.theta
+    theta = motion.theta
     phi = np.zeros(len(theta))
     delta, c_x, c_y = contact_frames(problem.push_parameters, theta, phi)
     gamma = theta + delta
     f_x, f_y = problem.friction_center
     psi = theta + np.unwrap(np.arctan2(f_y - c_y, f_x - c_x))
-    q_x, q_y = _contact_positions(poses, (c_x, c_y))
+    q_x, q_y = _contact_positions(motion, (c_x, c_y))
     q_x = q_x - problem.robot.radius * np.cos(gamma)
     q_y = q_y - problem.robot.radius * np.sin(gamma)
-    rho = _next_to_zero(steering + psi - gamma)
-    return NodeGuess(np.column_stack([w, rho, theta, q_x, q_y, phi]), rates)
+    rho = _next_to_zero(motion.steering + psi - gamma)
+    return NodeGuess(np.array([motion.w, rho, theta, q_x, q_y, phi]).T, rates)
 
 
-def _differential_steering(problem: PushProblem, theta: FloatArray, steering: FloatArray,
+def _differential_steering(problem: PushProblem, motion: _Motion,
                            lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
     """
     Let a differential drive's heading settle on the direction of the push, over its radius.
 
     :return: normals and pushing angles at the nodes, shape (n + 1,) each [rad].
     """
-    direction = theta + problem.vehicle.angle + steering
+    direction = motion.theta + problem.vehicle.angle + motion.steering
     reach = problem.robot.radius * math.cos(problem.heading_offset)
-    start = problem.start_normal
-    gammas = [direction[0] + wrap_angle(start - direction[0])]
+    first, start = float(direction[0]), problem.start_normal
+    gammas = [first + wrap_angle(start - first)]
     angles: list[float] = []
-    for target, length in zip(0.5 * (direction[1:] + direction[:-1]), lengths):
-        change = (target - gammas[-1] + problem.heading_offset) * (
-            1.0 - math.exp(-length / reach))
+    targets = 0.5 * (direction[1:] + direction[:-1]) + problem.heading_offset
+    for target, length in zip(targets.tolist(), lengths.tolist()):
+        change = (target - gammas[-1]) * (1.0 - math.exp(-length / reach))
         sine = max(-MAX_STEERING_SINE, min(MAX_STEERING_SINE, change * reach / length))
         angles.append(math.asin(sine) - problem.heading_offset)
         gammas.append(gammas[-1] + change)
@@ -134,61 +148,73 @@ def _differential_steering(problem: PushProblem, theta: FloatArray, steering: Fl
     return np.array(gammas), rho
 
 
-def _contact_positions(poses: _ObjectPoses,
+def _contact_positions(motion: _Motion,
                        contact: tuple[Any, Any]) -> tuple[FloatArray, FloatArray]:
     c_x, c_y = contact
-    c, s = np.cos(poses.theta), np.sin(poses.theta)
-    return poses.x + c * c_x - s * c_y, poses.y + s * c_x + c * c_y
+    c, s = np.cos(motion.theta), np.sin(motion.theta)
+    return motion.x + c * c_x - s * c_y, motion.y + s * c_x + c * c_y
 
 
 def _next_to_zero(angles: FloatArray) -> FloatArray:
     """Shift angles by full turns so that the first is next to 0 [rad]."""
-    angles += 2.0 * math.pi * np.round(-angles[0] / (2.0 * math.pi))
-    return angles
+    return angles - 2.0 * math.pi * round(float(angles[0]) / (2.0 * math.pi))
 
 
-class _Course:
-    """A route as functions of the path length s of the contact."""
+def _motion_along(route: Route, problem: PushProblem, s: FloatArray, width: float) -> FloatArray:
+    """Columns of ``_Motion`` at path lengths s of the contact, averaged over a width [m]."""
+    vehicle, path = problem.vehicle, route.path
+    cosines = [math.cos(turn.steering_angle) for turn in route.turns]
+    segments = [(length / cosine, cosine, curvature, turn.steering_angle, turn.w)
+                for length, cosine, curvature, turn in zip(path.lengths, cosines,
+                                                           path.curvatures, route.turns)]
+    segments.append((route.final_straight, 1.0, 0.0, 0.0, 0.0))
+    found = np.zeros((len(s), len(_Motion._fields)))
+    _follow_route(len(segments)).bind({
+        's': s[:, None], 'width': np.array([width]), 'segments': np.array(segments).ravel(),
+        'begin': np.array(path.start, dtype=float),
+        'vehicle': np.array([vehicle.angle, *vehicle.flat_output]), 'motion': found})()
+    return found
 
-    def __init__(self, problem: PushProblem, route: Route) -> None:
-        self._vehicle = problem.vehicle
-        path = route.path
-        # Path length of the contact over that of z, on each segment; the last is straight.
-        self._factors = np.array([1.0 / math.cos(turn.steering_angle) for turn in route.turns]
-                                 + [1.0])
-        lengths = [*path.lengths, max(route.final_straight, NO_LENGTH)]
-        self._ends = np.concatenate([[0.0], np.cumsum(np.multiply(lengths, self._factors))])
-        self._steering = np.array([turn.steering_angle for turn in route.turns] + [0.0])
-        self._rates = np.array([turn.w for turn in route.turns] + [0.0])
-        self._curvatures = np.array([*path.curvatures, 0.0])
-        poses = []
-        pose = path.start
-        for length, curvature in zip(lengths, self._curvatures):
-            poses.append(pose)
-            pose = advance_along_arc(pose, length, float(curvature))
-        self._begins = np.array(poses)
 
-    def poses_at(self, s: FloatArray) -> _ObjectPoses:
-        """Poses of the object at path lengths of shape (n,)."""
-        segment = np.clip(np.searchsorted(self._ends, s, side='right') - 1, 0,
-                          len(self._steering) - 1)
-        along = (s - self._ends[segment]) / self._factors[segment]
-        half = 0.5 * along * self._curvatures[segment]
-        chord = along * np.sinc(half / math.pi)
-        x, y, heading = self._begins[segment].T
-        z_x, z_y = x + chord * np.cos(heading + half), y + chord * np.sin(heading + half)
-        theta = heading + 2.0 * half - self._vehicle.angle
-        f_x, f_y = self._vehicle.flat_output
-        return _ObjectPoses(theta, z_x - np.cos(theta) * f_x + np.sin(theta) * f_y,
-                            z_y - np.sin(theta) * f_x - np.cos(theta) * f_y)
+@functools.lru_cache(maxsize=8)
+def _follow_route(count: int) -> RowFunction:
+    """
+    Build the motion along a route of some segments.
 
-    def averaged(self, s: FloatArray, width: float) -> tuple[FloatArray, FloatArray]:
-        """Steering angles [rad] and w [1/m] at path lengths, averaged over a width [m]."""
-        return self._mean(self._steering, s, width), self._mean(self._rates, s, width)
+    A segment has five numbers: length of the contact's path, and that of z over it, curvature of
+    the path of z, steering angle and w.
+    """
+    s, width = ca.SX.sym('s'), ca.SX.sym('width')
+    segments, vehicle = ca.SX.sym('segments', 5, count), ca.SX.sym('vehicle', 3)
+    begin = ca.SX.sym('begin', 3)
+    total = ca.sum2(segments[0, :])
+    low = ca.fmin(ca.fmax(s - 0.5 * width, 0.0), total)
+    high = ca.fmin(ca.fmax(s + 0.5 * width, 0.0), total)
+    x, y, heading = ca.vertsplit(begin)
+    before, steering, w = ca.SX(0.0), ca.SX(0.0), ca.SX(0.0)
+    for i in range(count):
+        length, ratio, curvature, angle, rate = ca.vertsplit(segments[:, i])
+        # What lies beyond the last segment goes on as that.
+        along = ratio * _covered(s, before, length if i < count - 1 else ca.inf)
+        half = 0.5 * along * curvature
+        chord = along * ca.if_else(ca.fabs(half) > STRAIGHT, ca.sin(half) / half, 1.0)
+        x += chord * ca.cos(heading + half)
+        y += chord * ca.sin(heading + half)
+        heading += 2.0 * half
+        within = _covered(high, before, length) - _covered(low, before, length)
+        steering += angle * within
+        w += rate * within
+        before += length
+    theta = heading - vehicle[0]
+    c, d = ca.cos(theta), ca.sin(theta)
+    motion = ca.vertcat(theta, x - c * vehicle[1] + d * vehicle[2],
+                        y - d * vehicle[1] - c * vehicle[2],
+                        steering / (high - low), w / (high - low))
+    given = {'s': s, 'width': width, 'segments': segments, 'begin': begin, 'vehicle': vehicle}
+    return RowFunction(ca.Function('follow_route', list(given.values()), [ca.cse(motion)],
+                                   list(given), ['motion']))
 
-    def _mean(self, values: FloatArray, s: FloatArray, width: float) -> FloatArray:
-        integral = np.concatenate([[0.0], np.cumsum(values * np.diff(self._ends))])
-        begin = np.clip(s - 0.5 * width, 0.0, self._ends[-1])
-        end = np.clip(s + 0.5 * width, 0.0, self._ends[-1])
-        return (np.interp(end, self._ends, integral)
-                - np.interp(begin, self._ends, integral)) / (end - begin)
+
+def _covered(s: Any, before: Any, length: Any) -> Any:
+    """Part of a segment that lies before s."""
+    return ca.fmin(ca.fmax(s - before, 0.0), length)

@@ -106,10 +106,11 @@ class _Parts(NamedTuple):
     begins: IntArray
 
     @classmethod
-    def of(cls, fractions: Sequence[FloatArray]) -> '_Parts':
-        """Join the fractions of the parts of each step."""
-        counts = np.array([len(one) for one in fractions])
-        joined = np.concatenate(fractions)
+    def of(cls, graded: Sequence[FloatArray], lengths: FloatArray, longest: float) -> '_Parts':
+        """Take the fractions of the first steps, and divide those after them into equal parts."""
+        equal = np.ceil(lengths / longest).astype(int)
+        counts = np.append([len(one) for one in graded], equal)
+        joined = np.concatenate([*graded, np.repeat(1.0 / equal, equal)])
         ends = np.cumsum(joined)
         begins = np.cumsum(counts) - counts
         step = np.repeat(np.arange(len(counts)), counts)
@@ -264,10 +265,9 @@ class ClosedLoopRollout:
         graded = lengths if dimensions.jumps else lengths[:1]
         begins = [graded_fractions(length, first, longest) for length in graded.tolist()]
         rest = lengths[len(graded):]
-        self._fine = _PartRows(self._function, _Parts.of(begins + _equal_fractions(
-            rest, longest)), self._column)
-        self._coarse = _PartRows(self._function, _Parts.of(begins + _equal_fractions(
-            rest, COARSE_PART)), self._column)
+        self._fine = _PartRows(self._function, _Parts.of(begins, rest, longest), self._column)
+        self._coarse = _PartRows(self._function, _Parts.of(begins, rest, COARSE_PART),
+                                 self._column)
 
     def run(self, track: ReferenceTrack, free_length: float, coarse: bool = False) -> Run:
         """
@@ -355,9 +355,3 @@ class ClosedLoopRollout:
         return np.stack([parts.fractions * lengths, parts.fractions,
                          v_squared + slope * parts.before * lengths, slope,
                          self._smoothing[parts.step]], axis=1)
-
-
-def _equal_fractions(lengths: FloatArray, longest: float) -> list[FloatArray]:
-    """Divide each step into equal parts."""
-    counts = np.ceil(lengths / longest).astype(int).tolist()
-    return [np.full(count, 1.0 / count) for count in counts]

@@ -1,18 +1,23 @@
 """A rollout as a trajectory in the world, with its jumps and its figures."""
 
+import functools
 import math
 from typing import Any
 
+import casadi as ca
 import numpy as np
+from push_dynamics.machine_code import RowFunction
 from push_model.geometry import FloatArray, wrap_angle
-from push_model.trajectory import PushTrajectory
+from push_model.trajectory import COLUMNS, PushTrajectory
 from push_planner.collocation.collocation import (
     contact_impulse, ContactImpulse, Node, robot_yaw_rate,
 )
 from push_planner.integration.rollout import Rollout
 from push_planner.plan import Switch
 from push_planner.problem import PushProblem
-from push_planner.push_parameters import contact_frames
+from push_planner.push_parameters import (
+    contact_frame, PushKind, PushParameters, SupportLayout,
+)
 
 # Time between the samples before and after a jump of the twists [s]. Chosen: trajectories have
 # increasing times, and nothing moves by a micrometre in it.
@@ -66,7 +71,6 @@ def build_report(problem: PushProblem, rollout: Rollout, trajectory: PushTraject
         touch, mostly).
     """
     force_angles = np.abs(np.arctan2(rollout.forces[:, 1], rollout.forces[:, 0]))
-    steps = np.diff(rollout.s, prepend=0.0)
     x, y, theta = trajectory.object_poses[-1]
     goal = problem.goal
     rotation = 0.0 if problem.settings.heading_free else wrap_angle(theta - goal.theta)
@@ -80,7 +84,7 @@ def build_report(problem: PushProblem, rollout: Rollout, trajectory: PushTraject
             'heading_error': abs(rotation),
             'cone_usage': steepest / problem.planning_cone_angle,
             'friction_usage': steepest / problem.friction_angle,
-            'distance_beyond_planning_cone': float(steps[outside].sum()),
+            'distance_beyond_planning_cone': float(np.diff(rollout.s)[outside[1:]].sum()),
             'impulses_outside_cone': sum(not switch.in_cone for switch in switches[1:]),
             'longest_blend': max([switch.blend_distance for switch in switches], default=0.0),
             'peak_angle_change': float(np.abs(rollout.changes).max())}
@@ -97,7 +101,8 @@ def sample_trajectory(problem: PushProblem, rollout: Rollout) -> PushTrajectory:
     repeated = rollout.is_begin.copy()
     repeated[0] = False
     # The end of one step is the begin of the next, unless there is a jump between them.
-    jumps = repeated & (np.abs(np.diff(rollout.samples[:, 1], prepend=0.0)) > 0.0)
+    jumps = repeated.copy()
+    jumps[1:] &= np.diff(rollout.samples[:, 1]) != 0.0
     kept = ~repeated | jumps
     s, v_squared = rollout.s[kept], rollout.v_squared[kept]
     speed = np.sqrt(v_squared)
@@ -133,35 +138,55 @@ def _switch(problem: PushProblem, response: ContactImpulse, rollout: Rollout, sa
 
 def _motion(problem: PushProblem, samples: FloatArray, speed: FloatArray) -> dict[str, FloatArray]:
     """Poses and twists of object, contact and robot in the world, by their names."""
-    w, rho, theta, q_x, q_y, phi = samples.T
-    parameters, radius, start = problem.push_parameters, problem.robot.radius, problem.start
-    delta, c_x, c_y = contact_frames(parameters, theta, phi)
-    robot_w = np.array(robot_yaw_rate(problem.kind, parameters, rho, w)).ravel()
-    robot_omega = robot_w * speed
-    gamma, omega = theta + delta, speed * w
-    lam = problem.rolling.normal_ratio
-    gamma_rate = omega if problem.kind == 'held' else lam * omega + (1.0 - lam) * robot_omega
-    # Into the world: all angles grow by that of the start.
-    theta, gamma = theta + start.theta, gamma + start.theta
+    start = problem.start
     # Keep the normal next to the one of the problem.
-    gamma = gamma + 2.0 * math.pi * round((problem.normal - gamma[0]) / (2.0 * math.pi))
-    q_x, q_y = _rotated(start.theta, q_x, q_y)
-    n_x, n_y = np.cos(gamma), np.sin(gamma)
-    to_contact = radius if problem.kind == 'rolling' else 0.0
-    contact_x = start.x + q_x + to_contact * n_x
-    contact_y = start.y + q_y + to_contact * n_y
+    turns = round((problem.normal - start.theta - problem.start_normal) / (2.0 * math.pi))
+    parameters = problem.push_parameters
+    motion = {name: np.zeros((len(samples), 3)) for name in COLUMNS}
+    _world_motion(problem.kind, parameters.supports).bind({
+        'node': samples, 'speed': speed[:, None], 'column': parameters.column(),
+        'begin': np.array([*start, problem.heading, 2.0 * math.pi * turns]), **motion})()
+    return motion
+
+
+@functools.lru_cache(maxsize=16)
+def _world_motion(kind: PushKind, supports: SupportLayout) -> RowFunction:
+    """
+    Build poses and twists in the world from a node and the speed of the contact.
+
+    ``begin`` are the object's start pose, the robot's heading there, and what is added to the
+    normal.
+    """
+    parameters, column = PushParameters.symbols(supports)
+    symbol, speed, begin = ca.SX.sym('node', 6), ca.SX.sym('speed'), ca.SX.sym('begin', 5)
+    start_x, start_y, start_theta, heading, turns = ca.vertsplit(begin)
+    node, radius = Node(*ca.vertsplit(symbol)), parameters.radius
+    delta, c_x, c_y = contact_frame(parameters, node.theta, node.phi)
+    omega = speed * node.w
+    robot_omega = speed * robot_yaw_rate(kind, parameters, node.rho, node.w)
+    lam = parameters.normal_ratio
+    gamma_rate = omega if kind == 'held' else lam * omega + (1.0 - lam) * robot_omega
+    # Into the world: all angles grow by that of the start.
+    theta, gamma = node.theta + start_theta, node.theta + delta + start_theta
+    q_x, q_y = _rotated(start_theta, node.q_x, node.q_y)
+    n_x, n_y = ca.cos(gamma), ca.sin(gamma)
+    to_contact = radius if kind == 'rolling' else 0.0
+    contact_x, contact_y = start_x + q_x + to_contact * n_x, start_y + q_y + to_contact * n_y
     lever_x, lever_y = _rotated(theta, c_x, c_y)
-    v_x, v_y = speed * np.cos(gamma + rho), speed * np.sin(gamma + rho)
-    return {
-        'object_poses': np.column_stack([contact_x - lever_x, contact_y - lever_y, theta]),
-        'object_twists': np.column_stack([v_x + omega * lever_y, v_y - omega * lever_x, omega]),
-        'contact_poses': np.column_stack([contact_x, contact_y, gamma]),
-        'contact_twists': np.column_stack([v_x, v_y, gamma_rate]),
-        'robot_poses': np.column_stack([contact_x - radius * n_x, contact_y - radius * n_y,
-                                        problem.heading + phi]),
-        'robot_twists': np.column_stack([v_x + robot_omega * radius * n_y,
-                                         v_y - robot_omega * radius * n_x, robot_omega])}
+    v_x, v_y = speed * ca.cos(gamma + node.rho), speed * ca.sin(gamma + node.rho)
+    results = {
+        'object_poses': (contact_x - lever_x, contact_y - lever_y, theta),
+        'object_twists': (v_x + omega * lever_y, v_y - omega * lever_x, omega),
+        'contact_poses': (contact_x, contact_y, gamma + turns),
+        'contact_twists': (v_x, v_y, gamma_rate),
+        'robot_poses': (contact_x - radius * n_x, contact_y - radius * n_y, heading + node.phi),
+        'robot_twists': (v_x + robot_omega * radius * n_y, v_y - robot_omega * radius * n_x,
+                         robot_omega)}
+    given = {'node': symbol, 'speed': speed, 'column': column, 'begin': begin}
+    found: Any = ca.cse([ca.densify(ca.vertcat(*result)) for result in results.values()])
+    return RowFunction(ca.Function('world_motion', list(given.values()), found, list(given),
+                                   list(results)))
 
 
-def _rotated(angle: Any, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    return np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
+def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    return ca.cos(angle) * x - ca.sin(angle) * y, ca.sin(angle) * x + ca.cos(angle) * y

@@ -1,0 +1,59 @@
+"""Initial guess: the motion along a route of arcs and straights."""
+
+import math
+
+from helpers.push_problems import face_problem
+import numpy as np
+from push_model.geometry import Pose, wrap_angle
+from push_planner.initial_guess.dubins_routes import routes
+from push_planner.single_push.planner import steering_limits
+import pytest
+
+PROBLEM = face_problem(Pose(1.5, 0.9, 1.2), final_straight=0.3)
+ROUTES = routes(PROBLEM, steering_limits(PROBLEM))
+POINTS = np.array([1.0 / 3.0, 1.0])
+
+
+def guess(route, count=40):
+    return route.guess(PROBLEM, np.full(count, route.path_length / count), POINTS)
+
+
+@pytest.mark.parametrize('route', ROUTES, ids=lambda route: route.name)
+def test_the_flat_output_follows_the_path(route):
+    """At the nodes, where the contact covers 1 / cos(alpha) times the length of the path."""
+    nodes = guess(route).nodes
+    vehicle, contact = PROBLEM.vehicle, PROBLEM.contact_point
+    factors = [1.0 / math.cos(turn.steering_angle) for turn in route.turns] + [1.0]
+    lengths = [*route.path.lengths, route.final_straight]
+    contact_ends = np.append(0.0, np.cumsum(np.multiply(lengths, factors)))
+    path_ends = np.append(0.0, np.cumsum(lengths))
+    for s, (_, _, theta, q_x, q_y, _) in zip(np.linspace(0.0, route.path_length, 41), nodes):
+        expected, _ = route.path.at(float(np.interp(s, contact_ends, path_ends)))
+        origin = Pose(q_x, q_y, theta) @ Pose(-contact[0], -contact[1], 0.0)
+        flat_output = Pose(*origin.transform(vehicle.flat_output), theta + vehicle.angle)
+        np.testing.assert_allclose(flat_output[:2], expected[:2], atol=1e-9)
+        assert wrap_angle(flat_output.theta - expected.theta) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_steering_is_that_of_the_turns_averaged_over_a_step():
+    """Constant inside a turn, and in the middle between two turns at the border of both."""
+    route = ROUTES[0]
+    factors = [1.0 / math.cos(turn.steering_angle) for turn in route.turns]
+    ends = np.cumsum(np.multiply(route.path.lengths, factors))
+    nodes, rates = guess(route, 200)
+    s = np.linspace(0.0, route.path_length, 201)
+    width = route.path_length / 200
+    for begin, end, turn in zip(np.append(0.0, ends), ends, route.turns):
+        inside = (s > begin + width) & (s < end - width)
+        assert inside.any()
+        np.testing.assert_allclose(nodes[inside, 0], turn.w, atol=1e-9)
+    jumps = np.interp(s, *_steps(ends, [turn.w for turn in route.turns], width))
+    np.testing.assert_allclose(nodes[1:-1, 0], jumps[1:-1], atol=1e-9)
+    np.testing.assert_allclose(rates[:-1, 1], nodes[1:-1, 0], atol=1e-9)
+
+
+def _steps(ends, values, width):
+    """Points of a polyline that goes from value to value over the width, at each end."""
+    values = [*values, 0.0]
+    at = [point for end in ends for point in (end - 0.5 * width, end + 0.5 * width)]
+    return at, [value for pair in zip(values, values[1:]) for value in pair]
