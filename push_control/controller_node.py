@@ -171,7 +171,7 @@ class ControllerNode(ManagedNode):
         self.subscribe('object_pose', self._world.receiver('object_pose', Handlers(
             self._on_object_pose, self._refuse_measurement)), real_time=True,
             with_covariance=self._options.object_pose_with_covariance)
-        self.subscribe('push_plan', self._on_plan)
+        self.subscribe('push_plan', self._on_plan, real_time=True)
         self.subscribe('goal_pose', self._world.receiver('goal_pose', Handlers(
             self._on_goal, self._refuse, self._goals.move)))
         self.subscribe('map', self._world.receiver('map', Handlers(

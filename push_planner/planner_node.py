@@ -117,9 +117,11 @@ class PlannerNode(ManagedNode):
         self._odometry = self.subscribe_newest('odom')
         self._object_pose = self.subscribe_newest(
             'object_pose', with_covariance=self._options.object_pose_with_covariance)
+        # The map first: a request that has come with it is planned with it.
         self.subscribe('map', self._world.receiver('map', Handlers(
-            self._on_map, self._refuse_map, self._sequences.move_map, is_latched=True)))
-        self.subscribe('push_request', self._on_request)
+            self._on_map, self._refuse_map, self._sequences.move_map, is_latched=True)),
+            real_time=True)
+        self.subscribe('push_request', self._on_request, real_time=True)
         self._timer = self.create_timer(MEASUREMENT_WAIT, self.guarded(self._plan_when_measured),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._timer.cancel()

@@ -4,13 +4,12 @@ Run a node until a signal comes, and end it cleanly.
 rclpy's executor builds its wait set anew at every turn, which takes 0.2 ms for the two real-time
 topics of the controller, and 0.5 ms with all its services, plans and timers. In lockstep there are
 some thousand messages a second, on a robot a hundred. So a node with real-time topics waits for
-these alone, and lets its background group join at intervals; while messages follow each other
-closely it polls for them instead (5 us). A node without such topics waits for everything:
+these alone, with a wait set that is kept, and lets its background group join at intervals. A node
+without such topics waits for everything:
 
     spin:  no real-time topics    wait for anything, or to look whether a signal has come
            background due         open the background group, and turn the executor until it is idle
            a real-time message    handle it
-           messages come thick and fast   poll again after POLL_PAUSE
            else                   wait for the next one, or until the background is due
 
 rclpy 7.1.6 has an experimental events executor, which needs no wait set; not every Jazzy has it.
@@ -31,24 +30,18 @@ from typing import Any, Callable, Sequence
 
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
-from rclpy.utilities import try_shutdown
+from rclpy.utilities import timeout_sec_to_nsec, try_shutdown
 
 # Longest wait of background callbacks [s]; chosen: nobody notices it in a service or a plan.
 BACKGROUND_PERIOD = 0.05
 # Turns of the executor at one opening, each of which runs at most one callback; chosen.
 BACKGROUND_CALLBACKS = 8
-# Messages that follow each other within the first time belong to a simulator in lockstep, which
-# takes about a millisecond for each: the next one is polled for during the second [s]; chosen.
-LOCKSTEP_INTERVAL = 0.005
-BUSY_TIME = 0.003
-# Pauses after a message was handled and between polls [s]: the shorter one takes 0.1 ms with the
-# resolution of the system's timers, which is what a message waits at most.
-FIRST_PAUSE = 1e-4
-POLL_PAUSE = 2e-5
 # Longest wait of a node without real-time topics [s]: signals do not end it; chosen.
 SIGNAL_PERIOD = 0.1
 # Time that a callback may still take after a signal before it is interrupted [s]; chosen: launch
@@ -95,7 +88,7 @@ class BackgroundGroup(MutuallyExclusiveCallbackGroup):
 
 
 class PolledNode(Node, abc.ABC):
-    """A node with a group of background callbacks, whose real-time topics can be polled."""
+    """A node with a group of background callbacks, whose real-time topics are taken by ``poll``."""
 
     background: BackgroundGroup
 
@@ -106,8 +99,8 @@ class PolledNode(Node, abc.ABC):
 
     @property
     @abc.abstractmethod
-    def is_polled(self) -> bool:
-        """Whether there are real-time topics."""
+    def real_time_subscriptions(self) -> Sequence[Subscription]:
+        """Those that ``poll`` takes messages from."""
 
     @abc.abstractmethod
     def start(self) -> None:
@@ -137,6 +130,40 @@ def take_message(subscription: Subscription) -> Any:
     with handle:
         taken = handle.take_message(subscription.msg_type, subscription.raw)
     return None if taken is None else taken[0]
+
+
+class MessageWaiter:
+    """
+    Waits for messages of a few subscriptions, and for nothing else.
+
+    An executor gathers everything that a node has each time before it waits, which takes longer
+    than to answer some of its messages.
+    """
+
+    def __init__(self, context: Context) -> None:
+        """
+        Start without a wait set.
+
+        :param context: of the subscriptions.
+        """
+        self._context = context
+        self._size = 0
+
+    def wait(self, subscriptions: Sequence[Subscription], timeout: float) -> None:
+        """
+        Wait until a message can be taken.
+
+        :param subscriptions: rclpy ``Subscription`` objects.
+        :param timeout: longest wait [s].
+        """
+        if len(subscriptions) != self._size:
+            self._size = len(subscriptions)
+            self._wait_set = rclpy_implementation.WaitSet(self._size, 0, 0, 0, 0, 0,
+                                                          self._context.handle)
+        self._wait_set.clear_entities()
+        for subscription in subscriptions:
+            self._wait_set.add_subscription(subscription.handle)
+        self._wait_set.wait(timeout_sec_to_nsec(max(0.0, timeout)))
 
 
 def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = None) -> int:
@@ -215,26 +242,18 @@ def spin(node: PolledNode, executor: SingleThreadedExecutor,
     :param is_stopped: takes nothing, tells whether to end.
     """
     background_due = 0.0
-    busy_until = 0.0
-    last_message = 0.0
+    waiter = MessageWaiter(node.context)
     while not is_stopped():
         now = time.monotonic()
-        if not node.is_polled:
+        subscriptions = node.real_time_subscriptions
+        if not subscriptions:
             node.background.is_open = True
             executor.spin_once(timeout_sec=SIGNAL_PERIOD)
         elif now >= background_due:
             _run_background(node, executor)
             background_due = time.monotonic() + BACKGROUND_PERIOD
-        elif node.poll():
-            if now - last_message < LOCKSTEP_INTERVAL:
-                busy_until = now + BUSY_TIME
-            last_message = now
-            time.sleep(FIRST_PAUSE)
-        elif now < busy_until:
-            time.sleep(POLL_PAUSE)
-        else:
-            until = min(background_due, node.wake_time)
-            executor.spin_once(timeout_sec=max(0.0, until - now))
+        elif not node.poll():
+            waiter.wait(subscriptions, min(background_due, node.wake_time) - now)
 
 
 def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:

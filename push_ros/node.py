@@ -16,7 +16,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
@@ -130,9 +130,9 @@ class PushNode(PolledNode):
         return self.parameters.settings
 
     @property
-    def is_polled(self) -> bool:
-        """Whether there are real-time topics."""
-        return bool(self._polled)
+    def real_time_subscriptions(self) -> Sequence[Subscription]:
+        """Those that ``poll`` takes messages from."""
+        return [polled.subscription for polled in self._polled]
 
     def now(self) -> Time:
         """Return the present time of the node."""
@@ -211,10 +211,11 @@ class PushNode(PolledNode):
         callback = self.guarded(callback)
         entry = TOPICS[topic]
         group = self.real_time if real_time else self.background
+        is_best_effort = entry.subscribe_qos.reliability is ReliabilityPolicy.BEST_EFFORT
         subscription = self.create_subscription(
             entry.message_type(stamped, with_covariance=with_covariance), topic, callback,
             entry.subscribe_qos, callback_group=group,
-            event_callbacks=NO_EVENTS if real_time else None)
+            event_callbacks=NO_EVENTS if is_best_effort else None)
         self._own_subscriptions.append(subscription)
         if real_time:
             self._polled.append(PolledSubscription(subscription, callback))

@@ -17,7 +17,7 @@ from push_ros.executor import BackgroundGroup, PolledNode, run
 
 
 class Busy(PolledNode):
-    is_polled = False
+    real_time_subscriptions = ()
 
     def __init__(self):
         super().__init__('busy')
