@@ -9,7 +9,7 @@ the processor. Where llvmlite is missing, casadi evaluates the same function.
 
 An evaluation runs over many rows: row k of every argument and result is an array of its own. Rows
 of a result may be rows of an argument too, one further on, so that a row goes on from the one
-before.
+before. Where no row does, several are evaluated at once, in the lanes of the processor's vectors.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -32,6 +32,9 @@ FIRST_OPAQUE_VERSION = 17
 OPTIMIZATION = 2
 # Distance of two float64 [bytes].
 ITEM_SIZE = 8
+# Rows that are evaluated at once where they are independent. Chosen: float64 in a vector of AVX;
+# where vectors are shorter, LLVM divides them.
+LANES = 4
 
 _BINARY = {ca.OP_ADD: 'fadd', ca.OP_SUB: 'fsub', ca.OP_MUL: 'fmul', ca.OP_DIV: 'fdiv'}
 _COMPARISONS = {ca.OP_LT: 'olt', ca.OP_LE: 'ole', ca.OP_EQ: 'oeq', ca.OP_NE: 'une'}
@@ -50,16 +53,19 @@ class RowFunction:
     :param function: the ``casadi.Function`` of ``SX``; its arguments and results are flat arrays
         of their nonzeros, by columns.
     :param is_compiled: whether it is compiled where that is possible, or interpreted by casadi.
+    :param is_independent: whether no row goes on from another one.
     """
 
-    def __init__(self, function: Any, is_compiled: bool = True) -> None:
+    def __init__(self, function: Any, is_compiled: bool = True,
+                 is_independent: bool = False) -> None:
         """Compile the function, or keep it where there is no compiler."""
         self._function = function
         inputs, outputs = range(function.n_in()), range(function.n_out())
         self.sizes: dict[str, int] = {
             **{function.name_in(i): function.nnz_in(i) for i in inputs},
             **{function.name_out(i): function.nnz_out(i) for i in outputs}}
-        self._code = _compile(function) if is_compiled else None
+        lanes = LANES if is_independent else 1
+        self._code = _compile(function, lanes) if is_compiled else None
 
     def bind(self, arrays: Mapping[str, FloatArray]) -> Callable[[], None]:
         """
@@ -134,7 +140,7 @@ def _llvm() -> Any:
     return llvm
 
 
-def _compile(function: Any) -> Any:
+def _compile(function: Any, lanes: int) -> Any:
     """Compile a function, or load its machine code; None where there is no compiler."""
     llvm = _llvm()
     if llvm is None:
@@ -142,7 +148,7 @@ def _compile(function: Any) -> Any:
     cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=cpu, features=features, opt=OPTIMIZATION, jit=True)
-    text = _translate(function, llvm.llvm_version_info[0])
+    text = _translate(function, llvm.llvm_version_info[0], lanes)
     key = repr((text, cpu, features, llvm.llvm_version_info, OPTIMIZATION)).encode()
     file = _cache_file(hashlib.sha256(key).hexdigest())
     if file is None or not file.exists():
@@ -176,43 +182,48 @@ def _store(file: Optional[pathlib.Path], code: bytes) -> None:
         unfinished.unlink(missing_ok=True)
 
 
-def _translate(function: Any, version: int) -> str:
-    """Write a loop over rows in LLVM's language."""
+def _translate(function: Any, version: int, lanes: int) -> str:
+    """Write a loop over rows in LLVM's language, some rows at once."""
     number, table = ('ptr', 'ptr') if version >= FIRST_OPAQUE_VERSION else ('double*', 'double**')
     count = function.n_in() + function.n_out()
     head = [f'define void @rows({table} %addresses, i64* %strides, i64 %count) {{'
             if version < FIRST_OPAQUE_VERSION else
-            'define void @rows(ptr %addresses, ptr %strides, i64 %count) {', 'entry:']
+            'define void @rows(ptr %addresses, ptr %strides, i64 %count) {', 'entry:',
+            '  %last = sub i64 %count, 1']
     strides = 'ptr' if version >= FIRST_OPAQUE_VERSION else 'i64*'
     loop = ['  br label %row', 'row:', '  %k = phi i64 [0, %entry], [%k.next, %row]']
-    tail: list[str] = []
+    for lane in range(lanes):
+        # Lanes beyond the last row evaluate it once more.
+        loop += [f'  %j{lane} = add i64 %k, {lane}',
+                 f'  %m{lane} = icmp slt i64 %j{lane}, %last',
+                 f'  %r{lane} = select i1 %m{lane}, i64 %j{lane}, i64 %last']
     for i in range(count):
         head += [f'  %a{i} = getelementptr {number}, {table} %addresses, i64 {i}',
                  f'  %b{i} = load {number}, {table} %a{i}',
                  f'  %c{i} = getelementptr i64, {strides} %strides, i64 {i}',
                  f'  %d{i} = load i64, {strides} %c{i}']
-        loop.append(f'  %p{i} = phi {number} [%b{i}, %entry], [%q{i}, %row]')
-        tail.append(f'  %q{i} = getelementptr double, {number} %p{i}, i64 %d{i}')
-    translation = _Translation(function, number)
+        for lane in range(lanes):
+            loop += [f'  %o{i}.{lane} = mul i64 %d{i}, %r{lane}',
+                     f'  %p{i}.{lane} = getelementptr double, {number} %b{i}, i64 %o{i}.{lane}']
+    translation = _Translation(function, number, lanes)
     body = translation.lines()
-    end = ['  %k.next = add i64 %k, 1', '  %more = icmp slt i64 %k.next, %count',
+    end = [f'  %k.next = add i64 %k, {lanes}', '  %more = icmp slt i64 %k.next, %count',
            '  br i1 %more, label %row, label %done', 'done:', '  ret void', '}']
-    declared = [f'declare double @{name}('
-                + ('double, double' if name in _TWO_ARGUMENTS else 'double') + ')'
-                for name in sorted(translation.called)]
-    return '\n'.join([*head, *loop, *body, *tail, *end, *declared])
+    return '\n'.join([*head, *loop, *body, *end, *translation.declarations()])
 
 
 class _Translation:
-    """Operations of one row, in LLVM's language."""
+    """Operations of a row, or of some rows in the lanes of vectors, in LLVM's language."""
 
-    def __init__(self, function: Any, pointer: str) -> None:
+    def __init__(self, function: Any, pointer: str, lanes: int) -> None:
         self._function = function
         self._pointer = pointer
+        self._lanes = lanes
+        self._type = 'double' if lanes == 1 else f'<{lanes} x double>'
         # Values by place in casadi's work vector.
         self._values: dict[int, str] = {}
         self._count = 0
-        self.called: set[str] = set()
+        self._called: set[str] = set()
 
     def lines(self) -> list[str]:
         """Translate all operations; results are stored last, as they may overlap arguments."""
@@ -223,7 +234,7 @@ class _Translation:
             operation = function.instruction_id(k)
             places = function.instruction_output(k)
             if operation == ca.OP_CONST:
-                self._values[places[0]] = _constant(function.instruction_constant(k))
+                self._values[places[0]] = self._constant(function.instruction_constant(k))
             elif operation == ca.OP_INPUT:
                 argument, element = function.instruction_input(k)
                 lines += self._load(places[0], argument, element)
@@ -236,60 +247,130 @@ class _Translation:
                 lines += self._operate(places[0], operation, values)
         return lines + stores
 
+    def declarations(self) -> list[str]:
+        """Declare all functions that are called."""
+        return [f'declare {self._type_of(name)} @{self._name(name)}('
+                + ', '.join([self._type_of(name)] * (2 if name in _TWO_ARGUMENTS else 1)) + ')'
+                for name in sorted(self._called)]
+
     def _new(self) -> str:
         self._count += 1
         return f'%v{self._count}'
 
+    def _constant(self, value: float) -> str:
+        """Write a number exactly, in all lanes."""
+        text = f'0x{np.float64(value).view(np.uint64):016X}'
+        if self._lanes == 1:
+            return text
+        return '<' + ', '.join([f'double {text}'] * self._lanes) + '>'
+
     def _load(self, place: int, argument: int, element: int) -> list[str]:
-        address, value = self._new(), self._new()
-        self._values[place] = value
-        return [f'  {address} = getelementptr double, {self._pointer} %p{argument}, i64 {element}',
-                f'  {value} = load double, {self._pointer} {address}']
+        lines: list[str] = []
+        found: list[str] = []
+        for lane in range(self._lanes):
+            address, value = self._new(), self._new()
+            lines += [f'  {address} = getelementptr double, {self._pointer} '
+                      f'%p{argument}.{lane}, i64 {element}',
+                      f'  {value} = load double, {self._pointer} {address}']
+            found.append(value)
+        joined = self._joined(found, lines)
+        self._values[place] = joined
+        return lines
 
     def _store(self, place: int, result: int, element: int) -> list[str]:
-        address = self._new()
-        return [f'  {address} = getelementptr double, {self._pointer} %p{result}, i64 {element}',
-                f'  store double {self._values[place]}, {self._pointer} {address}']
+        lines: list[str] = []
+        for lane, value in enumerate(self._separate(self._values[place], lines)):
+            address = self._new()
+            lines += [f'  {address} = getelementptr double, {self._pointer} '
+                      f'%p{result}.{lane}, i64 {element}',
+                      f'  store double {value}, {self._pointer} {address}']
+        return lines
+
+    def _joined(self, values: Sequence[str], lines: list[str]) -> str:
+        """Put the numbers of all lanes into one vector."""
+        if self._lanes == 1:
+            return values[0]
+        joined = 'undef'
+        for lane, value in enumerate(values):
+            following = self._new()
+            lines.append(f'  {following} = insertelement {self._type} {joined}, double {value}, '
+                         f'i32 {lane}')
+            joined = following
+        return joined
+
+    def _separate(self, vector: str, lines: list[str]) -> list[str]:
+        """Take the numbers of all lanes out of a vector."""
+        if self._lanes == 1:
+            return [vector]
+        values = [self._new() for _ in range(self._lanes)]
+        lines += [f'  {value} = extractelement {self._type} {vector}, i32 {lane}'
+                  for lane, value in enumerate(values)]
+        return values
 
     def _operate(self, place: int, operation: int, values: Sequence[str]) -> list[str]:
         result = self._new()
         self._values[place] = result
         if operation in _BINARY:
-            return [f'  {result} = {_BINARY[operation]} contract double {values[0]}, {values[1]}']
+            return [f'  {result} = {_BINARY[operation]} contract {self._type} {values[0]}, '
+                    f'{values[1]}']
         if operation in _CALLS:
-            name = _CALLS[operation]
-            self.called.add(name)
-            given = ', '.join(f'double {value}' for value in values)
-            return [f'  {result} = call double @{name}({given})']
+            return self._call(place, _CALLS[operation], values)
         if operation in _COMPARISONS:
-            return self._number(result, f'fcmp {_COMPARISONS[operation]} double {values[0]}, '
-                                        f'{values[1]}')
+            return self._number(result, f'fcmp {_COMPARISONS[operation]} {self._type} '
+                                        f'{values[0]}, {values[1]}')
         return self._other(result, operation, values)
 
+    def _call(self, place: int, name: str, values: Sequence[str]) -> list[str]:
+        """Call a function: those of the processor for all lanes at once, others one by one."""
+        self._called.add(name)
+        lines: list[str] = []
+        kind = self._type_of(name)
+        given = [values] if kind == self._type else list(
+            zip(*[self._separate(value, lines) for value in values]))
+        results: list[str] = []
+        for arguments in given:
+            result = self._new()
+            passed = ', '.join(f'{kind} {argument}' for argument in arguments)
+            lines.append(f'  {result} = call {kind} @{self._name(name)}({passed})')
+            results.append(result)
+        self._values[place] = results[0] if len(results) == 1 else self._joined(results, lines)
+        return lines
+
+    def _type_of(self, name: str) -> str:
+        return self._type if name.startswith('llvm.') else 'double'
+
+    def _name(self, name: str) -> str:
+        """Name of a function; those of LLVM bear their type."""
+        if self._lanes == 1 or not name.startswith('llvm.'):
+            return name
+        return name.replace('.f64', f'.v{self._lanes}f64')
+
     def _other(self, result: str, operation: int, values: Sequence[str]) -> list[str]:
-        first = values[0]
-        simple = {ca.OP_SQ: f'fmul contract double {first}, {first}',
-                  ca.OP_TWICE: f'fadd contract double {first}, {first}',
-                  ca.OP_NEG: f'fneg double {first}',
-                  ca.OP_INV: f'fdiv double 1.0, {first}',
-                  ca.OP_ASSIGN: f'fadd double {first}, -0.0'}
+        kind, first = self._type, values[0]
+        simple = {ca.OP_SQ: f'fmul contract {kind} {first}, {first}',
+                  ca.OP_TWICE: f'fadd contract {kind} {first}, {first}',
+                  ca.OP_NEG: f'fneg {kind} {first}',
+                  ca.OP_INV: f'fdiv {kind} {self._constant(1.0)}, {first}',
+                  ca.OP_ASSIGN: f'fadd {kind} {first}, {self._constant(-0.0)}'}
         if operation in simple:
             return [f'  {result} = {simple[operation]}']
+        zero = self._constant(0.0)
         if operation == ca.OP_NOT:
-            return self._number(result, f'fcmp oeq double {first}, 0.0')
+            return self._number(result, f'fcmp oeq {kind} {first}, {zero}')
         if operation == ca.OP_IF_ELSE_ZERO:
             chosen = self._new()
-            return [f'  {chosen} = fcmp une double {first}, 0.0',
-                    f'  {result} = select i1 {chosen}, double {values[1]}, double 0.0']
+            return [f'  {chosen} = fcmp une {kind} {first}, {zero}',
+                    f'  {result} = select {self._truth} {chosen}, {kind} {values[1]}, '
+                    f'{kind} {zero}']
         raise ValueError(f'operation: got number {operation} of casadi, expected one that is '
                          'translated to machine code')
 
     def _number(self, result: str, comparison: str) -> list[str]:
         """Turn a truth value into 0 or 1."""
         truth = self._new()
-        return [f'  {truth} = {comparison}', f'  {result} = uitofp i1 {truth} to double']
+        return [f'  {truth} = {comparison}',
+                f'  {result} = uitofp {self._truth} {truth} to {self._type}']
 
-
-def _constant(value: float) -> str:
-    """Write a number exactly."""
-    return f'0x{np.float64(value).view(np.uint64):016X}'
+    @property
+    def _truth(self) -> str:
+        return 'i1' if self._lanes == 1 else f'<{self._lanes} x i1>'

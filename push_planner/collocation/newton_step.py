@@ -234,7 +234,7 @@ class _Builder:
             'nu': nu, 'data': self._rows.symbols.given, **self._given},
             {'record': _packed(record), 'expansion': _packed(expansion), 'rows': g.rows,
              'measures': g.measures(barrier).plus(ca.vertcat(end - x_next, residuals), cost,
-                                                  stationarity)})
+                                                  stationarity)}, is_independent=True)
         return evaluate, self._step_expansion(expansion, following, nu)
 
     def _step_expansion(self, expansion: Sequence[Any], following: Any, nu: Any) -> RowFunction:
@@ -361,8 +361,9 @@ def _largest(values: Any) -> Any:
     return ca.mmax(values)
 
 
-def _function(name: str, given: Mapping[str, Any], results: Mapping[str, Any]) -> RowFunction:
+def _function(name: str, given: Mapping[str, Any], results: Mapping[str, Any],
+              is_independent: bool = False) -> RowFunction:
     found: Any = ca.cse([ca.densify(result) if result.size2() == 1 else result
                          for result in map(ca.SX, results.values())])
     return RowFunction(ca.Function(name, list(given.values()), found, list(given),
-                                   list(results)))
+                                   list(results)), is_independent=is_independent)

@@ -212,7 +212,7 @@ def _follow_route(count: int) -> RowFunction:
                         steering / (high - low), w / (high - low))
     given = {'s': s, 'width': width, 'segments': segments, 'begin': begin, 'vehicle': vehicle}
     return RowFunction(ca.Function('follow_route', list(given.values()), [ca.cse(motion)],
-                                   list(given), ['motion']))
+                                   list(given), ['motion']), is_independent=True)
 
 
 def _covered(s: Any, before: Any, length: Any) -> Any:

@@ -280,7 +280,7 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
     given = {'node': node, 'free_length': free_length, 'change': change, 'data': data,
              'rates': rates, 'column': column}
     return RowFunction(ca.Function('linearized', list(given.values()), [
-        ca.cse(ca.densify(total).T)], list(given), ['map']))
+        ca.cse(ca.densify(total).T)], list(given), ['map']), is_independent=True)
 
 
 class _Passes(NamedTuple):

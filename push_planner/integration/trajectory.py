@@ -185,7 +185,7 @@ def _world_motion(kind: PushKind, supports: SupportLayout) -> RowFunction:
     given = {'node': symbol, 'speed': speed, 'column': column, 'begin': begin}
     found: Any = ca.cse([ca.densify(ca.vertcat(*result)) for result in results.values()])
     return RowFunction(ca.Function('world_motion', list(given.values()), found, list(given),
-                                   list(results)))
+                                   list(results)), is_independent=True)
 
 
 def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:

@@ -16,14 +16,15 @@ def scalar_function():
     return ca.Function('scalar', [x, y], [results], ['x', 'y'], ['results'])
 
 
-@pytest.mark.parametrize('is_compiled', [True, False])
-def test_machine_code_computes_what_casadi_does(is_compiled):
-    """Also where an argument is the same in all rows, and where nothing compiles."""
+@pytest.mark.parametrize('count', [1, 2, 8, 21])
+@pytest.mark.parametrize('options', [{}, {'is_independent': True}, {'is_compiled': False}], ids=str)
+def test_machine_code_computes_what_casadi_does(options, count):
+    """Also several rows at once, where an argument is the same in all, where nothing compiles."""
     function = scalar_function()
     rng = np.random.default_rng(3)
-    x, y = rng.normal(size=(20, 2)), np.array([1.7])
-    results = np.zeros((20, 11))
-    RowFunction(function, is_compiled).bind({'x': x, 'y': y, 'results': results})()
+    x, y = rng.normal(size=(count, 2)), np.array([1.7])
+    results = np.zeros((count, 11))
+    RowFunction(function, **options).bind({'x': x, 'y': y, 'results': results})()
     expected = [np.array(function(row, y)).ravel() for row in x]
     np.testing.assert_allclose(results, expected, rtol=1e-13, atol=1e-14)
 
