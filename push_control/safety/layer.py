@@ -184,6 +184,7 @@ class SafetyLayer:
         elif self._standing_since is None:
             self._standing_since = odometry.time
         elif self.report and odometry.time - self._standing_since > STANDING_TIME:
+            self._odometry_check.restart(odometry)
             self.release()
 
     def _limited(self, command: Twist) -> Twist:

@@ -36,10 +36,12 @@ WINDOW_DISTANCE = 0.03
 WINDOW_ROTATION = 0.1
 WINDOW_RATIO = 0.4
 # Distance over which the direction of the steps is compared with that of the twist [m], and what
-# the two may differ by: constant part [m], and over the distance; chosen: 17 deg.
+# the two may differ by: constant part [m], and over the distance, along it and to its side;
+# chosen: wheels that are not quite of the stated size, and 6 deg between the axes.
 DIRECTION_DISTANCE = 0.3
 DIRECTION_TOLERANCE = 0.03
 DIRECTION_RATIO = 0.2
+LATERAL_RATIO = 0.1
 # The same where the robot does not move as commanded, which may be a mistake of odometry: over the
 # last centimetre or two; chosen: what shows before the motion is a fault.
 EARLY_DISTANCE, EARLY_TOLERANCE, EARLY_RATIO = 0.01, 0.004, 0.4
@@ -150,7 +152,7 @@ class OdometryCheck:
         """
         last, self._last = self._last, odometry
         if last is None:
-            self._restart(odometry)
+            self.restart(odometry)
             return None
         if odometry.time <= last.time:
             self._last = last
@@ -162,26 +164,31 @@ class OdometryCheck:
         if late is not None and fault is not None and is_continuous:
             # Its clock had fallen back: what looks like a jump was driven meanwhile.
             fault = self._jump(late, odometry, integrated_step(late, odometry))
-            self._restart(odometry)
+            self.restart(odometry)
             return fault
         if odometry.pose != last.pose:
             if fault is not None and self._explains(last.pose.inverse() @ odometry.pose):
                 # Odometry had stood still, and has caught up.
                 fault = None
-                self._restart(odometry)
+                self.restart(odometry)
             self._commanded_distance = self._commanded_rotation = 0.0
         if fault is not None or odometry.time - last.time > LONG_STEP:
-            self._restart(odometry)
+            self.restart(odometry)
             return fault
         samples = self._samples
         samples.append(_Sample(odometry.time, odometry.pose, samples[-1].integrated @ step))
         while len(samples) > 2 and samples[1].time <= odometry.time - WINDOW:
             samples.popleft()
         self._extend_course(last, odometry)
-        return (self._repetition(last, odometry) or self._contradiction()
-                or self._whole_direction_error())
+        fault = self._repetition(last, odometry) or self._contradiction()
+        return fault or self._check_direction(odometry)
 
-    def _restart(self, odometry: Odometry) -> None:
+    def restart(self, odometry: Odometry) -> None:
+        """
+        Forget what was covered before, which has been judged.
+
+        :param odometry: the newest ``Odometry``.
+        """
         self._course.clear()
         self._course.append(_Course(0.0, odometry.pose[:2], (0.0, 0.0)))
         self._samples.clear()
@@ -259,11 +266,28 @@ class OdometryCheck:
         return None if first is None else self._direction_error(first, EARLY_TOLERANCE,
                                                                 EARLY_RATIO)
 
-    def _whole_direction_error(self) -> SafetyReport | None:
+    def _check_direction(self, odometry: Odometry) -> SafetyReport | None:
         if self._course[-1].travelled - self._course[0].travelled < DIRECTION_DISTANCE:
             return None
         constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_TOLERANCE
-        return self._direction_error(self._course[0], constant, DIRECTION_RATIO)
+        fault = (self._direction_error(self._course[0], constant, DIRECTION_RATIO)
+                 or self._lateral_error(constant))
+        if fault is not None:
+            # A robot that stands adds nothing to its course, in which the error would stay.
+            self.restart(odometry)
+        return fault
+
+    def _lateral_error(self, constant: float) -> SafetyReport | None:
+        """Compare the course with its twists, across the direction of these."""
+        first, last = self._course[0], self._course[-1]
+        (x, y), expected = ((b[0] - a[0], b[1] - a[1]) for a, b in (
+            (first.position, last.position), (first.expected, last.expected)))
+        heading = math.atan2(expected[1], expected[0])
+        along, lateral = Pose(0.0, 0.0, -heading).rotate((x, y))
+        if abs(lateral) <= constant + LATERAL_RATIO * (last.travelled - first.travelled):
+            return None
+        return SafetyReason.ODOMETRY_DIRECTION.report(
+            moved=math.hypot(x, y), angle=math.degrees(math.atan2(lateral, along)))
 
     def _direction_error(self, first: _Course, constant: float,
                          ratio: float) -> SafetyReport | None:

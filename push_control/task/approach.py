@@ -122,7 +122,8 @@ class Approach(Behavior):
         obj, robot, settings = self._context.obj, self._context.robot, self._context.supervision
         gap = perception.gap(obj, robot)
         deviation = perception.localization.position_deviation
-        if gap < -OVERLAP_TOLERANCE:
+        was_displaced = perception.was_displaced
+        if gap < -OVERLAP_TOLERANCE and not was_displaced:
             perception.update_from_contact(obj, robot, OVERLAP_TOLERANCE)
         at_rest = perception.object_at_rest
         pose = at_rest.pose
@@ -133,7 +134,8 @@ class Approach(Behavior):
             if at_rest.is_biased:
                 self._moved_distance += CERTAIN_SIGMAS * at_rest.position_error
         may_touch = gap < settings.probe_distance + CERTAIN_SIGMAS * deviation
-        if may_touch and distance(pose, self._first_object_pose) > self._moved_distance:
+        has_shifted = distance(pose, self._first_object_pose) > self._moved_distance
+        if may_touch and has_shifted and not was_displaced:
             contact_deviation = OVERLAP_TOLERANCE
             if gap > OVERLAP_TOLERANCE + CERTAIN_SIGMAS * deviation:
                 # Either its pose is wrong by that, or somebody else has moved the object.

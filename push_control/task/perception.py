@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
 from push_control.events import EventReport
-from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble
+from push_control.localization.displacement import Displacement, DisplacementWatch
+from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble, RobotMemory
 from push_control.observation import Observation
 from push_control.safety.odometry_check import integrated_step
 from push_control.settings import ControlSettings
@@ -30,11 +31,20 @@ TRACE_STEPS = 12
 # chosen: a second or two of poses, and more than an estimate from these errs by.
 NOISE_POSES = 30
 NOISY_RATIO = 1.6
+# Part of these that may be outliers, while the object is at rest by the others; chosen: a tracker
+# errs less often by chance, and noise of which too little is stated gives two in three.
+MAX_OUTLIER_RATIO = 1.0 / 3.0
 # Standard deviations that odometry which was wrong adds to the robot's position [m] and heading
 # [rad]: by a jump, which is not added up, and otherwise; chosen: what it covers before that is
 # noticed and until it stands.
 JUMP_STD = 0.03, 0.03
 DISTRUST_STD = 0.08, 0.05
+# Time for which a displacement of the object explains that it is elsewhere [s]; chosen: a plan is
+# made meanwhile.
+DISPLACED_TIME = 2.0
+# Standard deviations that what was driven meanwhile adds to a robot whose place is remembered
+# from before a mistake of the tracker [m], [rad]; chosen: seconds of driving.
+RETURN_STD = 0.01, 0.01
 # Standard deviations of the scale of odometry beyond which an estimate of it is no chance; chosen.
 UNLIKELY_SIGMAS = 4.0
 # Errors of the object at rest over the standard deviations of an ensemble that estimates a bias,
@@ -94,6 +104,7 @@ class StationarityWindow:
         self._control = control
         self._supervision = supervision
         self._latest: deque[ObjectPose] = deque(maxlen=NOISE_POSES)
+        self._are_outliers: deque[bool] = deque(maxlen=NOISE_POSES)
         self.clear()
 
     def clear(self) -> None:
@@ -104,15 +115,21 @@ class StationarityWindow:
         self._first_heading = 0.0
         self._average: ObjectAtRest | None = None
 
-    def add(self, measured: ObjectPose) -> None:
+    def add(self, measured: ObjectPose, is_outlier: bool = False) -> None:
         """
         Take in a measurement.
 
         :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
+        :param is_outlier: whether nothing explains it; does not count while that is seldom.
         """
         if self._samples and measured.time <= self._samples[-1].time:
             return
+        if is_outlier and self._latest and measured.time <= self._latest[-1].time:
+            return
         self._latest.append(measured)
+        self._are_outliers.append(is_outlier)
+        if is_outlier and sum(self._are_outliers) <= MAX_OUTLIER_RATIO * len(self._latest):
+            return
         noise = self._control.believed_covariance(measured)
         position_deviation, heading_deviation = noise.position_deviation, noise.heading_deviation
         gate, pose = self._supervision.motion_gate_sigmas, measured.pose
@@ -212,9 +229,17 @@ class TaskPerception:
         self._window = StationarityWindow(control, supervision)
         self._rest_from = 0.0
         self._pose_time: float | None = None
+        # The newest pose that the filter believes, and whether it does not believe the newest one.
         self._believed: ObjectPose | None = None
+        self._is_outlier = False
         self._observation: Observation | None = None
         self._unexplained_moves = 0
+        # Motions of the object that are not the robot's: time of the last one, and what was
+        # estimated of the robot before it.
+        self._displacements = DisplacementWatch()
+        self._displaced_at = -math.inf
+        self._memory: RobotMemory | None = None
+        self._memory_before: RobotMemory | None = None
         # Odometry as it came last, and whether the pose of the next one has jumped.
         self._odometry: Odometry | None = None
         self._has_jumped = False
@@ -233,16 +258,35 @@ class TaskPerception:
                 self.localization.update_robot(odometry.pose, covariance.matrix)
             odometry = self._corrected(odometry)
         if measured is not None and measured.pose.is_finite():
+            is_new = self._pose_time is None or measured.time > self._pose_time
             self._pose_time = measured.time
             is_believed = self.localization.update(measured)
-            odometry = self._corrected(odometry)
-            if self.localization.has_pose_bias:
-                if is_believed:
+            if is_new:
+                self._is_outlier = not is_believed
+            if is_believed:
+                self._note_displacement(measured)
+                self._believed = measured
+                if self.localization.has_pose_bias:
                     self._believed = self.localization.without_bias(measured)
-                measured = self._believed or measured
+            odometry = self._corrected(odometry)
+            believed = self._believed or measured
             if measured.time >= self._rest_from:
-                self._window.add(measured)
+                self._window.add(measured if self._is_outlier else believed, self._is_outlier)
+            measured = believed
         self._observation = observation._replace(odometry=odometry, object_pose=measured)
+
+    def _note_displacement(self, measured: ObjectPose) -> None:
+        """Forget what was inferred of the robot from poses that were a mistake."""
+        localization = self.localization
+        displacement = self._displacements.update(measured)
+        if displacement is Displacement.DISPLACED:
+            self._memory_before = self._memory
+        elif displacement is Displacement.RETURNED and self._memory_before is not None:
+            localization.restore_robot(self._memory_before, *RETURN_STD)
+        if displacement is not Displacement.NONE:
+            self._displaced_at = measured.time
+        if localization.is_initialized:
+            self._memory = localization.remember_robot()
 
     def distrust_odometry(self, has_jumped: bool) -> None:
         """
@@ -265,6 +309,9 @@ class TaskPerception:
         if self._has_jumped and last is not None and is_new:
             self._has_jumped = False
             step = integrated_step(last, odometry)
+        if last is not None and is_new:
+            moved = step or last.pose.inverse() @ odometry.pose
+            self._displacements.drive(math.hypot(moved.x, moved.y))
         self.localization.predict(odometry, step)
 
     def _corrected(self, odometry: Odometry) -> Odometry:
@@ -364,6 +411,11 @@ class TaskPerception:
         return (f'odometry means {100.0 * abs(scale):.0f} % {"more" if scale > 0.0 else "less"} '
                 'motion than there is, as where wheels slip')
 
+    @property
+    def was_displaced(self) -> bool:
+        """Whether the object has lately moved further than the robot can have pushed it."""
+        return self.time - self._displaced_at < DISPLACED_TIME
+
     def restart_averaging(self, time: float) -> None:
         """
         Forget where the object was at rest.
@@ -415,13 +467,16 @@ class TaskPerception:
         """
         Note that the object has moved while it was not pushed.
 
-        The first time it may have been somebody else. The second time it is the robot, which is
-        not where it is estimated to be: it touches the object from behind, as that has moved.
+        Further than the robot drives, somebody else has moved it, or its tracker. Else, the first
+        time, it may have been somebody else. The second time it is the robot, which is not where
+        it is estimated to be: it touches the object from behind, as that has moved.
 
         :param obj: the ``PushedObject``.
         :param robot: the ``RoundRobot``.
         :param before: ``Pose`` that the object had.
         """
+        if self.was_displaced:
+            return
         self._unexplained_moves += 1
         pose, estimate = self.object_at_rest.pose, self.localization.pose
         moved = distance(pose, before)

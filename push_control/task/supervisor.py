@@ -576,7 +576,8 @@ class Supervisor:
 
     def _present_status(self) -> SupervisorStatus:
         entered, push = self._entered, self._push_status()
-        waiting_reason = self._reason_to_wait
+        # A task that is over waits for nothing.
+        waiting_reason = '' if entered.state.is_final else self._reason_to_wait
         reason = waiting_reason or entered.reason
         if entered.state is TaskState.PUSH:
             reason = reason or push.reason

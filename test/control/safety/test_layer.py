@@ -228,6 +228,24 @@ def test_a_twist_in_world_axes_is_a_fault_of_odometry_and_not_of_the_base():
     assert time < RESPONSE_TIME and report.reason.is_of_odometry
 
 
+@pytest.mark.parametrize('angle', [0.3, 1.0, -2.0])
+def test_axes_of_a_twist_that_are_right_again_let_the_robot_go_on(angle):
+    """Once it has stood: what was covered before adds nothing to what is wrong."""
+    robot = ROBOTS['holonomic']
+    layer, base = SafetyLayer(robot, BOX), Base(robot)
+
+    def turned(odometry):
+        v_x, v_y, omega = odometry.twist
+        x, y = Pose(0.0, 0.0, angle).rotate((v_x, v_y))
+        return odometry._replace(twist=Twist(x, y, omega))
+    time, report = driven(layer, base, Twist(0.15, 0.0, 0.0), 5.0, turned)
+    assert report.reason.is_of_odometry and time < 2.5
+    for _ in range(100):
+        layer.observe(turned(base.drive(layer.filter(STOP, base.odometry.time))))
+    assert layer.state is SafetyState.CLEAR
+    assert driven(layer, base, Twist(0.15, 0.0, 0.0), 5.0)[1] is None
+
+
 def test_who_else_commands_the_base_is_named():
     """Where it moves otherwise; while it follows nothing is wrong."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])

@@ -107,6 +107,44 @@ def test_what_moves_an_object_twice_is_the_robot_behind_it(angle):
     assert perception.localization.position_deviation < 0.2
 
 
+def look(perception, robot_pose, object_pose, count):
+    """Let some measurements of robot and object come, at 20 Hz."""
+    for time in perception.time + 0.05 * np.arange(1, count + 1):
+        perception.update(Observation(time, Odometry(time, robot_pose, STOP),
+                                      ObjectPose(time, object_pose)))
+
+
+@pytest.mark.parametrize('shift', [(0.3, 0.0, 0.5), (-0.2, 0.2, -0.5)])
+def test_what_a_mistake_of_the_tracker_meant_is_forgotten_once_it_is_over(shift):
+    """Neither does it place the robot, nor is what contacts meanwhile seemed to say kept."""
+    robot_pose = Pose(-0.5, 0.1, 0.3)
+    perception = seen(box(), robot_pose, ORIGIN, 0.0)
+    for _ in range(3):
+        look(perception, robot_pose, Pose(*shift), 20)
+        perception.on_object_moved(box(), HOLONOMIC, ORIGIN)
+        # The object seems to stand on the robot.
+        perception.localization.update_along(0.0, -0.3, 0.01)
+        assert distance(perception.robot_pose, robot_pose) > 0.2
+        look(perception, robot_pose, ORIGIN, 20)
+        perception.on_object_moved(box(), HOLONOMIC, Pose(*shift))
+        assert distance(perception.robot_pose, robot_pose) < 0.03
+    assert perception.localization.position_deviation < 0.05
+    assert perception.object_at_rest.pose == pytest.approx(ORIGIN, abs=1e-3)
+
+
+def test_single_outliers_do_not_move_an_object_at_rest():
+    """Neither is its average begun anew, nor is it seen elsewhere."""
+    perception, rng = seen(box(), Pose(-0.5, 0.1, 0.3), ORIGIN, 0.0), np.random.default_rng(0)
+    duration = perception.object_at_rest.duration
+    for _ in range(20):
+        x, y, theta = (rng.choice([-1.0, 1.0], 3) * rng.uniform(0.03, 0.12, 3)).tolist()
+        look(perception, Pose(-0.5, 0.1, 0.3), Pose(x, y, theta), 1)
+        assert perception.object_pose.pose == pytest.approx(ORIGIN, abs=1e-9)
+        look(perception, Pose(-0.5, 0.1, 0.3), ORIGIN, 2)
+    assert perception.object_at_rest.duration >= min(duration + 2.5, 1.9)
+    assert perception.object_at_rest.pose == pytest.approx(ORIGIN, abs=1e-3)
+
+
 def test_odometry_that_means_more_than_the_robot_moves_is_named():
     """By what the contacts have shown; a scale within its deviation is none."""
     perception = seen(box(), Pose(-1.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0), 0.0)
