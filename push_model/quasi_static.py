@@ -85,7 +85,7 @@ def vehicle(obj: PushedObject, contact_point: Coordinates,
     x_c, y_c = contact_point
     arm = math.hypot(x_f - x_c, y_f - y_c)
     if arm < 1e-6:
-        raise ValueError(f'contact_point: got {contact_point}, the friction centre itself, '
+        raise ValueError(f'contact_point: got {contact_point}, the centre of friction, '
                          'expected a point apart from it')
     angle = math.atan2(y_f - y_c, x_f - x_c)
     if has_heights(obj):

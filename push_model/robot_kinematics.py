@@ -1,8 +1,10 @@
 """
 Kinematics of a robot in contact: robot motion to contact velocity, and back.
 
-``v_C = v_P + omega_p R_p t``. Robot motion is written without division by speed: rates are per
-speed of the contact where ``speed`` is left at 1. There numbers and casadi symbols serve alike.
+``v_C = v_P + omega_p R_p t``. The pushing angle rho is measured from the contact normal; D is the
+angle from the robot's heading to the normal. Robot motion is written without division by speed:
+rates are per speed of the contact where ``speed`` is left at 1. There numbers and casadi symbols
+serve alike.
 """
 
 import math
@@ -18,14 +20,14 @@ def yaw_rate(drive: Drive, radius: Any, pushing_angle: Any, heading_offset: Any,
     """
     Yaw rate omega_p of a robot whose contact has a given velocity.
 
-    A differential drive has no choice: ``v = v_c cos b / cos d`` and
-    ``omega_p = (v_c sin b + v sin d) / R_p``. A holonomic robot rotates with the object, so that
-    the contact stays where it is on both.
+    A differential drive has no choice: its speed is ``v = v_c cos(rho) / cos(D)``, and
+    ``omega_p = (v_c sin(rho) + v sin(D)) / R_p = v_c sin(rho + D) / (R_p cos(D))``. A holonomic
+    robot rotates with the object, so that the contact stays where it is on both.
 
     :param drive: one of ``push_model.parameters.DRIVES``.
     :param radius: R_p [m].
-    :param pushing_angle: b, from the normal to the velocity at the contact [rad].
-    :param heading_offset: d = gamma - phi [rad].
+    :param pushing_angle: rho, from the normal to the velocity at the contact [rad].
+    :param heading_offset: ``D = gamma - phi`` [rad].
     :param object_rate: the object's yaw rate [rad/s, or rad/m per speed].
     :param speed: v_c, of the contact [m/s, or 1].
     :return: robot yaw rate [rad/s, or rad/m per speed].
@@ -41,7 +43,7 @@ def center_velocity(radius: Any, pushing_angle: Any, robot_rate: Any,
     Velocity of the robot's centre, ``v_P = v_C - omega_p R_p t``.
 
     :param radius: R_p [m].
-    :param pushing_angle: b, from the normal to the velocity at the contact [rad].
+    :param pushing_angle: rho, from the normal to the velocity at the contact [rad].
     :param robot_rate: omega_p [rad/s, or rad/m per speed].
     :param speed: v_c, of the contact [m/s, or 1].
     :return: components along n and along t [m/s, or per speed].

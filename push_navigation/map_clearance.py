@@ -19,7 +19,6 @@ corner. Then the ellipse of these deviations is kept clear.
 """
 
 import math
-
 from typing import NamedTuple
 
 import numpy as np
@@ -134,13 +133,13 @@ class MapClearance(NamedTuple):
         clearance = self.room.occupancy_map.clearance(points)
         if np.all(clearance >= self.required(points, lengths) - slack):
             return True
-        iso = self._replace(counts_drift=False).required(points)
-        if not np.all(clearance >= iso - slack):
+        without_drift = self._replace(counts_drift=False).required(points)
+        if not np.all(clearance >= without_drift - slack):
             return False
         middles = (points[:-1] + 0.5 * steps - points[0]) * np.diff(lengths)[:, None]
         moments = np.concatenate([np.zeros((1, 2)), np.cumsum(middles, axis=0)])
         levers = lengths[:, None] * (points - points[0]) - moments
-        return self._is_free_along(points, levers, iso - self.radius, slack)
+        return self._is_free_along(points, levers, without_drift - self.radius, slack)
 
     def _is_free_along(self, points: FloatArray, levers: FloatArray, others: FloatArray,
                        slack: float) -> bool:

@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from push_model.geometry import BoolArray, Coordinates, FloatArray, Pose
+from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Pose
 from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.distance_field import distance_field, INTERPOLATION_ERROR
 from push_navigation.obstacle import inflate
@@ -84,15 +84,14 @@ class OccupancyMap:
         result.occupied = self.occupied & ~cells
         result._distances = self._distances.copy()
         reach = math.ceil(FREED_REACH / self.resolution)
-        # In the grid with its border; obstacles count that are as far from what is computed.
-        inner, outer = (tuple(
-            slice(max(0, int(places.min()) + 1 - far), int(places.max()) + 2 + far)
-            for places in (rows, columns)) for far in (reach, 2 * reach))
+        inner = _window_round(rows, columns, reach)
+        # Obstacles count that are as far from what is computed.
+        outer = _window_round(rows, columns, 2 * reach)
         nearby = distance_field(_bordered(result.occupied, outer))
-        shift = tuple(slice(part.start - whole.start, part.start - whole.start
-                            + len(range(*part.indices(size))))
-                      for part, whole, size in zip(inner, outer, self._distances.shape))
-        distances = self.resolution * (nearby[shift] - INTERPOLATION_ERROR)
+        inner_in_outer = tuple(
+            slice(part.start - whole.start, min(part.stop, size) - whole.start)
+            for part, whole, size in zip(inner, outer, self._distances.shape))
+        distances = self.resolution * (nearby[inner_in_outer] - INTERPOLATION_ERROR)
         result._distances[inner] = np.maximum(result._distances[inner],
                                               np.minimum(distances, FREED_REACH))
         for array in (result.occupied, result._distances):
@@ -219,6 +218,12 @@ class OccupancyMap:
         :param margin: distance [m].
         """
         return self.first_object_collision(obj, poses, margin) is None
+
+
+def _window_round(rows: IntArray, columns: IntArray, reach: int) -> tuple[slice, ...]:
+    """Return the rows and columns near some cells, in the grid with its border."""
+    return tuple(slice(max(0, int(places.min()) + 1 - reach), int(places.max()) + 2 + reach)
+                 for places in (rows, columns))
 
 
 def _bordered(occupied: BoolArray, window: tuple[slice, ...]) -> BoolArray:

@@ -38,7 +38,7 @@ UNSURE_DEVIATION = 0.013
 # whose paths are planned. Chosen: more of either hardly ever change the result.
 EXPECTED_COUNT = 2000
 PLANNED_STARTS = 10
-# Lengths tried between the neighbours of the best one.
+# Lengths tried between the neighbours of the best one; chosen: at most 3 cm apart.
 REFINED_LENGTHS = 13
 # Estimate of a path [s], by drive: fixed time, and its reduction near the object. Fitted to
 # planned paths of a robot at 0.3 m/s and 1.9 rad/s.
@@ -46,7 +46,8 @@ FIXED_TIME = {'differential': 3.0, 'holonomic': 1.5}
 NEAR = 0.25
 NEAR_REDUCTION = 0.3
 NEAR_TURN_TIME = 0.3
-# The object hides places behind it; part of its radius, and an angle that it does not [rad].
+# The object hides places behind it; chosen: part of its radius that hides, as corners are passed
+# closely, and an angle at its edge that does not [rad].
 HIDING_FRACTION = 0.8
 HIDING_MARGIN = 0.3
 

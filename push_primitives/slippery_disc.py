@@ -70,15 +70,16 @@ def slippery_disc(obj: PushedObject, belief: FrictionBelief) -> SlipperyDisc | N
     if (obj.radius == 0.0 or belief.contact_friction > SLIPPERY_FRICTION
             or belief.contact_friction_deviation > FRICTION_DEVIATION):
         return None
-    x, y = (_rounded(value, CENTER_STEP) for value in belief.center)
+    center_x, center_y = belief.center
     friction = _rounded(belief.contact_friction, FRICTION_STEP)
     obj = dataclasses.replace(obj, contact_friction_coefficient=friction)
-    ratio = math.hypot(*belief.center) / (obj.radius * LEAST_DISTANCE)
+    ratio = math.hypot(center_x, center_y) / (obj.radius * LEAST_DISTANCE)
     steps = round(math.log(max(1.0, ratio)) / math.log(DISTANCE_RATIO))
     distance = min(GREATEST_DISTANCE, LEAST_DISTANCE * DISTANCE_RATIO ** steps) * obj.radius
-    return SlipperyDisc(with_friction_center(obj, (x, y)),
+    known_center = _rounded(center_x, CENTER_STEP), _rounded(center_y, CENTER_STEP)
+    return SlipperyDisc(with_friction_center(obj, known_center),
                         with_friction_center(_on_ring(obj), (distance, 0.0)),
-                        _rounded(math.atan2(*reversed(belief.center)), DIRECTION_STEP))
+                        _rounded(math.atan2(center_y, center_x), DIRECTION_STEP))
 
 
 def rotated(cost_to_go: CostToGo, angle: float) -> CostToGo:

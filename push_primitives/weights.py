@@ -6,13 +6,13 @@ import numpy as np
 from push_model.geometry import FloatArray
 from push_primitives.table import FrictionDraws
 
-# Least deviations of the kernel about each guess, as there are few of them: of the centre of
-# friction [m], about the distance between neighbours, and of the logarithm of contact friction.
+# Least deviations of the kernel about each guess, as there are few of them; chosen: of the centre
+# of friction [m] about the distance between neighbours, and of the logarithm of contact friction.
 CENTER_KERNEL = 0.015
 CONTACT_KERNEL = 0.25
-# Contact friction below which guesses hardly differ in their effect.
+# Contact friction below which guesses hardly differ in their effect; chosen.
 FRICTION_OFFSET = 0.05
-# The kernel is widened by this factor until at least so many guesses share the weight: an
+# The kernel is widened by this factor until at least so many guesses share the weight; chosen: an
 # expectation over fewer takes chance for knowledge.
 WIDENING = 1.25
 LEAST_SHARING = 4.0
@@ -38,7 +38,7 @@ def draw_weights(draws: FrictionDraws, belief: FrictionBelief) -> FloatArray:
     """
     Weigh guesses of friction by a Gaussian kernel about what is known.
 
-    With friction centres c_k and ``m_k = ln(mu_k + mu_0)``, the weight is
+    With centres of friction c_k and ``m_k = ln(mu_k + mu_0)``, the weight is
 
         exp(-|c_k - c|^2 / (2 (s_c^2 + h_c^2)) - (m_k - m)^2 / (2 (s_m^2 + h_m^2)))
 

@@ -37,6 +37,8 @@ NEWTON_STEPS = 8
 CONVERGED = 1e-11
 # Halvings of the bracket of a yaw rate: to rounding.
 BISECTIONS = 60
+# Halvings of a step that would make the power grow; chosen: a millionth of it is no step.
+MAX_HALVINGS = 20
 # A contact force this far inside the cone sticks [rad]: rounding.
 ROUNDING = 1e-9
 
@@ -164,8 +166,9 @@ def motion_cone(supports: SupportArrays, points: ArrayLike, normals: ArrayLike,
 def _sticking_yaw_rates(arms: _Arms, velocities: FloatArray) -> FloatArray:
     """Bisect the moment, which grows with the yaw rate."""
     speeds = np.hypot(*velocities.T)
-    nearest = np.sqrt((arms.rotated ** 2).sum(axis=-1)).max(axis=1)
-    high = 4.0 * speeds / np.maximum(nearest, 1e-9)
+    longest_arms = np.sqrt((arms.rotated ** 2).sum(axis=-1)).max(axis=1)
+    # A first bracket, widened below where it is too narrow.
+    high = 4.0 * speeds / np.maximum(longest_arms, 1e-9)
     smoothing = SMOOTHING * speeds[:, None]
     while True:
         outside = ((arms.friction(velocities, high, smoothing)[1] < 0.0)
@@ -237,13 +240,14 @@ def _newton_step(arms: _Arms, slide: FloatArray, slopes: tuple[FloatArray, Float
 def _damped(unknowns: FloatArray, step: FloatArray, power: Any, smoothing: float) -> FloatArray:
     """Take the step, halved where the power would grow."""
     before = power(unknowns, smoothing)
-    share = np.ones(len(unknowns))
-    for _ in range(20):
-        grows = power(unknowns + share[:, None] * step, smoothing) > before * (1.0 + 1e-14)
+    fraction = np.ones(len(unknowns))
+    for _ in range(MAX_HALVINGS):
+        # Growth by a rounding is none.
+        grows = power(unknowns + fraction[:, None] * step, smoothing) > before * (1.0 + 1e-14)
         if not grows.any():
             break
-        share = np.where(grows, 0.5 * share, share)
-    return unknowns + share[:, None] * step
+        fraction = np.where(grows, 0.5 * fraction, fraction)
+    return unknowns + fraction[:, None] * step
 
 
 def _wrapped(angles: FloatArray) -> FloatArray:

@@ -104,7 +104,14 @@ def integrate_slow_pushes(shape: Shape, supports: SupportArrays, contact_frictio
 
 
 class _Step(NamedTuple):
-    """Nearest points (n, 2), normals (n,), displacements (n, 2): object frame; who presses."""
+    """
+    Contacts of n pushes in one step, in the object frame.
+
+    :param points: of the outline that are nearest to the robot, shape (n, 2) [m].
+    :param normals: directions of the normals, shape (n,) [rad].
+    :param displacements: of the robot's surface there, less the gap, shape (n, 2) [m].
+    :param presses: whether the robot presses on the object, shape (n,).
+    """
 
     points: FloatArray
     normals: FloatArray
@@ -134,11 +141,11 @@ def _rows(supports: SupportArrays, rows: NDArray[np.int_]) -> SupportArrays:
 
 
 def _moved(poses: FloatArray, points: FloatArray, displacements: FloatArray,
-           turns: FloatArray) -> FloatArray:
+           rotations: FloatArray) -> FloatArray:
     """Move poses so that their material points are displaced, rotating at the middle heading."""
-    middle = poses[:, 2] + 0.5 * turns
-    origin = displacements + turns[:, None] * np.column_stack([points[:, 1], -points[:, 0]])
-    return np.column_stack([poses[:, :2] + _rotated(middle, origin), poses[:, 2] + turns])
+    middle = poses[:, 2] + 0.5 * rotations
+    origin = displacements + rotations[:, None] * np.column_stack([points[:, 1], -points[:, 0]])
+    return np.column_stack([poses[:, :2] + _rotated(middle, origin), poses[:, 2] + rotations])
 
 
 def _rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -85,6 +85,6 @@ def _interval(values: list[float]) -> Interval:
 
 def _center(view: Vehicle) -> tuple[float, float]:
     """Centre of friction of a vehicle: at the distance r from C towards z."""
-    share = view.arm / view.wheelbase
+    fraction = view.arm / view.wheelbase
     (c_x, c_y), (z_x, z_y) = view.contact_point, view.flat_output
-    return c_x + share * (z_x - c_x), c_y + share * (z_y - c_y)
+    return c_x + fraction * (z_x - c_x), c_y + fraction * (z_y - c_y)

@@ -37,14 +37,14 @@ def named_file(folder: str, name: str | Path) -> Path:
     :param folder: below ``config``, as ``objects``.
     :param name: path of a file, or name such as ``box_04``.
     :return: its path.
-    :raises ParameterFileError: where there is none, with the names there are.
+    :raises ParameterFileError: where there is none, with the name and those there are.
     """
     path = Path(name)
     if path.suffix in ('.yaml', '.yml') or path.is_file():
         return path
     files = files_by_name(share_directory() / 'config' / folder)
     if str(name) not in files:
-        raise ParameterFileError(f'{name}: got no such file, expected a path or one of {folder}: '
+        raise ParameterFileError(f'{folder[:-1]}: got {str(name)!r}, expected a path or one of '
                                  + ', '.join(files))
     return files[str(name)]
 

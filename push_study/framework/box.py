@@ -12,9 +12,8 @@ FRICTION = Parameter('friction_coefficient', '', 'friction of every support poin
 CONTACT_FRICTION = Parameter('contact_friction', '',
                              'friction coefficient between robot and object')
 BOX = (BOX_LENGTH, BOX_WIDTH, MASS, FRICTION, CONTACT_FRICTION)
-# Faces and vertices of the box: the face behind has its normal along +x.
+# Number of the face behind, whose normal is along +x.
 REAR_FACE = 3
-REAR_RIGHT_VERTEX = 0
 
 Outline = tuple[tuple[float, float], ...]
 

@@ -8,12 +8,12 @@ with a matching stamp is complete. Each CSV begins with the same statements as c
 import csv
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 from push_model.files import data
+from push_model.files.whole_file import write_whole
 from push_scenario.batch.identity import software_digest
 from push_study.framework.parameters import Values
 from push_study.framework.study import Finding, Outcome, Study, Table
@@ -103,7 +103,7 @@ class StudyFiles:
         files = [path.name for path in (self.png, self.svg, *map(self.table, outcome.tables))]
         content = {**stamp, 'findings': outcome.findings, 'page_table': outcome.page_table,
                    'files': files}
-        _replace(self._stamp, json.dumps(content, indent=1) + '\n')
+        write_whole(self._stamp, (json.dumps(content, indent=1) + '\n').encode())
 
     def batch_path(self, stamp: Stamp, number: int) -> Path:
         """
@@ -141,10 +141,3 @@ def _write_table(path: Path, head: list[str], table: Table) -> None:
         writer = csv.writer(stream, lineterminator='\n')
         writer.writerow(columns)
         writer.writerows(zip(*columns.values()))
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write a file so that it is whole or not there."""
-    unfinished = path.with_suffix('.part')
-    unfinished.write_text(text, encoding='utf-8')
-    os.replace(unfinished, path)

@@ -118,19 +118,6 @@ class StudyRunner:
         return [record for record in result.records if record is not None]
 
 
-def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any], /, *,
-                  job_time: float = SHORT_JOB) -> Sequence[Record]:
-    """
-    Run jobs one after the other, in memory; for ``compute`` without a runner.
-
-    :param function: of one job.
-    :param jobs: plain values.
-    :param job_time: not used.
-    :return: the record of each job.
-    """
-    return [function(job) for job in jobs]
-
-
 def draw_figure(study: Study, outcome: Outcome, values: Values) -> Figure:
     """
     Draw a study; to be called within ``plot_style.applied``.

@@ -2,11 +2,9 @@
 
 import argparse
 import functools
-from pathlib import Path
 from typing import Any, Callable, NamedTuple
 
-from push_model.files.data import share_directory
-from push_model.files.parameter_files import read_object, read_robot
+from push_model.files.parameter_files import named_file, read_object, read_robot
 from push_model.parameters import PushedObject, RoundRobot
 from push_study.framework.parameters import (
     check_known, ChosenValues, Overrides, read_chosen_values, read_overrides,
@@ -56,25 +54,6 @@ def register(actions: Subparsers, run_study: RunStudy) -> tuple[argparse.Argumen
     return regions, steering
 
 
-def find_config(folder: str, name: str) -> Path:
-    """
-    Find a file by path, or by name among those that come with the package.
-
-    :param folder: ``objects`` or ``robots``.
-    :param name: path of a file, or name such as ``coffee_table``.
-    :return: its path.
-    :raises ValueError: where there is none, with the names there are.
-    """
-    path = Path(name)
-    if path.suffix in ('.yaml', '.yml') or path.is_file():
-        return path
-    known = {path.stem: path for path in (share_directory() / 'config' / folder).glob('*.yaml')}
-    if name not in known:
-        raise ValueError(f'{folder[:-1]}: got {name!r}, expected a path or one of '
-                         + ', '.join(sorted(known)))
-    return known[name]
-
-
 def _add_parser(actions: Subparsers, name: str, text: str,
                 settable: str) -> argparse.ArgumentParser:
     parser = actions.add_parser(name, help=text)
@@ -104,7 +83,7 @@ def _map_steering(run_study: RunStudy, options: argparse.Namespace) -> None:
 
 
 def _read_subject(options: argparse.Namespace) -> Subject:
-    obj, robot = find_config('objects', options.object), find_config('robots', options.robot)
+    obj, robot = named_file('objects', options.object), named_file('robots', options.robot)
     return Subject(obj.stem, read_object(obj), robot.stem, read_robot(robot))
 
 

@@ -20,12 +20,11 @@ import numpy as np
 from push_control.identification.recorded_push import gap_at, RecordedPush
 from push_model.analysis.slow_push import Shape
 from push_model.geometry import FloatArray, Pose
-from push_model.parameters import PushedObject, Support
+from push_model.parameters import GRAVITY, PushedObject, Support
 
 OUTLINE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))
 CENTER_OF_MASS = (0.05, 0.05)
 MASS = 1.518
-GRAVITY = 9.81
 # Floor -> friction of the whole block [N], as the authors state.
 FLOOR_FRICTION = {'hardboard': 4.2, 'wood': 5.0}
 # Chosen: contact friction that is believed before, as of metal on metal or plastic.
@@ -41,8 +40,6 @@ SETTLING_TIME = 0.5
 # From the axes of the force sensor, with the sign of the force on the block, to those of the tool,
 # which holds the rod, turns with every push and has x along it: by 45 degrees, and mirrored.
 SENSOR_TO_TOOL = -np.array([[1.0, 1.0], [1.0, -1.0]]) / math.sqrt(2.0)
-
-
 # Pushes that identify: every so many of a file of fifty; the others test.
 SELECTED = 10
 

@@ -83,10 +83,10 @@ def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:
         for number, (parameters, model) in enumerate(KINDS):
             pooled = _pooled(select(reports, parameters, model))
             style = plot_style.series(number)
-            share = np.arange(1, len(pooled.position) + 1) / len(pooled.position)
-            left.plot(np.sort(MILLIMETRES * pooled.position), share,
+            fractions = np.arange(1, len(pooled.position) + 1) / len(pooled.position)
+            left.plot(np.sort(MILLIMETRES * pooled.position), fractions,
                       label=f'{model}, {parameters}', **style)
-            right.plot(np.sort(np.degrees(pooled.heading)), share, **style)
+            right.plot(np.sort(np.degrees(pooled.heading)), fractions, **style)
         for axes, label, limit in ((left, 'error of the end [mm]', 10.0),
                                    (right, 'error of the heading [deg]', 5.0)):
             axes.set_xlabel(label)
@@ -104,7 +104,7 @@ def _pooled(found: Sequence[Errors]) -> Errors:
 
 
 def _pair(values: FloatArray) -> str:
-    median, high = (float(np.quantile(values, share)) for share in QUANTILES)
+    median, high = (float(np.quantile(values, quantile)) for quantile in QUANTILES)
     digits = 1 if high >= 1.0 else max(0, 1 - math.floor(math.log10(max(high, 1e-9))))
     return f'{median:.{digits}f} ({high:.{digits}f})'
 

@@ -33,7 +33,7 @@ def with_wall(occupancy_map: OccupancyMap, start: Coordinates,
 
     :param occupancy_map: the ``OccupancyMap``.
     :param start: one end (x, y) [m].
-    :param end: the other end.
+    :param end: the other end (x, y) [m].
     :return: a map with the wall too.
     """
     resolution = occupancy_map.resolution

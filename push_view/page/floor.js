@@ -129,7 +129,7 @@ class Floor extends Pen {
     c.stroke();
   }
 
-  // The true friction centre: a cross.
+  // The true centre of friction: a cross.
   drawCenter(point) {
     const c = this.context, [x, y] = this.camera.toScreen(point);
     c.beginPath();

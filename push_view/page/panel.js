@@ -36,8 +36,8 @@ const LEGEND = [
   ['plan', '<path d="M2 9h26" stroke="var(--plan)" stroke-width="2" stroke-dasharray="7 4"/>'],
   ['contact force (1 m: the weight)', '<path d="M3 9h22m-6-5 6 5-6 5" fill="none" stroke="var(--force)" stroke-width="2.5"/>'],
   ['friction cone', '<path d="M3 9 27 2v14z" fill="var(--cone)" fill-opacity=".15" stroke="var(--cone)" stroke-dasharray="5 2 1 2"/>'],
-  ['true friction centre', '<path d="m10 4 10 10m0-10L10 14" stroke="var(--object)" stroke-width="3"/>'],
-  ['believed friction centre, 2 σ', '<path d="M15 3v12M9 9h12" stroke="var(--believed)" stroke-width="2.5"/><ellipse cx="15" cy="9" rx="13" ry="8" fill="none" stroke="var(--believed)"/>'],
+  ['true centre of friction', '<path d="m10 4 10 10m0-10L10 14" stroke="var(--object)" stroke-width="3"/>'],
+  ['believed centre of friction, 2 σ', '<path d="M15 3v12M9 9h12" stroke="var(--believed)" stroke-width="2.5"/><ellipse cx="15" cy="9" rx="13" ry="8" fill="none" stroke="var(--believed)"/>'],
   ['a wall was touched', '<circle cx="15" cy="9" r="7" fill="var(--paper)" stroke="var(--force)" stroke-width="2.5"/><path d="m12 6 6 6m0-6-6 6" stroke="var(--force)" stroke-width="2"/>'],
   ['friction of a foot: true, nominal', '<circle cx="9" cy="9" r="5" fill="var(--object)" fill-opacity=".5"/><circle cx="22" cy="9" r="5" fill="none" stroke="var(--faint)" stroke-dasharray="3 2"/>'],
 ];
@@ -125,7 +125,7 @@ class Panel {
     if (truth) {
       const x = values('believed_center_x'), y = values('believed_center_y');
       const believed = Number.isFinite(x) ? [x, y] : center;
-      this.setValue('believed minus true friction centre', number(Math.hypot(
+      this.setValue('believed minus true centre of friction', number(Math.hypot(
         believed[0] - truth.friction_center[0], believed[1] - truth.friction_center[1]), 1e3, 0, 'mm'));
     }
   }

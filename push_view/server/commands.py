@@ -50,7 +50,7 @@ class AddWall(NamedTuple):
     Draw a wall on the map.
 
     :param start: one end (x, y) [m].
-    :param end: the other end.
+    :param end: the other end (x, y) [m].
     """
 
     start: tuple[float, float]

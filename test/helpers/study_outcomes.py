@@ -1,10 +1,15 @@
 """Computes studies in memory, with the values of config/studies.yaml or others."""
 
-from typing import Any
+from typing import Any, Callable, Sequence
 
 from push_study.framework.parameters import read_chosen_values, Values
-from push_study.framework.runner import run_in_memory
-from push_study.framework.study import Outcome, Study
+from push_study.framework.study import Outcome, Record, SHORT_JOB, Study
+
+
+def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any], /, *,
+                  job_time: float = SHORT_JOB) -> Sequence[Record]:
+    """Run jobs one after the other, in memory; for ``compute`` without a runner."""
+    return [function(job) for job in jobs]
 
 
 def values_of(study: Study, **overrides: Any) -> Values:

@@ -49,5 +49,5 @@ def test_yaw_rate_is_isotropic_in_speed_and_zero_at_rest():
     slow, fast = (quasi_static_yaw_rate(box(), (-0.2, 0.0), v, 0.3 * v) for v in (0.01, 1.0))
     assert fast == pytest.approx(100 * slow, rel=1e-6)
     assert quasi_static_yaw_rate(box(), (-0.2, 0.0), 0.0, 0.0) == 0.0
-    with pytest.raises(ValueError, match='friction centre itself'):
+    with pytest.raises(ValueError, match='the centre of friction'):
         vehicle(box(), (0.0, 0.0))

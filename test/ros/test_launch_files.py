@@ -61,7 +61,7 @@ def test_where_one_node_ends_all_end(launched):
 
 
 @pytest.mark.parametrize('arguments, text', [
-    (['object:=sofa'], 'sofa: got no such file'), (['task:=maybe'], 'task'),
+    (['object:=sofa'], "object: got 'sofa'"), (['task:=maybe'], 'task'),
     (['map:=/no/map.yaml'], 'map: got'), (['record:=bag', 'params_file:=/no.yaml'], '/no.yaml'),
     (['tracker:=/no/tags.yaml'], '/no/tags.yaml'),
     (['tracker:=tags.yaml', 'simulation:=true'], 'tracker: got')])

@@ -105,7 +105,7 @@ def test_what_is_no_parameter_file_is_refused(tmp_path, text, message):
 
 
 def test_unknown_names_are_refused_with_those_that_there_are():
-    with pytest.raises(ParameterFileError, match='expected a path or one of objects: bin, box_04'):
+    with pytest.raises(ParameterFileError, match='expected a path or one of bin, box_04'):
         launch_parameters(DEFAULT, 'box')
 
 

@@ -2,13 +2,12 @@
 
 import dataclasses
 
-from helpers.study_outcomes import numbers
+from helpers.study_outcomes import numbers, run_in_memory
 import numpy as np
 from push_model.files.data import config_file
 from push_model.files.parameter_files import read_object, read_robot
 from push_study.cli import main
 from push_study.framework.parameters import read_chosen_values
-from push_study.framework.runner import run_in_memory
 from push_study.maps import drive_map
 import pytest
 

@@ -3,13 +3,12 @@
 import dataclasses
 import math
 
-from helpers.study_outcomes import numbers
+from helpers.study_outcomes import numbers, run_in_memory
 import numpy as np
 from push_model.files.data import config_file
 from push_model.files.parameter_files import read_object, read_robot
 from push_study import cli
 from push_study.framework.parameters import read_chosen_values
-from push_study.framework.runner import run_in_memory
 from push_study.maps import object_map
 import pytest
 
