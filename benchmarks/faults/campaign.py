@@ -17,6 +17,7 @@ from pathlib import Path
 import time
 from typing import NamedTuple
 
+from benchmarks.faults.effect import effect_time
 from benchmarks.faults.injection import (
     Fault, Injection, Input, OFFSET, SentCommand, SIMULATED, Word, words_of,
 )
@@ -24,7 +25,7 @@ from benchmarks.faults.node_rig import final_reason, run_node
 from benchmarks.faults.process_rig import (
     append_process_row, process_faults, process_rig, read_process_rows,
 )
-from benchmarks.faults.report import Findings, write_report
+from benchmarks.faults.report import Findings, stop_table, table, write_report
 from benchmarks.faults.row import append_row, Ending, read_rows, Row
 from benchmarks.faults.soak import read_tasks, run_soak, soak_table, write_tasks
 import numpy as np
@@ -155,7 +156,10 @@ def _run_node(case: Case, time_after: float) -> Row:
 def _evaluate(case: Case, ending: Ending, reason: str, record: _Record) -> Row:
     """Judge a run."""
     fault = case.fault
-    stop_time = _stop_time(record.sent, fault)
+    start = fault.start
+    if fault.input is Input.COMMAND:
+        start = effect_time(record.scenario.true_robot, fault, record.tape, record.sent)
+    stop_time = _stop_time(record.sent, start, fault)
     deviation = _deviation(record, fault)
     is_explained = _is_truly_done(record, fault) if ending is Ending.DONE else bool(reason)
     if ending is Ending.WAITS and fault.input is not Input.GOAL:
@@ -165,8 +169,8 @@ def _evaluate(case: Case, ending: Ending, reason: str, record: _Record) -> Row:
         is_explained = is_explained and all(twist == STOP for twist in final)
     if fault.input is not Input.COMMAND:
         is_explained = is_explained and deviation <= _deviation_limit(fault)
-    return Row(case.scenario, fault, ending, reason, is_explained, stop_time - fault.start,
-               _driven(record.tape, fault.start, stop_time), deviation)
+    return Row(case.scenario, fault, ending, reason, is_explained, stop_time - start,
+               _driven(record.tape, start, stop_time), deviation)
 
 
 def _deviation_limit(fault: Fault) -> float:
@@ -178,10 +182,10 @@ def _is_off(fault: Fault) -> bool:
     return fault.input is Input.POSE and fault.word is Word.WRONG
 
 
-def _stop_time(commands: Sequence[SentCommand], fault: Fault) -> float:
-    """Find when the robot first commands zero after the beginning of a fault; nan: never [s]."""
+def _stop_time(commands: Sequence[SentCommand], start: float, fault: Fault) -> float:
+    """Find when the robot first commands zero from a time on, during a fault; nan: never [s]."""
     return next((sent.time for sent in commands
-                 if fault.start <= sent.time < fault.end and sent.twist == STOP), math.nan)
+                 if start <= sent.time < fault.end and sent.twist == STOP), math.nan)
 
 
 def _is_truly_done(record: _Record, fault: Fault) -> bool:
@@ -230,6 +234,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for name in (SOAK_TASKS,) if options.only_soak else (ROWS, PROCESS_ROWS, SOAK_TASKS):
             (options.folder / name).unlink(missing_ok=True)
     scenarios = options.scenario or list(MOMENTS)
+    if options.only:
+        cases = [case for case in draw(scenarios, options.seed, options.count)
+                 if f'{case.fault.input.value} {case.fault.word.value}'.startswith(options.only)]
+        _run_cases(cases, options.folder / ROWS, options.jobs)
+        rows = read_rows(options.folder / ROWS)
+        print('\n\n'.join([stop_table(rows), table(rows)]))
+        return int(any(not row.is_explained for row in rows))
     if not options.only_soak:
         _run_cases(draw(scenarios, options.seed, options.count), options.folder / ROWS,
                    options.jobs)
@@ -260,6 +271,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--soak', type=int, default=100, help='tasks in a row in one set of nodes')
     parser.add_argument('--only-soak', action='store_true', help='leave out the rest')
+    parser.add_argument('--only', default='', metavar='FAULT',
+                        help='faults that begin so, as "command" or "pose stuck": print what '
+                        'they do, and write no report')
     parser.add_argument('--jobs', type=int, default=available_cores(),
                         help='processes that run side by side, where no time on the wall counts')
     parser.add_argument('--folder', type=Path, default=FOLDER, help='for what was found so far')

@@ -26,8 +26,8 @@ class Row(NamedTuple):
     :param ending: the ``Ending``.
     :param reason: as reported, one sentence.
     :param is_explained: whether it is done in truth, or stands with a reason.
-    :param stop_time: from the beginning of the fault until the robot first commands zero [s]; nan
-        where it need not stop.
+    :param stop_time: from the beginning of the fault, of commands of its effect, until the robot
+        first commands zero [s]; nan where it need not stop.
     :param driven: by the robot until then [m]; nan likewise.
     :param deviation: greatest distance of the object, after the beginning, from all that was
         planned for it [m].

@@ -9,8 +9,9 @@ do, or odometry contradicts itself, until the robot has stood for a while.
 import math
 
 from push_control.observation import Observation
+from push_control.safety.drive_models import RESPONSE_TIME
 from push_control.safety.heading_check import HeadingCheck
-from push_control.safety.motion_monitor import MotionMonitor, RESPONSE_TIME
+from push_control.safety.motion_monitor import MotionMonitor
 from push_control.safety.odometry_check import OdometryCheck
 from push_control.safety.pose_check import PoseCheck
 from push_control.safety.stamp_check import AGREEING_COUNT
@@ -107,9 +108,14 @@ class SafetyLayer:
         self._late_stamp, self._late_count = -math.inf, 0
         fault = self._odometry_check.check(odometry) or self._motion_fault(odometry)
         self._note_standing(odometry, fault is not None)
-        if fault is not None and self.report is None:
+        if fault is not None and self._is_news(fault):
             self.report = fault
         return fault
+
+    def _is_news(self, fault: SafetyReport) -> bool:
+        """Tell whether a fault is the first, or says more of a base that does not follow."""
+        return self.report is None or (fault.reason is SafetyReason.FOLLOWS_LATE
+                                       and self.report.reason.is_of_motion)
 
     def _motion_fault(self, odometry: Odometry) -> SafetyReport | None:
         """Find out why the robot does not follow: others, odometry, or the base itself."""
@@ -185,7 +191,8 @@ class SafetyLayer:
             self._standing_since = odometry.time
         elif self.report and odometry.time - self._standing_since > STANDING_TIME:
             self._odometry_check.restart(odometry)
-            self.release()
+            self._monitor.forgive()
+            self.report = None
 
     def _limited(self, command: Twist) -> Twist:
         """Shorten a command that is beyond the limits of speed and acceleration."""

@@ -43,10 +43,13 @@ DIRECTION_TOLERANCE = 0.03
 DIRECTION_RATIO = 0.2
 LATERAL_RATIO = 0.1
 # The same where the robot does not move as commanded, which may be a mistake of odometry: over the
-# last centimetre or two; chosen: what shows before the motion is a fault.
-EARLY_DISTANCE, EARLY_TOLERANCE, EARLY_RATIO = 0.01, 0.004, 0.4
+# last centimetres, the more of them the closer; chosen: what shows before the motion is a fault.
+EARLY_TOLERANCE = 0.004
+EARLY_RATIOS = {0.01: 0.4, 0.05: 0.25}
 # Angle from which on it is the direction that is wrong, and not the unit [rad]; chosen.
 LEAST_DIRECTION_ERROR = 0.2
+# Part of the distance travelled that twists must add up to for them to have a direction; chosen.
+LEAST_EXPECTED_RATIO = 0.2
 # Time for which the same pose may come again from a robot that moves [s], and what counts as that
 # [m/s], [rad/s]; chosen: messages may be more frequent than what they are made of.
 REPETITION_TIME = 0.15
@@ -261,10 +264,13 @@ class OdometryCheck:
             however short a distance; else None.
         """
         last = self._course[-1].travelled
-        first = next((course for course in reversed(self._course)
-                      if last - course.travelled >= EARLY_DISTANCE), None)
-        return None if first is None else self._direction_error(first, EARLY_TOLERANCE,
-                                                                EARLY_RATIO)
+        for least_distance, ratio in EARLY_RATIOS.items():
+            first = next((course for course in reversed(self._course)
+                          if last - course.travelled >= least_distance), None)
+            fault = first and self._direction_error(first, EARLY_TOLERANCE, ratio)
+            if fault:
+                return fault
+        return None
 
     def _check_direction(self, odometry: Odometry) -> SafetyReport | None:
         if self._course[-1].travelled - self._course[0].travelled < DIRECTION_DISTANCE:
@@ -299,7 +305,8 @@ class OdometryCheck:
         if distance(moved, expected) <= constant + ratio * travelled:
             return None
         angle = wrap_angle(math.atan2(moved[1], moved[0]) - math.atan2(expected[1], expected[0]))
-        if abs(angle) < LEAST_DIRECTION_ERROR:
+        has_direction = math.hypot(*expected) > LEAST_EXPECTED_RATIO * travelled
+        if abs(angle) < LEAST_DIRECTION_ERROR or not has_direction:
             return SafetyReason.ODOMETRY_SCALE.report(moved=math.hypot(*moved),
                                                       expected=math.hypot(*expected))
         return SafetyReason.ODOMETRY_DIRECTION.report(moved=math.hypot(*moved),

@@ -57,6 +57,11 @@ class SafetyReason(enum.Enum):
                         SafetyReason.ODOMETRY_CONTRADICTORY, SafetyReason.ODOMETRY_DIRECTION,
                         SafetyReason.ODOMETRY_SCALE)
 
+    @property
+    def is_of_motion(self) -> bool:
+        """Whether the robot moves otherwise than its commands mean, for no other known reason."""
+        return self in (SafetyReason.NOT_MOVING, SafetyReason.MOVES_OTHERWISE)
+
     def report(self, **values: Any) -> SafetyReport:
         """
         Report that this is so.

@@ -20,7 +20,7 @@ STOPPING_DISTANCE = 0.05
 
 @pytest.mark.parametrize('kind, word, text', [
     (Input.COMMAND, Word.OFF, 'the robot does not move as commanded'),
-    (Input.COMMAND, Word.WRONG, 'the robot moves otherwise than commanded'),
+    (Input.COMMAND, Word.WRONG, 'as commanded'),
     (Input.ODOMETRY, Word.WRONG, 'odometry has jumped by 0.30 m and 29 deg'),
     (Input.ODOMETRY, Word.STUCK, 'odometry repeats one pose'),
     (Input.ODOMETRY, Word.OFF, 'odometry is stale'),
@@ -35,6 +35,13 @@ def test_a_push_ends_stopped_and_named(kind, word, text):
     assert text in row.reason
     # As far as a pose may be old that is still used, besides.
     assert row.driven < STOPPING_DISTANCE + (0.04 if kind is Input.POSE else 0.0)
+
+
+def test_a_base_that_keeps_a_command_is_stopped_once_it_should_do_something_else():
+    """What it gets anyway is no fault, and no time counts until then."""
+    fault = Fault(Input.COMMAND, Word.STUCK, 5.22, math.inf)
+    row = run(Case(PUSH, fault), time_after=10.0)
+    assert row.ending is Ending.FAILED and row.stop_time < 2.0 and row.deviation < 0.1
 
 
 @pytest.mark.parametrize('kind, word', [
