@@ -79,6 +79,9 @@ class CommandGate:
                 f'{"odom" if is_odometry else "object_pose"}: got a stamp that is '
                 f'{abs(difference):.2f} s {"ahead of" if difference > 0.0 else "behind"} '
                 'the last odometry, expected one of the same clock')
+        if verdict is StampVerdict.TIME_WENT_AHEAD:
+            self._node.get_logger().warning(
+                f'odom: time went ahead by {difference:.2f} s; goes on at the new one')
         if is_odometry:
             is_new = self._newest_stamp is None or measured.time > self._newest_stamp
             self._repetitions = 0 if is_new else self._repetitions + 1

@@ -1,9 +1,11 @@
 """
-Do stamps belong to the present: single ones that are off are refused.
+Do stamps belong to the present: those that are off are refused.
 
 Odometry sets the time: object poses are compared with it. Odometry that is off is refused as well,
-unless some messages in a row agree with each other: then time has gone back, as with a simulator
-that was put back to its start, or has jumped ahead, as when a clock is set.
+and the robot stands: a clock that has jumped may come back. Only where its messages go on at
+another time for a while has time itself changed: back, as with a simulator that was started again,
+or ahead, as where a clock was set. One that begins again where it has begun, or at zero, is
+believed at once.
 """
 
 import enum
@@ -11,11 +13,14 @@ import enum
 # Difference between a stamp and the time of odometry that is off [s]; chosen: longer than any
 # latency.
 MAX_DIFFERENCE = 1.0
-# How much quicker than a steady clock time may pass between two messages; chosen: real time passes
-# as quickly, and simulated time in small steps.
+# How much quicker than a steady clock, and than odometry has come so far, time may pass between
+# two messages; chosen: real time passes as quickly, and simulated time in small steps.
 TIME_RATIO = 2.0
 # Odometry messages in a row that agree with each other; chosen: no two accidents do.
 AGREEING_COUNT = 3
+# Time for which they have to, where they do not begin again [s]; chosen: clocks that are set right
+# again are so within two or three seconds.
+NEW_TIME_DURATION = 3.0
 
 
 class StampVerdict(enum.Enum):
@@ -23,8 +28,9 @@ class StampVerdict(enum.Enum):
 
     ACCEPTED = 'accepted'
     REFUSED = 'refused'
-    # Accepted, but everything before it is of another time.
+    # Accepted, as time has changed; everything before it is of another time where it went back.
     TIME_WENT_BACK = 'time went back'
+    TIME_WENT_AHEAD = 'time went ahead'
 
 
 class StampCheck:
@@ -32,12 +38,16 @@ class StampCheck:
 
     def __init__(self) -> None:
         """Begin before the first message."""
-        # Stamp of the newest odometry, and when it came on the steady clock [s].
+        # Stamp of the newest odometry, and when it came on the steady clock [s]; stamp of the
+        # first one, and time between the last two [s].
         self._time: float | None = None
         self._received = 0.0
-        # Stamp of odometry that was refused last, and how many in a row agree [s].
-        self._candidate = 0.0
+        self._first = 0.0
+        self._period = 0.0
+        # Odometry that was refused since: how many, and those of them that agree [s].
+        self._refused = 0
         self._agreeing = 0
+        self._candidate = self._first_candidate = 0.0
 
     def check_odometry(self, stamp: float, now: float) -> StampVerdict:
         """
@@ -46,17 +56,38 @@ class StampCheck:
         :param stamp: of the message [s].
         :param now: on a steady clock [s].
         """
-        if self._time is None or self._is_near(stamp, now):
+        before = self._time
+        if before is None or self._is_near(stamp, now) and not self._is_of_other_time(stamp):
             return self._accept(stamp, now)
-        agrees = self._agreeing > 0 and 0.0 <= stamp - self._candidate <= MAX_DIFFERENCE
-        self._agreeing = self._agreeing + 1 if agrees else 1
-        self._candidate = stamp
-        if self._agreeing < AGREEING_COUNT:
+        self._refused += 1
+        self._add_candidate(stamp)
+        if not self._has_time_changed():
             return StampVerdict.REFUSED
-        went_back = stamp < self._time
+        went_back = self._first_candidate < before
         self._time = None
         self._accept(stamp, now)
-        return StampVerdict.TIME_WENT_BACK if went_back else StampVerdict.ACCEPTED
+        return StampVerdict.TIME_WENT_BACK if went_back else StampVerdict.TIME_WENT_AHEAD
+
+    def _is_of_other_time(self, stamp: float) -> bool:
+        """Tell whether a stamp goes on from refused ones, which have caught up meanwhile."""
+        return (self._agreeing >= AGREEING_COUNT
+                and 0.0 <= stamp - self._candidate <= MAX_DIFFERENCE)
+
+    def _add_candidate(self, stamp: float) -> None:
+        """Count messages in a row that agree on another time, in which time passes."""
+        if self._agreeing > 0 and stamp == self._candidate:
+            return
+        if self._agreeing > 0 and 0.0 < stamp - self._candidate <= MAX_DIFFERENCE:
+            self._agreeing += 1
+        else:
+            self._agreeing, self._first_candidate = 1, stamp
+        self._candidate = stamp
+
+    def _has_time_changed(self) -> bool:
+        begins_again = min(abs(self._first_candidate), abs(self._first_candidate - self._first)
+                           ) < MAX_DIFFERENCE
+        return self._agreeing >= AGREEING_COUNT and (
+            begins_again or self._candidate - self._first_candidate >= NEW_TIME_DURATION)
 
     def check_pose(self, stamp: float, now: float) -> StampVerdict:
         """
@@ -78,12 +109,16 @@ class StampCheck:
         return 0.0 if self._time is None else stamp - self._time
 
     def _is_near(self, stamp: float, now: float) -> bool:
-        elapsed = max(0.0, now - self._received)
+        elapsed = max(0.0, now - self._received, self._refused * self._period)
         difference = self.difference(stamp)
         return -MAX_DIFFERENCE <= difference <= MAX_DIFFERENCE + TIME_RATIO * elapsed
 
     def _accept(self, stamp: float, now: float) -> StampVerdict:
+        if self._time is None:
+            self._first = stamp
+        elif stamp > self._time and not self._refused:
+            self._period = min(stamp - self._time, MAX_DIFFERENCE)
         if self._time is None or stamp > self._time:
             self._time, self._received = stamp, now
-        self._agreeing = 0
+        self._refused = self._agreeing = 0
         return StampVerdict.ACCEPTED

@@ -4,7 +4,7 @@ import numpy as np
 from push_control.safety.stamp_check import StampCheck, StampVerdict
 import pytest
 
-ACCEPTED, REFUSED, BACK = StampVerdict
+ACCEPTED, REFUSED, BACK, AHEAD = StampVerdict
 
 
 def running(check, start, count, now=0.0):
@@ -23,12 +23,43 @@ def test_a_lone_stamp_that_is_off_changes_nothing(off):
     assert check.check_pose(101.9, 2.0) is ACCEPTED
 
 
-@pytest.mark.parametrize('start, verdict', [(0.0, BACK), (1000.0, ACCEPTED)])
-def test_time_has_changed_where_odometry_agrees_on_it(start, verdict):
-    """Back, as in a simulator, or ahead, as of a clock that was set."""
+@pytest.mark.parametrize('start', [0.0, 0.5, 99.9])
+def test_a_clock_that_begins_again_is_believed_at_once(start):
+    """As of a simulator that was started again, at zero or where it has begun."""
+    check = StampCheck()
+    running(check, 100.0, 150)
+    assert running(check, start, 5, 3.0) == [REFUSED, REFUSED, BACK, ACCEPTED, ACCEPTED]
+
+
+@pytest.mark.parametrize('pace', [1.0, 0.1])
+@pytest.mark.parametrize('off', [-97.0, -30.0, -1.2, 1.4, 1000.0])
+def test_a_clock_that_comes_back_has_never_been_away(off, pace):
+    """However fast simulated time passes; one that stays there is believed after a while."""
+    check = StampCheck()
+    running(check, 100.0, 250, 0.0)
+    jumped = [check.check_odometry(105.0 + 0.02 * i + off, 5.0 + 0.02 * pace * i)
+              for i in range(100)]
+    assert set(jumped) == {REFUSED}
+    now = 5.0 + 2.0 * pace
+    assert set(running(check, 107.0, 100, now)) == {ACCEPTED}
+    found = running(check, 109.0 + off, 200, now + 2.0)
+    assert found.index(BACK if off < 0.0 else AHEAD) == 150 and found[-1] is ACCEPTED
+
+
+def test_a_clock_that_begins_again_and_catches_up_has_gone_back():
+    """It was first seen some time after its beginning: nothing of before is left all the same."""
+    check = StampCheck()
+    running(check, 0.0, 250)
+    found = running(check, 2.0, 200, 5.0)
+    assert REFUSED in found and BACK in found
+    assert ACCEPTED not in found[:found.index(BACK)]
+
+
+def test_a_clock_that_stands_elsewhere_is_never_believed():
+    """No time passes on it, however often the same stamp comes."""
     check = StampCheck()
     running(check, 100.0, 50)
-    assert running(check, start, 5, 1.0) == [REFUSED, REFUSED, verdict, ACCEPTED, ACCEPTED]
+    assert {check.check_odometry(0.0, 1.0 + 0.02 * i) for i in range(500)} == {REFUSED}
 
 
 def test_poses_of_another_clock_never_change_the_time():
