@@ -114,15 +114,17 @@ class SafetyLayer:
 
     def _is_news(self, fault: SafetyReport) -> bool:
         """Tell whether a fault is the first, or says more of a base that does not follow."""
-        return self.report is None or (fault.reason is SafetyReason.FOLLOWS_LATE
-                                       and self.report.reason.is_of_motion)
+        says_more = fault.reason.is_of_odometry or fault.reason is SafetyReason.FOLLOWS_LATE
+        return self.report is None or self.report.reason.is_of_motion and says_more
 
     def _motion_fault(self, odometry: Odometry) -> SafetyReport | None:
         """Find out why the robot does not follow: others, odometry, or the base itself."""
         fault = self._monitor.check(odometry)
-        if fault is None:
+        # What is wrong may show in the last centimetres of a robot that has been stopped for it.
+        is_suspect = self.report is not None and self.report.reason.is_of_motion
+        if fault is None and not is_suspect:
             return None
-        if self.other_commanders:
+        if fault is not None and self.other_commanders:
             return SafetyReason.COMMANDED_BY_OTHERS.report(others=self.other_commanders)
         return self._odometry_check.early_contradiction() or fault
 

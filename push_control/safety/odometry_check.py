@@ -44,8 +44,8 @@ DIRECTION_RATIO = 0.2
 LATERAL_RATIO = 0.1
 # The same where the robot does not move as commanded, which may be a mistake of odometry: over the
 # last centimetres, the more of them the closer; chosen: what shows before the motion is a fault.
-EARLY_TOLERANCE = 0.004
-EARLY_RATIOS = {0.01: 0.4, 0.05: 0.25}
+EARLY_TOLERANCE = 0.003
+EARLY_RATIOS = {0.01: 0.4, 0.02: 0.14, 0.05: 0.12}
 # Angle from which on it is the direction that is wrong, and not the unit [rad]; chosen.
 LEAST_DIRECTION_ERROR = 0.2
 # Part of the distance travelled that twists must add up to for them to have a direction; chosen.
@@ -268,7 +268,8 @@ class OdometryCheck:
             first = next((course for course in reversed(self._course)
                           if last - course.travelled >= least_distance), None)
             fault = first and self._direction_error(first, EARLY_TOLERANCE, ratio)
-            if fault:
+            if fault and self._last is not None:
+                self.restart(self._last)
                 return fault
         return None
 
