@@ -34,6 +34,8 @@ IS_COMPILED = not os.environ.get(INTERPRET) and util.find_spec('numba') is not N
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 HERE = pathlib.Path(__file__).parent
+# Of a function that only compiled functions call.
+INNER_OPTIONS = {'no_cpython_wrapper': True, 'no_cfunc_wrapper': True}
 
 
 def compiled(function: Function) -> Function:
@@ -68,20 +70,35 @@ class CompiledFunction:
 
     @functools.cached_property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher."""
+        """Numba's dispatcher for calls from Python."""
+        return self._make_dispatcher('', {})
+
+    @functools.cached_property
+    def inner_dispatcher(self) -> Any:
+        """
+        Numba's dispatcher for calls from other compiled functions.
+
+        Python cannot call what it compiles: the code that converts arguments is left out, which
+        for nested tuples of arrays takes as long to compile as all the rest.
+        """
+        return self._make_dispatcher('inner', INNER_OPTIONS)
+
+    def _make_dispatcher(self, subfolder: str, special: dict[str, bool]) -> Any:
         numba = importlib.import_module('numba')
-        options = _options(numba)
+        options = {**_options(numba), **special}
         directory = cache_directory(pathlib.Path(self.py_func.__code__.co_filename).parent)
         if directory is None:
             return numba.njit(self.py_func, **options)
+        folder = pathlib.Path(directory) / subfolder
+        folder.mkdir(exist_ok=True)
         before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = directory
+        numba.config.CACHE_DIR = str(folder)
         try:
             dispatcher = numba.njit(cache=True, **options)(self.py_func)
         finally:
             numba.config.CACHE_DIR = before
         name = f'{self.py_func.__module__}.{self.py_func.__qualname__}'.replace('.', '-')
-        dispatcher.compile = _in_turn(dispatcher.compile, pathlib.Path(directory) / name)
+        dispatcher.compile = _in_turn(dispatcher.compile, folder / name)
         return dispatcher
 
     @property
@@ -92,7 +109,7 @@ class CompiledFunction:
     @property
     def _numba_type_(self) -> Any:
         # By this numba knows what a compiled function calls.
-        return self.dispatcher._numba_type_
+        return self.inner_dispatcher._numba_type_
 
 
 def interpreted(function: Function) -> Function:

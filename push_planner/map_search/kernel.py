@@ -13,6 +13,9 @@ path the object is turned in passing. On the last metre h is the cost-to-go V of
 that is more; V_1 is what that has in excess there. Farther off V misleads: it sees no walls. Nodes
 come in the order of g + w h. The search ends at a node from which the floor is open up to the
 goal, or in a push that ends at the goal itself.
+
+Functions take only those parts of the ``Problem`` that they read: the time to compile them grows
+with the number of arrays in their arguments.
 """
 
 import math
@@ -21,8 +24,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from push_dynamics.compiled import compiled
-from push_model.geometry import FloatArray, IntArray
-from push_planner.map_search.object_distance import length_at, UNREACHED
+from push_model.geometry import BoolArray, FloatArray, IntArray, Pose
+from push_planner.map_search.object_distance import DistanceGrid, length_at, UNREACHED
 from push_planner.map_search.priority_queue import push, remove_first
 from push_planner.map_search.robot_reach import fill_reach, needed_gap, path_length
 from push_planner.map_search.scene import clearance, object_clearance
@@ -31,10 +34,13 @@ from push_primitives.cost_to_go import interpolate_cost
 # Numbers of a node: pose of the object, cost [s], place of the robot, length of the last push.
 X, Y, THETA, COST, ROBOT_X, ROBOT_Y, LENGTH = range(7)
 NODE_SIZE = 7
-# Links of a node: face that was pushed last, node before, push in between, and whether that ends
-# at the goal.
-FACE, PARENT, PUSH, FINAL = range(4)
-LINK_SIZE = 4
+# Links of a node: face that was pushed last, node before, push in between, whether that ends at
+# the goal, and whether the node is done with.
+FACE, PARENT, PUSH, FINAL, CLOSED = range(5)
+LINK_SIZE = 5
+# Of a slot of the hash table: number of the lattice cell, or -1, and the node in it.
+CELL, CELL_NODE = range(2)
+SLOT_SIZE = 2
 # Counters of a search.
 NODES, QUEUED, EXPANDED, REACH_FILLED, NEAREST = range(5)
 COUNTER_SIZE = 5
@@ -96,16 +102,15 @@ class Query(NamedTuple):
     """
     What is searched for, in the frame of the map.
 
-    :param start: pose (x, y, theta) of the object, shape (3,).
-    :param robot: place (x, y) of the robot, shape (2,).
-    :param goal: pose of the object, shape (3,).
+    :param start: ``Pose`` of the object.
+    :param robot: ``Pose`` of the robot.
+    :param goal: ``Pose`` of the object.
     :param position_tolerance: distance from the goal at which a push ends there [m].
     :param heading_tolerance: likewise [rad].
     :param open_radius: clearance from which on the floor counts as open [m].
     :param object_margin: clearance of the object [m], but at start and goal.
     :param spread_factor: standard deviations of a vertex that are added to it.
     :param goal_margin: clearance of the goal, to which a push may keep there [m].
-    :param blocked: whether a push may not come first, shape (n,).
     :param contact_time: of a contact besides pushing and driving [s].
     :param pushing_speed: [m/s].
     :param robot_speed: [m/s].
@@ -120,16 +125,15 @@ class Query(NamedTuple):
     :param first_half: likewise to the first contact.
     """
 
-    start: FloatArray
-    robot: FloatArray
-    goal: FloatArray
+    start: Pose
+    robot: Pose
+    goal: Pose
     position_tolerance: float
     heading_tolerance: float
     open_radius: float
     object_margin: float
     spread_factor: float
     goal_margin: float
-    blocked: NDArray[np.bool_]
     contact_time: float
     pushing_speed: float
     robot_speed: float
@@ -151,25 +155,54 @@ class OpenFloor(NamedTuple):
     headings: FloatArray
 
 
+class Guide(NamedTuple):
+    """
+    What the estimate reads of map and object.
+
+    :param grid: ``DistanceGrid`` to the goal.
+    :param open_floor: ``OpenFloor``.
+    """
+
+    grid: DistanceGrid
+    open_floor: OpenFloor
+
+
+class Choices(NamedTuple):
+    """
+    Pushes to choose from; fields as of ``Pushes``.
+
+    The first axis of ``means``, ``spreads`` and ``last`` has first pushes, of a robot whose place
+    is as uncertain as it is now, and later ones, of a robot that is localized. In ``last`` 0 is
+    for pushes that are not allowed.
+    """
+
+    faces: IntArray
+    starts: FloatArray
+    lengths: FloatArray
+    means: FloatArray
+    spreads: FloatArray
+    last: IntArray
+    coarse: BoolArray
+    is_end: BoolArray
+    middles: FloatArray
+    normals: FloatArray
+
+
 class Problem(NamedTuple):
     """
     All that a search reads.
 
     :param scene: ``Scene``.
-    :param pushes: ``Pushes``.
-    :param first_pushes: likewise, of a robot whose place is as uncertain as it is now.
-    :param grid: ``DistanceGrid`` to the goal.
-    :param open_floor: ``OpenFloor``.
+    :param choices: ``Choices``.
+    :param guide: ``Guide``.
     :param margins: ``RobotMargins``.
     :param first_margins: likewise on the way to the first push.
     :param query: ``Query``.
     """
 
     scene: Any
-    pushes: Any
-    first_pushes: Any
-    grid: Any
-    open_floor: OpenFloor
+    choices: Choices
+    guide: Guide
     margins: Any
     first_margins: Any
     query: Query
@@ -181,11 +214,9 @@ class Memory(NamedTuple):
 
     :param nodes: shape (n, ``NODE_SIZE``).
     :param links: shape (n, ``LINK_SIZE``).
-    :param closed: whether a node is done with, shape (n,).
     :param keys: of the queue, shape (2 n,).
     :param items: of the queue, shape (2 n,).
-    :param cells: numbers of lattice cells, or -1, shape (k,), k a power of two.
-    :param cell_nodes: the node in each of them, shape (k,).
+    :param slots: hash table of lattice cells, shape (k, ``SLOT_SIZE``), k a power of two.
     :param reach: ``Reach``.
     :param pose: of the object that is being looked at, shape (3,).
     :param final: of the push that is, shape (``FINAL_SIZE``,).
@@ -194,11 +225,9 @@ class Memory(NamedTuple):
 
     nodes: FloatArray
     links: IntArray
-    closed: NDArray[np.bool_]
     keys: FloatArray
     items: IntArray
-    cells: IntArray
-    cell_nodes: IntArray
+    slots: IntArray
     reach: Any
     pose: FloatArray
     final: FloatArray
@@ -211,90 +240,91 @@ def search(problem: Any, memory: Any) -> int:
     Search.
 
     :param problem: ``Problem``.
-    :param memory: ``Memory``, with all cells -1 and all counters 0.
+    :param memory: ``Memory``, with all slots -1 and all counters 0.
     :return: number of the node at which the search ends, ``EXHAUSTED`` or ``LIMIT``.
     """
-    query, counters = problem.query, memory.counters
+    query, guide, counters = problem.query, problem.guide, memory.counters
     node, link = memory.nodes[0], memory.links[0]
-    node[X], node[Y], node[THETA] = query.start[0], query.start[1], query.start[2]
+    node[X], node[Y], node[THETA] = query.start.x, query.start.y, query.start.theta
     node[COST], node[LENGTH] = 0.0, 0.0
-    node[ROBOT_X], node[ROBOT_Y] = query.robot[0], query.robot[1]
-    link[FACE], link[PARENT], link[PUSH], link[FINAL] = -1, -1, -1, 0
-    memory.closed[0] = False
+    node[ROBOT_X], node[ROBOT_Y] = query.robot.x, query.robot.y
+    link[FACE], link[PARENT], link[PUSH], link[FINAL], link[CLOSED] = -1, -1, -1, 0, 0
     counters[NODES] = 1
-    nearest = estimate(problem, node[X], node[Y], node[THETA], 0)
+    nearest = estimate(guide, query, node[X], node[Y], node[THETA], 0)
     if nearest >= UNREACHED:
         return EXHAUSTED
     counters[QUEUED] = push(memory.keys, memory.items, 0, query.weight * nearest, 0)
     while counters[QUEUED] > 0:
         number = memory.items[0]
         counters[QUEUED] = remove_first(memory.keys, memory.items, counters[QUEUED])
-        if memory.closed[number]:
+        if memory.links[number, CLOSED] == 1:
             continue
-        memory.closed[number] = True
+        memory.links[number, CLOSED] = 1
         counters[EXPANDED] += 1
         node = memory.nodes[number]
         if number > 0 and (memory.links[number, FINAL] == 1
-                           or is_open(problem, node[X], node[Y])):
+                           or is_open(problem.scene.floor, query, node[X], node[Y])):
             return number
-        remaining = estimate(problem, node[X], node[Y], node[THETA], 0)
+        remaining = estimate(guide, query, node[X], node[Y], node[THETA], 0)
         if remaining < nearest:
             nearest = remaining
             counters[NEAREST] = number
         room_left = memory.nodes.shape[0] - counters[NODES]
         if (counters[EXPANDED] >= query.max_expansions
-                or room_left < 4 * problem.pushes.starts.shape[0]):
+                or room_left < 4 * problem.choices.starts.shape[0]):
             return LIMIT
         _expand(problem, memory, number)
     return EXHAUSTED
 
 
 @compiled
-def estimate(problem: Any, x: float, y: float, theta: float, face: int) -> float:
+def estimate(guide: Any, query: Any, x: float, y: float, theta: float, face: int) -> float:
     """
     Estimate the time that remains.
 
-    :param problem: ``Problem``.
+    :param guide: ``Guide``.
+    :param query: ``Query``.
     :param x: of the object in the frame of the map [m].
     :param y: likewise [m].
     :param theta: likewise [rad].
     :param face: that was pushed last.
     :return: time [s], ``UNREACHED`` where there is no path.
     """
-    length = length_at(problem.grid, x, y)
+    length = length_at(guide.grid, x, y)
     if length >= UNREACHED:
         return UNREACHED
-    query, open_floor = problem.query, problem.open_floor
-    rotation = wrapped(query.goal[2] - theta)
+    open_floor = guide.open_floor
+    rotation = wrapped(query.goal.theta - theta)
     passing = min(1.0, max(LEAST_PASSING, PASSING_DISTANCE - length))
     time = (length * (1.0 / query.pushing_speed + query.contact_time / CONTACT_DISTANCE)
             + abs(rotation) * passing * (query.contact_time / CONTACT_ROTATION + ROTATION_TIME))
     if length > CLOSE_DISTANCE:
         return time + query.closing_time
     c, s = math.cos(theta), math.sin(theta)
-    d_x, d_y = query.goal[0] - x, query.goal[1] - y
+    d_x, d_y = query.goal.x - x, query.goal.y - y
     return max(time, interpolate_cost(
         open_floor.values, open_floor.distances, open_floor.headings, c * d_x + s * d_y,
         c * d_y - s * d_x, rotation, face))
 
 
 @compiled
-def is_open(problem: Any, x: float, y: float) -> bool:
+def is_open(floor: Any, query: Any, x: float, y: float) -> bool:
     """
     Tell whether the floor is open from a place of the object to the goal.
 
-    :param problem: ``Problem``.
+    :param floor: ``Floor``.
+    :param query: ``Query``.
     :param x: of the object in the frame of the map [m].
     :param y: likewise [m].
     """
-    needed, goal = problem.query.open_radius, problem.query.goal
-    if clearance(problem.scene.floor, x, y) < needed:
+    needed, goal = query.open_radius, query.goal
+    if clearance(floor, x, y) < needed:
         return False
-    d_x, d_y = goal[0] - x, goal[1] - y
+    d_x, d_y = goal.x - x, goal.y - y
     count = 1 + int(math.sqrt(d_x * d_x + d_y * d_y) / OPEN_STEP)
     for k in range(count, 0, -1):
         part = k / count
-        if clearance(problem.scene.floor, x + part * d_x, y + part * d_y) < needed:
+        if clearance(floor, x + part * d_x, y + part * d_y) < needed:
             return False
     return True
 
@@ -308,23 +338,26 @@ def wrapped(angle: float) -> float:
 @compiled
 def _expand(problem: Any, memory: Any, number: int) -> None:
     """Add the successors of a node."""
-    node, query, pushes = memory.nodes[number], problem.query, _pushes_from(problem, number)
+    node, query, choices = memory.nodes[number], problem.query, problem.choices
+    belief = _belief(number)
     memory.counters[REACH_FILLED] = 0
-    d_x, d_y = query.goal[0] - node[X], query.goal[1] - node[Y]
+    d_x, d_y = query.goal.x - node[X], query.goal.y - node[Y]
     is_near = d_x * d_x + d_y * d_y < FINAL_RANGE * FINAL_RANGE
     memory.final[LENGTH_TO_GOAL] = 0.0
     memory.final[GAP] = UNREACHED
-    away = max(abs(query.start[0] - node[X]), abs(query.start[1] - node[Y]))
+    away = max(abs(query.start.x - node[X]), abs(query.start.y - node[Y]))
     is_dense = away < query.dense_range
     if away < START_RANGE:
         memory.final[GAP] = max(LEAST_GAP, object_clearance(
             problem.scene, node[X], node[Y], node[THETA], ENOUGH) - LOST_GAP)
-    for begin in range(pushes.starts.shape[0]):
-        if is_near:
-            _find_final_length(query, pushes, node, begin, memory.final)
-        if not (is_dense or pushes.coarse[begin] or memory.final[LENGTH_TO_GOAL] > 0.0):
+    for begin in range(choices.starts.shape[0]):
+        last = choices.last[belief, begin]
+        if last <= 0:
             continue
-        if number == 0 and query.blocked[begin]:
+        if is_near:
+            _find_final_length(query, choices.means[belief, begin], choices.lengths, last, node,
+                               memory.final)
+        if not (is_dense or choices.coarse[begin] or memory.final[LENGTH_TO_GOAL] > 0.0):
             continue
         travel = _travel(problem, memory, number, begin)
         if travel < UNREACHED:
@@ -332,23 +365,24 @@ def _expand(problem: Any, memory: Any, number: int) -> None:
 
 
 @compiled
-def _pushes_from(problem: Any, number: int) -> Any:
-    """Return the pushes from a node: behind the first one the robot knows where it is."""
-    return problem.first_pushes if number == 0 else problem.pushes
+def _belief(number: int) -> int:
+    """Return the place on the first axis of ``Choices`` of the pushes from a node."""
+    return min(number, 1)
 
 
 @compiled
-def _find_final_length(query: Any, pushes: Any, node: Any, begin: int, final: Any) -> None:
+def _find_final_length(query: Any, means: Any, lengths: Any, last_step: int, node: Any,
+                       final: Any) -> None:
     """Write after which length a push ends at the goal, 0 where it passes it by, and its miss."""
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
-    d_x, d_y = query.goal[0] - node[X], query.goal[1] - node[Y]
-    x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, wrapped(query.goal[2] - node[THETA])
+    d_x, d_y = query.goal.x - node[X], query.goal.y - node[Y]
+    x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, wrapped(query.goal.theta - node[THETA])
     before = ((x * x + y * y) / (query.position_tolerance * query.position_tolerance)
               + theta * theta / (query.heading_tolerance * query.heading_tolerance))
     least = min(LARGEST_MISS * LARGEST_MISS, max(1.0, MISS_RATIO * MISS_RATIO * before))
     found = 0.0
-    for step in range(1, pushes.last[begin] + 1):
-        first, last = pushes.means[begin, step - 1], pushes.means[begin, step]
+    for step in range(1, last_step + 1):
+        first, last = means[step - 1], means[step]
         u, v = last[0] - first[0], last[1] - first[1]
         square = u * u + v * v
         if square <= 0.0:
@@ -360,15 +394,14 @@ def _find_final_length(query: Any, pushes: Any, node: Any, begin: int, final: An
                  + e_theta * e_theta / (query.heading_tolerance * query.heading_tolerance))
         if error < least:
             least = error
-            found = pushes.lengths[step - 1] + t * (pushes.lengths[step]
-                                                    - pushes.lengths[step - 1])
+            found = lengths[step - 1] + t * (lengths[step] - lengths[step - 1])
     final[LENGTH_TO_GOAL], final[MISS] = found, math.sqrt(least)
 
 
 @compiled
 def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
     """Find the length of the robot's path to a first contact [m], ``UNREACHED`` for none."""
-    node, start, query = memory.nodes[number], problem.pushes.starts[begin], problem.query
+    node, start, query = memory.nodes[number], problem.choices.starts[begin], problem.query
     u = start[0] - STANDOFF * math.cos(start[2])
     v = start[1] - STANDOFF * math.sin(start[2])
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
@@ -389,24 +422,25 @@ def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
 def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: float,
                 is_dense: bool) -> None:
     """Add pushes that begin alike, and end after several lengths or at the goal."""
-    pushes, query, node = _pushes_from(problem, number), problem.query, memory.nodes[number]
+    choices, query, node = problem.choices, problem.query, memory.nodes[number]
+    belief = _belief(number)
     cost = node[COST] + query.contact_time + travel / query.robot_speed
     final_length = memory.final[LENGTH_TO_GOAL]
-    for step in range(1, pushes.last[begin] + 1):
-        length = pushes.lengths[step]
-        if pushes.lengths[step - 1] < final_length <= length:
-            memory.pose[0], memory.pose[1] = query.goal[0], query.goal[1]
-            memory.pose[2] = query.goal[2]
-            correction = (SPREAD_COST * pushes.spreads[begin, step]
+    for step in range(1, choices.last[belief, begin] + 1):
+        length = choices.lengths[step]
+        if choices.lengths[step - 1] < final_length <= length:
+            memory.pose[0], memory.pose[1] = query.goal.x, query.goal.y
+            memory.pose[2] = query.goal.theta
+            correction = (SPREAD_COST * choices.spreads[belief, begin, step]
                           + MISS_COST * query.contact_time * memory.final[MISS])
             _append(problem, memory, number, begin, final_length,
                     cost + final_length / query.pushing_speed + correction)
         if length < FIRST_SWEEP:
             continue
-        _place(pushes.means[begin, step], node, memory.pose)
+        _place(choices.means[belief, begin, step], node, memory.pose)
         if not _is_free(problem, memory, number, begin, step):
             return
-        if (is_dense or pushes.coarse[begin]) and pushes.is_end[step]:
+        if (is_dense or choices.coarse[begin]) and choices.is_end[step]:
             _add_node(problem, memory, number, begin, length,
                       cost + length / query.pushing_speed)
 
@@ -423,24 +457,22 @@ def _place(mean: Any, node: Any, pose: Any) -> None:
 @compiled
 def _is_free(problem: Any, memory: Any, number: int, begin: int, step: int) -> bool:
     """Tell whether object and robot are free after a length of a push, the object at a pose."""
-    scene, query, pose = problem.scene, problem.query, memory.pose
-    pushes = _pushes_from(problem, number)
-    length = pushes.lengths[step]
-    margin = query.object_margin + query.spread_factor * pushes.spreads[begin, step]
+    scene, query, choices, pose = problem.scene, problem.query, problem.choices, memory.pose
+    length, spread = choices.lengths[step], choices.spreads[_belief(number), begin, step]
+    margin = query.object_margin + query.spread_factor * spread
     # What start and goal lack cannot be had near them.
     margin = min(margin, memory.final[GAP] + MARGIN_SLOPE * max(0.0, length - SLIDING_LENGTH))
-    d_x, d_y = query.goal[0] - pose[0], query.goal[1] - pose[1]
+    d_x, d_y = query.goal.x - pose[0], query.goal.y - pose[1]
     margin = min(margin, query.goal_margin + MARGIN_SLOPE * math.sqrt(d_x * d_x + d_y * d_y))
     if object_clearance(scene, pose[0], pose[1], pose[2], margin) < margin:
         return False
-    x, y = _robot_place(problem, memory.nodes[number], begin, length)
+    x, y = _robot_place(choices.starts[begin], memory.nodes[number], length)
     return clearance(scene.floor, x, y) >= scene.robot_radius + problem.margins.obstacles
 
 
 @compiled
-def _robot_place(problem: Any, node: Any, begin: int, length: float) -> tuple[float, float]:
+def _robot_place(start: Any, node: Any, length: float) -> tuple[float, float]:
     """Find the place of the robot on the line of a push."""
-    start = problem.pushes.starts[begin]
     u = start[0] + length * math.cos(start[2])
     v = start[1] + length * math.sin(start[2])
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
@@ -452,19 +484,20 @@ def _add_node(problem: Any, memory: Any, number: int, begin: int, length: float,
               cost: float) -> None:
     """Add the end of a push, unless one in the same cell of the lattice is as cheap."""
     pose = memory.pose
+    is_disc = problem.scene.vertices.shape[0] == 0
     if _is_dead_end(problem, pose):
         cost += DEAD_END_COST
-    cell = _cell_number(problem, pose, problem.pushes.faces[begin])
-    slot = _find_slot(memory.cells, cell)
-    if memory.cells[slot] == cell:
-        other = memory.cell_nodes[slot]
+    cell = _cell_number(problem.query, pose, problem.choices.faces[begin], is_disc)
+    slots, slot = memory.slots, _find_slot(memory.slots, cell)
+    if slots[slot, CELL] == cell:
+        other = slots[slot, CELL_NODE]
         if memory.nodes[other, COST] <= cost + 1e-9:
             return
-        memory.closed[other] = True
+        memory.links[other, CLOSED] = 1
     added = memory.counters[NODES]
     if _append(problem, memory, number, begin, length, cost):
         memory.links[added, FINAL] = 0
-        memory.cells[slot], memory.cell_nodes[slot] = cell, added
+        slots[slot, CELL], slots[slot, CELL_NODE] = cell, added
 
 
 @compiled
@@ -472,18 +505,16 @@ def _append(problem: Any, memory: Any, number: int, begin: int, length: float,
             cost: float) -> bool:
     """Append the end of a push, taken to be at the goal; tell whether there is a path on."""
     pose, query, counters = memory.pose, problem.query, memory.counters
-    remaining = estimate(problem, pose[0], pose[1], pose[2], problem.pushes.faces[begin])
+    start, face = problem.choices.starts[begin], problem.choices.faces[begin]
+    remaining = estimate(problem.guide, query, pose[0], pose[1], pose[2], face)
     if remaining >= UNREACHED:
         return False
     added = counters[NODES]
     node, link = memory.nodes[added], memory.links[added]
     node[X], node[Y], node[THETA], node[COST], node[LENGTH] = (
         pose[0], pose[1], pose[2], cost, length)
-    node[ROBOT_X], node[ROBOT_Y] = _robot_place(problem, memory.nodes[number], begin,
-                                                length - RETREAT)
-    link[FACE], link[PARENT], link[PUSH], link[FINAL] = (
-        problem.pushes.faces[begin], number, begin, 1)
-    memory.closed[added] = False
+    node[ROBOT_X], node[ROBOT_Y] = _robot_place(start, memory.nodes[number], length - RETREAT)
+    link[FACE], link[PARENT], link[PUSH], link[FINAL], link[CLOSED] = face, number, begin, 1, 0
     counters[NODES] = added + 1
     counters[QUEUED] = push(memory.keys, memory.items, counters[QUEUED],
                             cost + query.weight * remaining, added)
@@ -493,19 +524,21 @@ def _append(problem: Any, memory: Any, number: int, begin: int, length: float,
 @compiled
 def _is_dead_end(problem: Any, pose: Any) -> bool:
     """Tell whether the robot has no room where the object may have to be pushed next."""
-    scene, pushes = problem.scene, problem.pushes
+    scene, choices = problem.scene, problem.choices
     needed = scene.robot_radius + problem.margins.obstacles
     if clearance(scene.floor, pose[0], pose[1]) >= scene.outer_radius + STANDOFF + 2.0 * needed:
         return False
     if scene.vertices.shape[0] == 0:
         return not _leaves_obstacle(scene, pose, needed)
-    for first in range(pushes.middles.shape[0]):
-        if not _has_room(problem, pose, first, needed):
+    middles, normals = choices.middles, choices.normals
+    for first in range(middles.shape[0]):
+        if not _has_room(scene.floor, pose, middles[first], normals[first], needed):
             continue
         for second in range(first):
-            cosine = (pushes.normals[first, 0] * pushes.normals[second, 0]
-                      + pushes.normals[first, 1] * pushes.normals[second, 1])
-            if cosine < OPPOSITE and _has_room(problem, pose, second, needed):
+            cosine = (normals[first, 0] * normals[second, 0]
+                      + normals[first, 1] * normals[second, 1])
+            if cosine < OPPOSITE and _has_room(scene.floor, pose, middles[second],
+                                               normals[second], needed):
                 return False
     return True
 
@@ -528,24 +561,22 @@ def _leaves_obstacle(scene: Any, pose: Any, needed: float) -> bool:
 
 
 @compiled
-def _has_room(problem: Any, pose: Any, face: int, needed: float) -> bool:
+def _has_room(floor: Any, pose: Any, middle: Any, normal: Any, needed: float) -> bool:
     """Tell whether the robot has room before the middle of a face."""
-    middle, normal = problem.pushes.middles[face], problem.pushes.normals[face]
     u, v = middle[0] - STANDOFF * normal[0], middle[1] - STANDOFF * normal[1]
     c, s = math.cos(pose[2]), math.sin(pose[2])
     x, y = pose[0] + c * u - s * v, pose[1] + s * u + c * v
-    return clearance(problem.scene.floor, x, y) >= needed
+    return clearance(floor, x, y) >= needed
 
 
 @compiled
-def _cell_number(problem: Any, pose: Any, face: int) -> int:
+def _cell_number(query: Any, pose: Any, face: int, is_disc: bool) -> int:
     """Return the number of the cell of the lattice in which a pose lies."""
-    query = problem.query
     goal, cell, headings, kind = query.goal, query.cell, query.headings, 0
-    if (abs(goal[0] - pose[0]) < FINE_DISTANCE and abs(goal[1] - pose[1]) < FINE_DISTANCE
-            and abs(wrapped(goal[2] - pose[2])) < FINE_ANGLE):
+    if (abs(goal.x - pose[0]) < FINE_DISTANCE and abs(goal.y - pose[1]) < FINE_DISTANCE
+            and abs(wrapped(goal.theta - pose[2])) < FINE_ANGLE):
         cell, headings, kind = FINE_CELL, FINE_HEADINGS, 1
-    elif problem.scene.vertices.shape[0] == 0:
+    elif is_disc:
         # How a disc is turned, and where it was pushed, matters at its goal only.
         headings, face = 1, 0
     column, row = int(math.floor(pose[0] / cell)), int(math.floor(pose[1] / cell))
@@ -555,11 +586,11 @@ def _cell_number(problem: Any, pose: Any, face: int) -> int:
 
 
 @compiled
-def _find_slot(cells: Any, cell: int) -> int:
+def _find_slot(slots: Any, cell: int) -> int:
     """Find the slot of a cell in the hash table, or the free one for it."""
-    mask = cells.shape[0] - 1
+    mask = slots.shape[0] - 1
     # Spreads the numbers of neighbouring cells; without overflow, compiled or not.
     slot = ((cell ^ (cell >> 17) ^ (cell >> 31)) & 0xFFFFFFFF) * 40503 & mask
-    while cells[slot] not in (-1, cell):
+    while slots[slot, CELL] not in (-1, cell):
         slot = (slot + 1) & mask
     return slot

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from push_model.geometry import FloatArray, Pose
 from push_navigation.map_clearance import CERTAIN, PlaceUncertainty
 from push_planner.map_search import kernel
-from push_planner.map_search.kernel import Memory, OpenFloor, Problem, Query
+from push_planner.map_search.kernel import Choices, Guide, Memory, OpenFloor, Problem, Query
 from push_planner.map_search.object_distance import DistanceGrid, UNREACHED
 from push_planner.map_search.pushes import Pushes
 from push_planner.map_search.robot_reach import (
@@ -157,9 +157,9 @@ class MapSearch:
     def __init__(self, scene: Scene, pushes: tuple[Pushes, Pushes], grid: DistanceGrid,
                  cost_to_go: CostToGo, settings: SearchSettings) -> None:
         self._scene = scene
-        self._pushes = pushes
-        self._grid = grid
-        self._open_floor = OpenFloor(cost_to_go.values, cost_to_go.distances, cost_to_go.headings)
+        self._choices = _choices(*pushes)
+        self._guide = Guide(grid, OpenFloor(cost_to_go.values, cost_to_go.distances,
+                                            cost_to_go.headings))
         self._settings = settings
         self._closing_time = _closing_time(cost_to_go, settings)
         self._memory = _memory()
@@ -184,15 +184,17 @@ class MapSearch:
         memory = self._memory._replace(reach=Reach(
             np.empty((side, side)), np.empty((side, side, 2)),
             np.empty(QUEUE_SIZE, dtype=np.int64)))
-        memory.cells.fill(-1)
+        memory.slots.fill(-1)
         memory.counters.fill(0)
+        last = self._choices.last.copy()
+        last[0, blocked] = 0
         problem = Problem(
-            self._scene, *self._pushes, self._grid, self._open_floor,
+            self._scene, self._choices._replace(last=last), self._guide,
             RobotMargins(margins.robot, margins.robot_to_object), _first_margins(margins),
-            Query(np.array(start), np.array(robot[:2]), np.array(goal),
+            Query(start, robot, goal,
                   self._settings.position_tolerance, self._settings.heading_tolerance,
                   self._settings.open_radius, margins.object, margins.spread_factor,
-                  self._clearance(goal), blocked,
+                  self._clearance(goal),
                   self._settings.contact_time, self._settings.pushing_speed,
                   self._settings.robot_speed, self._closing_time, self._settings.weight,
                   margins.max_expansions, *margins.lattice, half, first_half))
@@ -216,12 +218,13 @@ class MapSearch:
             begin, number = links[number, [kernel.PUSH, kernel.PARENT]].tolist()
             poses.append(Pose(*nodes[number, :3].tolist()))
             pushes.append(SearchPush(begin, length, poses[-1], poses[-2], cost))
-        remaining = float(kernel.estimate(problem, *poses[0], max(0, links[last, kernel.FACE])))
+        remaining = float(kernel.estimate(problem.guide, problem.query, *poses[0],
+                                          max(0, links[last, kernel.FACE])))
         away = nodes[:, :2] - nodes[0, :2]
         cost = float(nodes[last, kernel.COST]) + remaining
         return SearchResult(
             ends.get(found, SearchEnd.FOUND), tuple(pushes[::-1]), cost,
-            min(cost, self._least_cost(nodes[~memory.closed[:count]])),
+            min(cost, self._least_cost(nodes[links[:, kernel.CLOSED] == 0])),
             int(memory.counters[kernel.EXPANDED]),
             float(np.hypot(*away.T).max()),
             np.column_stack([nodes[:, :3], links[:, kernel.PARENT].astype(float)]))
@@ -234,7 +237,7 @@ class MapSearch:
         """
         if not len(nodes):
             return math.inf
-        settings, grid = self._settings, self._grid
+        settings, grid = self._settings, self._guide.grid
         # Beside obstacles the nearest grid points may be off the path.
         padded = np.pad(grid.lengths, 2, constant_values=UNREACHED)
         near = np.min([padded[i:i - 3 or None, j:j - 3 or None]
@@ -264,12 +267,20 @@ def _closing_time(cost_to_go: CostToGo, settings: SearchSettings) -> float:
     return max(0.0, float(np.mean(times)) - counted)
 
 
+def _choices(pushes: Pushes, first_pushes: Pushes) -> Choices:
+    """Lay out the pushes of a localized robot and of it as it is now, the latter first."""
+    both = first_pushes, pushes
+    return Choices(
+        pushes.faces, pushes.starts, pushes.lengths, np.stack([one.means for one in both]),
+        np.stack([one.spreads for one in both]), np.stack([one.last for one in both]),
+        pushes.coarse, pushes.is_end, pushes.middles, pushes.normals)
+
+
 def _memory() -> Memory:
     nothing = Reach(np.empty((1, 1)), np.empty((1, 1, 2)), np.empty(1, dtype=np.int64))
     return Memory(
         np.empty((MAX_NODES, kernel.NODE_SIZE)),
         np.empty((MAX_NODES, kernel.LINK_SIZE), dtype=np.int64),
-        np.empty(MAX_NODES, dtype=np.bool_), np.empty(2 * MAX_NODES),
-        np.empty(2 * MAX_NODES, dtype=np.int64), np.empty(SLOTS, dtype=np.int64),
-        np.empty(SLOTS, dtype=np.int64), nothing, np.empty(3),
+        np.empty(2 * MAX_NODES), np.empty(2 * MAX_NODES, dtype=np.int64),
+        np.empty((SLOTS, kernel.SLOT_SIZE), dtype=np.int64), nothing, np.empty(3),
         np.empty(kernel.FINAL_SIZE), np.zeros(kernel.COUNTER_SIZE, dtype=np.int64))

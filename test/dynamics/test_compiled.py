@@ -25,8 +25,8 @@ def power_of_even(base, exponent):
 SCRIPT = """
 import power
 input()
-print(power.power(2.0, 10), sum(function.dispatcher.stats.cache_misses.total() for function in (
-    power.power, power.power_of_even)))
+print(power.power(2.0, 10), sum(dispatcher.stats.cache_misses.total() for dispatcher in (
+    power.power.dispatcher, power.power_of_even.inner_dispatcher)))
 """
 
 
