@@ -69,9 +69,10 @@ class SimNode(PushNode):
     def __init__(self) -> None:
         super().__init__(SIM, SECTIONS, SETTABLE)
         obj, robot, sensors, settings, self._frames, self._options = self.settings
+        # Where time keeps to the wall there is little to compute: not worth loading machine code.
         self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
                                       Pose(*self._options.robot_start), settings, sensors,
-                                      interpret=True)
+                                      interpret=not self._options.lockstep)
         self._outputs = SimOutputs(self, obj, robot, sensors, self._frames, self._options)
         self._latencies: list[float] = []
         self._hold()

@@ -94,11 +94,12 @@ class TaskMode(Mode):
     @property
     def progress(self) -> GoalProgress:
         """How far the task has come; errors are those of the last measured pose."""
-        status = self._supervisor.status
-        outcome = OUTCOMES.get(status.state) if self._is_started else None
-        if self._is_started and status.failure is TaskFailure.NO_PLAN:
+        supervisor = self._supervisor
+        outcome = OUTCOMES.get(supervisor.state) if self._is_started else None
+        if self._is_started and supervisor.failure is TaskFailure.NO_PLAN:
             outcome = GoalOutcome.NO_PLAN
-        progress = GoalProgress(STATES[status.state], status.reason, outcome, status.pushes)
+        progress = GoalProgress(STATES[supervisor.state], supervisor.reason, outcome,
+                                supervisor.pushes)
         measured = None if self._observation is None else self._observation.object_pose
         if measured is None or self._goal is None:
             return progress
@@ -344,8 +345,7 @@ class TaskMode(Mode):
         :param stamp: ``builtin_interfaces/Time`` of the measurement.
         :param time: of the newest measurement [s].
         """
-        status = self._supervisor.status
-        self._reporter.report(status, time)
+        self._reporter.report(self._supervisor, time)
         if self._observation is not None:
             self._reporter.draw(self._supervisor, time)
 

@@ -39,19 +39,21 @@ class TaskReporter:
         self._reported: tuple[TaskState, str] | None = None
         self._report_rate = RateLimiter(REPORT_RATE)
 
-    def report(self, status: SupervisorStatus, time: float) -> None:
+    def report(self, supervisor: Supervisor, time: float) -> None:
         """
         Report every change of state, and what the robot waits for.
 
-        :param status: ``SupervisorStatus``.
+        :param supervisor: the ``Supervisor``.
         :param time: of the newest measurement [s].
         """
-        known, self._history = self._history, status.history
-        is_continued = status.history[:len(known)] == known
-        for change in status.history[len(known) if is_continued else 0:]:
-            self._report(status, change, time, always=True)
+        known, self._history = self._history, supervisor.history
+        if self._history is not known:
+            is_continued = self._history[:len(known)] == known
+            for change in self._history[len(known) if is_continued else 0:]:
+                self._report(supervisor.status, change, time, always=True)
         is_due = self._report_rate.due(time)
-        if is_due or (status.state, status.reason) != self._reported:
+        if is_due or (supervisor.state, supervisor.reason) != self._reported:
+            status = supervisor.status
             present = StateChange(status.since, status.state, status.reason, status.is_requested)
             self._report(status, present, time, always=False)
 

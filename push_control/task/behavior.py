@@ -61,6 +61,11 @@ class Behavior(abc.ABC):
         """Note that the robot stands for now; the next step goes on from wherever it is."""
 
     @property
+    def push_reason(self) -> str:
+        """What is out of the ordinary in a push, one sentence; empty while all is well."""
+        return self.failure_reason
+
+    @property
     def push_status(self) -> ControllerStatus | None:
         """``ControllerStatus`` of a push; None for all other behaviours."""
         return None

@@ -39,6 +39,11 @@ class SupervisedPush(Behavior):
         self._controller = Controller(context.obj, context.robot, context.control)
 
     @property
+    def push_reason(self) -> str:
+        """What is out of the ordinary, as the controller of the push has it."""
+        return self._controller.status.reason
+
+    @property
     def push_status(self) -> ControllerStatus:
         """The ``ControllerStatus``."""
         return self._controller.status

@@ -155,6 +155,29 @@ class Supervisor:
         return self._entered.state
 
     @property
+    def reason(self) -> str:
+        """One sentence on the present state, empty while all is well."""
+        reason = self._hindrance or self._entered.reason
+        if reason or self._entered.state is not TaskState.PUSH:
+            return reason
+        return self._entered.push.reason if self._behavior is None else self._behavior.push_reason
+
+    @property
+    def _hindrance(self) -> str:
+        """Why the robot has to wait; a task that is over waits for nothing."""
+        return '' if self._entered.state.is_final else self._reason_to_wait
+
+    @property
+    def failure(self) -> TaskFailure | None:
+        """Why the task was given up, where it was."""
+        return self._entered.failure
+
+    @property
+    def pushes(self) -> int:
+        """Number of pushes begun for this goal."""
+        return self._entered.pushes
+
+    @property
     def history(self) -> tuple[StateChange, ...]:
         """``StateChange`` of every state since the goal was set."""
         return self._entered.history
@@ -575,14 +598,8 @@ class Supervisor:
         self._status = None
 
     def _present_status(self) -> SupervisorStatus:
-        entered, push = self._entered, self._push_status()
-        # A task that is over waits for nothing.
-        waiting_reason = '' if entered.state.is_final else self._reason_to_wait
-        reason = waiting_reason or entered.reason
-        if entered.state is TaskState.PUSH:
-            reason = reason or push.reason
-        localization = self._perception.localization
+        entered, localization = self._entered, self._perception.localization
         return dataclasses.replace(
-            entered, reason=reason, push=push,
-            is_requested=entered.is_requested and not waiting_reason,
+            entered, reason=self.reason, push=self._push_status(),
+            is_requested=entered.is_requested and not self._hindrance,
             robot_pose=localization.pose if localization.is_initialized else None)

@@ -21,6 +21,9 @@ PLANNING_TIMEOUT = 180.0
 # Simulated time that the simulator goes on beyond the end of the run and its settling [s].
 RESERVE = 1.0
 
+# Rate of the clock in lockstep [Hz], where nothing waits for it; chosen: enough for who watches.
+LOCKSTEP_CLOCK_RATE = 10.0
+
 # (prefix of the parameters, dataclass instance that holds their values)
 Section = tuple[str, Any]
 
@@ -42,7 +45,9 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
     options = ControllerOptions(
         wait_for_start=True, enable_stamped_cmd_vel=stamped, lockstep=not real_time,
         task=scenario.task is not None)
+    clock_rate = SimOptions().clock_rate if real_time else LOCKSTEP_CLOCK_RATE
     sim_options = SimOptions(
+        clock_rate=clock_rate,
         lockstep=not real_time, publish_clock=real_time, enable_stamped_cmd_vel=stamped,
         answer_timeout=ANSWER_TIMEOUT if scenario.task is None else PLANNING_TIMEOUT,
         time_limit=scenario.time_limit + SETTLE_TIME + RESERVE, tape_path=str(tape_path),

@@ -1,6 +1,6 @@
 """Recording: all topics, as they come, into a rosbag2 MCAP file."""
 
-from collections.abc import Generator, Mapping
+from collections.abc import Collection, Generator, Mapping
 import contextlib
 from pathlib import Path
 import struct
@@ -31,18 +31,21 @@ UNLIMITED = 9223372036, 854775807
 
 class TopicListener:
     """
-    Receives the serialized messages of all topics.
+    Receives the serialized messages of topics.
 
     It takes them in bulk, not one by one through an executor: a replay in lockstep has thousands
     a second, and must not be slowed down by its recording.
 
     :param node: the rclpy node that subscribes; no executor may spin it.
     :param stamped: whether commands have a stamp.
+    :param topics: names of the topics; None for all.
     """
 
-    def __init__(self, node: Node, stamped: bool = True) -> None:
+    def __init__(self, node: Node, stamped: bool = True,
+                 topics: Collection[str] | None = None) -> None:
         self.types: dict[str, type] = {name: entry.message_type(stamped)
-                                       for name, entry in TOPICS.items()}
+                                       for name, entry in TOPICS.items()
+                                       if topics is None or name in topics}
         self._subscriptions = {
             name: node.create_subscription(kind, name, _ignore, _subscriber_qos(TOPICS[name]),
                                            raw=True)

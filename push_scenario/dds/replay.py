@@ -13,7 +13,7 @@ from push_scenario.dds.processes import NodeProcesses, private_domain
 from push_scenario.dds.recorder import BagWriter
 from push_scenario.dds.replay_client import ReplayClient, ReplayFailed
 from push_scenario.dds.result import collect_result
-from push_scenario.dds.run_monitor import RunMonitor
+from push_scenario.dds.run_monitor import READ_TOPICS, RunMonitor
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import LaterGoal, Task
 from push_scenario.simulation.loop import control_settings, ProgressCallback, SETTLE_TIME
@@ -62,7 +62,8 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     monitor = RunMonitor(scenario, progress)
     with contextlib.ExitStack() as stack:
         nodes = stack.enter_context(NodeProcesses(stack.enter_context(private_domain()), folder))
-        client = ReplayClient(nodes.domain, stamped, monitor.on_message, nodes.check)
+        client = ReplayClient(nodes.domain, stamped, monitor.on_message, nodes.check,
+                              topics=None if record else READ_TOPICS)
         stack.callback(client.close)
         if bag is not None:
             _clear(bag)

@@ -1,6 +1,6 @@
-"""The replay's own end of DDS: it listens to all topics, sets the goal and calls services."""
+"""The replay's own end of DDS: it listens to topics, sets the goal and calls services."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Collection, Generator
 import contextlib
 import os
 import threading
@@ -38,10 +38,11 @@ class ReplayClient:
     :param stamped: whether commands have a stamp.
     :param on_message: called with (topic, serialized message) for every message, in ``pump``.
     :param check: called in every ``pump``; raises what ends the replay.
+    :param topics: names of the topics to listen to; None for all.
     """
 
     def __init__(self, domain: int, stamped: bool, on_message: Callable[[str, bytes], None],
-                 check: Callable[[], None]) -> None:
+                 check: Callable[[], None], topics: Collection[str] | None = None) -> None:
         self._on_message = on_message
         self._check = check
         self._context = Context()
@@ -56,7 +57,7 @@ class ReplayClient:
             for topic, kind in (('goal_pose', PoseStamped), ('map', OccupancyGrid))}
         self._clients = {name: self._node.create_client(entry.type, name)
                          for name, entry in SERVICES.items()}
-        self._listener = TopicListener(self._recorder_node, stamped)
+        self._listener = TopicListener(self._recorder_node, stamped, topics)
         self.types = self._listener.types
 
     def close(self) -> None:
@@ -97,8 +98,8 @@ class ReplayClient:
     def is_connected(self) -> bool:
         """Tell whether nodes, services and recorder have discovered each other."""
         # One subscriber more than the nodes: the recorder.
-        return (self._publishers['goal_pose'].get_subscription_count()
-                > len(TOPICS['goal_pose'].subscribers)
+        expected = len(TOPICS['goal_pose'].subscribers) + ('goal_pose' in self.types)
+        return (self._publishers['goal_pose'].get_subscription_count() >= expected
                 and all(client.service_is_ready() for client in self._clients.values()))
 
     def send_goal(self, pose: Pose, frame: str, time: float = 0.0) -> None:

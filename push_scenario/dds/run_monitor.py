@@ -23,6 +23,10 @@ from push_scenario.simulation.result import Outcome
 from rclpy.serialization import deserialize_message
 
 
+# Topics of which a ``RunMonitor`` reads the messages; it needs no others.
+READ_TOPICS = ('clock', 'diagnostics', 'object_pose', 'push_plan')
+
+
 class RunEnd(NamedTuple):
     """
     How and when the controller's node ended a run.
