@@ -16,9 +16,10 @@ import numpy as np
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.manoeuvres import (
-    ANGLE, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, DEPARTURE, DEPARTURE_ANGLE, DEPARTURE_RADIUS,
-    DIRECTION, FIRST_RADIUS, LAST_RADIUS, lay_out, LENGTH, MANOEUVRE_SIZE, Manoeuvring,
-    MAX_SEGMENTS, moved, NO_LENGTH, refine, REVERSES, scan, SEGMENT_SIZE, SHAPES, THETA, X, Y,
+    ANGLE, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, CORNER_SEGMENTS, DEPARTURE, DEPARTURE_ANGLE,
+    DEPARTURE_RADIUS, DIRECTION, FIRST_RADIUS, LAST_RADIUS, lay_out, LENGTH, MANOEUVRE_SIZE,
+    Manoeuvring, moved, NO_LENGTH, OTHER_SEGMENTS, refine, REVERSES, scan, SEGMENT_SIZE, SHAPES,
+    THETA, X, Y,
 )
 from push_navigation.map_clearance import CERTAIN, map_clearance, PlaceUncertainty, Room
 from push_navigation.obstacle import inflate, InflatedObstacle
@@ -195,7 +196,7 @@ def _manoeuvres(approach: Approach) -> Iterator[tuple[float, FloatArray]]:
         limits.acceleration, limits.yaw_acceleration, approach.end_speed, robot.time_constant,
         reverse_limit)
     found = np.zeros((SHAPES + 1, MANOEUVRE_SIZE + 2))
-    segments = np.zeros((MAX_SEGMENTS, SEGMENT_SIZE))
+    segments = np.zeros((OTHER_SEGMENTS + CORNER_SEGMENTS * len(body.core), SEGMENT_SIZE))
     steps, least = _refinement(robot.drive, approach.final_straight)
     arrivals = _arrivals(limits, robot.drive, approach.final_straight)
     scan(given, departures, arrivals, found, segments)

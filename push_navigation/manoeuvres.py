@@ -52,7 +52,10 @@ JOINT_SPEED = 9         # squared speed at its end
 WINDOW = 10             # distance before and behind its end on which the speed is that
 RAMP = 11               # length on which the speed changes
 SEGMENT_SIZE = 12
-MAX_SEGMENTS = 32
+# Segments of a manoeuvre but for those of its tour round corners, at most, and segments of a tour
+# for each corner: an arc and an edge. The first is above what any shape has.
+OTHER_SEGMENTS = 32
+CORNER_SEGMENTS = 2
 
 # Kinds of segments, which differ in the distance that they keep from the object.
 LEADS_OFF, CURVES, KEEPS_OFF, TOURS, LEADS_ON = 0, 1, 2, 3, 4
@@ -187,7 +190,7 @@ def append(segments: Any, count: int, kind: int, begin: tuple[float, float, floa
     """
     Append a segment, unless it has neither length nor angle.
 
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE), changed.
+    :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments so far.
     :param kind: of the segment.
     :param begin: (x, y, direction of motion) where it begins.
@@ -272,7 +275,7 @@ def lay_tour(given: Manoeuvring, manoeuvre: Any, segments: Any, count: int,
 
     :param given: ``Manoeuvring``.
     :param manoeuvre: numbers of the manoeuvre.
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE), changed.
+    :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments so far.
     :param first: (x, y, direction of motion) at the end of the departure.
     :param last: (x, y, direction of motion) at the beginning of the arrival.
@@ -340,7 +343,7 @@ def lay_out(given: Manoeuvring, manoeuvre: Any, segments: Any) -> int:
 
     :param given: ``Manoeuvring``.
     :param manoeuvre: its numbers.
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE), changed.
+    :param segments: shape (s, SEGMENT_SIZE), changed.
     :return: count of segments, 0 where there is no such manoeuvre.
     """
     backwards = 1.0 if given.starts_backwards else 0.0
@@ -399,7 +402,7 @@ def moves_on(given: Manoeuvring, segments: Any, number: int, count: int) -> bool
     Tell whether the robot need not stop at the end of a segment.
 
     :param given: ``Manoeuvring``.
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param segments: shape (s, SEGMENT_SIZE).
     :param number: of the segment, -1 for the beginning of the first.
     :param count: of segments.
     """
@@ -417,7 +420,7 @@ def limit_joint(given: Manoeuvring, segments: Any, number: int, count: int) -> N
     Bound the speed between two segments, as ``speed_profile.joint_speed_limit`` does.
 
     :param given: ``Manoeuvring``.
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE), changed.
+    :param segments: shape (s, SEGMENT_SIZE), changed.
     :param number: of the first of them.
     :param count: of segments.
     """
@@ -465,7 +468,7 @@ def limit_joints(given: Manoeuvring, segments: Any, count: int) -> None:
     Find the greatest speeds at the joints of segments, as ``speed_profile.joint_speeds`` does.
 
     :param given: ``Manoeuvring``.
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE), changed.
+    :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments, at least one.
     """
     for i in range(count):
@@ -495,7 +498,7 @@ def duration(given: Manoeuvring, segments: Any, count: int) -> float:
     Compute the time of a manoeuvre from rest, as ``speed_profile.travel_time`` does [s].
 
     :param given: ``Manoeuvring``.
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE), changed.
+    :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments, at least one.
     """
     limit_joints(given, segments, count)
@@ -527,7 +530,7 @@ def keeps_clear(given: Manoeuvring, segments: Any, count: int) -> bool:
     a tour keeps the clearance by its construction.
 
     :param given: ``Manoeuvring``.
-    :param segments: shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param segments: shape (s, SEGMENT_SIZE).
     :param count: of segments.
     """
     before = gap(given, given.start_x, given.start_y)
@@ -564,7 +567,7 @@ def evaluate(given: Manoeuvring, manoeuvre: Any, segments: Any, bound: float) ->
 
     :param given: ``Manoeuvring``.
     :param manoeuvre: its numbers.
-    :param segments: scratch, shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param segments: scratch, shape (s, SEGMENT_SIZE).
     :param bound: of the times that count [s].
     :return: time [s]; infinite where it is not below the bound, not a number where the object is
         in the way, the robot would move backwards too far, or there is no such manoeuvre.
@@ -607,7 +610,7 @@ def scan_sides(given: Manoeuvring, row: Any, found: Any, segments: Any, quickest
     :param given: ``Manoeuvring``.
     :param row: numbers of the manoeuvre, of which the side is changed.
     :param found: as of ``scan``, changed.
-    :param segments: scratch, shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param segments: scratch, shape (s, SEGMENT_SIZE).
     :param quickest: time of the quickest manoeuvre so far [s].
     :return: the same now [s].
     """
@@ -636,7 +639,7 @@ def scan(given: Manoeuvring, starts: Any, ends: Any, found: Any, segments: Any) 
     :param ends: the others, shape (m, MANOEUVRE_SIZE).
     :param found: time and numbers for each shape, changed, shape (SHAPES + 1, MANOEUVRE_SIZE + 2);
         its last row is scratch.
-    :param segments: scratch, shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param segments: scratch, shape (s, SEGMENT_SIZE).
     """
     for i in range(SHAPES):
         found[i, 0] = math.inf
@@ -665,7 +668,7 @@ def refine(given: Manoeuvring, steps: Any, least: Any, found: Any, segments: Any
     :param steps: first step of each number, 0 where it stays, shape (MANOEUVRE_SIZE,).
     :param least: least magnitude of each number, shape (MANOEUVRE_SIZE,).
     :param found: as of ``scan``, changed.
-    :param segments: scratch, shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param segments: scratch, shape (s, SEGMENT_SIZE).
     :return: time of the quickest [s].
     """
     quickest = math.inf
@@ -694,7 +697,7 @@ def refine_one(given: Manoeuvring, steps: Any, least: Any, row: Any, segments: A
     :param steps: first step of each number, 0 where it stays, shape (MANOEUVRE_SIZE,).
     :param least: least magnitude of each number, shape (MANOEUVRE_SIZE,).
     :param row: time and numbers, changed, shape (MANOEUVRE_SIZE + 2,).
-    :param segments: scratch, shape (MAX_SEGMENTS, SEGMENT_SIZE).
+    :param segments: scratch, shape (s, SEGMENT_SIZE).
     """
     manoeuvre = row[1:]
     scale = 1.0

@@ -1,10 +1,13 @@
 """Places on the outline of an object where a push may begin."""
 
+from collections.abc import Sequence
+import itertools
 import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.parameters import PushedObject
+from push_model.geometry import wrap_angle
+from push_model.parameters import Outline, PushedObject
 
 # Shortest face that is pushed at [m], chosen: the places below leave a third of it for errors of
 # placement.
@@ -19,6 +22,14 @@ PLACES_PER_FACE = 15
 PLACES_OF_DISC = 48
 # A disc has no faces; these many sectors of it count as such.
 DISC_SECTORS = 4
+# Sharpest turn of an outline at a vertex of a curve [rad]; chosen: a regular polygon of twelve
+# vertices has such ones, and rolls nearly like a disc.
+SHARPEST_TURN = 0.53
+# Part of the outline that a face takes that lies in a curve, at least; chosen: at most 12 faces.
+CURVE_FACE_RATIO = 0.08
+# Sectors of a curve that goes all round, and places of a sector; chosen: as on discs.
+CURVE_SECTORS = DISC_SECTORS
+PLACES_PER_SECTOR = PLACES_OF_DISC // DISC_SECTORS
 
 
 class ContactPlace(NamedTuple):
@@ -26,11 +37,11 @@ class ContactPlace(NamedTuple):
     A place on the outline where a push may begin, in the object frame.
 
     :param face: number of the face among those that are pushed at, from 0; of the sector of a
-        disc.
+        disc or of a curve.
     :param point: (x, y) on the outline [m].
     :param normal: angle of the inward contact normal [rad].
-    :param offset: distance along the face from its middle, counter-clockwise about the object
-        [m]; on a disc the angle of the point times the radius.
+    :param offset: distance along the face or the sector of a curve from its middle,
+        counter-clockwise about the object [m]; on a disc the angle of the point times the radius.
     """
 
     face: int
@@ -39,33 +50,113 @@ class ContactPlace(NamedTuple):
     offset: float
 
 
+class _Edge(NamedTuple):
+    """
+    An edge of an outline.
+
+    :param start: (x, y) of its first vertex [m].
+    :param along: unit vector to its second vertex.
+    :param length: [m].
+    """
+
+    start: tuple[float, float]
+    along: tuple[float, float]
+    length: float
+
+    @property
+    def direction(self) -> float:
+        """Angle [rad]."""
+        return math.atan2(self.along[1], self.along[0])
+
+    def place(self, face: int, distance: float, offset: float) -> ContactPlace:
+        """
+        Make a place.
+
+        :param face: its number.
+        :param distance: from the first vertex [m].
+        :param offset: of the place [m].
+        """
+        point = (self.start[0] + distance * self.along[0],
+                 self.start[1] + distance * self.along[1])
+        return ContactPlace(face, point, math.atan2(self.along[0], -self.along[1]), offset)
+
+
 def contact_places(obj: PushedObject) -> tuple[ContactPlace, ...]:
     """
     List the places where a push may begin, face by face, counter-clockwise.
 
+    Short edges that turn but little from one to the next make a curve, whose sectors count as
+    faces. Outlines of more than some dozen vertices should be simplified before.
+
     :param obj: the ``PushedObject``.
-    :return: ``ContactPlace`` of every face of at least 0.15 m, or round a disc.
-    :raises ValueError: where all faces are shorter.
+    :return: ``ContactPlace`` of every face or curve of at least 0.15 m, or round a disc.
+    :raises ValueError: where all are shorter.
     """
     if obj.radius > 0.0:
         return tuple(_place_on_disc(obj.radius, number) for number in range(PLACES_OF_DISC))
     places: list[ContactPlace] = []
-    longest = 0.0
-    for (x0, y0), (x1, y1) in zip(obj.outline, (*obj.outline[1:], obj.outline[0])):
-        length = math.hypot(x1 - x0, y1 - y0)
-        longest = max(longest, length)
-        if length < MIN_FACE_LENGTH:
-            continue
-        face = places[-1].face + 1 if places else 0
-        along = ((x1 - x0) / length, (y1 - y0) / length)
-        half = 0.5 * length - VERTEX_DISTANCE
-        for offset in np.linspace(-half, half, PLACES_PER_FACE).tolist():
-            point = (0.5 * (x0 + x1) + offset * along[0], 0.5 * (y0 + y1) + offset * along[1])
-            places.append(ContactPlace(face, point, math.atan2(along[0], -along[1]), offset))
+    edges = _edges(obj.outline)
+    for piece in _pieces(edges):
+        if sum(edge.length for edge in piece) >= MIN_FACE_LENGTH:
+            face = places[-1].face + 1 if places else 0
+            places += (_places_on_face(piece[0], face) if len(piece) == 1
+                       else _places_on_curve(piece, face, len(piece) == len(edges)))
     if not places:
+        longest = max(edge.length for edge in edges)
         raise ValueError(f'PushedObject.outline: got faces of at most {longest:g} m, expected one '
                          f'of at least {MIN_FACE_LENGTH:g} m')
     return tuple(places)
+
+
+def _edges(outline: Outline) -> list[_Edge]:
+    edges: list[_Edge] = []
+    for start, (x, y) in zip(outline, (*outline[1:], outline[0])):
+        length = math.hypot(x - start[0], y - start[1])
+        edges.append(_Edge(start, ((x - start[0]) / length, (y - start[1]) / length), length))
+    return edges
+
+
+def _pieces(edges: Sequence[_Edge]) -> list[list[_Edge]]:
+    """Split an outline into faces of one edge and curves of more."""
+    around = sum(edge.length for edge in edges)
+    # Whether a curve may go on from the edge before.
+    is_smooth = [_turn(edges[i - 1], edge) <= SHARPEST_TURN for i, edge in enumerate(edges)]
+    is_face = [edge.length >= MIN_FACE_LENGTH and (
+        not (is_smooth[i] and is_smooth[(i + 1) % len(edges)])
+        or edge.length >= CURVE_FACE_RATIO * around) for i, edge in enumerate(edges)]
+    begins = [i for i in range(len(edges)) if not is_smooth[i] or is_face[i] or is_face[i - 1]]
+    if not begins:
+        return [list(edges)]
+    return [[edges[i % len(edges)] for i in range(first, last)]
+            for first, last in itertools.pairwise([*begins, begins[0] + len(edges)])]
+
+
+def _turn(before: _Edge, edge: _Edge) -> float:
+    return wrap_angle(edge.direction - before.direction)
+
+
+def _places_on_face(edge: _Edge, face: int) -> list[ContactPlace]:
+    half = 0.5 * edge.length - VERTEX_DISTANCE
+    return [edge.place(face, 0.5 * edge.length + offset, offset)
+            for offset in np.linspace(-half, half, PLACES_PER_FACE).tolist()]
+
+
+def _places_on_curve(edges: Sequence[_Edge], first_face: int,
+                     is_closed: bool) -> list[ContactPlace]:
+    ends = [0.0, *itertools.accumulate(edge.length for edge in edges)]
+    rotation = sum(itertools.starmap(_turn, itertools.pairwise(edges)))
+    begin, end = (0.0, ends[-1]) if is_closed else (VERTEX_DISTANCE, ends[-1] - VERTEX_DISTANCE)
+    count = max(1, min(round(CURVE_SECTORS * rotation / (2.0 * math.pi)),
+                       int(ends[-1] / MIN_FACE_LENGTH)))
+    length = (end - begin) / count
+    places: list[ContactPlace] = []
+    for sector in range(count):
+        for number in range(PLACES_PER_SECTOR):
+            offset = length * ((number + 0.5) / PLACES_PER_SECTOR - 0.5)
+            along = begin + (sector + 0.5) * length + offset
+            edge = max(i for i in range(len(edges)) if ends[i] <= along)
+            places.append(edges[edge].place(first_face + sector, along - ends[edge], offset))
+    return places
 
 
 def _place_on_disc(radius: float, number: int) -> ContactPlace:

@@ -352,9 +352,8 @@ def select_actions(table: PrimitiveTable, settings: CostSettings,
     :param settings: ``CostSettings``.
     :param deviations: ``PlacementDeviations`` of the pushes.
     """
-    is_round = len({place.normal for place in table.places}) == len(table.places)
     numbers = np.flatnonzero(
-        (is_round | (table.place_indices % PLACE_STRIDE == 0))
+        (table.is_curved[table.place_indices] | (table.place_indices % PLACE_STRIDE == 0))
         & np.isclose(np.abs(table.tilts)[:, None], np.abs(ACTION_TILTS)).any(axis=1))
     steps = np.flatnonzero(table.lengths >= SHORTEST_ACTION * settings.position_tolerance)
     draws = [draw for draw in AVERAGED_DRAWS if draw < table.displacements.shape[1]] or [0]

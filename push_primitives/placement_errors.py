@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, wrap_angle
 from push_primitives.table import PrimitiveTable
 
 # Digits to which tilts and curvatures are compared.
@@ -58,8 +58,8 @@ def placement_derivatives(table: PrimitiveTable) -> tuple[FloatArray, FloatArray
     """
     Differentiate displacements by the place along the outline and by the direction of motion.
 
-    The other one is held. On a disc of radius r the normal turns with the place, at 1 / r, so
-    that the tilt falls by as much.
+    The other one is held. Where the outline is curved, the normal turns with the place, on a disc
+    of radius r at 1 / r, so that the tilt falls by as much.
 
     :param table: the ``PrimitiveTable``.
     :return: derivatives of shape (n, K, L, 3): by place, counter-clockwise [1/m], and by
@@ -73,8 +73,8 @@ def placement_derivatives(table: PrimitiveTable) -> tuple[FloatArray, FloatArray
         place, tilt, curvature = _key(table, number)
         before, after = (_neighbour(table, place, step) for step in (-1, 1))
         low, high = index[before, tilt, curvature], index[after, tilt, curvature]
-        by_place[number] = ((table.displacements[high] - table.displacements[low])
-                            / _separation(table, before, after))
+        separation = _separation(table, before, after)
+        by_place[number] = (table.displacements[high] - table.displacements[low]) / separation
         position = tilts.index(tilt)
         lower, higher = tilts[max(0, position - 1)], tilts[min(len(tilts) - 1, position + 1)]
         # Arcs have no neighbours in tilt; the straight push at their place has the same begin.
@@ -82,8 +82,8 @@ def placement_derivatives(table: PrimitiveTable) -> tuple[FloatArray, FloatArray
         by_tilt[number] = ((table.displacements[index[place, higher, curvature]]
                             - table.displacements[index[place, lower, curvature]])
                            / (higher - lower))
-    if _is_round(table):
-        by_place -= by_tilt / math.hypot(*table.places[0].point)
+        turn = wrap_angle(table.places[after].normal - table.places[before].normal)
+        by_place[number] -= by_tilt[number] * (turn / separation)
     return by_place, by_tilt
 
 
@@ -92,14 +92,10 @@ def _key(table: PrimitiveTable, number: int) -> tuple[int, float, float]:
             round(float(table.curvatures[number]), DIGITS))
 
 
-def _is_round(table: PrimitiveTable) -> bool:
-    return len({place.normal for place in table.places}) == len(table.places)
-
-
 def _neighbour(table: PrimitiveTable, place: int, step: int) -> int:
     """Return the next place on the same face, or the place itself at the end of the face."""
     other = (place + step) % len(table.places)
-    if _is_round(table) or table.places[other].face == table.places[place].face:
+    if table.radius > 0.0 or table.places[other].face == table.places[place].face:
         return other
     return place
 
@@ -108,7 +104,4 @@ def _separation(table: PrimitiveTable, before: int, after: int) -> float:
     """Distance along the outline from one place to another [m]."""
     first, second = table.places[before], table.places[after]
     distance = second.offset - first.offset
-    if _is_round(table):
-        radius = math.hypot(*first.point)
-        return distance % (2.0 * math.pi * radius)
-    return distance
+    return distance % (2.0 * math.pi * table.radius) if table.radius > 0.0 else distance

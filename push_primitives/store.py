@@ -21,6 +21,7 @@ from push_dynamics.compiled import cache_directory
 from push_dynamics.reservation import reserved
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, RoundRobot
+from push_model.simplification import simplified_object
 from push_primitives import contact_places, placement_errors
 from push_primitives import cost_to_go as cost_to_go_module
 from push_primitives import table as table_module
@@ -82,11 +83,13 @@ class PushPrimitives:
 
 def reference_object(obj: PushedObject) -> PushedObject:
     """
-    Replace what can be learned of an object by common values.
+    Replace what can be learned of an object by common values, and leave out what hardly matters.
 
     :param obj: the ``PushedObject``, with its friction as known by now.
-    :return: ``PushedObject`` of the same shape, mass centre, radius of gyration and supports.
+    :return: ``PushedObject`` of the same shape, mass centre, radius of gyration and supports; a
+        fine outline and many supports are simplified.
     """
+    obj = simplified_object(obj)
     # Slow pushes know heights by mu z_C alone.
     ratio = float(f'{sum(obj.capacities) / sum(obj.loads) / REFERENCE_SUPPORT_FRICTION:.6g}')
     supports = tuple(dataclasses.replace(support,
@@ -163,14 +166,15 @@ def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings,
 def _table_arrays(table: PrimitiveTable) -> dict[str, Any]:
     places = [(place.face, *place.point, place.normal, place.offset) for place in table.places]
     return {'places': np.array(places), **{name: getattr(table, name) for name in ARRAYS},
-            **table.draws._asdict()}
+            **table.draws._asdict(), 'radius': np.array(table.radius)}
 
 
 def _table_from(arrays: dict[str, Any]) -> PrimitiveTable:
     places = tuple(ContactPlace(int(face), (x, y), normal, offset)
                    for face, x, y, normal, offset in arrays['places'].tolist())
     draws = FrictionDraws(*(arrays[name] for name in FrictionDraws._fields))
-    return PrimitiveTable(places, **{name: arrays[name] for name in ARRAYS}, draws=draws)
+    return PrimitiveTable(places, **{name: arrays[name] for name in ARRAYS}, draws=draws,
+                          radius=float(arrays['radius']))
 
 
 def _path(kind: str, *key: object) -> pathlib.Path | None:

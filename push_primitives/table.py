@@ -21,7 +21,7 @@ from push_dynamics.layout import (
 )
 from push_dynamics.step import advance
 from push_model.friction import friction_center
-from push_model.geometry import FloatArray, IntArray
+from push_model.geometry import BoolArray, FloatArray, IntArray
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives.contact_places import contact_places, ContactPlace
 
@@ -90,6 +90,7 @@ class PrimitiveTable:
     :param displacements: pose (x, y, theta) of the object frame after driving each length, in the
         frame at the start, angle unwrapped, shape (n, K, L, 3).
     :param draws: the ``FrictionDraws``.
+    :param radius: of a disc, 0 for a polygon [m].
     """
 
     places: tuple[ContactPlace, ...]
@@ -101,6 +102,7 @@ class PrimitiveTable:
     lengths: FloatArray
     displacements: FloatArray
     draws: FrictionDraws
+    radius: float
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
@@ -113,6 +115,14 @@ class PrimitiveTable:
     def face_count(self) -> int:
         """Number of faces that are pushed at."""
         return self.places[-1].face + 1
+
+    @property
+    def is_curved(self) -> BoolArray:
+        """Whether the outline is curved where each place is, shape (places,)."""
+        normals: dict[int, set[float]] = {}
+        for place in self.places:
+            normals.setdefault(place.face, set()).add(place.normal)
+        return np.array([len(normals[place.face]) > 1 for place in self.places])
 
 
 class PrimitiveKinds(NamedTuple):
@@ -200,7 +210,8 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
     return PrimitiveTable(
         places, kinds.place_indices,
         np.array([places[place].face for place in kinds.place_indices.tolist()]), kinds.tilts,
-        kinds.curvatures, starts, np.array(lengths, dtype=float), displacements, draws)
+        kinds.curvatures, starts, np.array(lengths, dtype=float), displacements, draws,
+        obj.radius)
 
 
 def _primitive_kinds(obj: PushedObject, place_count: int) -> PrimitiveKinds:

@@ -30,6 +30,7 @@ from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
+from push_model.simplification import simplified_object
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
@@ -103,13 +104,15 @@ class Supervisor:
         """
         Stand idle.
 
-        :param obj: the nominal ``PushedObject``.
+        :param obj: the nominal ``PushedObject``; a fine outline and many supports are simplified,
+            as the planner does.
         :param robot: the ``RoundRobot``.
         :param control: ``ControlSettings``.
         :param drive: ``DriveSettings``.
         :param supervision: ``SupervisionSettings``.
         :param knowledge: what was learned of the object in former tasks, or None.
         """
+        obj = simplified_object(obj)
         self._settings = supervision
         self._aim = aimed_tolerances(control, supervision)
         self._progress = ProgressMonitor(supervision, self._aim)

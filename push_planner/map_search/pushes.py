@@ -61,7 +61,8 @@ class _Starts(NamedTuple):
     What of the pushes does not depend on the weights; fields as of ``Pushes``.
 
     :param sides: middle of the face (x, y), direction along it (x, y) and half its length, shape
-        (n, 5); on a disc the length is infinite.
+        (n, 5); where the outline is curved, centre (x, y) and radius of the circle that it follows
+        there, 0, and an infinite length.
     """
 
     numbers: IntArray
@@ -102,27 +103,36 @@ def make_pushes(primitives: PushPrimitives, obj: PushedObject, robot_radius: flo
 def _starts(table: PrimitiveTable, obj: PushedObject, robot_radius: float) -> _Starts:
     numbers = np.flatnonzero(table.curvatures == 0.0)
     places = table.place_indices[numbers]
-    is_round = obj.radius > 0.0
     tilts = np.abs(table.tilts[numbers])
-    coarse = np.isclose(tilts, 0.0) if is_round else (
-        (tilts <= LARGEST_TILT) & (places % PLACE_STRIDE == 0))
+    coarse = np.where(table.is_curved[places], np.isclose(tilts, 0.0),
+                      (tilts <= LARGEST_TILT) & (places % PLACE_STRIDE == 0))
     is_end = np.asarray(np.isclose(table.lengths[:, None], END_LENGTHS).any(axis=1), dtype=bool)
     sides, middles, normals = [], [], []
     for face in range(table.face_count):
         own = [place for place in table.places if place.face == face]
-        point = np.mean([place.point for place in own], axis=0)
+        points = np.array([place.point for place in own])
         angle = own[len(own) // 2].normal
         normal = np.array([math.cos(angle), math.sin(angle)])
-        along = np.array([-normal[1], normal[0]])
-        half = math.inf if is_round else _half_length(obj, point, along)
-        if is_round:
-            point = -obj.radius * normal
-        sides.append((*point, *along, half))
+        if len({place.normal for place in own}) > 1:
+            point = points[len(own) // 2]
+            sides.append((*_circle_through(points), 0.0, math.inf))
+        else:
+            point, along = points.mean(axis=0), np.array([-normal[1], normal[0]])
+            sides.append((*point, *along, _half_length(obj, point, along)))
         middles.append(point - robot_radius * normal)
         normals.append(normal)
     faces = table.faces[numbers]
     return _Starts(numbers, coarse, is_end, np.array(sides)[faces], _vertices(obj),
                    np.array(middles), np.array(normals))
+
+
+def _circle_through(points: FloatArray) -> tuple[float, float, float]:
+    """Centre (x, y) and radius of the circle that lies nearest to points [m]."""
+    # |p|^2 = 2 p.c + (r^2 - |c|^2) is linear in the unknowns.
+    unknowns, *_ = np.linalg.lstsq(np.column_stack([2.0 * points, np.ones(len(points))]),
+                                   (points ** 2).sum(axis=1), rcond=None)
+    x, y, rest = unknowns.tolist()
+    return x, y, math.sqrt(max(0.0, rest + x * x + y * y))
 
 
 def _half_length(obj: PushedObject, middle: FloatArray, along: FloatArray) -> float:
@@ -188,12 +198,10 @@ def _holds(motions: Any, weights: Any, start: Any, side: Any, robot_radius: floa
         c, s = motions[k, 2], motions[k, 3]
         d_x, d_y = x - motions[k, 0], y - motions[k, 1]
         p_x, p_y = c * d_x + s * d_y, c * d_y - s * d_x
+        p_x, p_y = p_x - side[0], p_y - side[1]
         if side[4] > 1e6:
-            # A disc, of which the middle of a side is on the rim.
-            rim = math.sqrt(side[0] * side[0] + side[1] * side[1])
-            along, gap = 0.0, math.sqrt(p_x * p_x + p_y * p_y) - rim - robot_radius
+            along, gap = 0.0, math.sqrt(p_x * p_x + p_y * p_y) - side[2] - robot_radius
         else:
-            p_x, p_y = p_x - side[0], p_y - side[1]
             along = abs(p_x * side[2] + p_y * side[3])
             # The inward normal is a quarter turn right of the direction along the face.
             gap = p_y * side[2] - p_x * side[3] - robot_radius

@@ -13,6 +13,7 @@ from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.simplification import simplified_object
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.approach_path import plan_approach
 from push_navigation.map_clearance import PlaceUncertainty
@@ -89,11 +90,14 @@ def checked_request(request: PlanRequest, robot: RoundRobot) -> PlanRequest:
     """
     Check what a push is planned for; after failed attempts the robot's place is less certain.
 
+    A fine outline and many supports of the object are simplified.
+
     :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
     :raises PlanningFailed: where the robot is not round, or a pose not finite.
     """
     check_robot_is_round(robot)
+    request = request._replace(obj=simplified_object(request.obj))
     check_object_stands(request.obj)
     for name in ('object_pose', 'robot_pose', 'goal'):
         if not Pose(*getattr(request, name)).is_finite():

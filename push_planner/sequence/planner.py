@@ -15,6 +15,7 @@ import numpy as np
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.simplification import simplified_object
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
@@ -277,7 +278,8 @@ def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pos
     """
     Plan the fastest sequence of steered pushes to a goal, the paths of the robot included.
 
-    On open floor; in maps see ``push_planner.map_search``.
+    On open floor; in maps see ``push_planner.map_search``. A fine outline and many supports are
+    simplified.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
@@ -291,6 +293,7 @@ def plan_task(obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pos
     :raises PlanningFailed: with the reason.
     """
     check_robot_is_round(robot)
+    obj = simplified_object(obj)
     check_object_stands(obj)
     poses = {'object pose': object_pose, 'robot pose': robot_pose, 'goal': goal}
     for name, pose in poses.items():

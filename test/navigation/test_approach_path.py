@@ -49,6 +49,21 @@ def test_the_robot_never_overlaps_the_object(name, drive):
         assert gaps[first:len(gaps) - last].min() > min(limit, gaps.max() - 1e-6)
 
 
+@either
+def test_it_leads_round_a_fine_outline(drive):
+    """However many corners there are, in hardly more time than round the disc."""
+    disc, robot = OBJECTS['bin'], ROBOTS[drive]
+    count, radius = 60, disc.radius
+    fine = dataclasses.replace(disc, radius=0.0, outline=tuple(
+        (radius * math.cos(math.tau * i / count), radius * math.sin(math.tau * i / count))
+        for i in range(count)))
+    here, start = Pose(0.0, 0.0, 0.0), Pose(radius + 0.6, 0.1, 2.5)
+    contact = Pose(-radius - robot.radius, 0.0, 0.0)
+    times = [travel_time(plan_approach(robot, obj, here, start, contact, SETTINGS), robot,
+                         SETTINGS) for obj in (disc, fine)]
+    assert 0.99 * times[0] < times[1] < 1.5 * times[0]
+
+
 @each
 @either
 def test_it_is_not_slower_than_a_path_with_stops(name, drive):

@@ -1,12 +1,15 @@
 """Laws of contact places and of the table of primitives."""
 
+import collections
 import dataclasses
 import math
 
 from helpers.objects import bin_, box
 import numpy as np
+from push_model.geometry import wrap_angle
 from push_model.parameters import PushedObject
 from push_primitives.contact_places import contact_places
+from push_primitives.placement_errors import placement_derivatives
 from push_primitives.table import build_table, draw_friction, FrictionDraws
 import pytest
 
@@ -18,6 +21,15 @@ BIN = bin_()
 def nominal(obj):
     """Return the single guess that friction is as the object states."""
     return FrictionDraws(*(array[:1] for array in draw_friction(obj)))
+
+
+def polygon(count, radius=0.2):
+    """Return a regular polygon on the supports of the bin, its first face about the x axis."""
+    angles = [math.tau * (i - 0.5) / count for i in range(count)]
+    return PushedObject(mass=BIN.mass, supports=tuple(
+        dataclasses.replace(support, x=0.5 * support.x, y=0.5 * support.y)
+        for support in BIN.supports),
+        outline=tuple((radius * math.cos(a), radius * math.sin(a)) for a in angles))
 
 
 @pytest.fixture(scope='module', params=['box', 'bin'])
@@ -51,11 +63,49 @@ def test_places_keep_from_the_vertices():
 
 def test_an_object_of_short_faces_is_refused():
     """The error names the field and the length."""
-    corners = [2.0 * math.pi * i / 20 for i in range(20)]
-    obj = PushedObject(mass=1.0, supports=BIN.supports,
-                       outline=tuple((0.2 * math.cos(a), 0.2 * math.sin(a)) for a in corners))
-    with pytest.raises(ValueError, match=r'PushedObject\.outline: got faces of at most 0\.06'):
-        contact_places(obj)
+    with pytest.raises(ValueError, match=r'PushedObject\.outline: got faces of at most 0\.14'):
+        contact_places(polygon(6, 0.14))
+
+
+def test_short_faces_that_turn_little_make_a_curve():
+    """Its sectors count as faces; a long face in it, and corners, remain what they are."""
+    places = contact_places(polygon(40))
+    assert [place.face for place in places] == [i // 12 for i in range(48)]
+    turns = np.diff(np.unwrap([place.normal for place in places]))
+    assert (turns > -1e-9).all() and turns.max() < math.radians(20.0)
+    # A stadium: two faces, and two half circles of two sectors each.
+    half = [(0.3 + 0.2 * math.cos(angle), 0.2 * math.sin(angle))
+            for angle in np.linspace(-0.5 * math.pi, 0.5 * math.pi, 21).tolist()]
+    stadium = dataclasses.replace(
+        polygon(40), outline=tuple(half + [(-x, -y) for x, y in half]), inertia=1.0)
+    counts = collections.Counter(place.face for place in contact_places(stadium))
+    assert sorted(counts.values()) == [12, 12, 12, 12, 15, 15]
+    # A barrel: two straight and two curved sides, between four corners.
+    side = [(0.4 * math.cos(angle) - 0.15, 0.4 * math.sin(angle))
+            for angle in np.linspace(-0.6, 0.6, 9).tolist()]
+    barrel = dataclasses.replace(
+        polygon(40), outline=tuple(side + [(-x, -y) for x, y in side]), inertia=1.0)
+    counts = collections.Counter(place.face for place in contact_places(barrel))
+    assert sorted(counts.values()) == [12, 12, 15, 15]
+
+
+def test_a_finely_sampled_disc_is_pushed_like_the_disc():
+    """Effects of straight pushes, and their derivatives, differ by some percent."""
+    disc = dataclasses.replace(polygon(48), outline=(), radius=0.2, inertia=0.1)
+    fine = dataclasses.replace(polygon(48), inertia=0.1)
+    tables = [build_table(obj, RADIUS, lengths=(0.0, 0.01, 0.03, 0.06), draws=nominal(obj))
+              for obj in (disc, fine)]
+    straight = [table.curvatures == 0.0 for table in tables]
+    for values in zip(*((table.starts, table.displacements, *placement_derivatives(table))
+                        for table in tables)):
+        round_ones, fine_ones = (value[chosen] for value, chosen in zip(values, straight))
+        if round_ones.ndim == 2:
+            assert wrap_angle(np.abs(fine_ones - round_ones).max()) < 1e-3
+        else:
+            # Those that are one-sided, at the ends of a sector, are less alike.
+            errors = np.abs(fine_ones - round_ones).max(axis=(1, 2))
+            assert (np.quantile(errors, 0.8, axis=0)
+                    < 0.08 * np.abs(round_ones).max(axis=(0, 1, 2))).all()
 
 
 def test_no_length_no_displacement(pushed):

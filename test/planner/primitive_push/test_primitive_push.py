@@ -137,13 +137,13 @@ def test_the_method_chooses_between_unsteered_pushes_and_sequences():
 
 def test_what_cannot_be_planned_is_refused():
     """With the reason as an enum and in words."""
-    corners = [2.0 * math.pi * i / 20 for i in range(20)]
-    twenty_faces = PushedObject(
+    corners = [2.0 * math.pi * i / 6 for i in range(6)]
+    short_faces = PushedObject(
         mass=1.0, supports=(Support(0.1, 0.0, 0.3), Support(-0.1, 0.1, 0.3),
                             Support(-0.1, -0.1, 0.3)),
-        outline=tuple((0.2 * math.cos(a), 0.2 * math.sin(a)) for a in corners))
+        outline=tuple((0.14 * math.cos(a), 0.14 * math.sin(a)) for a in corners))
     cases = [(request(Pose(math.nan, 0.0, 0.0)), PlanFailure.INVALID_VALUE),
-             (request(obj=twenty_faces), PlanFailure.NO_FEASIBLE_SITE),
+             (request(obj=short_faces), PlanFailure.NO_FEASIBLE_SITE),
              (request(obj=bin_(feet=4, friction=0.0)), PlanFailure.NO_SUPPORT_FRICTION),
              (request(robot_pose=HERE), PlanFailure.NO_FEASIBLE_SITE)]
     for refused, code in cases:
