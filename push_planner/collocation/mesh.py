@@ -29,6 +29,10 @@ SEGMENT_COUNT_STEP = 8
 # inertia it takes finer steering to follow the edge of the cone; of 70 pushes at 0.5 and 1 m/s
 # the slowest is 0.4 % above the best of random starts with finer meshes.
 SPEED_FACTOR = 3.0
+# Longest segment of a differential drive that ends straight, over that of others. Measured: its
+# heading settles within its radius; in longer segments 40 pushes took 1.6 % more (median, at most
+# 3.7 %).
+STRAIGHT_DRIVE_RATIO = 0.5
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -125,7 +129,7 @@ def build_mesh(problem: PushProblem, path_length: float, final_straight: float,
     """
     profile = speed_profile(problem.settings, problem.motion, path_length)
     jumps = problem.settings.pushing_angles == 'constant'
-    segments = _segment_count(problem, path_length, profile, refined)
+    segments = _segment_count(problem, path_length, profile, final_straight, refined)
     sections: list[MeshSection] = []
     # Angles that jump are constant on ramps.
     ramp_steering = 0.0 if jumps else 1.0
@@ -138,7 +142,7 @@ def build_mesh(problem: PushProblem, path_length: float, final_straight: float,
 
 
 def _segment_count(problem: PushProblem, path_length: float, profile: SpeedProfile,
-                   refined: bool) -> int:
+                   final_straight: float, refined: bool) -> int:
     """Count the segments of the pushing angle in the main section."""
     settings = problem.settings
     segments = settings.segments
@@ -152,6 +156,8 @@ def _segment_count(problem: PushProblem, path_length: float, profile: SpeedProfi
         segments *= factor
         # In a longer segment than the wheelbase a push runs away from its path.
         longest = min(longest, problem.vehicle.wheelbase) / factor
+        if problem.kind == 'differential' and final_straight > 0.0:
+            longest *= STRAIGHT_DRIVE_RATIO
     if path_length > segments * longest:
         segments = SEGMENT_COUNT_STEP * math.ceil(path_length / longest / SEGMENT_COUNT_STEP)
     return segments

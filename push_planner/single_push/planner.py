@@ -7,8 +7,9 @@ until it reaches the goal exactly. Where none does, the relaxed program tells wh
 way.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 import dataclasses
+import itertools
 import math
 from typing import NamedTuple, Optional
 
@@ -137,8 +138,7 @@ def plan_push(problem: PushProblem, previous: Optional[Plan] = None,
     :param max_solves: number of programs that are solved at most.
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
-    check_feasibility(problem)
-    return _Planner(problem, max_solves).plan(previous)
+    return RouteSearch(problem, max_solves).plan(previous)
 
 
 def steering_limits(problem: PushProblem) -> TurnPair:
@@ -155,27 +155,6 @@ def steering_limits(problem: PushProblem) -> TurnPair:
                              'the contact cannot steer to both sides: in steady turns to one side '
                              'its force leaves the planning cone; another contact may do')
     return turns
-
-
-def promising_routes(problem: PushProblem) -> list[Route]:
-    """
-    Find the routes that are worth a try, the most promising first.
-
-    :param problem: the ``PushProblem``.
-    :raises PlanningFailed: where the contact cannot steer, or all routes are too long.
-    """
-    ranked = routes(problem, steering_limits(problem))
-    longest = problem.settings.max_path_length
-    shortest = ranked[0].path_length
-    if shortest > longest:
-        raise PlanningFailed(
-            PlanFailure.PATH_TOO_LONG,
-            f'the shortest path to the goal is a push of {shortest:.1f} m, at most {longest:g} m '
-            'is accepted; another contact may be nearer', {'path_length': shortest})
-    low, high = rotation_range(problem)
-    fitting = [route for route in ranked
-               if route.path_length <= longest and low <= route.rotation <= high]
-    return (fitting or ranked[:1])[:MAX_ROUTES]
 
 
 def assemble_plan(problem: PushProblem, formulation: Formulation, refined: RefinedPush) -> Plan:
@@ -220,49 +199,105 @@ def acceptance_error(plan: Plan) -> str:
     return ''
 
 
-class _Planner:
-    """Attempts at one problem."""
+class RouteSearch:
+    """
+    Search for a push over the routes of one problem.
 
-    def __init__(self, problem: PushProblem, max_solves: float) -> None:
+    The program of a route is solved soon, and the push that it leads to refined later, if at all.
+
+    :param problem: the ``PushProblem``.
+    :param max_solves: number of programs that are solved at most.
+    :raises PlanningFailed: where the problem is refused.
+    """
+
+    def __init__(self, problem: PushProblem, max_solves: float = math.inf) -> None:
+        """Rank the routes."""
+        check_feasibility(problem)
         self._problem = problem
         self._log = AttemptLog(max_solves)
+        self._ranked = routes(problem, steering_limits(problem))
+        self._candidates: Optional[Iterator[_Solved]] = None
 
-    def plan(self, previous: Optional[Plan]) -> Plan:
-        """Try the previous plan, all routes, and then the relaxed program."""
-        ranked = promising_routes(self._problem)
+    def shortest_route(self) -> float:
+        """Length of the shortest route with the final straight that is tried first [m]."""
+        first = self._ranked[0].final_straight
+        return min(route.path_length for route in self._ranked if route.final_straight == first)
+
+    def solve(self) -> float:
+        """
+        Solve programs until one leads to a push.
+
+        :return: approximate time of the push, which is not refined yet [s].
+        :raises PlanningFailed: where none does.
+        """
+        candidates = self._solve_all()
+        first = next(candidates, None)
+        if first is None:
+            raise self._failure()
+        self._candidates = itertools.chain([first], candidates)
+        return first.duration
+
+    def plan(self, previous: Optional[Plan] = None) -> Plan:
+        """
+        Refine pushes until one is accepted.
+
+        :param previous: ``Plan`` for much the same push, to start from; None for none.
+        :raises PlanningFailed: with the reason, where none is.
+        """
         if previous is not None:
-            found = self._follow(previous, ranked[0].path_length)
+            found = self._follow(previous)
             if found is not None:
                 return found
-        relaxed_routes = ranked[:MAX_RELAXED_ROUTES]
-        found = self._best_of(ranked, False) or self._best_of(relaxed_routes, True)
-        if found is not None:
-            return found
+        for candidate in self._candidates or self._solve_all():
+            found = self._finish(candidate) or self._finish_refined(candidate.route)
+            if found is not None:
+                return found
+        raise self._failure()
+
+    def _solve_all(self) -> Iterator[_Solved]:
+        """Solve programs one by one: of all routes, and then the relaxed ones."""
+        promising = self._promising()
+        yield from self._solve_routes(promising, False)
+        yield from self._solve_routes(promising[:MAX_RELAXED_ROUTES], True)
+
+    def _promising(self) -> list[Route]:
+        """Find the routes that are worth a try, the most promising first."""
+        ranked, longest = self._ranked, self._problem.settings.max_path_length
+        shortest = ranked[0].path_length
+        if shortest > longest:
+            raise PlanningFailed(
+                PlanFailure.PATH_TOO_LONG,
+                f'the shortest path to the goal is a push of {shortest:.1f} m, at most '
+                f'{longest:g} m is accepted; another contact may be nearer',
+                {'path_length': shortest})
+        low, high = rotation_range(self._problem)
+        fitting = [route for route in ranked
+                   if route.path_length <= longest and low <= route.rotation <= high]
+        return (fitting or ranked[:1])[:MAX_ROUTES]
+
+    def _failure(self) -> PlanningFailed:
         # The relaxed program comes last, and mostly tells what stands in the way.
-        nearest = self._log.best_explanation(len(relaxed_routes))
-        raise PlanningFailed(
+        promising = self._promising()
+        nearest = self._log.best_explanation(min(len(promising), MAX_RELAXED_ROUTES))
+        return PlanningFailed(
             nearest.failure or PlanFailure.NOT_CONVERGED,
             'found no push within the friction cone and the limits of the robot on '
-            f'{len(ranked)} routes, among them {nearest}', {'attempts': self._log.lines()})
+            f'{len(promising)} routes, among them {nearest}', {'attempts': self._log.lines()})
 
-    def _follow(self, previous: Plan, shortest: float) -> Optional[Plan]:
+    def _follow(self, previous: Plan) -> Optional[Plan]:
         """Start from the rest of a previous plan, where there is no much shorter path."""
         route = previous_route(self._problem, previous)
         solved = None if route is None else self._solve(route)
-        if solved is None or solved.path_length > NEARLY_SHORTEST * shortest:
+        if solved is None or solved.path_length > NEARLY_SHORTEST * self._ranked[0].path_length:
             return None
         return self._finish(solved)
 
-    def _best_of(self, ranked: Sequence[Route], relaxed: bool) -> Optional[Plan]:
-        """Solve the routes in their order until one leads to a plan."""
+    def _solve_routes(self, ranked: Sequence[Route], relaxed: bool) -> Iterator[_Solved]:
+        """Solve routes in their order; of those that may be as good, the fastest push first."""
         waiting = ranked
         while waiting and not self._log.is_spent:
             solved, waiting = self._solve_some(waiting, relaxed)
-            for candidate in sorted(solved, key=lambda one: one.duration):
-                found = self._finish(candidate) or self._finish_refined(candidate.route)
-                if found is not None:
-                    return found
-        return None
+            yield from sorted(solved, key=lambda one: one.duration)
 
     def _solve_some(self, ranked: Sequence[Route],
                     relaxed: bool) -> tuple[list[_Solved], list[Route]]:

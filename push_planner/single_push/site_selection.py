@@ -1,25 +1,34 @@
-"""Site selection: the contact site of an object from which a push is fastest."""
+"""
+Site selection: the contact site of an object from which a push is fastest.
+
+Sites wait in a queue: at first with a lower bound on the time of their push, then, as soon as a
+program has been solved, with its time. The first in the queue goes on, so that sites whose bound is
+above the best push are never solved, and hardly any but the best is refined.
+"""
 
 from collections.abc import Sequence
+import heapq
 import math
 from typing import NamedTuple, Optional
 
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
-from push_planner.initial_guess.dubins_routes import FAST_TURN_FRACTION, is_fast, routes
+from push_planner.initial_guess.dubins_routes import FAST_TURN_FRACTION, is_fast
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.settings import PlannerSettings
 from push_planner.single_push.bounds import displacement_bound
 from push_planner.single_push.contact_sites import robot_start, site_problems
-from push_planner.single_push.feasibility import check_feasibility
-from push_planner.single_push.planner import plan_push, steering_limits
+from push_planner.single_push.planner import RouteSearch
 
 # Ratio of a plan's path to its route that is never fallen below. Measured: plans cut the corners
 # of steady turns, by 7 % at most in 120 random pushes of a differential drive, by 1 % with a
 # contact that is held.
 ROUTE_SLACK = 0.9
+# Ratio by which a plan may be faster than its program. Measured: 6e-5 at most in 80 pushes; a mesh
+# of twice the segments, where the first does not lead to a plan, may find more.
+REFINED_SLACK = 0.998
 # Programs that are solved for each site at first. Chosen: the first or second route leads to a
 # push, if any does; a site without one is told apart ten times sooner than by all its routes.
 FIRST_SOLVES = 2
@@ -85,11 +94,13 @@ class BoundedSite(NamedTuple):
 
     :param problem: the ``PushProblem``.
     :param bound: least time of the push [s]; infinite where it is refused.
+    :param search: ``RouteSearch``; None where it is refused.
     :param reason: why it is refused, else empty.
     """
 
     problem: PushProblem
     bound: float
+    search: Optional[RouteSearch]
     reason: str
 
 
@@ -99,9 +110,8 @@ def choose_site(obj: PushedObject, robot: RoundRobot, start: Pose, goal: Pose,
     """
     Find the site from which the goal is reached in the shortest time.
 
-    Sites are solved in the order of a lower bound on their time; one whose bound tells that it is
-    not the fastest is not solved. Each is tried briefly; only where none has a push are the most
-    promising ones tried thoroughly. The robot's path to the site does not count.
+    Each site is tried briefly; only where none has a push are the most promising ones tried
+    thoroughly. The robot's path to the site does not count.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
@@ -114,11 +124,12 @@ def choose_site(obj: PushedObject, robot: RoundRobot, start: Pose, goal: Pose,
     problems = site_problems(obj, robot, start, goal, settings or PlannerSettings())
     if current is not None:
         problems.insert(0, current)
-    sites = sorted((bound_site(problem) for problem in problems), key=lambda site: site.bound)
-    found = _try_sites(sites, FIRST_SOLVES)
+    sites = sorted((bound_site(problem, FIRST_SOLVES) for problem in problems),
+                   key=lambda site: site.bound)
+    found = _try_sites(sites)
     if found.best is None:
-        promising = [site for site in sites if not site.reason][:THOROUGH_SITES]
-        thorough = _try_sites(promising, math.inf)
+        promising = [site for site in sites if site.search is not None][:THOROUGH_SITES]
+        thorough = _try_sites([bound_site(site.problem) for site in promising])
         tried = {id(site.problem.contact) for site in promising}
         found = SitesTried(thorough.best, thorough.candidates + tuple(
             candidate for candidate in found.candidates if id(candidate.contact) not in tried))
@@ -129,54 +140,56 @@ def choose_site(obj: PushedObject, robot: RoundRobot, start: Pose, goal: Pose,
     return SiteChoice(found.best, found.candidates)
 
 
-def _try_sites(sites: Sequence[BoundedSite], max_solves: float) -> SitesTried:
-    """Plan from sites in the order of their bounds; ``max_solves`` is of each."""
+def _try_sites(sites: Sequence[BoundedSite]) -> SitesTried:
+    """Go on with the site of the least time, be it a bound or that of a program."""
     best: Optional[Plan] = None
-    solved: list[tuple[float, SiteCandidate]] = []
-    refused: list[SiteCandidate] = []
-    for site in sites:
-        reason = site.reason or _reason_to_skip(site, best)
-        if not reason:
-            try:
-                found = plan_push(site.problem, max_solves=max_solves)
-            except PlanningFailed as failure:
-                reason = failure.reason
+    solved: list[SiteCandidate] = []
+    others: list[SiteCandidate] = []
+    # Least time, number of the site, whether its program is solved.
+    queue = [(site.bound, number, False) for number, site in enumerate(sites)]
+    while queue:
+        least, number, is_solved = heapq.heappop(queue)
+        site = sites[number]
+        try:
+            if site.search is None:
+                raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE, site.reason)
+            if best is not None and least >= best.trajectory.duration:
+                others.append(_refused(site, f'not faster than {least:.1f} s'))
+            elif not is_solved:
+                heapq.heappush(queue, (REFINED_SLACK * site.search.solve(), number, True))
             else:
-                duration = found.trajectory.duration
-                solved.append((duration, _solved_candidate(site.problem, found)))
-                if best is None or duration < best.trajectory.duration:
-                    best = found
-        if reason:
-            refused.append(SiteCandidate(site.problem.contact, robot_start(site.problem), None,
-                                         None, reason))
-    solved.sort(key=lambda one: one[0])
-    return SitesTried(best, tuple([candidate for _, candidate in solved] + refused))
+                plan = site.search.plan()
+                solved.append(_solved(site, plan))
+                if best is None or plan.trajectory.duration < best.trajectory.duration:
+                    best = plan
+        except PlanningFailed as failure:
+            others.append(_refused(site, failure.reason))
+    solved.sort(key=lambda one: one.duration or 0.0)
+    return SitesTried(best, tuple(solved + others))
 
 
-def bound_site(problem: PushProblem) -> BoundedSite:
+def bound_site(problem: PushProblem, max_solves: float = math.inf) -> BoundedSite:
     """
     Bound the time of a push from below, without solving it.
 
     :param problem: the ``PushProblem``.
+    :param max_solves: number of programs that are solved for it at most.
     """
     try:
-        check_feasibility(problem)
-        turns = steering_limits(problem)
+        search = RouteSearch(problem, max_solves)
     except PlanningFailed as failure:
-        return BoundedSite(problem, math.inf, failure.reason)
+        return BoundedSite(problem, math.inf, None, failure.reason)
     # Plans may use the reserve of curvature that the routes of fast pushes leave.
     slack = ROUTE_SLACK * (FAST_TURN_FRACTION if is_fast(problem) else 1.0)
-    shortest = min(route.path_length for route in routes(problem, turns))
-    bound = max(displacement_bound(problem), slack * shortest / problem.settings.pushing_speed)
-    return BoundedSite(problem, bound, '')
+    bound = max(displacement_bound(problem),
+                slack * search.shortest_route() / problem.settings.pushing_speed)
+    return BoundedSite(problem, bound, search, '')
 
 
-def _reason_to_skip(site: BoundedSite, best: Optional[Plan]) -> str:
-    if best is not None and site.bound >= best.trajectory.duration:
-        return f'not faster than {site.bound:.1f} s'
-    return ''
+def _refused(site: BoundedSite, reason: str) -> SiteCandidate:
+    return SiteCandidate(site.problem.contact, robot_start(site.problem), None, None, reason)
 
 
-def _solved_candidate(problem: PushProblem, plan: Plan) -> SiteCandidate:
-    return SiteCandidate(problem.contact, robot_start(problem), plan.trajectory.duration,
-                         plan.report['path_length'], '')
+def _solved(site: BoundedSite, plan: Plan) -> SiteCandidate:
+    return SiteCandidate(site.problem.contact, robot_start(site.problem),
+                         plan.trajectory.duration, plan.report['path_length'], '')

@@ -17,7 +17,8 @@ def scalar_function():
 
 
 @pytest.mark.parametrize('count', [1, 2, 8, 21])
-@pytest.mark.parametrize('options', [{}, {'is_independent': True}, {'is_compiled': False}], ids=str)
+@pytest.mark.parametrize('options', [{}, {'is_independent': True}, {'is_compiled': False}],
+                         ids=str)
 def test_machine_code_computes_what_casadi_does(options, count):
     """Also several rows at once, where an argument is the same in all, where nothing compiles."""
     function = scalar_function()

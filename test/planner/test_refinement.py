@@ -1,6 +1,6 @@
 """Refinement: its backward and forward pass on a small linear-quadratic problem, and in use."""
 
-from helpers.push_problems import face_problem
+from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
 from push_planner.collocation.formulation import formulate
@@ -92,3 +92,22 @@ def test_a_refined_push_ends_at_its_goal():
     assert refined.rollout.s[-1] == pytest.approx(
         formulation.mesh.step_lengths(refined.free_length).sum())
     np.testing.assert_allclose(samples[-1], refined.rollout.nodes[-1], atol=1e-12)
+
+
+@pytest.mark.parametrize('robot', [HOLONOMIC, DIFFERENTIAL], ids=lambda robot: robot.drive)
+def test_what_misses_a_straight_end_is_a_deviation_of_the_last_node(robot):
+    """Taken off, the end is straight at the goal: also the pushing angle, once all rotate back."""
+    problem = vertex_problem(Pose(2.2, 1.0, 0.4), robot)
+    formulation, _ = formulate(problem, routes(problem, tightest_turns(problem))[0])
+    assert formulation.dimensions.straight_end
+    last = np.array([0.0, 0.03, problem.relative_goal.theta + 0.02, 2.0, 1.3, 0.05])
+    if robot is HOLONOMIC:
+        last[5] = last[2]
+    miss = goal_miss(problem, formulation, last)[:6]
+    assert abs(miss[1]) > 0.01 and abs(miss[2]) > 0.01
+    if robot is HOLONOMIC:
+        miss[5] = miss[2]
+    left = goal_miss(problem, formulation, last - miss)
+    # All but the position, which is a deviation of the first order in the rotation.
+    np.testing.assert_allclose(left[[0, 1, 2, 5]], 0.0, atol=1e-12)
+    np.testing.assert_allclose(left[3:5], 0.0, atol=1e-3)
