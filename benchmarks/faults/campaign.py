@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from benchmarks.faults.effect import effect_time
 from benchmarks.faults.injection import (
-    Fault, Injection, Input, OFFSET, SentCommand, SIMULATED, Word, words_of,
+    Fault, Injection, Input, OFFSET, OTHER_OBJECT, SentCommand, SIMULATED, Word, words_of,
 )
 from benchmarks.faults.node_rig import final_reason, run_node
 from benchmarks.faults.process_rig import (
@@ -175,7 +175,10 @@ def _evaluate(case: Case, ending: Ending, reason: str, record: _Record) -> Row:
 
 def _deviation_limit(fault: Fault) -> float:
     """Limit the deviation [m]: a tracker that is off has what is planned beside the object."""
-    return MAX_DEVIATION + (math.hypot(OFFSET.x, OFFSET.y) if _is_off(fault) else 0.0)
+    if fault.input is not Input.POSE:
+        return MAX_DEVIATION
+    offset = {Word.WRONG: OFFSET, Word.OF_ANOTHER_OBJECT: OTHER_OBJECT}.get(fault.word)
+    return MAX_DEVIATION + (0.0 if offset is None else math.hypot(offset.x, offset.y))
 
 
 def _is_off(fault: Fault) -> bool:

@@ -56,12 +56,20 @@ class Word(enum.Enum):
     IN_WORLD_AXES = 'in world axes'
     # Somebody else commands the base, too: one command in two is to drive ahead.
     SHARED = 'shared'
+    # One object pose in ten is elsewhere, by up to 1 m, and in any direction.
+    OUTLIERS = 'outliers'
+    # Object poses come with an age of 0.24 to 0.26 s, and so does the time-out.
+    NEAR_TIMEOUT = 'near the time-out'
+    # The tracker sees another object, which stands 0.6 m away.
+    OF_ANOTHER_OBJECT = 'of another object'
+    # Noise of 2 cm and 0.02 rad besides, which is not stated.
+    NOISY = 'noisy'
 
 
-# What can be done to anything, and what only to some inputs.
-COMMON_WORDS = tuple(Word)[:7]
+# What can be done only to some inputs; all else to anything.
 FURTHER_WORDS = {Word.SLIPPING: 'odometry', Word.IN_WORLD_AXES: 'odometry command',
-                 Word.SHARED: 'command'}
+                 Word.SHARED: 'command', Word.OUTLIERS: 'pose', Word.NEAR_TIMEOUT: 'pose',
+                 Word.OF_ANOTHER_OBJECT: 'pose', Word.NOISY: 'pose'}
 
 
 class Fault(NamedTuple):
@@ -104,6 +112,10 @@ DELAY = 0.5
 SLOW_COUNT = 10
 PERIOD, GAP = 1.0, 0.4
 SLIP_RATIO = 0.5
+OUTLIER_RATIO, OUTLIER_DISTANCE = 0.1, 1.0
+LEAST_AGE, GREATEST_AGE = 0.24, 0.26
+OTHER_OBJECT, OTHER_NOISE = Pose(0.6, 0.0, 0.3), 0.001
+NOISE = 0.02
 # What somebody else commands.
 OTHER_COMMAND = Twist(0.2, 0.0, 0.3)
 
@@ -135,6 +147,8 @@ class Injection:
         self._last: Any = None
         self._count = 0
         self._late: deque[tuple[float, Any]] = deque()
+        # Object pose at the beginning, beside which another object stands.
+        self._place: Pose | None = None
         # Odometry as it is and as it comes, where wheels slip.
         self._slipping: tuple[Odometry, Odometry] | None = None
         self._is_installed = False
@@ -218,6 +232,8 @@ class Injection:
 
         def next_measurement() -> Odometry | ObjectPose:
             while True:
+                if self._is_aged and self._late and self._late[0][0] <= simulation.time:
+                    return self._late.popleft()[1]
                 measured = take()
                 if type(measured) is not kind:
                     return measured
@@ -238,12 +254,12 @@ class Injection:
             return None
         if word is Word.STUCK:
             return measured if self._last is None else self._last._replace(time=measured.time)
-        if word is Word.GARBAGE:
-            return measured._replace(pose=Pose(*self._rng.uniform(-3.0, 3.0, 3).tolist()))
-        if word is Word.WRONG:
-            pose = measured.pose
-            return measured._replace(pose=Pose(pose.x + OFFSET.x, pose.y,
-                                               wrap_angle(pose.theta + OFFSET.theta)))
+        if word in (Word.GARBAGE, Word.WRONG, Word.OUTLIERS, Word.OF_ANOTHER_OBJECT, Word.NOISY):
+            return measured._replace(pose=self._spoilt_pose(measured.pose))
+        if self._is_aged:
+            self._late.append((measured.time + self._rng.uniform(LEAST_AGE, GREATEST_AGE),
+                               measured))
+            return None
         if word is Word.DELAYED:
             self._late.append((time, measured))
             return self._late.popleft()[1] if self._late[0][0] <= time - DELAY else None
@@ -252,6 +268,29 @@ class Injection:
         if word is Word.IN_WORLD_AXES:
             return measured._replace(twist=_turned(measured.twist, measured.pose.theta))
         return measured
+
+    @property
+    def _is_aged(self) -> bool:
+        return self._fault.word is Word.NEAR_TIMEOUT
+
+    def _spoilt_pose(self, pose: Pose) -> Pose:
+        """Return a pose as it is measured."""
+        word, rng = self._fault.word, self._rng
+        if word is Word.GARBAGE:
+            return Pose(*rng.uniform(-3.0, 3.0, 3).tolist())
+        if word is Word.WRONG:
+            return Pose(pose.x + OFFSET.x, pose.y, wrap_angle(pose.theta + OFFSET.theta))
+        if word is Word.OUTLIERS:
+            x, y = Pose(0.0, 0.0, rng.uniform(-math.pi, math.pi)).rotate(
+                (rng.uniform(0.0, OUTLIER_DISTANCE), 0.0))
+            is_outlier = rng.uniform() < OUTLIER_RATIO
+            return Pose(pose.x + x, pose.y + y, rng.uniform(-math.pi, math.pi)
+                        ) if is_outlier else pose
+        if word is Word.OF_ANOTHER_OBJECT:
+            self._place = self._place or pose
+            pose = Pose(self._place.x + OTHER_OBJECT.x, self._place.y, OTHER_OBJECT.theta)
+        noise = OTHER_NOISE if word is Word.OF_ANOTHER_OBJECT else NOISE
+        return Pose(*(a + b for a, b in zip(pose, rng.normal(0.0, noise, 3).tolist())))
 
     def _after_slip(self, measured: Any) -> Any:
         """Go on from where slipping wheels have led odometry."""

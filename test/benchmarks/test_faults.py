@@ -27,6 +27,7 @@ STOPPING_DISTANCE = 0.05
     (Input.POSE, Word.STUCK, 'the tracker is frozen'),
     (Input.POSE, Word.GARBAGE, 'object pose jumps by'),
     (Input.POSE, Word.SLOW, 'object pose is stale'),
+    (Input.POSE, Word.NEAR_TIMEOUT, 'object pose is stale'),
     (Input.POSE, Word.OFF, 'object pose is stale')])
 def test_a_push_ends_stopped_and_named(kind, word, text):
     """With a fault that lasts."""
@@ -45,7 +46,8 @@ def test_a_base_that_keeps_a_command_is_stopped_once_it_should_do_something_else
 
 
 @pytest.mark.parametrize('kind, word', [
-    (Input.ODOMETRY, Word.STUCK), (Input.COMMAND, Word.OFF), (Input.POSE, Word.GARBAGE)])
+    (Input.ODOMETRY, Word.STUCK), (Input.ODOMETRY, Word.IN_WORLD_AXES),
+    (Input.COMMAND, Word.OFF), (Input.POSE, Word.GARBAGE), (Input.POSE, Word.OF_ANOTHER_OBJECT)])
 def test_a_task_goes_on_after_a_fault(kind, word):
     """Until it is done."""
     row = run(Case(TASK, Fault(kind, word, 1.0, 2.0)), time_after=40.0)
@@ -59,6 +61,13 @@ def test_a_task_gives_up_where_a_fault_stays(kind, word, text):
     """And names it."""
     row = run(Case(TASK, Fault(kind, word, 1.2, math.inf)))
     assert row.ending is Ending.FAILED and row.is_explained and text in row.reason
+
+
+@pytest.mark.parametrize('scenario', [PUSH, TASK])
+def test_outliers_cost_nothing(scenario):
+    """However long there are some."""
+    row = run(Case(scenario, Fault(Input.POSE, Word.OUTLIERS, 0.5, math.inf)), time_after=40.0)
+    assert row.ending is Ending.DONE and row.is_explained
 
 
 def test_every_word_is_drawn_for_every_input():
