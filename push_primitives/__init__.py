@@ -3,5 +3,6 @@ What short, unsteered pushes do to an object, and how long everything takes that
 
 ``contact_places`` lists where the robot may touch, ``table`` simulates straight pushes and arcs
 there under many guesses of friction, ``cost_to_go`` values what they leave, ``store`` keeps both,
-and ``selection`` picks the next push.
+and ``selection`` picks the next push; ``simplification`` leaves out what of an object hardly
+matters.
 """

@@ -21,7 +21,6 @@ from push_dynamics.compiled import cache_directory
 from push_dynamics.reservation import reserved
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.simplification import simplified_object
 from push_primitives import contact_places, placement_errors
 from push_primitives import cost_to_go as cost_to_go_module
 from push_primitives import table as table_module
@@ -30,6 +29,7 @@ from push_primitives.cost_to_go import CostSettings, CostToGo, solve_cost_to_go
 from push_primitives.placement_errors import (
     LOCALIZED, PlacementDeviations, UNSURE, with_placement_errors,
 )
+from push_primitives.simplification import simplified_object
 from push_primitives.slippery_disc import rotated, slippery_disc, SlipperyDisc
 from push_primitives.table import (
     build_table, draw_learned_friction, FrictionDraws, PrimitiveTable,

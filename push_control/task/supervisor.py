@@ -30,10 +30,10 @@ from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
-from push_model.simplification import simplified_object
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
+from push_primitives.simplification import simplified_object
 
 # Time after the end of a push from which on the object may be at rest [s]; chosen: longer than the
 # latency of its poses (0.08 s in the scenarios), and than it slides on.

@@ -13,7 +13,6 @@ from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
-from push_model.simplification import simplified_object
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.approach_path import plan_approach
 from push_navigation.map_clearance import PlaceUncertainty
@@ -26,6 +25,7 @@ from push_planner.problem import check_object_stands, check_robot_is_round, Plan
 from push_planner.settings import PlannerSettings
 from push_primitives.cost_to_go import CostSettings
 from push_primitives.selection import select_push, SelectedPush, SelectionQuery
+from push_primitives.simplification import simplified_object
 from push_primitives.store import load_primitives, PushPrimitives
 from push_primitives.weights import FrictionBelief
 

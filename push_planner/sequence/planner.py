@@ -15,7 +15,6 @@ import numpy as np
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
-from push_model.simplification import simplified_object
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
@@ -39,6 +38,7 @@ from push_planner.settings import PlannerSettings, TaskSettings
 from push_planner.single_push.contact_sites import robot_start, site_problems
 from push_planner.single_push.feasibility import check_not_at_goal
 from push_planner.single_push.site_selection import bound_site
+from push_primitives.simplification import simplified_object
 
 # Single pushes that are candidates, the most promising, chosen to bound the time of planning.
 MAX_SINGLE_PUSHES = 3

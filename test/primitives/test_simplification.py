@@ -8,7 +8,7 @@ import numpy as np
 from push_model.friction import friction_center
 from push_model.geometry import boundary_point
 from push_model.parameters import PushedObject, Support
-from push_model.simplification import MAX_SUPPORTS, MAX_VERTICES, simplified_object
+from push_primitives.simplification import MAX_SUPPORTS, MAX_VERTICES, simplified_object
 import pytest
 
 BOX = box(foot=0.17)
