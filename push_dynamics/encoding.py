@@ -4,6 +4,7 @@ import math
 from typing import Any, Sequence
 
 from push_dynamics import layout
+from push_dynamics.step import ROUNDING
 from push_model.contact import find_contact, robot_gap
 from push_model.friction import load_gradients
 from push_model.geometry import Pose
@@ -69,14 +70,14 @@ def resolve_overlap(obj: PushedObject, robot: RoundRobot, object_pose: Pose,
     :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object frame in the world.
     :param robot_pose: ``Pose`` of the robot in the world.
-    :return: ``Pose`` of the robot.
+    :return: ``Pose`` of the robot; the same where it only touches, but for rounding.
     :raises ValueError: where a pose is not finite or the overlap is above 5 mm.
     """
     for name, pose in (('object_pose', object_pose), ('robot_pose', robot_pose)):
         if not pose.is_finite():
             raise ValueError(f'{name}: got {tuple(pose)}, expected finite numbers')
     gap = robot_gap(obj, object_pose, robot_pose, robot.radius)
-    if gap >= 0.0:
+    if gap >= -ROUNDING:
         return robot_pose
     if gap < -MAX_OVERLAP:
         raise ValueError(f'robot_pose: got an overlap with the object of {-gap:g} m, expected '

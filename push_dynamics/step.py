@@ -217,9 +217,20 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
 
 
 @compiled
+def step_count(duration: float, longest: float) -> int:
+    """
+    Count equal steps, none above ``longest`` [s], that end exactly after ``duration`` [s].
+
+    :param duration: above 0 [s].
+    :param longest: step [s].
+    """
+    return max(1, int(math.ceil(duration / longest - STEP_ROUNDING)))
+
+
+@compiled
 def advance(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces: Any,
             command: Any, drive: Any, duration: float, longest: float) -> None:
     """Take equal steps, none above ``longest`` [s], that end exactly after ``duration`` [s]."""
-    count = max(1, int(math.ceil(duration / longest - STEP_ROUNDING)))
+    count = step_count(duration, longest)
     for _ in range(count):
         step(state, body, supports, outline, floor, forces, command, drive, duration / count)

@@ -119,13 +119,14 @@ class PushedObject:
                                  f'{MAX_SUPPORT_RATIO:g} times as much (lengths are in metres)')
 
     @functools.cached_property
-    def _load_fractions(self) -> tuple[float, ...]:
+    def weight_fractions(self) -> tuple[float, ...]:
+        """Fraction of the weight on each support, shape (k,); they sum up to 1."""
         return _support_load_fractions(self.supports, self.center_of_mass)
 
     @functools.cached_property
     def loads(self) -> tuple[float, ...]:
         """Normal load on each support [N], shape (k,); they balance about the mass centre."""
-        return tuple(self.mass * GRAVITY * fraction for fraction in self._load_fractions)
+        return tuple(self.mass * GRAVITY * fraction for fraction in self.weight_fractions)
 
     @functools.cached_property
     def size(self) -> float:

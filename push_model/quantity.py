@@ -9,7 +9,10 @@ from collections.abc import Mapping
 import dataclasses
 import functools
 import math
-from typing import Any, get_args, get_origin, get_type_hints, Literal
+from typing import Any, get_args, get_origin, get_type_hints, Literal, TYPE_CHECKING
+
+if TYPE_CHECKING:  # Commands that list things need no numpy.
+    from push_model.geometry import BoolArray, FloatArray
 
 INFINITY = math.inf
 
@@ -56,6 +59,22 @@ def check(instance: Any) -> None:
                              f'{expected}') from None
         if normalised is not value:
             object.__setattr__(instance, name, normalised)
+
+
+def allowed(cls: type, name: str, values: 'FloatArray') -> 'BoolArray':
+    """
+    Tell which values a field of numbers accepts: what ``check`` tells of one, of many at once.
+
+    :param cls: the dataclass.
+    :param name: of a field that ``quantity`` has made.
+    :param values: any shape.
+    :return: same shape.
+    """
+    metadata = next(found for known, _, found in _described_fields(cls) if known == name)
+    inside = (values >= metadata['low']) & (values <= metadata['high'])
+    if metadata['above'] is not None:
+        inside &= values > metadata['above']
+    return inside if metadata['infinite'] else inside & (abs(values) < INFINITY)
 
 
 @functools.lru_cache(maxsize=None)

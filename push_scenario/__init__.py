@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from push_model.files.parameter_files import read_object, read_robot
     from push_model.files.strict_yaml import ParameterFileError
     from push_scenario.batch.batch import BatchResult, run_batch, seeds
+    from push_scenario.batch.push_batch import PushBatchResult, run_pushes
+    from push_scenario.batch.push_cases import simulate_cases
     from push_scenario.batch.varied_push import VariedPush
     from push_scenario.definition.catalogue import scenario_names
     from push_scenario.definition.loader import load_scenario, scenario_from_text, scenario_text
@@ -35,15 +37,18 @@ if TYPE_CHECKING:
 __all__ = [
     'BatchResult', 'Bounds', 'draw_animation', 'draw_figure', 'format_report',
     'is_as_expected', 'LaterGoal', 'load_scenario', 'measure', 'Metrics', 'Outcome',
-    'ParameterFileError', 'Placement', 'Progress', 'read_object', 'read_robot', 'run_batch',
-    'RunResult', 'Scenario', 'scenario_from_text', 'scenario_names', 'scenario_text', 'seeds',
-    'simulate', 'Start', 'Task', 'VariedPush',
+    'ParameterFileError', 'Placement', 'Progress', 'PushBatchResult', 'read_object',
+    'read_robot', 'run_batch', 'run_pushes', 'RunResult', 'Scenario', 'scenario_from_text',
+    'scenario_names', 'scenario_text', 'seeds', 'simulate', 'simulate_cases', 'Start', 'Task',
+    'VariedPush',
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
     'push_model.files.parameter_files': ('read_object', 'read_robot'),
     'push_model.files.strict_yaml': ('ParameterFileError',),
     'push_scenario.batch.batch': ('BatchResult', 'run_batch', 'seeds'),
+    'push_scenario.batch.push_batch': ('PushBatchResult', 'run_pushes'),
+    'push_scenario.batch.push_cases': ('simulate_cases',),
     'push_scenario.batch.varied_push': ('VariedPush',),
     'push_scenario.definition.catalogue': ('scenario_names',),
     'push_scenario.definition.loader': ('load_scenario', 'scenario_from_text', 'scenario_text'),

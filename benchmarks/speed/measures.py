@@ -14,21 +14,18 @@ import subprocess
 import sys
 import tempfile
 import time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from benchmarks.controller.timing import timed
-from benchmarks.plant.batch import job, PUSH, STEP, STEPS
+from benchmarks.plant.batch import draw, PUSH
 from benchmarks.plant.mujoco_scene import MujocoPlant
 import numpy as np
-from push_dynamics import layout
-from push_dynamics.compiled import kernel_array
-from push_dynamics.encoding import body_numbers, drive_numbers, initial_state, support_rows
-from push_dynamics.step import advance
 from push_model.geometry import Pose
 from push_model.plan_request import PlanRequest
 from push_model.signals import Twist
 from push_planner.primitive_push.planner import plan_primitive_push
-from push_scenario import load_scenario, run_batch, seeds, simulate
+from push_scenario import load_scenario, run_pushes, simulate, simulate_cases
+from push_scenario.batch.case_arrays import CaseEncoder
 
 # Pushes whose controller steps are timed, kind and seed of ``benchmarks.controller.cases``;
 # chosen: of either drive.
@@ -36,6 +33,8 @@ PUSHES = (('box, differential', 1), ('box, holonomic', 1))
 # Duration over which steps of MuJoCo are timed [s]; chosen: a push.
 MUJOCO_TIME = 2.0
 DEMO = 'task_demo'
+# Of so many cases of a batch the bare steps of one are timed; chosen: enough for 1 %.
+BARE_PART = 4
 # Plans after which memory is compared with that after the last one; chosen: all code is loaded.
 FIRST_PLANS = 10
 # Calls that run in processes of their own.
@@ -60,14 +59,18 @@ class ControlSpeed(NamedTuple):
 
 class BatchSpeed(NamedTuple):
     """
-    Speed of a batch of short variations.
+    Speed of a batch of short pushes.
 
-    :param over_bare: steps per second of one process over those of the compiled step alone.
-    :param two_over_one: time of one process over that of two, their start included.
+    :param over_bare: steps per second of CPU time of one process over those of the compiled steps
+        alone.
+    :param two_over_one: wall time of one process over that of two, their start included.
+    :param two_over_one_idle: the same by CPU times, as if no other program ran: of one process
+        over that of the process that starts the two, and of one of these.
     """
 
     over_bare: float
     two_over_one: float
+    two_over_one_idle: float
 
 
 def median(measure: Callable[[], float], count: int) -> float:
@@ -126,42 +129,48 @@ def replay_speed() -> float:
 
 def batch_speed(count: int) -> BatchSpeed:
     """
-    Time a batch in one process and in two, and the compiled step alone.
+    Time a batch in one process and in two, and the compiled steps alone.
 
-    :param count: number of variations.
+    :param count: number of cases.
     """
-    jobs = [job(seed) for seed in seeds(1, count)]
-    PUSH(jobs[0])
+    simulate_cases(PUSH, draw(np.random.default_rng(0), 1))
     with tempfile.TemporaryDirectory() as folder:
-        began, clock = time.process_time(), time.perf_counter()
-        run_batch(PUSH, jobs, Path(folder) / 'one.jsonl', workers=1)
-        rate = count * STEPS / (time.process_time() - began)
-        one = time.perf_counter() - clock
-        clock = time.perf_counter()
-        run_batch(PUSH, jobs, Path(folder) / 'two.jsonl', workers=2)
-        two = time.perf_counter() - clock
-    return BatchSpeed(rate / bare_rate(jobs[:max(100, count // 10)]), one / two)
+        one, two = (_timed_batch(count, Path(folder) / f'{workers}.npy', workers)
+                    for workers in (1, 2))
+    bare = bare_time(count // BARE_PART) * BARE_PART
+    return BatchSpeed(bare / one.cpu, one.wall / two.wall,
+                      one.cpu / (two.cpu + two.children_cpu / 2))
 
 
-def bare_rate(jobs: Sequence[dict[str, Any]]) -> float:
+class _Times(NamedTuple):
+    """Wall time, CPU time of this process, and that of those that it has started [s]."""
+
+    wall: float
+    cpu: float
+    children_cpu: float
+
+
+def _timed_batch(count: int, out: Path, workers: int) -> _Times:
+    """Time a batch of pushes, from the call to the end of its processes."""
+    before, began = os.times(), time.perf_counter()
+    run_pushes(PUSH, draw, count, out, workers=workers)
+    wall, after = time.perf_counter() - began, os.times()
+    return _Times(wall, after.user + after.system - before.user - before.system,
+                  after.children_user + after.children_system - before.children_user
+                  - before.children_system)
+
+
+def bare_time(count: int) -> float:
     """
-    Count the steps per second of CPU time of the compiled step, its arrays made before.
+    Measure the CPU time of the compiled steps of some cases, their arrays made before [s].
 
-    :param jobs: variations.
+    :param count: number of cases.
     """
-    floor = np.zeros((0, layout.PATCH_SIZE))
-    passed = 0.0
-    for each in jobs:
-        plant = PUSH.plant(each)
-        rows = support_rows(plant.obj, plant.obj.capacities, each['friction_factors'])
-        state, body, supports, outline, forces, command, drive = map(kernel_array, (
-            initial_state(plant.obj, plant.object_pose, plant.robot_pose),
-            body_numbers(plant.obj, plant.robot, PUSH.smoothing), rows, plant.obj.outline,
-            [0.0] * (2 * len(rows)), each['segments'][0][1:], drive_numbers(plant.robot)))
-        began = time.process_time()
-        advance(state, body, supports, outline, floor, forces, command, drive, STEPS * STEP, STEP)
-        passed += time.process_time() - began
-    return len(jobs) * STEPS / passed
+    columns = PUSH.columns(draw(np.random.default_rng(1), count))
+    arrays = CaseEncoder(PUSH, columns).encode().arrays
+    began = time.process_time()
+    arrays.run(PUSH.step, PUSH.lost_gap)
+    return time.process_time() - began
 
 
 def process_time(words: Sequence[str]) -> float:

@@ -57,7 +57,8 @@ class BatchResult:
 def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[str] | None = None,
               *, workers: int | None = None, executor: futures.Executor | None = None,
               progress: BatchProgress | None = None, chunk: int | None = None,
-              any_software: bool = False) -> BatchResult:
+              any_software: bool = False, table: bool = True,
+              is_valid: Callable[[Job, Record], bool] | None = None) -> BatchResult:
     """
     Run a function on every job; continue where an earlier call was interrupted.
 
@@ -84,6 +85,9 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
     :param chunk: jobs that a worker is given at a time, which is what a kill may lose; None for
         an estimate that suits short jobs.
     :param any_software: continue also with records that other software has made.
+    :param table: whether to write the table.
+    :param is_valid: called with job and record of those that are found in ``out``; where it
+        returns False the job is run again.
     :return: the ``BatchResult``.
     :raises ValueError: where ``out`` holds another batch, or a job is not plain.
     """
@@ -92,6 +96,9 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
             raise ValueError(f'{name}: got {value!r}, expected at least 1, or None')
     jobs = tuple(jobs)
     with Store(out, header(function, jobs), any_software) as store:
+        if is_valid is not None:
+            store.keep_valid(lambda entry: is_valid(jobs[entry['job']], entry['record']))
+
         def report() -> None:
             if progress is not None:
                 progress(len(store.entries), len(jobs))
@@ -109,7 +116,7 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
         entries = [store.entries[index] for index in range(len(jobs))]
     result = BatchResult(jobs, tuple(entry.get('record') for entry in entries),
                          {entry['job']: entry['error'] for entry in entries if 'error' in entry})
-    if out is not None:
+    if out is not None and table:
         write_table(out, result.jobs, result.records, result.errors)
     return result
 

@@ -48,7 +48,10 @@ def describe(function: Any) -> str:
     if isinstance(function, types.FunctionType) and '<' not in function.__qualname__:
         return f'{function.__module__}.{function.__qualname__}'
     if dataclasses.is_dataclass(function) and not isinstance(function, type):
-        return f'{type(function).__module__}.{function!r}'
+        kind = type(function)
+        fields = ', '.join(f'{name}={describe(value) if _is_function(value) else repr(value)}'
+                           for name, value in _shown_fields(function))
+        return f'{kind.__module__}.{kind.__qualname__}({fields})'
     raise ValueError(f'function: got {function!r}, expected a function defined in a module, a '
                      'partial of one, or an instance of a dataclass')
 
@@ -75,13 +78,33 @@ def software_digest(function: Any) -> str:
     """
     Compute the digest of the source of a record: the pure modules and that of the function.
 
-    :param function: as in ``header``.
+    :param function: as in ``header``; of one that calls another one, the source of that counts.
     """
-    while isinstance(function, functools.partial):
-        function = function.func
+    function = _innermost(function)
     own = getattr(sys.modules[function.__module__], '__file__', None)
     path = None if own is None else Path(own).resolve()
     return _sources_digest(None if path is None or path in _sources() else path)
+
+
+def _is_function(value: Any) -> bool:
+    return isinstance(value, (types.FunctionType, functools.partial))
+
+
+def _shown_fields(instance: Any) -> list[tuple[str, Any]]:
+    """List name and value of the fields of a dataclass that belong to its description."""
+    return [(field.name, getattr(instance, field.name))
+            for field in dataclasses.fields(instance) if field.repr]
+
+
+def _innermost(function: Any) -> Any:
+    """Find the function that partials and instances of dataclasses call."""
+    while not isinstance(function, types.FunctionType):
+        inner = [function.func] if isinstance(function, functools.partial) else [
+            value for _, value in _shown_fields(function) if _is_function(value)]
+        if not inner:
+            break
+        function = inner[0]
+    return function
 
 
 @functools.lru_cache(maxsize=1)

@@ -5,7 +5,7 @@ The first line is the header, which identifies the batch; every further line is 
 number of a job and its record or its error.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 import csv
 import fcntl
 import json
@@ -71,6 +71,15 @@ class Store:
         """
         self._write(entries)
         self.entries.update((entry['job'], entry) for entry in entries)
+
+    def keep_valid(self, is_valid: Callable[[Entry], bool]) -> None:
+        """
+        Forget records that are not valid any more.
+
+        :param is_valid: called with entries that have a record.
+        """
+        self.entries = {job: entry for job, entry in self.entries.items()
+                        if 'record' not in entry or is_valid(entry)}
 
     def _open(self, path: Path, descriptor: int) -> None:
         try:
