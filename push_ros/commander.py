@@ -30,8 +30,8 @@ from rclpy.action.client import ActionClient
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
-# Longest time that ``is_done`` handles what comes [s]; chosen: ten feedbacks per second, and
-# programs that do something else besides react at once.
+# Longest time that ``is_done`` handles what comes [s]; chosen: half the time between two
+# feedbacks, and programs that do something else besides react at once.
 SPIN_TIME = 0.1
 
 

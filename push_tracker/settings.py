@@ -11,15 +11,19 @@ class MountedTag:
     """A tag, marker or rigid body of motion capture, and its pose in the frame of the object."""
 
     frame: str = quantity('frame of the tag in tf')
-    x: float = quantity('place of the tag in the frame of the object', 'm', -10.0, 10.0,
+    x: float = quantity('centre of the tag in the frame of the object, x', 'm', -10.0, 10.0,
                         default=0.0)
-    y: float = quantity('likewise', 'm', -10.0, 10.0, default=0.0)
-    z: float = quantity('likewise', 'm', -10.0, 10.0, default=0.0)
+    y: float = quantity('centre of the tag in the frame of the object, y', 'm', -10.0, 10.0,
+                        default=0.0)
+    z: float = quantity('centre of the tag in the frame of the object, z', 'm', -10.0, 10.0,
+                        default=0.0)
     roll: float = quantity('rotation of the tag about the x axis of the object, before pitch and '
                            'yaw; a tag that lies flat on top has none of the three', 'rad', -7.0,
                            7.0, default=0.0)
-    pitch: float = quantity('then about the y axis of the object', 'rad', -7.0, 7.0, default=0.0)
-    yaw: float = quantity('then about the z axis of the object', 'rad', -7.0, 7.0, default=0.0)
+    pitch: float = quantity('rotation of the tag about the y axis of the object, after roll',
+                            'rad', -7.0, 7.0, default=0.0)
+    yaw: float = quantity('rotation of the tag about the z axis of the object, after roll and '
+                          'pitch', 'rad', -7.0, 7.0, default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -44,7 +48,8 @@ class TrackerSettings:
     position_noise: float = quantity('standard deviation of the measured place of one tag', 'm',
                                      above=0.0, high=0.5, default=0.002)
     distance_noise: float = quantity(
-        'what is added to it per distance from the camera; 0 for motion capture', '', 0.0, 0.5,
+        'standard deviation of the measured place of one tag per distance from the camera, '
+        'besides position_noise; 0 for motion capture', '', 0.0, 0.5,
         default=0.004)
     heading_noise: float = quantity('standard deviation of the measured yaw of one tag', 'rad',
                                     above=0.0, high=1.0, default=0.02)
@@ -52,8 +57,8 @@ class TrackerSettings:
                                above=0.0, high=1.6, default=0.26)
     max_speed: float = quantity('greatest speed of the object; what is faster is an outlier',
                                 'm/s', above=0.0, high=10.0, default=0.5)
-    max_yaw_rate: float = quantity('greatest yaw rate of the object, likewise', 'rad/s',
-                                   above=0.0, high=20.0, default=2.0)
+    max_yaw_rate: float = quantity('greatest yaw rate of the object; what is faster is an '
+                                   'outlier', 'rad/s', above=0.0, high=20.0, default=2.0)
     gate_sigmas: float = quantity('standard deviations beyond which a pose is an outlier', '',
                                   above=0.0, high=100.0, default=4.0)
     confirmations: int = quantity('outliers in a row, in agreement with each other, after which '

@@ -8,7 +8,7 @@ from push_scenario.evaluation.metrics import deviation
 from push_sim_node.disturbance import FrictionChange
 from push_study.chapter3.setup import contact_on_face, GOAL, POSE_COLUMNS
 from push_study.chapter4.disturbances_figure import (
-    draw_centers, draw_coefficients, draw_inputs, draw_objects, EndTime,
+    draw_centers, draw_inputs, draw_objects, EndTime,
 )
 from push_study.chapter4.repeated_push import COLUMNS, median_findings, repeat, RepeatedPush
 from push_study.chapter4.setup import (
@@ -16,7 +16,7 @@ from push_study.chapter4.setup import (
     push, PushSetup, SETUP, TIME_LIMIT, total_variation,
 )
 from push_study.chapter4.support_friction import (
-    angle_to_friction_center, friction_interval, friction_table,
+    angle_to_friction_center, draw_coefficients, friction_interval, friction_table,
 )
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table

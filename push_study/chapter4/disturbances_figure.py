@@ -12,7 +12,6 @@ from push_study.chapter4.setup import (
     draw_angle, FEEDBACK, LABELS, Law, MOBILE_CENTER, MPC, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
     STYLES,
 )
-from push_study.chapter4.support_friction import draw_friction
 from push_study.framework import plot_style
 from push_study.framework.box import box
 from push_study.framework.parameters import Values
@@ -25,12 +24,6 @@ PANELS: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, OBJECT_FRAME), (FEEDBACK, MPC
 TITLES = ('optimiser, open loop', 'feedback')
 # When the disturbance ends [s].
 EndTime = Callable[[Values], float]
-
-
-def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:
-    """Draw the friction of the support points, one panel for each."""
-    panels = figure.subplots(2, 2, sharex=True, sharey=True)
-    draw_friction(panels.ravel().tolist(), outcome.tables['friction'])
 
 
 def draw_centers(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:

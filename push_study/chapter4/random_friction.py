@@ -13,7 +13,7 @@ from push_study.chapter4.setup import (
     draw_angle, ExecutedPush, FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, push, SETUP,
     STYLES, total_variation,
 )
-from push_study.chapter4.support_friction import draw_friction, friction_table
+from push_study.chapter4.support_friction import draw_coefficients, friction_table
 from push_study.framework import plot_style
 from push_study.framework.box import box
 from push_study.framework.parameters import Parameter, Values
@@ -78,12 +78,6 @@ def compute_all(values: Values, run_jobs: RunJobs) -> Outcome:
     tables: dict[str, Table] = {law: executed.path
                                 for law, executed in first_pushes(values).items()}
     return Outcome({**tables, 'ends': ends}, findings)
-
-
-def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:
-    """Draw the friction of the support points in the first push."""
-    panels = figure.subplots(2, 2, sharex=True, sharey=True)
-    draw_friction(panels.ravel().tolist(), outcome.tables['friction'])
 
 
 def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:

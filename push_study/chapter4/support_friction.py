@@ -4,7 +4,7 @@ import dataclasses
 import math
 from typing import Sequence
 
-from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 import numpy as np
 from push_model.friction import friction_center
 from push_model.geometry import FloatArray
@@ -13,7 +13,7 @@ from push_sim_node.disturbance import friction_factors, FrictionChange
 from push_study.framework import plot_style
 from push_study.framework.box import box
 from push_study.framework.parameters import Values
-from push_study.framework.study import Table
+from push_study.framework.study import Outcome, Table
 
 # In the order of the corners of the box, which is pushed towards the front.
 SUPPORTS = ('rear_right', 'front_right', 'front_left', 'rear_left')
@@ -96,7 +96,7 @@ def friction_table(values: Values, changes: Sequence[FrictionChange], end: float
 
 def angle_to_friction_center(path: Table, friction: Table) -> FloatArray:
     """
-    Find the angle from the contact normal to the line from the contact to the friction centre.
+    Find the angle from the contact normal to the line from the contact to the centre of friction.
 
     :param path: table of a push with the columns ``chapter3.setup.PATH_COLUMNS``, n rows.
     :param friction: of ``friction_table``, for the same push.
@@ -111,14 +111,15 @@ def angle_to_friction_center(path: Table, friction: Table) -> FloatArray:
     return np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
 
 
-def draw_friction(panels: Sequence[Axes], table: Table) -> None:
+def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:
     """
     Draw the friction of each support point over time, in a panel of its own.
 
-    :param panels: four, in the order of ``PANELS``.
-    :param table: of ``friction_table``.
+    :param outcome: with the table ``friction``, of ``friction_table``.
     """
-    for letter, axes, name in zip('abcd', panels, PANELS):
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    table = outcome.tables['friction']
+    for letter, axes, name in zip('abcd', panels.ravel().tolist(), PANELS):
         axes.step(table['time_s'], table[name], where='post', **plot_style.series(0))
         axes.set_title(f'({letter}) {name.replace("_", " ")}', loc='left')
         axes.set_ylim(0.0, 1.15 * max(table[support].max() for support in SUPPORTS))
