@@ -88,7 +88,7 @@ class BackgroundGroup(MutuallyExclusiveCallbackGroup):
 
 
 class PolledNode(Node, abc.ABC):
-    """A node with a group of background callbacks, whose real-time topics are taken by ``poll``."""
+    """A node with a group of background callbacks; ``poll`` takes its real-time topics."""
 
     background: BackgroundGroup
 

@@ -2,8 +2,8 @@
 Site selection: the contact site of an object from which a push is fastest.
 
 Sites wait in a queue: at first with a lower bound on the time of their push, then, as soon as a
-program has been solved, with its time. The first in the queue goes on, so that sites whose bound is
-above the best push are never solved, and hardly any but the best is refined.
+program has been solved, with its time. The first in the queue goes on, so that sites whose bound
+is above the best push are never solved, and hardly any but the best is refined.
 """
 
 from collections.abc import Sequence
