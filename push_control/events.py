@@ -29,8 +29,9 @@ class PushEvent(enum.Enum):
     # The push has failed: it has waited long enough.
     GAVE_UP_WAITING = 'gave up after {limit:g} s: {reason}'
 
-    # The safety layer has stopped the robot.
+    # The safety layer has stopped the robot: it waits, or the push has failed.
     SAFETY_STOP = '{reason}'
+    STOPPED_TOO_OFTEN = 'stopped {count} times: {reason}'
 
     # The push cannot start.
     TARGET_REFUSED = '{error}'

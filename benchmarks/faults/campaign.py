@@ -65,6 +65,8 @@ PLANNING_TIME = 0.1
 TRUE_RATIO = 1.5
 # Commands at the end of a run that must be zero [s]; chosen.
 FINAL_TIME = 1.0
+# Time after a fault of commands in which the object counts as displaced by it [s]; chosen.
+DISPLACING_TIME = 1.0
 # Distance of the object from everything that was planned for it up to which a fault has not
 # displaced it [m]; chosen: twice what single pushes deviate by without a fault.
 MAX_DEVIATION = 0.2
@@ -220,7 +222,10 @@ def _deviation(record: _Record, fault: Fault) -> float:
     """Find how far the object is from all that was planned for it, after a fault begins [m]."""
     poses = np.array(record.tape.poses('object'))[:, :2]
     planned = np.concatenate([poses[:1], *(plan.object_poses[:, :2] for plan in record.plans)])
-    after = poses[record.tape['time'] >= fault.start]
+    # What a fault of commands has done to the object is corrected on other paths.
+    end = fault.end + DISPLACING_TIME if fault.input is Input.COMMAND else math.inf
+    times = record.tape['time']
+    after = poses[(times >= fault.start) & (times <= end)]
     gaps = [np.hypot(*(planned - place).T).min() for place in after[::5]]
     return float(max(gaps, default=0.0))
 

@@ -24,6 +24,8 @@ from push_model.trajectory import PushTrajectory
 # Time for which a push that has begun waits for measurements [s]; chosen: longer than an occlusion
 # by somebody who passes, and shorter than anybody's patience.
 WAITING_TIME_LIMIT = 20.0
+# Stops by the safety layer in one push at which it fails; chosen: as many as end a task.
+MAX_SAFETY_STOPS = 3
 
 
 class _State(NamedTuple):
@@ -44,8 +46,8 @@ class Controller:
     """
     Answers every measurement with a command that pushes the object along a target.
 
-    Waits while measurements are stale or broken, and stops for good once the push is done or has
-    failed.
+    Waits while measurements are stale or broken, or the safety layer holds the robot, and goes on
+    from where object and robot are then. Stops for good once the push is done or has failed.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings):
@@ -68,6 +70,9 @@ class Controller:
         self._push: PushExecution | None = None
         self._pose_time: float | None = None
         self._watch = MeasurementWatch()
+        # Why the safety layer holds the robot, or None, and how often it has in this push.
+        self._stop_report: SafetyReport | None = None
+        self._stop_count = 0
         self._state = _State()
         self._answer = _Answer()
 
@@ -103,13 +108,24 @@ class Controller:
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """
-        Take note of what the safety layer has found: a push that it stops has failed.
+        Take note of what the safety layer has found; called before the step with that odometry.
+
+        A push that it stops goes on once it may, unless that was too often, or it has no feedback.
 
         :param fault: not read: where the robot is stopped for it, that says so.
         :param stop: why the robot is stopped, or None where it may move.
         """
-        if stop is not None and self._target is not None and not self._state.phase.has_ended:
-            self._state = _State(Phase.FAILED, PushEvent.SAFETY_STOP.report(reason=stop))
+        is_new = stop is not None and self._stop_report is None
+        self._stop_report = stop
+        if stop is None or self._push is None or self._state.phase.has_ended:
+            return
+        event = PushEvent.SAFETY_STOP.report(reason=stop)
+        if is_new:
+            self._stop_count += 1
+            if self._stop_count >= MAX_SAFETY_STOPS:
+                event = PushEvent.STOPPED_TOO_OFTEN.report(count=self._stop_count, reason=stop)
+        is_over = self._law is None or self._stop_count >= MAX_SAFETY_STOPS
+        self._state = _State(Phase.FAILED if is_over else Phase.WAITING, event)
 
     def _continues_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """Change over to a target that starts at the present push, if it does."""
@@ -128,6 +144,8 @@ class Controller:
     def _command(self, target: PushTrajectory, observation: Observation, dt: float) -> Twist:
         """Wait, start a push or go on with it, whichever the measurements allow."""
         fault = self._measurement_fault(observation)
+        if self._stop_report is not None:
+            fault = PushEvent.SAFETY_STOP.report(reason=self._stop_report)
         if self._push is not None:
             fault = self._watch.update(fault, observation.time)
         if fault is not None:
@@ -172,6 +190,9 @@ class Controller:
         """Stand while the measurements cannot be used, for a while."""
         self._state = _State(Phase.WAITING, fault)
         odometry = observation.odometry
+        if self._stop_report is not None and self._stop_report.reason.is_of_odometry:
+            # Of a robot that is commanded to stand, and of which nothing else is known.
+            odometry = odometry._replace(twist=STOP)
         if self._push is not None:
             self._push.pause(odometry if is_finite_odometry(odometry) else None)
         if self._watch.waited(observation.time) > WAITING_TIME_LIMIT:

@@ -9,8 +9,9 @@ from helpers.push_case import (
 import numpy as np
 from push_control.events import PushEvent
 from push_control.observation import Observation
-from push_control.push.controller import Controller
+from push_control.push.controller import Controller, MAX_SAFETY_STOPS, WAITING_TIME_LIMIT
 from push_control.push.status import Phase
+from push_control.safety.status import SafetyReason
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
@@ -160,6 +161,56 @@ def test_stale_odometry_stops_the_robot(recorded):
     assert command == STOP
     assert controller.status.phase is Phase.WAITING
     assert controller.status.event is PushEvent.ODOMETRY_STALE
+
+
+def stopped(controller, case, now, stop, count=10):
+    """Hold the robot of a push for a while; return the last observation and command."""
+    command = None
+    for _ in range(count):
+        now = later(now, 0.05, pose_age=0.08)
+        now = now._replace(odometry=now.odometry._replace(twist=STOP))
+        controller.on_safety_report(stop, stop)
+        command = controller.step(case.target, now, 0.05)
+    return now, command
+
+
+@pytest.mark.parametrize('stop', [
+    SafetyReason.NOT_MOVING.report(commanded='', measured=''),
+    SafetyReason.ODOMETRY_JUMPED.report(distance=0.3, rotation=29.0)],
+    ids=['base', 'odometry'])
+def test_a_push_that_is_stopped_goes_on_and_fails_where_that_is_too_often(recorded, stop):
+    """With the reason each time, the sooner the later it is stopped again."""
+    case, steps, _ = recorded
+    controller = Controller(case.nominal, ROBOT, SETTINGS)
+    now = replayed_until(controller, case, steps, 8.0)
+    for _ in range(MAX_SAFETY_STOPS - 1):
+        now, command = stopped(controller, case, now, stop)
+        assert command == STOP and controller.status.phase is Phase.WAITING
+        assert controller.status.reason == str(stop)
+        for _ in range(12):
+            now = later(now, 0.05, pose_age=0.08)
+            controller.on_safety_report(None, None)
+            command = controller.step(case.target, now, 0.05)
+        assert command.v_x > 0.0 and controller.status.phase is Phase.PUSHING
+    now, command = stopped(controller, case, now, stop)
+    assert command == STOP and controller.status.phase is Phase.FAILED
+    assert controller.status.event is PushEvent.STOPPED_TOO_OFTEN
+    assert str(stop) in controller.status.reason
+
+
+def test_a_push_that_stays_stopped_is_given_up(recorded):
+    """And one without feedback at its first stop, as nothing tells where it is."""
+    case, steps, _ = recorded
+    stop = SafetyReason.MOVES_OTHERWISE.report(commanded='', measured='')
+    controller = Controller(case.nominal, ROBOT, SETTINGS)
+    now = replayed_until(controller, case, steps, 4.0)
+    stopped(controller, case, now, stop, round(WAITING_TIME_LIMIT / 0.05) + 5)
+    assert controller.status.phase is Phase.FAILED
+    assert controller.status.event is PushEvent.GAVE_UP_WAITING
+    assert str(stop) in controller.status.reason
+    controller = Controller(case.nominal, ROBOT, OPEN_LOOP)
+    stopped(controller, case, replayed_until(controller, case, steps, 4.0), stop, 1)
+    assert controller.status.phase is Phase.FAILED and controller.status.reason == str(stop)
 
 
 @pytest.mark.parametrize('bad', [math.nan, math.inf])
