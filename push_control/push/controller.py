@@ -42,6 +42,22 @@ class _Answer(NamedTuple):
     command: Twist = STOP
 
 
+class _SafetyStop(NamedTuple):
+    """
+    The last stop by the safety layer.
+
+    :param report: why it holds the robot, or None where the robot may move.
+    :param count: number of stops of this push.
+    :param command: the last one before it.
+    :param time: when that was sent [s].
+    """
+
+    report: SafetyReport | None = None
+    count: int = 0
+    command: Twist = STOP
+    time: float = 0.0
+
+
 class Controller:
     """
     Answers every measurement with a command that pushes the object along a target.
@@ -70,9 +86,7 @@ class Controller:
         self._push: PushExecution | None = None
         self._pose_time: float | None = None
         self._watch = MeasurementWatch()
-        # Why the safety layer holds the robot, or None, and how often it has in this push.
-        self._stop_report: SafetyReport | None = None
-        self._stop_count = 0
+        self._stop = _SafetyStop()
         self._state = _State()
         self._answer = _Answer()
 
@@ -115,17 +129,19 @@ class Controller:
         :param fault: not read: where the robot is stopped for it, that says so.
         :param stop: why the robot is stopped, or None where it may move.
         """
-        is_new = stop is not None and self._stop_report is None
-        self._stop_report = stop
+        is_new = stop is not None and self._stop.report is None
+        self._stop = self._stop._replace(report=stop)
         if stop is None or self._push is None or self._state.phase.has_ended:
             return
-        event = PushEvent.SAFETY_STOP.report(reason=stop)
         if is_new:
-            self._stop_count += 1
-            if self._stop_count >= MAX_SAFETY_STOPS:
-                event = PushEvent.STOPPED_TOO_OFTEN.report(count=self._stop_count, reason=stop)
-        is_over = self._law is None or self._stop_count >= MAX_SAFETY_STOPS
-        self._state = _State(Phase.FAILED if is_over else Phase.WAITING, event)
+            stamps, command = self._answer
+            self._stop = _SafetyStop(stop, self._stop.count + 1, command,
+                                     0.0 if stamps is None else stamps[0])
+        if self._law is None:
+            self._state = _State(Phase.FAILED, PushEvent.SAFETY_STOP.report(reason=stop))
+        elif self._stop.count >= MAX_SAFETY_STOPS:
+            self._state = _State(Phase.FAILED, PushEvent.STOPPED_TOO_OFTEN.report(
+                count=self._stop.count, reason=stop))
 
     def _continues_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """Change over to a target that starts at the present push, if it does."""
@@ -144,8 +160,8 @@ class Controller:
     def _command(self, target: PushTrajectory, observation: Observation, dt: float) -> Twist:
         """Wait, start a push or go on with it, whichever the measurements allow."""
         fault = self._measurement_fault(observation)
-        if self._stop_report is not None:
-            fault = PushEvent.SAFETY_STOP.report(reason=self._stop_report)
+        if self._stop.report is not None:
+            fault = PushEvent.SAFETY_STOP.report(reason=self._stop.report)
         if self._push is not None:
             fault = self._watch.update(fault, observation.time)
         if fault is not None:
@@ -190,15 +206,20 @@ class Controller:
         """Stand while the measurements cannot be used, for a while."""
         self._state = _State(Phase.WAITING, fault)
         odometry = observation.odometry
-        if self._stop_report is not None and self._stop_report.reason.is_of_odometry:
-            # Of a robot that is commanded to stand, and of which nothing else is known.
-            odometry = odometry._replace(twist=STOP)
+        if self._stop.report is not None and self._stop.report.reason.is_of_odometry:
+            odometry = odometry._replace(twist=self._coasting_twist(observation.time))
         if self._push is not None:
             self._push.pause(odometry if is_finite_odometry(odometry) else None)
         if self._watch.waited(observation.time) > WAITING_TIME_LIMIT:
             self._state = _State(Phase.FAILED, PushEvent.GAVE_UP_WAITING.report(
                 limit=WAITING_TIME_LIMIT, reason=fault))
         return STOP
+
+    def _coasting_twist(self, time: float) -> Twist:
+        """Velocity of a robot that comes to rest, where odometry cannot tell."""
+        lag = self._robot.time_constant
+        ratio = math.exp(-max(0.0, time - self._stop.time) / lag) if lag > 0.0 else 0.0
+        return Twist(*(ratio * value for value in self._stop.command))
 
 
 def make_steering_law(robot: RoundRobot, settings: ControlSettings) -> SteeringLaw | None:
