@@ -4,6 +4,7 @@ from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_
 import numpy as np
 from push_model.geometry import Pose
 from push_planner.collocation.formulation import formulate
+from push_planner.collocation.interior_point import MAX_ITERATIONS
 from push_planner.collocation.nlp_solver import NlpSolver
 from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
@@ -35,3 +36,13 @@ def test_what_has_no_solution_is_not_solved():
     narrow = formulation._replace(bounds=formulation.bounds._replace(angle=1e-3))
     result = push_solver(formulation.dimensions).solve(narrow, guess)
     assert result.solution is None and result.failure is not None
+
+
+def test_it_gives_up_where_constraints_stay_violated():
+    """A goal aside within pushing angles that do not steer so far: long before the limit."""
+    problem = face_problem(Pose(1.5, 0.6, 0.2))
+    formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
+    narrow = formulation._replace(bounds=formulation.bounds._replace(angle=0.05))
+    result = push_solver(formulation.dimensions).solve(narrow, guess)
+    assert result.solution is None
+    assert result.iterations < MAX_ITERATIONS
