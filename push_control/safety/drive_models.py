@@ -8,9 +8,11 @@ side in arrays (`m` models, 3 axes).
 """
 
 import bisect
-from typing import NamedTuple
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
+from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
@@ -29,6 +31,36 @@ NOMINAL_LAG, NOMINAL_ACCELERATION = LAGS[1], ACCELERATION_RATIOS[1]
 LEAST_ERROR = 1e-9
 # Time constant in place of none [s]; chosen: far below any period.
 LEAST_LAG = 1e-4
+
+
+@compiled
+def follow_commands(velocities: Any, rates: Any, commands: Any, lags: Any, limits: Any,
+                    dt: float) -> None:
+    """
+    Let every model follow its command for a step.
+
+    :param velocities: of the models, shape (m, 3), is written [m/s, m/s, rad/s].
+    :param rates: how fast they changed, shape (m, 3), is written [m/s^2, m/s^2, rad/s^2].
+    :param commands: shape (m, 3).
+    :param lags: time constants, shape (m,) [s].
+    :param limits: of the accelerations of translation and rotation, shape (m, 2).
+    :param dt: duration, above 0 [s].
+    """
+    for i in range(len(velocities)):
+        error_x = commands[i, 0] - velocities[i, 0]
+        error_y = commands[i, 1] - velocities[i, 1]
+        error_omega = commands[i, 2] - velocities[i, 2]
+        decay = -math.expm1(-dt / lags[i])
+        # What is left of an error is shortened alike along both axes of translation.
+        size = math.sqrt(error_x * error_x + error_y * error_y)
+        translation = min(limits[i, 0] * dt / max(size, LEAST_ERROR), decay)
+        rotation = min(limits[i, 1] * dt / max(abs(error_omega), LEAST_ERROR), decay)
+        velocities[i, 0] += translation * error_x
+        velocities[i, 1] += translation * error_y
+        velocities[i, 2] += rotation * error_omega
+        rates[i, 0] = abs(translation * error_x) / dt
+        rates[i, 1] = abs(translation * error_y) / dt
+        rates[i, 2] = abs(rotation * error_omega) / dt
 
 
 class _Model(NamedTuple):
@@ -60,15 +92,17 @@ class DriveModels:
                   for ratio in ACCELERATION_RATIOS]
         self._nominal = models.index(_Model(0, NOMINAL_LAG, NOMINAL_ACCELERATION))
         self._delay_indices = [model.delay_index for model in models]
-        self._lags = np.array([[max(LEAST_LAG, ratio * robot.time_constant + margin)]
+        self._lags = np.array([max(LEAST_LAG, ratio * robot.time_constant + margin)
                                for ratio, margin in (model.lag for model in models)])
-        limits = (robot.max_acceleration, robot.max_acceleration, robot.max_yaw_acceleration)
+        limits = robot.max_acceleration, robot.max_yaw_acceleration
         self._limits = np.outer([model.acceleration_ratio for model in models], limits)
         self._times: list[float] = []
         self._twists: list[Twist] = []
         self.velocities: FloatArray = np.zeros((len(models), 3))
         self.rates: FloatArray = np.zeros((len(models), 3))
         self.commands: FloatArray = np.zeros((len(models), 3))
+        # Changes nothing; but loads machine code before the robot moves.
+        follow_commands(self.velocities, self.rates, self.commands, self._lags, self._limits, 1.0)
 
     @property
     def is_commanded(self) -> bool:
@@ -120,14 +154,6 @@ class DriveModels:
         start, last = time - dt, len(self._times) - 1
         found = [max(0, min(last, bisect.bisect_right(self._times, start - delay + 0.5 * dt) - 1))
                  for delay in self._delays]
-        recent = np.array([self._twists[i] for i in found])
+        recent = np.array([self._twists[i] for i in found], dtype=np.float64)
         self.commands = recent[self._delay_indices]
-        errors = self.commands - self.velocities
-        sizes = np.abs(errors)
-        sizes[:, :2] = np.hypot(errors[:, :1], errors[:, 1:2])
-        # What is left of an error is shortened alike along both axes of translation.
-        ratios = np.minimum(self._limits * dt / np.maximum(sizes, LEAST_ERROR),
-                            -np.expm1(-dt / self._lags))
-        changes = ratios * errors
-        self.velocities += changes
-        self.rates = np.abs(changes) / dt
+        follow_commands(self.velocities, self.rates, self.commands, self._lags, self._limits, dt)

@@ -17,11 +17,13 @@ White noise leaves between two false alarms about exp(2 k h / q^2) samples (Sieg
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from push_control.safety.drive_models import DriveModels
 from push_control.safety.response_delay import ResponseDelay
 from push_control.safety.status import SafetyReason, SafetyReport
+from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, Twist
@@ -53,6 +55,32 @@ MEMORY = 30.0
 LONGEST_STEP = 0.5
 
 
+@compiled
+def sum_residuals(velocities: Any, rates: Any, measured: Any, ratios: Any, sums: Any,
+                  dt: float) -> None:
+    """
+    Compare a measured velocity with those of the models, and sum up what is left.
+
+    :param velocities: of the models, shape (m, 3) [m/s, m/s, rad/s].
+    :param rates: how fast they change, shape (m, 3) [m/s^2, m/s^2, rad/s^2].
+    :param measured: shape (3,).
+    :param ratios: residuals over their tolerances, shape (m, 3), is written.
+    :param sums: g of each model, shape (m,), is written [s].
+    :param dt: time since the last measurement [s].
+    """
+    for i in range(len(velocities)):
+        wheels = (abs(velocities[i, 0]) + abs(velocities[i, 1])
+                  + LEVER * abs(velocities[i, 2]))
+        greatest = 0.0
+        for j in range(3):
+            unit = LEVER if j == 2 else 1.0
+            tolerance = (SPEED_TOLERANCE + AXIS_TOLERANCE * unit * abs(velocities[i, j])
+                         + WHEEL_TOLERANCE * wheels + TIME_TOLERANCE * unit * rates[i, j])
+            ratios[i, j] = unit * abs(velocities[i, j] - measured[j]) / tolerance
+            greatest = max(greatest, ratios[i, j])
+        sums[i] = min(MAX_SUM, max(0.0, sums[i] + (min(greatest, MAX_RATIO) - 1.0) * dt))
+
+
 class MotionMonitor:
     """Compares the velocity of the robot with its commands."""
 
@@ -65,10 +93,15 @@ class MotionMonitor:
         self._models = DriveModels(robot)
         self._delay = ResponseDelay(LEVER, LATE_TIME)
         count = len(self._models.velocities)
-        # Of each model: the sum g [s], and until when it does not count [s].
+        # Of each model: residuals over their tolerances, their sum g [s], and until when it does
+        # not count [s].
+        self._ratios: FloatArray = np.zeros((count, 3))
         self._sums: FloatArray = np.zeros(count)
         self._excluded_until: FloatArray = np.full(count, -math.inf)
         self._time: float | None = None
+        # Changes nothing; but loads machine code before the robot moves.
+        sum_residuals(self._models.velocities, self._models.rates, np.zeros(3), self._ratios,
+                      self._sums, 0.0)
 
     def reset(self) -> None:
         """Begin anew, at whatever velocity the robot has: somebody else has commanded it."""
@@ -107,26 +140,16 @@ class MotionMonitor:
             return None
         self._models.update(time, time - last)
         self._delay.add(time, twist, self._models.nominal_velocity)
-        ratios = self._ratios(twist)
-        is_fault = self._sum_up(ratios.max(axis=1), time, time - last)
+        sum_residuals(self._models.velocities, self._models.rates, np.array(twist, dtype=np.float64),
+                      self._ratios, self._sums, time - last)
+        is_fault = self._is_unexplained(time)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
-        return self._report(twist, ratios) if is_fault else None
+        return self._report(twist) if is_fault else None
 
-    def _ratios(self, twist: Twist) -> FloatArray:
-        """Compute the residuals over their tolerances, shape (m, 3)."""
-        units = (1.0, 1.0, LEVER)
-        speeds = np.abs(self._models.velocities) * units
-        tolerances = (SPEED_TOLERANCE + AXIS_TOLERANCE * speeds
-                      + WHEEL_TOLERANCE * speeds.sum(axis=1, keepdims=True)
-                      + TIME_TOLERANCE * self._models.rates * units)
-        return np.abs((self._models.velocities - twist) * units) / tolerances
-
-    def _sum_up(self, ratios: FloatArray, time: float, dt: float) -> bool:
-        """Sum the residuals up; return whether no model explains them."""
-        self._sums += (np.minimum(ratios, MAX_RATIO) - 1.0) * dt
-        np.clip(self._sums, 0.0, MAX_SUM, out=self._sums)
+    def _is_unexplained(self, time: float) -> bool:
+        """Tell whether no model explains the motion, and note which do not while another does."""
         counts = self._excluded_until <= time
         least = self._sums[counts].min()
         if least > THRESHOLD:
@@ -137,10 +160,10 @@ class MotionMonitor:
             self._excluded_until[self._sums > THRESHOLD] = time + MEMORY
         return False
 
-    def _report(self, twist: Twist, ratios: FloatArray) -> SafetyReport:
+    def _report(self, twist: Twist) -> SafetyReport:
         """Say what the robot does in place of what it should, by the model that is nearest."""
         nearest = int(self._sums.argmin())
-        axis = int(ratios[nearest].argmax())
+        axis = int(self._ratios[nearest].argmax())
         expected, measured = float(self._models.velocities[nearest, axis]), twist[axis]
         unit = LEVER if axis == 2 else 1.0
         is_short = abs(measured) < abs(expected) and (
