@@ -88,6 +88,9 @@ class CommandGate:
             self._newest_stamp = measured.time if is_new else self._newest_stamp
             if not is_new:
                 self._layer.observe(measured)
+            if is_new and self._watchdog.has_gap(now) and not self._is_lockstep:
+                # What was sent meanwhile may be lost, as in a process that slept.
+                self._mode.renew_request()
             clock = self._node.get_clock().now().nanoseconds
             self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
         return verdict is StampVerdict.TIME_WENT_BACK

@@ -153,6 +153,15 @@ class OdometryWatchdog:
         if self._received is None or stamp > self._received.stamp:
             self._received = _Arrival(stamp, max(clock, stamp), now)
 
+    def has_gap(self, now: float) -> bool:
+        """
+        Tell whether odometry has been lost by the steady clock: none came, or this process slept.
+
+        :param now: time on a steady clock [s].
+        """
+        return (self._received is not None
+                and now - self._received.now > LOST_RATIO * self._timeout)
+
     def check(self, clock: int, now: float) -> OdometryCheck:
         """
         Find out how long odometry has been missing.

@@ -88,6 +88,9 @@ class Mode(abc.ABC):
         :param stop: why the robot is stopped, or None where it may move.
         """
 
+    def renew_request(self) -> None:
+        """Ask again for a plan that was requested before a gap of odometry."""
+
     @abc.abstractmethod
     def set_parameters(self, parameters: ControllerParameters) -> None:
         """

@@ -276,6 +276,10 @@ class TaskMode(Mode):
         self._supervisor.set_plan(plan)
         self._reporter.show_plan(plan, message.header.stamp)
 
+    def renew_request(self) -> None:
+        """Ask again for the plan that is awaited; an answer to the former request is ignored."""
+        self._supervisor.renew_request()
+
     def start(self) -> None:
         """Start the task; over again where it was started before."""
         self._is_started = True

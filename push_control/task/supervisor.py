@@ -320,6 +320,11 @@ class Supervisor:
         self._recover(f'no plan: {reason}')
         self._update_status()
 
+    def renew_request(self) -> None:
+        """Request the plan that is awaited once more, from where robot and object are then."""
+        self._pending = None
+        self._update_status()
+
     def hold(self, reason: str) -> None:
         """
         Stand for as long as something is missing; the task goes on after it.

@@ -76,3 +76,12 @@ def test_simulated_time_may_stand_still_for_a_moment_only():
     assert watchdog.check(10, 5.9).state is OdometryState.PRESENT
     assert watchdog.check(10 + round(0.3e9), 5.1).state is OdometryState.MISSING
     assert watchdog.check(10, 6.1).state is OdometryState.LOST
+
+
+def test_a_gap_is_noticed_by_the_first_odometry_behind_it():
+    """However many stamps come at once, as in a process that was suspended."""
+    watchdog, gaps = OdometryWatchdog(0.25, is_simulated=False), []
+    for stamp, now in enumerate([0.0, 0.05, 3.05, 3.06, 3.07, 3.1, 3.9]):
+        gaps.append(watchdog.has_gap(now))
+        watchdog.feed(stamp, 0, now)
+    assert gaps == [False, False, True, False, False, False, False]

@@ -296,6 +296,21 @@ def test_a_plan_that_does_not_come_is_requested_again():
     assert bench.supervisor.plan_request is not None
 
 
+def test_a_plan_that_may_be_lost_is_requested_again_at_once():
+    """After a gap, in which an answer may have been lost; that is no failed attempt."""
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    bench.supervisor.renew_request()
+    bench.run(1.0)
+    former = bench.supervisor.plan_request
+    bench.supervisor.renew_request()
+    assert former is not None and bench.supervisor.plan_request is None
+    bench.run(0.1)
+    assert bench.supervisor.plan_request is not None
+    assert bench.supervisor.plan_request is not former
+    assert bench.supervisor.status.recoveries == 0
+
+
 def test_stopped_it_stands_and_forgets_its_goal():
     """Only a new goal brings it back to life."""
     bench = Bench()
