@@ -11,6 +11,8 @@ PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check
 unexport AMENT_PREFIX_PATH PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # Nodes are processes that start often: none compiles the sources anew.
 unexport PYTHONDONTWRITEBYTECODE
+# The matrices are small: threads of the linear algebra would only wait for each other, busily.
+export OPENBLAS_NUM_THREADS := 1
 ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif

@@ -1,5 +1,7 @@
 """Order of the tests, and which of them share a process where there are several."""
 
+import os
+
 import pytest
 
 # Files and folders of tests that take long, the longest first: what begins last decides when all
@@ -15,6 +17,12 @@ def pytest_collection_modifyitems(items):
               for marker in ('dds', 'slow')}
     items.sort(key=lambda item: (rank(item.nodeid), item.path not in marked['dds'],
                                  item.path not in marked['slow']))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """Take one process more than there are cores, as tests with nodes wait for these."""
+    return len(os.sched_getaffinity(0)) + 1
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -167,6 +167,8 @@ def horizon_problem(drive: Drive, steps: int, step: float,
     return HorizonProblem(_solved(ca.Function('qp', [p], qp, {'cse': True}), steps), expressions)
 
 
+# While the solver fails, each command begins a plan, mostly with the lag of the one before.
+@lru_cache(maxsize=8)
 def terminal_root(drive: Drive, step: float, weights: HorizonWeights,
                   lag_distance: float) -> FloatArray:
     """
@@ -176,11 +178,13 @@ def terminal_root(drive: Drive, step: float, weights: HorizonWeights,
     :param step: path length of z per step [m].
     :param weights: ``HorizonWeights``.
     :param lag_distance: over which the curvature lags [m].
-    :return: upper triangle, shape (3, 3).
+    :return: upper triangle, read-only, shape (3, 3).
     """
     a, b = straight_step(drive, step, lag_distance)
     costs = np.diag([step * weights.lateral, step * weights.heading, MIN_CURVATURE_WEIGHT])
-    return cholesky(solve_discrete_are(a, b, costs, np.array([[step]])))
+    root: FloatArray = cholesky(solve_discrete_are(a, b, costs, np.array([[step]])))
+    root.flags.writeable = False
+    return root
 
 
 def straight_step(drive: Drive, step: float,
@@ -193,13 +197,20 @@ def straight_step(drive: Drive, step: float,
     :param lag_distance: over which the curvature lags [m].
     :return: A, shape (3, 3), and B, shape (3, 1).
     """
-    x, u = ca.SX.sym('x', 4), ca.SX.sym('u')
+    a, b = (np.array(slope) for slope in _slopes(drive, step)(lag_distance))
+    return a[np.ix_(REGULATED, REGULATED)], b[REGULATED]
+
+
+@lru_cache(maxsize=8)
+def _slopes(drive: Drive, step: float) -> Any:
+    """Derive one step along a straight path, by state and by input, as a function of the lag."""
+    x, u, lag_distance = ca.SX.sym('x', 4), ca.SX.sym('u'), ca.SX.sym('lag_distance')
     # Zeta does not act on the others: whatever it depends on does not matter.
     parameters = HorizonParameters(*[1.0] * SCALAR_COUNT)._replace(lag_distance=lag_distance)
     after = _advance(drive, parameters, x, u, 0.0, step)
-    slopes = ca.Function('slopes', [x, u], [ca.jacobian(after, x), ca.jacobian(after, u)])
-    a, b = (np.array(slope) for slope in slopes(0.0, 0.0))
-    return a[np.ix_(REGULATED, REGULATED)], b[REGULATED]
+    slopes = ca.substitute([ca.jacobian(after, x), ca.jacobian(after, u)], [x, u],
+                           [ca.SX.zeros(4), ca.SX(0.0)])
+    return ca.Function('slopes', [lag_distance], slopes)
 
 
 def _rollout(drive: Drive, parameters: HorizonParameters, path: Any, u: Any,

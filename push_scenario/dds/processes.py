@@ -68,7 +68,9 @@ class NodeProcesses:
         # Children find the package where this process found it, installed or not.
         root = str(Path(__file__).resolve().parents[2])
         path = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
-        self._environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
+        # For matrices as small as those of the nodes, threads only wait for each other, busily.
+        self._environment = {'OPENBLAS_NUM_THREADS': '1', **os.environ,
+                             'ROS_DOMAIN_ID': str(domain),
                              'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
                              'PYTHONUNBUFFERED': '1', 'PYTHONPATH': os.pathsep.join(path)}
 
