@@ -6,13 +6,13 @@ and, as in lockstep time waits for answers, time on the wall for a second of sim
 """
 
 from collections.abc import Sequence
-import json
 import os
 from pathlib import Path
 import tempfile
 import time
 from typing import NamedTuple
 
+from benchmarks.faults.row import append_line, read_lines
 from benchmarks.nodes import cpu_time
 from benchmarks.progress_bar import progress
 from diagnostic_msgs.msg import DiagnosticArray
@@ -70,6 +70,7 @@ class SoakTask(NamedTuple):
     :param duration: simulated [s].
     :param wall_time: [s].
     :param nodes: ``Sample`` by name of the node.
+    :param first: number of the task with which these nodes began; 0 unless it was interrupted.
     """
 
     is_done: bool
@@ -77,6 +78,7 @@ class SoakTask(NamedTuple):
     duration: float
     wall_time: float
     nodes: dict[str, Sample]
+    first: int = 0
 
 
 class _Monitor:
@@ -103,18 +105,21 @@ class _Monitor:
                     self.since = float(values['since'])
 
 
-def run_soak(count: int, seed: int = 1) -> list[SoakTask]:
+def run_soak(count: int, path: Path, seed: int = 1) -> None:
     """
-    Do tasks in a row.
+    Do tasks in a row, as far as they are not in a file yet; each is kept when it is done.
 
     :param count: of tasks.
+    :param path: of the file.
     :param seed: of their goals.
-    :return: each ``SoakTask``.
     :raises RuntimeError: where a node dies or hangs.
     """
+    first = len(read_lines(path))
+    if first >= count:
+        return
     scenario = place_robot(load_scenario(SCENARIO))
     goals = np.random.default_rng(seed).uniform(-1.0, 1.0, (count, 3)) * GOAL_RANGE
-    monitor, tasks = _Monitor(), []
+    monitor = _Monitor()
     with private_domain() as domain, tempfile.TemporaryDirectory() as folder, \
             NodeProcesses(domain, folder) as nodes:
         files = write_parameter_files(Path(folder), scenario, scenario.control, Path(),
@@ -126,15 +131,15 @@ def run_soak(count: int, seed: int = 1) -> list[SoakTask]:
                 nodes.start(node, MODULES[node], path)
             client.wait_for(lambda: client.is_connected() and monitor.nodes >= MODULES.keys(),
                             TIMEOUT, 'the nodes to start')
-            client.send_goal(Pose(*goals[0].tolist()), Frames().world_frame)
+            client.send_goal(Pose(*goals[first].tolist()), Frames().world_frame)
             client.call('controller/start', TIMEOUT)
             client.call('sim/start', TIMEOUT)
-            for goal in progress(goals.tolist(), 'soak'):
-                tasks.append(_do_task(Pose(*goal), client, monitor, nodes))
+            for goal in progress(goals[first:].tolist(), 'soak'):
+                task = _do_task(Pose(*goal), client, monitor, nodes)
+                append_task(path, task._replace(first=first))
             nodes.stop_all()
         finally:
             client.close()
-    return tasks
 
 
 def _let_time_run(path: Path) -> None:
@@ -171,15 +176,14 @@ def sample(pid: int, cpu_before: float) -> Sample:
                   len(list((folder / 'task').iterdir())), cpu_time(pid) - cpu_before)
 
 
-def write_tasks(path: Path, tasks: Sequence[SoakTask]) -> None:
+def append_task(path: Path, task: SoakTask) -> None:
     """
-    Keep the tasks of a soak.
+    Keep a task of a soak.
 
-    :param path: of the file, JSON.
-    :param tasks: each ``SoakTask``.
+    :param path: of the file, one task a line.
+    :param task: the ``SoakTask``.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps([task._asdict() for task in tasks]), encoding='utf-8')
+    append_line(path, task._asdict())
 
 
 def read_tasks(path: Path) -> list[SoakTask]:
@@ -188,10 +192,8 @@ def read_tasks(path: Path) -> list[SoakTask]:
 
     :param path: of the file; where it is not there, there are none.
     """
-    if not path.is_file():
-        return []
     tasks: list[SoakTask] = []
-    for values in json.loads(path.read_text(encoding='utf-8')):
+    for values in read_lines(path):
         nodes = {name: Sample(*numbers) for name, numbers in values.pop('nodes').items()}
         tasks.append(SoakTask(**values, nodes=nodes))
     return tasks
@@ -225,8 +227,10 @@ def soak_table(tasks: Sequence[SoakTask]) -> str:
                        end[-1].nodes[name].threads)]
     done = sum(task.is_done for task in tasks)
     simulated = sum(task.duration for task in tasks)
-    return '\n'.join([f'{len(tasks)} tasks in a row, {simulated:.0f} s simulated: {done} done.',
-                      '', *lines])
+    starts = len({task.first for task in tasks})
+    interrupted = f' Interrupted, the nodes began anew: {starts} sets.' if starts > 1 else ''
+    return '\n'.join([f'{len(tasks)} tasks in a row, {simulated:.0f} s simulated: {done} done.'
+                      + interrupted, '', *lines])
 
 
 def _row(name: str, begin: float, end: float) -> str:

@@ -7,9 +7,12 @@ from benchmarks.faults.injection import Fault, Input, SIMULATED, Word, words_of
 from benchmarks.faults.process_rig import (
     append_process_row, process_faults, ProcessRow, read_process_rows,
 )
+from benchmarks.faults.random_faults import (
+    append_random_row, draw_case, LONGEST, RandomRow, read_random_rows, run_many, SHORTEST,
+)
 from benchmarks.faults.report import Findings, table, write_report
 from benchmarks.faults.row import Ending, Row
-from benchmarks.faults.soak import read_tasks, Sample, SoakTask, write_tasks
+from benchmarks.faults.soak import append_task, read_tasks, Sample, SoakTask
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -110,6 +113,31 @@ def test_what_was_found_is_read_back(tmp_path):
         append_process_row(tmp_path / 'processes.jsonl', row)
     assert read_process_rows(tmp_path / 'processes.jsonl') == rows
     tasks = [SoakTask(False, 'reason', 5.0, 2.0, {'push_sim': Sample(1.0, 2, 3, 4.0)})]
-    write_tasks(tmp_path / 'soak.json', tasks)
-    assert read_tasks(tmp_path / 'soak.json') == tasks
+    tasks.append(tasks[0]._replace(is_done=True, first=1))
+    for task in tasks:
+        append_task(tmp_path / 'soak.jsonl', task)
+    assert read_tasks(tmp_path / 'soak.jsonl') == tasks
     assert read_tasks(tmp_path / 'none') == [] == read_process_rows(tmp_path / 'none')
+
+
+def test_random_faults_are_drawn_from_seed_and_number():
+    """Each run by itself; all inputs, numbers of faults and sorts of scenarios come."""
+    cases = [draw_case(7, number) for number in range(200)]
+    assert cases[150] == draw_case(7, 150) != draw_case(8, 150)
+    faults = [fault for case in cases for fault in case.faults]
+    assert {fault.input for fault in faults} == set(SIMULATED)
+    assert {len(case.faults) for case in cases} == {1, 2, 3}
+    assert all(SHORTEST - 0.01 < fault.end - fault.start < LONGEST + 0.01 for fault in faults)
+    assert 40 < sum(':' in case.task for case in cases) < 160
+    assert '--seed 7 --run 150' in cases[150].command
+
+
+def test_random_runs_that_are_done_are_not_done_again(tmp_path):
+    """They are read from the file, and counted; those of other seeds are not."""
+    path = tmp_path / 'random.jsonl'
+    rows = [RandomRow(draw_case(seed, number), Ending.DONE, '', True, 0.1)
+            for seed in (1, 2) for number in range(3)]
+    for row in rows:
+        append_random_row(path, row)
+    assert read_random_rows(path) == rows
+    assert run_many(2, 3, path, jobs=1) == rows[3:]
