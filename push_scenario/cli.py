@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Callable, Iterator, Sequence
 import dataclasses
 from importlib import util
+import math
 from pathlib import Path
 import sys
 import time
@@ -52,8 +53,9 @@ class ProgressLine:
         self._clock = clock
         self._title = title
         self._started = self._shown = clock()
-        # Wall and simulated time at the end of the planning.
+        # Wall and simulated time when the latter began to run: until then, nodes start and plan.
         self._first: tuple[float, float] | None = None
+        self._last_time = math.inf
         self._stage = ''
         self._width = 0
 
@@ -64,8 +66,9 @@ class ProgressLine:
         :param progress: the ``Progress``.
         """
         now = self._clock()
-        if progress.stage != 'planning' and self._first is None:
+        if self._first is None and progress.time > self._last_time:
             self._first = now, progress.time
+        self._last_time = progress.time
         period = TERMINAL_PERIOD if self._stream.isatty() else LOG_PERIOD
         if progress.stage == self._stage and now - self._shown < period:
             return

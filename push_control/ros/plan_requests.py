@@ -28,11 +28,6 @@ class PlanRequester:
         self._request: PlanRequest | None = None
         self._stamp = 0
 
-    @property
-    def is_pending(self) -> bool:
-        """Whether there is a request."""
-        return self._request is not None
-
     def update(self, request: PlanRequest | None, time: float) -> None:
         """
         Publish a request that is new.

@@ -6,8 +6,7 @@ import sys
 from typing import Sequence
 
 from push_control.identification.identification import identify
-from push_model.files.data import config_file
-from push_model.files.parameter_files import read_object, read_robot
+from push_model.files.parameter_files import named_file, read_object, read_robot
 from push_scenario.recordings.bag import read_tracks
 from push_scenario.recordings.object_file import object_file, summary
 from push_scenario.recordings.segmentation import split_pushes
@@ -34,8 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='identify', description='Identify friction centre, c^2 and contact friction of an '
-        'object from recorded pushes; see docs/identify.md.')
+        prog='identify', description='Identify centre of friction, c^2 and contact friction of '
+        'an object from recorded pushes; see docs/identify.md.')
     parser.add_argument('bag', type=Path, metavar='BAG', help='folder of a rosbag2 recording')
     parser.add_argument('--object', required=True, metavar='OBJECT',
                         help='nominal object: a name in config/objects, or a file')
@@ -51,19 +50,14 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _identify(options: argparse.Namespace) -> None:
-    obj = read_object(_file('objects', options.object))
-    robot = read_robot(_file('robots', options.robot))
+    obj = read_object(named_file('objects', options.object))
+    robot = read_robot(named_file('robots', options.robot))
     robot_track, object_track = read_tracks(options.bag, (options.odom, options.object_pose))
     pushes = split_pushes(obj, robot, robot_track, object_track)
     print(f'{len(pushes)} pushes', file=sys.stderr)
     found = identify(obj, robot.radius, pushes)
     options.out.write_text(object_file(found, options.bag.name), encoding='utf-8')
     print('\n'.join([*summary(found), f'written: {options.out}']))
-
-
-def _file(kind: str, name: str) -> Path:
-    path = Path(name)
-    return path if path.suffix else config_file(f'{kind}/{name}.yaml')
 
 
 if __name__ == '__main__':

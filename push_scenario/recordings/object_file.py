@@ -31,8 +31,8 @@ def summary(found: Identification) -> list[str]:
     :param found: of a recording.
     :return: lines.
     """
-    return [f'friction centre x {_text(found.friction_center_x)} m',
-            f'friction centre y {_text(found.friction_center_y)} m',
+    return [f'centre of friction x {_text(found.friction_center_x)} m',
+            f'centre of friction y {_text(found.friction_center_y)} m',
             f'c^2 over the nominal one {_text(found.c_squared_ratio)}',
             f'contact friction {_text(found.contact_friction)} '
             f'(contact slid in {found.sliding} of {found.pushes} pushes)',

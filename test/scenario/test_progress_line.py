@@ -44,3 +44,18 @@ def test_log_gets_a_line_now_and_then():
 
 def test_speed_is_simulated_over_wall_time():
     assert 'at 2.0 x real time' in play(io.StringIO())
+
+
+def test_time_until_a_task_runs_is_no_part_of_the_speed():
+    now = [0.0]
+    stream = io.StringIO()
+    line = ProgressLine(stream, lambda: now[0], 'task')
+    for call in range(20):
+        now[0] = float(call)
+        line(Progress('idle', 0.0, 1.0))
+    assert 'real time' not in stream.getvalue()
+    for call in range(1, 1001):
+        now[0] = 20.0 + call / 100
+        line(Progress('approach', call / 50, 1.0))
+    assert stream.getvalue().splitlines()[-1].startswith('task: approach')
+    assert 'at 2.0 x real time' in stream.getvalue().splitlines()[-1]
