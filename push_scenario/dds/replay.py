@@ -115,7 +115,8 @@ def _send_map(task: Task, client: ReplayClient, monitor: RunMonitor, frame: str)
     if task.occupancy_map is None:
         return
     client.send_map(task.occupancy_map, frame)
-    client.wait_for(lambda: monitor.nodes_with_map() == {PLANNER, CONTROLLER}, SERVICE_TIMEOUT,
+    # With the first map the planner loads or compiles its search.
+    client.wait_for(lambda: monitor.nodes_with_map() == {PLANNER, CONTROLLER}, PLAN_TIMEOUT,
                     'the nodes to receive the map')
 
 

@@ -143,8 +143,8 @@ def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
     """From the file, made anew, or without a disk; what is spoilt is made anew."""
     for name, value in (('BEARINGS', 8), ('KEPT_ACTIONS', 2), ('ROUNDS', (1,))):
         monkeypatch.setattr(cost_to_go, name, value)
-    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
-    monkeypatch.delenv('NUMBA_CACHE_DIR', raising=False)
+    # Not by the environment: what is compiled is not compiled again.
+    monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
     arrays = []
     for kind in ('made', 'read', 'spoilt', 'no disk'):
         store.forget()
@@ -166,8 +166,7 @@ def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
 
 def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, primitives):
     """Nodes that start together make the primitives once."""
-    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
-    monkeypatch.delenv('NUMBA_CACHE_DIR', raising=False)
+    monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
     is_begun, may_end, made = threading.Event(), threading.Event(), []
 
     def build(*_):

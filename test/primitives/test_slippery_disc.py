@@ -83,8 +83,8 @@ def test_turning_takes_longer_the_nearer_the_centre_of_friction_is(monkeypatch, 
     """Moving on does not; and all that agree about friction have the same primitives."""
     for name, value in (('BEARINGS', 8), ('KEPT_ACTIONS', 4)):
         monkeypatch.setattr(cost_to_go, name, value)
-    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
-    monkeypatch.delenv('NUMBA_CACHE_DIR', raising=False)
+    # Not by the environment: what is compiled is not compiled again.
+    monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
     robot, settings = RoundRobot(radius=0.17, drive='holonomic'), CostSettings(drive='holonomic')
     store.forget()
     near, far = (store.load_primitives(BIN, robot, settings, KNOWN._replace(center=center))
