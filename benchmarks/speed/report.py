@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-from benchmarks.speed import measures
+from benchmarks.speed import growth, measures
 from benchmarks.speed.measures import median
 
 DESCRIPTION = 'How near to the limit simulation, control, replay, batches and starts are.'
@@ -99,6 +99,8 @@ def memory_rows(repeat: int, plans: int = 300) -> list[Row]:
 PARTS: dict[str, Callable[[int], list[Row]]] = {
     'control': control_rows, 'task': task_rows, 'batch': batch_rows, 'start': start_rows,
     'memory': memory_rows, 'replay': replay_rows}
+# The part that has a table of its own.
+GROWTH = 'growth'
 
 
 def table(rows: Sequence[Row]) -> str:
@@ -119,7 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :return: exit status.
     """
     parser = argparse.ArgumentParser(prog='python -m benchmarks.speed', description=DESCRIPTION)
-    parser.add_argument('--part', action='append', choices=PARTS,
+    parser.add_argument('--part', action='append', choices=[*PARTS, GROWTH],
                         help='measure only this; repeat it for several')
     parser.add_argument('--repeat', type=int, default=3, help='runs of each (default: 3)')
     parser.add_argument('--out', type=Path, metavar='DIR',
@@ -127,13 +129,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     load = f'{os.getloadavg()[0]:.1f}'
     rows: list[Row] = []
-    for name in options.part or PARTS:
-        rows += PARTS[name](options.repeat)
+    parts = options.part or [GROWTH, *PARTS]
+    growing = ''
+    for name in parts:
+        if name == GROWTH:
+            growing = growth.growth_table(options.repeat)
+        else:
+            rows += PARTS[name](options.repeat)
         print(f'{name}: measured', flush=True)
     load += f' to {os.getloadavg()[0]:.1f}'
-    print(table(rows))
+    print('\n\n'.join([table(rows), growing]))
     if options.out is not None:
         text = TEMPLATE.read_text(encoding='utf-8')
         text = text.replace('@TABLE@', table(rows)).replace('@LOAD@', load)
+        text = text.replace('@GROWTH@', growing)
         (options.out / 'performance.md').write_text(text, encoding='utf-8')
     return 0

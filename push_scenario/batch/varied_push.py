@@ -104,8 +104,7 @@ class VariedPush:
         if unknown or not values:
             raise ValueError(f'columns: got {sorted(unknown)}, expected some of '
                              + ', '.join(COLUMNS))
-        found = {name: np.asarray(column, dtype=float, order='C')
-                 for name, column in values.items()}
+        found = {name: _numbers(name, column) for name, column in values.items()}
         count = max(column.shape[0] if column.ndim else 0 for column in found.values())
         for name, column in found.items():
             shapes = [(count, *shape) for shape in self._shapes(name)]
@@ -181,7 +180,7 @@ class VariedPush:
         """Bring the values of one case into the shape of arrays."""
         if not values:
             return {}
-        columns = self.columns({name: np.array(value, dtype=float)[None]
+        columns = self.columns({name: _numbers(name, value)[None]
                                 for name, value in values.items()})
         return {name: column[0] for name, column in columns.items()}
 
@@ -192,6 +191,13 @@ class VariedPush:
             return [(ANY, COMMAND_SIZE), (ANY, COMMAND_SIZE + supports)]
         return [{CENTER_OF_MASS: (2,), OBJECT_POSE: (3,), ROBOT_POSE: (3,),
                  FRICTION_FACTORS: (supports,), FLOOR: (ANY, len(PATCH_FIELDS))}.get(name, ())]
+
+
+def _numbers(name: str, values: ArrayLike) -> FloatArray:
+    try:
+        return np.asarray(values, dtype=float, order='C')
+    except (TypeError, ValueError) as error:
+        raise ValueError(f'{name}: got {values!r}, expected numbers ({error})') from error
 
 
 def _fits(shape: tuple[int, ...], expected: tuple[int, ...]) -> bool:

@@ -122,6 +122,7 @@ def test_what_a_plant_refuses_is_refused_with_its_reason_and_the_rest_is_run(nam
 
 @pytest.mark.parametrize('values, words', [
     ({'objekt.mass': [1.0]}, 'objekt.mass'), ({}, 'columns: got'),
+    ({'object.mass': ['heavy']}, "object.mass: got .'heavy'., expected numbers"),
     ({'object.mass': 1.0}, r'object.mass: got shape \(\)'),
     ({'object.mass': [1.0, 2.0], 'object.inertia': [1.0]}, r'got shape \(1,\), expected \(2,\)'),
     ({'friction_factors': [[1.0]]}, r'expected \(1, 4\)'),
