@@ -88,19 +88,19 @@ class BackgroundGroup(MutuallyExclusiveCallbackGroup):
 
 
 class PolledNode(Node, abc.ABC):
-    """A node with a group of background callbacks; ``poll`` takes its real-time topics."""
+    """
+    A node with a group of background callbacks, whose real-time topics are taken by ``poll``.
+
+    ``real_time_subscriptions``: those of these topics.
+    """
 
     background: BackgroundGroup
+    real_time_subscriptions: Sequence[Subscription]
 
     @property
     def wake_time(self) -> float:
         """Time on the wall at which to poll even if nothing has come, of ``time.monotonic``."""
         return math.inf
-
-    @property
-    @abc.abstractmethod
-    def real_time_subscriptions(self) -> Sequence[Subscription]:
-        """Those that ``poll`` takes messages from."""
 
     @abc.abstractmethod
     def start(self) -> None:

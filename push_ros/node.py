@@ -44,13 +44,6 @@ class ServiceAnswer(NamedTuple):
     message: str
 
 
-class PolledSubscription(NamedTuple):
-    """A real-time subscription and its callback."""
-
-    subscription: Subscription
-    callback: Callable[[Any], None]
-
-
 class NewestMessage:
     """The newest message of a topic, taken when it is asked for: until then it costs nothing."""
 
@@ -111,7 +104,7 @@ class PushNode(PolledNode):
         """
         self._publishers_by_topic: dict[str, Publisher] = {}
         self._own_subscriptions: list[Subscription] = []
-        self._polled: list[PolledSubscription] = []
+        self.real_time_subscriptions: list[Subscription] = []
         self.background = BackgroundGroup()
         self.real_time = MutuallyExclusiveCallbackGroup()
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
@@ -128,11 +121,6 @@ class PushNode(PolledNode):
     def settings(self) -> list[Any]:
         """Instances of the dataclasses of the parameters, in the order of the sections."""
         return self.parameters.settings
-
-    @property
-    def real_time_subscriptions(self) -> Sequence[Subscription]:
-        """Those that ``poll`` takes messages from."""
-        return [polled.subscription for polled in self._polled]
 
     def now(self) -> Time:
         """Return the present time of the node."""
@@ -218,7 +206,7 @@ class PushNode(PolledNode):
             event_callbacks=NO_EVENTS if is_best_effort else None)
         self._own_subscriptions.append(subscription)
         if real_time:
-            self._polled.append(PolledSubscription(subscription, callback))
+            self.real_time_subscriptions.append(subscription)
         return subscription
 
     def subscribe_newest(self, topic: str, *, with_covariance: bool = False) -> NewestMessage:
@@ -239,7 +227,7 @@ class PushNode(PolledNode):
 
     def unsubscribe_all(self) -> None:
         """End all subscriptions that ``subscribe`` made."""
-        self._polled = []
+        self.real_time_subscriptions = []
         for subscription in self._own_subscriptions:
             self.destroy_subscription(subscription)
         self._own_subscriptions = []
@@ -247,11 +235,11 @@ class PushNode(PolledNode):
     def poll(self) -> bool:
         """Handle a message of each real-time topic that has one; tell whether there was any."""
         found = False
-        for polled in self._polled:
-            message = take_message(polled.subscription)
+        for subscription in self.real_time_subscriptions:
+            message = take_message(subscription)
             if message is not None:
                 found = True
-                polled.callback(message)
+                subscription.callback(message)
         return found
 
     def on_unexpected_error(self, error: Exception) -> None:
