@@ -337,7 +337,7 @@ class ControllerNode(ManagedNode):
             self._unanswered.append(stamp)
         else:
             self._answer_waiting()
-            self._commands.answer(command, stamp, is_commanding=self._mode.is_commanding)
+            self._commands.answer(command, stamp, is_commanding=self._gate.is_commanding)
         self._mode.report(stamp, self._latest.time)
         if self._action is not None:
             self._action.update(self._latest.time)
@@ -345,7 +345,7 @@ class ControllerNode(ManagedNode):
     def _refuse_measurement(self, error: MessageRefused, message: Any) -> None:
         """Stop the robot, and say why."""
         self._commands.answer(STOP, message.header.stamp,
-                              is_commanding=self._mode.is_commanding)
+                              is_commanding=self._gate.is_commanding)
         self._mode.report_again()
         self.reporter.report(ERROR, f'{error}; stopped')
 

@@ -56,6 +56,10 @@ class CommandGate:
         self._layer.reset()
         self._stamps = StampCheck()
         self._watchdog.reset()
+        # Whether the mode has commanded the robot at the last step, and whether it waits until
+        # somebody who did so before has ended.
+        self._was_commanding = False
+        self._gives_way = False
         # Time of the newest odometry [s], and how often it has come again since.
         self._newest_stamp: float | None = None
         self._repetitions = 0
@@ -95,6 +99,11 @@ class CommandGate:
             self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
         return verdict is StampVerdict.TIME_WENT_BACK
 
+    @property
+    def is_commanding(self) -> bool:
+        """Whether the base is commanded, be it to stand; not while somebody else was first."""
+        return self._mode.is_commanding and not self._gives_way
+
     def step(self, observation: Observation, dt: float) -> Twist:
         """
         Let the mode answer a measurement, and check the answer.
@@ -103,9 +112,13 @@ class CommandGate:
         :param dt: time since the last one [s].
         :return: the ``Twist`` to send.
         """
-        if not self._mode.is_commanding:
+        is_commanding = self._mode.is_commanding
+        is_blocked = self._gives_way or not self._was_commanding
+        self._gives_way = is_commanding and is_blocked and self._others.is_commanding
+        self._was_commanding = is_commanding
+        if not is_commanding:
             self._layer.release()
-        elif self._others.is_driving:
+        elif self._gives_way or self._others.is_driving:
             self._layer.stop(SafetyReason.COMMANDED_BY_OTHERS.report(others=self._others.names))
         self._layer.other_commanders = self._others.names
         observation = self._layer.believed(observation)

@@ -30,7 +30,8 @@ class OtherCommanders:
     Listens to ``cmd_vel`` where it has other publishers; where it has none, that costs nothing.
 
     A publisher may stay visible for a while after its process was killed, or be silent as long as
-    nobody touches a joystick: only what it commands counts.
+    nobody touches a joystick: only what it commands counts. Who comes later gives way: while
+    another one commands the base, if only to stand, this node does not begin to.
     """
 
     def __init__(self, node: PushNode, *, stamped: bool) -> None:
@@ -45,7 +46,8 @@ class OtherCommanders:
         self._names: list[str] = []
         self._subscription: Subscription | None = None
         self._own: deque[tuple[Any, ...]] = deque(maxlen=OWN_COMMANDS)
-        self._driven_at = 0.0
+        # When one of them has commanded anything, and a motion, last [s].
+        self._commanded_at = self._driven_at = -MEMORY
         self._timer = node.create_timer(PERIOD, node.guarded(self._look),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME),
                                         callback_group=node.background)
@@ -72,13 +74,25 @@ class OtherCommanders:
     @property
     def is_driving(self) -> bool:
         """Whether one of them has commanded a motion a moment ago."""
+        self._take()
+        return time.monotonic() - self._driven_at < MEMORY
+
+    @property
+    def is_commanding(self) -> bool:
+        """Whether one of them has commanded the base a moment ago, if only to stand."""
+        self._take()
+        return time.monotonic() - self._commanded_at < MEMORY
+
+    def _take(self) -> None:
+        """Take the commands that have come."""
         while (self._subscription is not None
                and (message := take_message(self._subscription)) is not None):
+            if self._key(message) in self._own:
+                continue
+            self._commanded_at = time.monotonic()
             twist = message.twist if self._stamped else message
-            moves = any((twist.linear.x, twist.linear.y, twist.angular.z))
-            if moves and self._key(message) not in self._own:
-                self._driven_at = time.monotonic()
-        return time.monotonic() - self._driven_at < MEMORY
+            if any((twist.linear.x, twist.linear.y, twist.angular.z)):
+                self._driven_at = self._commanded_at
 
     def _look(self) -> None:
         infos = self._node.get_publishers_info_by_topic(TOPIC)
@@ -90,7 +104,8 @@ class OtherCommanders:
         if names and names != self._names:
             self._node.get_logger().warning(
                 f'{TOPIC}: is also published by {", ".join(sorted(names))}; the robot is stopped '
-                'where that drives the base while an object is pushed')
+                'where that drives the base while an object is pushed, and no push begins while '
+                'that commands it')
         self._names = sorted(names)
         self._listen(bool(names))
 

@@ -15,7 +15,7 @@ import numpy as np
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
-from push_model.signals import Twist
+from push_model.signals import STOP, Twist
 
 # Delays with which a drive may begin to follow, odometry included: the longest, and their step
 # [s]; chosen: latencies of bases that are driven over a network are 0.05 to 0.2 s.
@@ -96,8 +96,9 @@ class DriveModels:
                                for ratio, margin in (model.lag for model in models)])
         limits = robot.max_acceleration, robot.max_yaw_acceleration
         self._limits = np.outer([model.acceleration_ratio for model in models], limits)
-        self._times: list[float] = []
-        self._twists: list[Twist] = []
+        # Commands since the last reset; the first stands for all before it.
+        self._times = [-math.inf]
+        self._twists = [STOP]
         self.velocities: FloatArray = np.zeros((len(models), 3))
         self.rates: FloatArray = np.zeros((len(models), 3))
         self.commands: FloatArray = np.zeros((len(models), 3))
@@ -106,18 +107,13 @@ class DriveModels:
 
     @property
     def is_commanded(self) -> bool:
-        """Whether there is any command to follow."""
-        return bool(self._times)
+        """Whether there is any command to follow since the last reset."""
+        return len(self._times) > 1
 
     @property
     def nominal_velocity(self) -> Twist:
         """Velocity of a drive that follows without a delay, and as stated."""
         return Twist(*self.velocities[self._nominal].tolist())
-
-    def forget_commands(self) -> None:
-        """Forget what was sent: somebody else commands the robot."""
-        self._times.clear()
-        self._twists.clear()
 
     def add_command(self, command: Twist, time: float) -> None:
         """
@@ -126,8 +122,7 @@ class DriveModels:
         :param command: ``Twist``, finite.
         :param time: when [s]; one before the last counts as sent with it.
         """
-        if self._times:
-            time = max(time, self._times[-1])
+        time = max(time, self._times[-1])
         self._times.append(time)
         self._twists.append(command)
         # Of those that no model follows any more, the last one is what they followed.
@@ -137,10 +132,11 @@ class DriveModels:
 
     def reset(self, measured: Twist) -> None:
         """
-        Begin at a velocity.
+        Begin at a velocity, which somebody has commanded.
 
         :param measured: ``Twist``.
         """
+        self._times, self._twists = [-math.inf], [measured]
         self.velocities[:] = measured
         self.rates[:] = 0.0
 

@@ -26,7 +26,7 @@ from push_control.safety.status import SafetyReason, SafetyReport
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
-from push_model.signals import Odometry, Twist
+from push_model.signals import Odometry, STOP, Twist
 
 # Residual that is no fault: constant part [m/s], over the velocity along the same axis, over that
 # of the wheels, and over the acceleration [s]; chosen: the noise of odometry, wheels that are not
@@ -105,7 +105,7 @@ class MotionMonitor:
 
     def reset(self) -> None:
         """Begin anew, at whatever velocity the robot has: somebody else has commanded it."""
-        self._models.forget_commands()
+        self._models.reset(STOP)
         self._time = None
 
     def forgive(self) -> None:

@@ -23,6 +23,8 @@ SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
 PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'),
+              # The robot that is played here does not turn, and is hardly commanded to.
+              'control.feedback_cone_fraction': 0.1,
               'use_sim_time': True, 'lockstep': True, 'control.max_reapproaches': 0}
 PERIOD = 0.1
 

@@ -203,7 +203,7 @@ def test_a_twist_that_is_never_filled_in_stops_the_robot():
     layer, base = SafetyLayer(ROBOTS['holonomic'], BOX), Base(ROBOTS['holonomic'])
     time, report = driven(layer, base, Twist(0.0, 0.3, 0.0), 2.0,
                           lambda odometry: odometry._replace(twist=STOP))
-    assert time < 0.5 and report.reason is SafetyReason.ODOMETRY_SCALE
+    assert time < 0.5 and report.reason is SafetyReason.ODOMETRY_CONTRADICTORY
 
 
 def test_a_heading_beside_the_motion_stops_the_robot():
