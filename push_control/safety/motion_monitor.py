@@ -140,8 +140,9 @@ class MotionMonitor:
             return None
         self._models.update(time, time - last)
         self._delay.add(time, twist, self._models.nominal_velocity)
-        sum_residuals(self._models.velocities, self._models.rates, np.array(twist, dtype=np.float64),
-                      self._ratios, self._sums, time - last)
+        measured = np.array(twist, dtype=np.float64)
+        sum_residuals(self._models.velocities, self._models.rates, measured, self._ratios,
+                      self._sums, time - last)
         is_fault = self._is_unexplained(time)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
