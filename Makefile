@@ -17,7 +17,7 @@ ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif
 
-.PHONY: help demo play faults test test-fast lint lint-style lint-types lock clean
+.PHONY: help demo play faults fuzz test test-fast lint lint-style lint-types lock clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -31,6 +31,9 @@ play: .venv/installed ## open a page on which you drag goal and box, draw walls,
 
 faults: .venv/installed ## how faults of sensors, base and processes end; half an hour
 	$(BIN)/python -m benchmarks.faults
+
+fuzz: .venv/installed ## random messages, files, parameters and orders of events; STEPS=100000 for hours
+	PUSH_CONTROL_FUZZ=$(or $(STEPS),3000) $(BIN)/python -m pytest -q $$(find test -name 'test_fuzz_*.py')
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile
 

@@ -34,8 +34,9 @@ WHITE = 255.0
 # Header of a PGM: P2 (text) or P5 (binary), columns, rows, largest value, each behind white space
 # and comments; one white space ends it.
 _SPACE = rb'(?:\s+|#[^\n]*\n)+'
-PGM_HEADER = re.compile(rb'(P[25])' + 3 * (_SPACE + rb'(\d+)') + rb'\s')
+PGM_HEADER = re.compile(rb'(P[25])' + 3 * (_SPACE + rb'(\d{1,9})') + rb'\s')
 GREATEST_PGM_VALUE = 65535
+PGM_PIXEL = re.compile(rb'\d{1,9}')
 
 
 class MapMode(enum.Enum):
@@ -206,11 +207,11 @@ def _read_pgm(path: Path, data: bytes) -> _Image:
 
 
 def _pgm_numbers(path: Path, text: bytes) -> list[int]:
-    try:
-        return [int(word) for word in re.sub(rb'#[^\n]*', b'', text).split()]
-    except ValueError as error:
-        raise ParameterFileError(f'{path}: got pixels that are no whole numbers, expected those '
-                                 'of a P2 file') from error
+    words = re.sub(rb'#[^\n]*', b'', text).split()
+    if not all(PGM_PIXEL.fullmatch(word) for word in words):
+        raise ParameterFileError(f'{path}: got pixels that are no whole numbers of 0 to '
+                                 f'{GREATEST_PGM_VALUE}, expected those of a P2 file')
+    return [int(word) for word in words]
 
 
 def _read_png(path: Path) -> _Image:

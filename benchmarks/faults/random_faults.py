@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from benchmarks.faults.injection import Fault, Injection, Input, SIMULATED, Word, words_of
 from benchmarks.faults.row import append_line, Ending, read_lines
 from benchmarks.faults.verdict import (
-    deviation, deviation_limit, is_truly_done, simulated_record, stands,
+    is_truly_done, offset_of, Record, simulated_record, stands,
 )
 from benchmarks.progress_bar import progress
 from benchmarks.tasks.cases import draw as draw_task, KINDS, OPEN
@@ -37,6 +37,9 @@ LATEST = 15.0
 # Simulated time after the last fault in which a run has to end [s]; chosen: longer than all time
 # limits of the supervisor, and than some dozens of attempts.
 TIME_AFTER = 300.0
+# By how much farther the object may get from its goal than it was when the first fault began [m];
+# chosen: tasks begin with pushes away from the goal, and pushes that go round take theirs so far.
+MAX_RECESSION = 1.0
 # Seeds of random tasks.
 TASK_SEEDS = 1000
 
@@ -73,21 +76,22 @@ class RandomRow(NamedTuple):
     :param case: the ``RandomCase``.
     :param ending: the ``Ending``.
     :param reason: as reported, one sentence.
-    :param is_explained: whether it is done in truth, or stands with a reason, and the object was
-        not displaced.
-    :param deviation: as of ``Row`` [m].
+    :param is_explained: whether it is done in truth, or stands with a reason and the object was
+        not taken away.
+    :param recession: by how much farther the object got from its goal than it was when the first
+        fault began [m].
     """
 
     case: RandomCase
     ending: Ending
     reason: str
     is_explained: bool
-    deviation: float
+    recession: float
 
     def __str__(self) -> str:
         """Write one line."""
         return (f'{self.case}: {self.ending.value}' + (f', {self.reason}' if self.reason else '')
-                + f' (object {self.deviation:.2f} m beside its plans)'
+                + f' (object up to {self.recession:.2f} m farther from its goal)'
                 + ('' if self.is_explained else f' UNEXPLAINED: {self.case.command}'))
 
 
@@ -125,14 +129,15 @@ def run_random(case: RandomCase) -> RandomRow:
     injections = [Injection(fault, seed=case.number + i) for i, fault in enumerate(case.faults)]
     end = max(fault.end for fault in case.faults)
     found = simulated_record(scenario, injections, end + TIME_AFTER)
-    distance = max(deviation(found.record, fault) for fault in case.faults)
+    recession = _recession(found.record, case.faults[0].start)
     is_explained = (is_truly_done(found.record) if found.ending is Ending.DONE
                     else bool(found.reason))
     if found.ending is Ending.WAITS:
         is_explained = is_explained and stands(found.record.sent)
-    if _counts_deviation(scenario, case.faults):
-        is_explained = is_explained and distance <= max(map(deviation_limit, case.faults))
-    return RandomRow(case, found.ending, found.reason, is_explained, distance)
+    if found.ending is not Ending.DONE and _counts_recession(scenario, case.faults):
+        limit = MAX_RECESSION + max(map(offset_of, case.faults))
+        is_explained = is_explained and recession <= limit
+    return RandomRow(case, found.ending, found.reason, is_explained, recession)
 
 
 def _scenario(task: str) -> Scenario:
@@ -141,7 +146,14 @@ def _scenario(task: str) -> Scenario:
     return dataclasses.replace(scenario, name=task)
 
 
-def _counts_deviation(scenario: Scenario, faults: Sequence[Fault]) -> bool:
+def _recession(record: Record, start: float) -> float:
+    goal = record.scenario.goal.pose
+    poses = np.array(record.tape.poses('object'))[record.tape['time'] >= start]
+    distances = np.hypot(poses[:, 0] - goal.x, poses[:, 1] - goal.y)
+    return float(distances.max() - distances[0]) if len(distances) else 0.0
+
+
+def _counts_recession(scenario: Scenario, faults: Sequence[Fault]) -> bool:
     """Whether nobody else moves the object, and the base does what it is commanded to do."""
     return (not scenario.simulation.object_displacements
             and all(fault.input is not Input.COMMAND for fault in faults))
@@ -202,7 +214,7 @@ def append_random_row(path: Path, row: RandomRow) -> None:
         'faults': [[fault.input.value, fault.word.value, fault.start, fault.end]
                    for fault in case.faults],
         'ending': row.ending.value, 'reason': row.reason, 'is_explained': row.is_explained,
-        'deviation': row.deviation})
+        'recession': row.recession})
 
 
 def read_random_rows(path: Path) -> list[RandomRow]:
@@ -219,4 +231,4 @@ def _row(values: dict[str, Any]) -> RandomRow:
                    for kind, word, start, end in values['faults'])
     case = RandomCase(values['seed'], values['number'], values['task'], faults)
     return RandomRow(case, Ending(values['ending']), values['reason'], values['is_explained'],
-                     values['deviation'])
+                     values['recession'])

@@ -149,7 +149,16 @@ def deviation_limit(fault: Fault) -> float:
 
     :param fault: the ``Fault``.
     """
+    return MAX_DEVIATION + offset_of(fault)
+
+
+def offset_of(fault: Fault) -> float:
+    """
+    Return by how much the object seems to be displaced [m].
+
+    :param fault: the ``Fault``.
+    """
     if fault.input is not Input.POSE:
-        return MAX_DEVIATION
+        return 0.0
     offset = {Word.WRONG: OFFSET, Word.OF_ANOTHER_OBJECT: OTHER_OBJECT}.get(fault.word)
-    return MAX_DEVIATION + (0.0 if offset is None else math.hypot(offset.x, offset.y))
+    return 0.0 if offset is None else math.hypot(offset.x, offset.y)

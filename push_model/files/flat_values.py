@@ -126,8 +126,14 @@ def _as_list(spec: ParameterSpec, is_optional: bool) -> ParameterSpec:
 
 def _items(cls: Any, values: Mapping[str, Any], prefix: str) -> tuple[Any, ...]:
     """Make a tuple of dataclass instances of lists, one list for each field."""
-    columns = {field.name: values[prefix + field.name] for field in dataclasses.fields(cls)
-               if len(values.get(prefix + field.name, ()))}
+    columns: dict[str, Any] = {}
+    for field in dataclasses.fields(cls):
+        name = prefix + field.name
+        column = values.get(name, ())
+        if isinstance(column, str) or not hasattr(column, '__len__'):
+            raise ValueError(f'{name}: got {column!r}, expected a list')
+        if len(column):
+            columns[field.name] = column
     counts = {prefix + name: len(column) for name, column in columns.items()}
     if len(set(counts.values())) > 1:
         raise ValueError(', '.join(counts) + f': got lists of {list(counts.values())} numbers, '

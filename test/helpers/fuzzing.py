@@ -8,7 +8,7 @@ from helpers.extras import import_extra
 hypothesis = import_extra('hypothesis', 'test')
 st = hypothesis.strategies
 
-# Steps of one test. Set PUSH_CONTROL_FUZZ to 100000 for an hour or two.
+# Steps of one test; ``make fuzz STEPS=100000`` takes an hour or two.
 STEPS = int(os.environ.get('PUSH_CONTROL_FUZZ', '60'))
 STEPS_PER_EXAMPLE = 50
 NUMBERS = st.one_of(
