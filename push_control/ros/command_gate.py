@@ -59,7 +59,7 @@ class CommandGate:
         # Whether the mode has commanded the robot at the last step, and whether it waits until
         # somebody who did so before has ended.
         self._was_commanding = False
-        self._gives_way = False
+        self._yields = False
         # Time of the newest odometry [s], and how often it has come again since.
         self._newest_stamp: float | None = None
         self._repetitions = 0
@@ -102,7 +102,7 @@ class CommandGate:
     @property
     def is_commanding(self) -> bool:
         """Whether the base is commanded, be it to stand; not while somebody else was first."""
-        return self._mode.is_commanding and not self._gives_way
+        return self._mode.is_commanding and not self._yields
 
     def step(self, observation: Observation, dt: float) -> Twist:
         """
@@ -113,12 +113,12 @@ class CommandGate:
         :return: the ``Twist`` to send.
         """
         is_commanding = self._mode.is_commanding
-        is_blocked = self._gives_way or not self._was_commanding
-        self._gives_way = is_commanding and is_blocked and self._others.is_commanding
+        is_blocked = self._yields or not self._was_commanding
+        self._yields = is_commanding and is_blocked and self._others.is_commanding
         self._was_commanding = is_commanding
         if not is_commanding:
             self._layer.release()
-        elif self._gives_way or self._others.is_driving:
+        elif self._yields or self._others.is_driving:
             self._layer.stop(SafetyReason.COMMANDED_BY_OTHERS.report(others=self._others.names))
         self._layer.other_commanders = self._others.names
         observation = self._layer.believed(observation)

@@ -99,7 +99,7 @@ def stage(tmp_path, monkeypatch):
         yield made
 
 
-def test_the_later_one_gives_way_and_names_the_first(stage):
+def test_the_later_one_yields_and_names_the_first(stage):
     """It sends nothing at all until the first has ended; who commands in spite stops both."""
     first, second = stage.nodes
     stage.plan(first)
@@ -112,7 +112,7 @@ def test_the_later_one_gives_way_and_names_the_first(stage):
     assert first._mode._controller.status.phase is Phase.PUSHING
 
     # It does not, as it does not know of the first.
-    second._gate._gives_way = False
+    second._gate._yields = False
     second._gate._was_commanding = True
     second._commands._publish(Twist(0.2, 0.0, 0.0), second.now())
     stage.wait_until(lambda: f'by /{CONTROLLER}' in first._mode.progress.reason)
