@@ -53,7 +53,7 @@ class PlannerSettings:
     segments: int = quantity('least number of segments of the pushing angle', '', 2, 200,
                              default=24)
     segment_length: float = quantity('longest segment of the pushing angle; longer pushes get '
-                                     'more segments', 'm', 0.05, 20.0, default=0.3)
+                                     'more segments', 'm', 0.05, 20.0, default=0.2)
     cone_margin: float = quantity('fraction of the contact friction angle that a plan may use', '',
                                   0.05, 1.0, default=0.65)
     friction_discount: float = quantity('factor on the nominal contact friction coefficient', '',
