@@ -145,7 +145,9 @@ class ControlSettings:
         'averaging does not reduce, as it stays while the object is seen from the same side', 'm',
         0.0, 0.5, default=0.0)
     heading_bias: float = quantity(
-        'the same of the heading', 'rad', 0.0, 0.5, default=0.0)
+        'standard deviation of the error of a measured object heading that averaging does not '
+        'reduce, as it stays while the object is seen from the same side', 'rad', 0.0, 0.5,
+        default=0.0)
     heading_count: int = quantity(
         'number of headings in which the object looks the same to its tracker: a flip from one to '
         'another is taken back; 0: as the outline has it, 1: none is', '', 0, 360, default=0)
@@ -168,15 +170,16 @@ class ControlSettings:
         'standard deviation of the centre of friction over its distance from the contact', '', 0.0,
         1.0, default=0.11)
     max_center_offset_ratio: float = quantity(
-        'largest offset of the centre of friction from its nominal place, likewise', '', 0.0, 1.0,
-        default=0.45)
+        'largest offset of the centre of friction from its nominal place over the distance of '
+        'that place from the contact', '', 0.0, 1.0, default=0.45)
     center_walk: float = quantity(
         'random walk of the centre of friction per path length', 'm/sqrt(m)', 0.0, 1.0,
         default=0.002)
     c_squared_log_std: float = quantity(
         "standard deviation of the logarithm of the supports' c^2", '', 0.0, 2.0, default=0.2)
     c_squared_log_walk: float = quantity(
-        'random walk of that logarithm per path length', '1/sqrt(m)', 0.0, 2.0, default=0.03)
+        "random walk of the logarithm of the supports' c^2 per path length", '1/sqrt(m)', 0.0,
+        2.0, default=0.03)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

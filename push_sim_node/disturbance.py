@@ -14,9 +14,9 @@ ALL_SUPPORTS = -1
 class FrictionChange:
     """While it lasts, the friction under one support, or under all, is multiplied."""
 
-    start: float = quantity('when it begins', 's', 0.0)
-    end: float = quantity('when it ends', 's', 0.0)
-    factor: float = quantity('what friction is multiplied by', '', 0.0, 100.0)
+    start: float = quantity('time at which the friction changes', 's', 0.0)
+    end: float = quantity('time at which the friction is as before again', 's', 0.0)
+    factor: float = quantity('factor by which the friction is multiplied', '', 0.0, 100.0)
     support: int = quantity('number of the support, -1 for all', '', ALL_SUPPORTS,
                             default=ALL_SUPPORTS)
 
@@ -32,11 +32,12 @@ class FrictionChange:
 class ObjectDisplacement:
     """A person moves the object, at once; it is at rest afterwards."""
 
-    time: float = quantity('when', 's', 0.0)
+    time: float = quantity('time of the displacement', 's', 0.0)
     x: float = quantity('displacement along the x axis that the object has before', 'm',
                         default=0.0)
-    y: float = quantity('displacement along the y axis that it has before', 'm', default=0.0)
-    theta: float = quantity('angle by which it is rotated', 'rad', default=0.0)
+    y: float = quantity('displacement along the y axis that the object has before', 'm',
+                        default=0.0)
+    theta: float = quantity('angle by which the object is rotated', 'rad', default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

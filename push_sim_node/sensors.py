@@ -43,14 +43,17 @@ class SensorSettings:
         'intervals (start, end) of measuring times without an object pose', 's', 0.0, default=())
     pose_bias: float = quantity('largest error of the position that depends on the side from '
                                 'which the robot sees the object', 'm', 0.0, 1.0, default=0.0)
-    pose_heading_bias: float = quantity('the same of the orientation', 'rad', 0.0, 1.0,
-                                        default=0.0)
+    pose_heading_bias: float = quantity(
+        'largest error of the orientation that depends on the side from which the robot sees the '
+        'object', 'rad', 0.0, 1.0, default=0.0)
     pose_jump_probability: float = quantity('probability that an object pose is far off', '', 0.0,
                                             1.0, default=0.0)
-    pose_jump: float = quantity('standard deviation of the position of those, along each axis',
-                                'm', 0.0, 10.0, default=0.0)
-    pose_heading_jump: float = quantity('standard deviation of the orientation of those', 'rad',
-                                        0.0, math.pi, default=0.0)
+    pose_jump: float = quantity(
+        'standard deviation of the position error of an object pose that is far off, along each '
+        'axis', 'm', 0.0, 10.0, default=0.0)
+    pose_heading_jump: float = quantity(
+        'standard deviation of the orientation error of an object pose that is far off', 'rad',
+        0.0, math.pi, default=0.0)
     odometry_rate: float = quantity('rate of odometry', 'Hz', above=0.0, high=1000.0,
                                     default=50.0)
     odometry_reference: OdometryReference = quantity(
@@ -66,14 +69,16 @@ class SensorSettings:
         high=1.0, default=2e-3)
     odometry_scale: float = quantity('relative error of the distance travelled', '', -0.5, 0.5,
                                      default=0.0)
-    odometry_scale_noise: float = quantity('standard deviation of that error from run to run', '',
-                                           0.0, 0.5, default=0.0)
+    odometry_scale_noise: float = quantity(
+        'standard deviation, from run to run, of the relative error of the distance travelled', '',
+        0.0, 0.5, default=0.0)
     odometry_yaw_scale: float = quantity('relative error of the angle rotated', '', -0.5, 0.5,
                                          default=0.0)
     odometry_heading_drift: float = quantity('heading error per distance travelled', 'rad/m',
                                              -1.0, 1.0, default=0.0)
-    odometry_heading_drift_noise: float = quantity('standard deviation of that drift from run to '
-                                                   'run', 'rad/m', 0.0, 1.0, default=0.0)
+    odometry_heading_drift_noise: float = quantity(
+        'standard deviation, from run to run, of the heading error per distance travelled',
+        'rad/m', 0.0, 1.0, default=0.0)
     odometry_heading_offset: float = quantity('error of the heading that odometry starts with',
                                               'rad', -math.pi, math.pi, default=0.0)
     odometry_speed_noise: float = quantity('standard deviation of the measured velocity, along '

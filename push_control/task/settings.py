@@ -86,7 +86,8 @@ class SupervisionSettings:
         'random walk of the centre of friction, by which what was learned of it gets uncertain '
         'from one task to the next', 'm/sqrt(s)', 0.0, 1.0, default=5e-5)
     contact_friction_walk: float = quantity(
-        'the same of the contact friction', '1/sqrt(s)', 0.0, 1.0, default=5e-4)
+        'random walk of the contact friction, by which what was learned of it gets uncertain from '
+        'one task to the next', '1/sqrt(s)', 0.0, 1.0, default=5e-4)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

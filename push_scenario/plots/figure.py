@@ -21,14 +21,14 @@ from numpy.typing import NDArray
 from push_model.friction import friction_center
 from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.scenario import Scenario
-from push_scenario.evaluation.metrics import force_angle
+from push_scenario.evaluation.metrics import force_angle, is_as_expected
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     DASHED_GOAL, draw_displacements, draw_goals, draw_map, draw_object, draw_push_number,
     draw_robot, GOAL, goal_poses, INK, outline, PLAN_STYLE, PUSH_COLORS, ROBOT_PATH_STYLE,
     Segment, segments_of, set_view, style_axes, tape_of, WARNING,
 )
-from push_scenario.simulation.result import RunResult
+from push_scenario.simulation.result import Outcome, RunResult
 
 FloatArray = NDArray[np.float64]
 
@@ -161,9 +161,11 @@ def _scene(axes: Axes, result: RunResult) -> None:
     style_axes(axes)
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
+    # A control law in open loop is done with its commands, wherever the object is.
+    is_short = result.outcome is Outcome.DONE and not is_as_expected(result)
     axes.set_title(
         f'{scenario.name.replace("_", " ")}, {TITLES[result.control_law]}\n'
-        f'{result.outcome.value} after {result.duration:.1f} s, '
+        f'{"ended" if is_short else result.outcome.value} after {result.duration:.1f} s, '
         f'{_millimetres(result.position_error)} and '
         f'{abs(math.degrees(result.heading_error)):.1f}° from the goal',
         loc='left', fontsize=11, color=INK)
