@@ -81,6 +81,28 @@ def sum_residuals(velocities: Any, rates: Any, measured: Any, ratios: Any, sums:
         sums[i] = min(MAX_SUM, max(0.0, sums[i] + (min(greatest, MAX_RATIO) - 1.0) * dt))
 
 
+@compiled
+def is_unexplained(sums: Any, excluded_until: Any, time: float) -> bool:
+    """
+    Tell whether no model explains the motion, and note which do not while another does.
+
+    :param sums: g of each model, shape (m,) [s].
+    :param excluded_until: until when each does not count, shape (m,), is written [s].
+    :param time: now [s].
+    """
+    least = math.inf
+    for i in range(len(sums)):
+        if excluded_until[i] <= time:
+            least = min(least, sums[i])
+    for i in range(len(sums)):
+        if least > THRESHOLD:
+            # The base may have changed, as one that has started again.
+            excluded_until[i] = -math.inf
+        elif least < HOLDING_SUM and sums[i] > THRESHOLD:
+            excluded_until[i] = time + MEMORY
+    return least > THRESHOLD
+
+
 class MotionMonitor:
     """Compares the velocity of the robot with its commands."""
 
@@ -102,6 +124,7 @@ class MotionMonitor:
         # Changes nothing; but loads machine code before the robot moves.
         sum_residuals(self._models.velocities, self._models.rates, np.zeros(3), self._ratios,
                       self._sums, 0.0)
+        is_unexplained(self._sums, self._excluded_until, 0.0)
 
     def reset(self) -> None:
         """Begin anew, at whatever velocity the robot has: somebody else has commanded it."""
@@ -143,23 +166,11 @@ class MotionMonitor:
         measured = np.array(twist, dtype=np.float64)
         sum_residuals(self._models.velocities, self._models.rates, measured, self._ratios,
                       self._sums, time - last)
-        is_fault = self._is_unexplained(time)
+        is_fault = is_unexplained(self._sums, self._excluded_until, time)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
         return self._report(twist) if is_fault else None
-
-    def _is_unexplained(self, time: float) -> bool:
-        """Tell whether no model explains the motion, and note which do not while another does."""
-        counts = self._excluded_until <= time
-        least = self._sums[counts].min()
-        if least > THRESHOLD:
-            # The base may have changed, as one that has started again.
-            self._excluded_until[:] = -math.inf
-            return True
-        if least < HOLDING_SUM:
-            self._excluded_until[self._sums > THRESHOLD] = time + MEMORY
-        return False
 
     def _report(self, twist: Twist) -> SafetyReport:
         """Say what the robot does in place of what it should, by the model that is nearest."""
