@@ -22,8 +22,8 @@ from push_model.signals import ObjectPose, Odometry
 # the first one may have been somebody else.
 UNEXPLAINED_MOVES = 2
 # Standard deviations (x, y, heading) of a robot that is localized by such a move [m, m, rad];
-# chosen: about a radius, and a heading about which it says nothing.
-BEHIND_OBJECT_STD = (0.15, 0.15, 1.0)
+# chosen: about a radius, and what a heading errs by that has led there.
+BEHIND_OBJECT_STD = (0.15, 0.15, 0.4)
 # Steps of the search for the contact behind an object; chosen: each one leaves less than half of
 # the distance, so that 12 leave below a millimetre.
 TRACE_STEPS = 12
@@ -39,6 +39,12 @@ MAX_OUTLIER_RATIO = 1.0 / 3.0
 # noticed and until it stands.
 JUMP_STD = 0.03, 0.03
 DISTRUST_STD = 0.08, 0.05
+# Motion of an object at rest that shows a push too short to be seen at once, in standard errors;
+# pushes in a row without any from which on the robot is elsewhere, and the standard deviations
+# that each of them adds to its position [m] and heading [rad]; chosen: one may end too early.
+PUSHED_SIGMAS = 3.0
+VAIN_PUSHES = 2
+VAIN_STD = 0.05, 0.1
 # Time for which a displacement of the object explains that it is elsewhere [s]; chosen: a plan is
 # made meanwhile.
 DISPLACED_TIME = 2.0
@@ -234,6 +240,10 @@ class TaskPerception:
         self._is_outlier = False
         self._observation: Observation | None = None
         self._unexplained_moves = 0
+        # Pose of the object before a push that has not been seen to move it, and how many in a row
+        # did not.
+        self._pose_before_push: Pose | None = None
+        self._vain_pushes = 0
         # Motions of the object that are not the robot's: time of the last one, and what was
         # estimated of the robot before it.
         self._displacements = DisplacementWatch()
@@ -461,7 +471,34 @@ class TaskPerception:
 
     def on_push_succeeded(self) -> None:
         """Note that a push went well, so that the robot is where it is estimated to be."""
-        self._unexplained_moves = 0
+        self._unexplained_moves = self._vain_pushes = 0
+
+    def on_push_unseen(self, before: Pose) -> None:
+        """
+        Note that a push has ended as planned before the object was seen to move.
+
+        :param before: ``Pose`` of the object before it.
+        """
+        self._pose_before_push = before
+
+    def judge_push(self) -> None:
+        """Doubt the place of a robot whose pushes do not move the object, which is at rest."""
+        before, self._pose_before_push = self._pose_before_push, None
+        if before is None:
+            return
+        found = self.object_at_rest
+        if (distance(found.pose, before) > PUSHED_SIGMAS * found.position_error
+                or abs(wrap_angle(found.pose.theta - before.theta))
+                > PUSHED_SIGMAS * found.heading_error):
+            self._vain_pushes = 0
+        else:
+            self.on_push_in_vain()
+
+    def on_push_in_vain(self) -> None:
+        """Note that a push has not moved the object: after some, the robot is elsewhere."""
+        self._vain_pushes += 1
+        if self._vain_pushes >= VAIN_PUSHES:
+            self.localization.inflate_covariance(*VAIN_STD)
 
     def on_object_moved(self, obj: PushedObject, robot: RoundRobot, before: Pose) -> None:
         """

@@ -48,6 +48,13 @@ MOVED_SIGMAS = 4.0
 # Standard deviation that a miss adds to the robot's position [m] and heading [rad]; chosen.
 MISS_STD = 0.03
 MISS_HEADING_STD = 0.03
+# Standard deviation of the robot's position above which a push does not rest on what the ensemble
+# expects until the object moves [m]; chosen: a robot that has only driven round the object is
+# known better.
+LOST_STD = 0.05
+# Distance by which the object has moved before the ensemble has the robot touch it at which the
+# robot is elsewhere [m]; chosen: above what is pushed while a pose is under way.
+UNEXPECTED_DISTANCE = 0.05
 # Time between two choices of the arc [s]; chosen: two periods of the object pose.
 STEERING_PERIOD = 0.1
 # Least distance left in which the arc still changes [m], and the longest that is looked ahead.
@@ -212,19 +219,23 @@ class PrimitivePush(Behavior):
                              or progress.stage_time >= MAX_STOPPING_TIME)
             if self.finished and progress.has_moved:
                 perception.on_push_succeeded()
+            elif self.finished:
+                perception.on_push_unseen(progress.start)
             return STOP
         limit = EXCESS_DISTANCE + EXCESS_RATIO * self._line.length
         if progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED:
             return self._stop()
         if progress.stage is _Stage.RUN_IN:
-            return self._run_in()
+            if progress.moved_distance > UNEXPECTED_DISTANCE and not perception.was_displaced:
+                return self._miss_touch(perception)
+            return self._run_in(perception)
         ensemble = self._ensemble
         if self._guard is not None and self._guard.is_close(ensemble.object_pose, ensemble.pose,
                                                             dt):
             return self._stop()
-        return self._push()
+        return self._push(perception)
 
-    def _run_in(self) -> Twist:
+    def _run_in(self, perception: TaskPerception) -> Twist:
         """Drive to the contact along the line of the push."""
         progress, ensemble = self._progress, self._ensemble
         pose, object_pose = ensemble.pose, ensemble.object_pose
@@ -234,9 +245,9 @@ class PrimitivePush(Behavior):
         deviation = ensemble.position_deviation
         if ensemble.contact_ratio > 0.5:
             progress.enter(_Stage.PUSHING)
-            return self._push()
+            return self._push(perception)
         if local[0] > MISS_DISTANCE + MISS_SIGMAS * deviation:
-            return self._miss('the robot does not find the object')
+            return self._miss(perception, 'the robot does not find the object')
         speed = self._touch_speed
         rest = max(0.0, gap - 2.0 * deviation - TOUCH_MARGIN)
         speed = math.sqrt(speed ** 2 + 2.0 * APPROACH_DECELERATION * self._robot.max_acceleration
@@ -256,10 +267,11 @@ class PrimitivePush(Behavior):
         # ``heading`` is that of the robot relative to the line.
         return _moving(speed, aside - heading, 0.0)
 
-    def _push(self) -> Twist:
+    def _push(self, perception: TaskPerception) -> Twist:
         """Go on along the best arc, or stop."""
         progress, robot = self._progress, self._robot
         direction = self._direction()
+        is_lost = not progress.has_moved and self._ensemble.position_deviation > LOST_STD
         if progress.has_moved and progress.steering_time >= STEERING_PERIOD:
             progress.steering_time = 0.0
             horizon = min(HORIZON, 1.3 * progress.left + 0.12)
@@ -268,14 +280,18 @@ class PrimitivePush(Behavior):
                                            direction)
                 progress.curvature = decision.curvature
                 progress.left = decision.stopping_distance
-        if progress.left <= LEAST_STEERED + 0.05 or not progress.has_moved:
+        if is_lost:
+            # Where the touch is expected tells little: the object itself has to show it.
+            progress.left = self._line.length
+        elif progress.left <= LEAST_STEERED + 0.05 or not progress.has_moved:
             horizon = max(0.05, progress.left + 0.05)
             progress.left = self._law.stop(progress.curvature, horizon,
                                            direction).stopping_distance
         if not progress.has_moved and progress.pushed - progress.unseen_distance > (
                 MISS_DISTANCE + MISS_SIGMAS * self._ensemble.position_deviation):
-            return self._miss('the object does not move')
-        if progress.left <= braking_distance(robot, progress.speed) + 0.01 * progress.speed:
+            return self._miss(perception, 'the object does not move')
+        braking = braking_distance(robot, progress.speed) + 0.01 * progress.speed
+        if progress.left <= braking and not is_lost:
             return self._stop()
         # No faster before the object is seen to move: the touch may be a wall.
         speed = ending_speed(self._speed if progress.has_moved else self._touch_speed,
@@ -299,10 +315,17 @@ class PrimitivePush(Behavior):
         self._progress.enter(_Stage.STOPPING)
         return STOP
 
-    def _miss(self, reason: str) -> Twist:
+    def _miss_touch(self, perception: TaskPerception) -> Twist:
+        """Give up, as the object moves although the robot should not touch it yet."""
+        command = self._miss(perception, 'the robot touches the object before it should')
+        perception.on_object_moved(self._obj, self._robot, self._progress.start)
+        return command
+
+    def _miss(self, perception: TaskPerception, reason: str) -> Twist:
         """Give up, as the robot is not where it is estimated to be."""
         # What was inferred from a contact that there was not is wrong.
         self._ensemble.restore_robot(self._memory, MISS_STD, MISS_HEADING_STD)
+        perception.on_push_in_vain()
         self.failure_reason = reason
         return STOP
 
@@ -325,7 +348,10 @@ class _Progress:
         self.left = line.length
         self.has_moved = False
         self.direction: float | None = None
-        self._start: Pose | None = None
+        # Pose of the object at the beginning, and how far it has moved from it [m].
+        self.start = Pose(0.0, 0.0, 0.0)
+        self.moved_distance = 0.0
+        self._has_start = False
 
     def enter(self, stage: _Stage) -> None:
         self.stage = stage
@@ -340,12 +366,13 @@ class _Progress:
         self.speed = math.hypot(odometry.twist.v_x, odometry.twist.v_y)
         self.unseen_distance = self.speed * max(0.0, perception.time - perception.object_pose.time)
         measured = perception.object_pose.pose
-        if self._start is None:
-            self._start = perception.object_at_rest.pose
+        if not self._has_start:
+            self.start, self._has_start = perception.object_at_rest.pose, True
+        self.moved_distance = distance(measured, self.start)
         if not self.has_moved:
             self.has_moved = (
-                distance(measured, self._start) > self._moved_distance
-                or abs(wrap_angle(measured.theta - self._start.theta)) > self._moved_angle)
+                self.moved_distance > self._moved_distance
+                or abs(wrap_angle(measured.theta - self.start.theta)) > self._moved_angle)
         if self.stage is _Stage.PUSHING:
             self.pushed += self.speed * dt
             self.left = max(0.0, self.left - self.speed * dt)

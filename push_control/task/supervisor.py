@@ -480,6 +480,7 @@ class Supervisor:
             return
         if self._goal is None:
             return
+        perception.judge_push()
         object_at_rest = perception.object_at_rest
         if distance(object_at_rest.pose, self._goal) > MAX_GOAL_DISTANCE:
             self._fail(TaskFailure.NO_PLAN,

@@ -145,6 +145,28 @@ def test_single_outliers_do_not_move_an_object_at_rest():
     assert perception.object_at_rest.pose == pytest.approx(ORIGIN, abs=1e-3)
 
 
+def test_pushes_that_do_not_move_the_object_put_the_robot_in_doubt():
+    """From the second in a row on; one that moves it by two millimetres is none."""
+    robot_pose = Pose(-0.5, 0.1, 0.3)
+    perception = seen(box(), robot_pose, ORIGIN, 0.0)
+
+    def deviation_after(push):
+        perception.on_push_unseen(perception.object_at_rest.pose)
+        perception.restart_averaging(perception.time)
+        look(perception, robot_pose, push, 20)
+        perception.judge_push()
+        return perception.localization.position_deviation
+    certain = perception.localization.position_deviation
+    moved = Pose(0.002, 0.0, 0.0)
+    for pose in (ORIGIN, moved, moved, ORIGIN, ORIGIN):
+        assert deviation_after(pose) == pytest.approx(certain, abs=1e-3)
+    assert deviation_after(ORIGIN) > 0.03
+    # Nothing was pushed since.
+    before = perception.localization.position_deviation
+    perception.judge_push()
+    assert perception.localization.position_deviation == before
+
+
 def test_odometry_that_means_more_than_the_robot_moves_is_named():
     """By what the contacts have shown; a scale within its deviation is none."""
     perception = seen(box(), Pose(-1.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0), 0.0)

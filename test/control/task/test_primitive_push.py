@@ -179,6 +179,17 @@ def test_a_robot_that_is_not_at_the_object_gives_up(drive):
     assert course.simulation.truth.object_pose == HOME
 
 
+def test_a_robot_that_touches_before_it_should_does_not_push_on():
+    """It says so after some centimetres, and knows less about where it is."""
+    target = unsteered_push(box(), MIDDLE, 0.1)
+    course = act(target, backed_off(MIDDLE, 0.4), error=Pose(0.2, 0.0, 0.0))
+    assert 'before it should' in course.behavior.failure_reason
+    assert course.commands[-1] == STOP
+    assert 0.04 < course.simulation.truth.object_pose.x < 0.12
+    localization = course.perception.localization
+    assert localization.position_deviation > course.first_deviation + 0.02
+
+
 @pytest.mark.parametrize('moment', [0.1, 1.4])
 def test_a_pause_ends_the_push(moment):
     """Before the contact or in it, the robot stands from then on."""
