@@ -26,15 +26,18 @@ class PushSolver:
         self._dimensions = dimensions
         self._method = InteriorPointMethod(dimensions)
 
-    def solve(self, formulation: Formulation, guess: Solution) -> SolveResult:
+    def solve(self, formulation: Formulation, guess: Solution,
+              is_near: bool = False) -> SolveResult:
         """
         Solve the program.
 
         :param formulation: ``Formulation`` of these dimensions.
         :param guess: ``Solution`` to start from.
+        :param is_near: whether the guess is a solution of much the same program.
         """
-        found = self._method.solve(formulation.common, formulation.steps,
-                                   _bounds(formulation.bounds), guess.column(self._dimensions))
+        found = self._method.solve(
+            formulation.common, formulation.steps, _bounds(formulation.bounds),
+            guess.column(self._dimensions), is_near=is_near)
         if found.column is None:
             return SolveResult(None, found.iterations, PlanFailure.NOT_CONVERGED, 'not solved')
         return SolveResult(Solution.of_column(found.column, self._dimensions), found.iterations)

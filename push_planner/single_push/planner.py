@@ -22,7 +22,7 @@ from push_planner.collocation.nlp_solver import Solution
 from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import is_fast, routes, tightest_turns, TurnPair
 from push_planner.initial_guess.first_guess import Route
-from push_planner.initial_guess.previous_plan import previous_route
+from push_planner.initial_guess.previous_plan import previous_route, PreviousRoute
 from push_planner.integration.refinement import refine, RefinedPush
 from push_planner.integration.rollout import Rollout
 from push_planner.integration.trajectory import build_report, find_switches, sample_trajectory
@@ -330,8 +330,10 @@ class RouteSearch:
         self._log.solves += 1
         formulation, guess = formulate(self._problem, route, refined_mesh)
         solver = push_solver(formulation.dimensions)
-        solve = solver.solve_relaxed if relaxed else solver.solve
-        result = solve(formulation, guess)
+        if relaxed:
+            result = solver.solve_relaxed(formulation, guess)
+        else:
+            result = solver.solve(formulation, guess, isinstance(route, PreviousRoute))
         if result.solution is None:
             self._log.attempts.append(Attempt(route.name, route.path_length, result.verdict,
                                               result.failure, relaxed))
