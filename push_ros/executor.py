@@ -95,7 +95,7 @@ class PolledNode(Node, abc.ABC):
     """
 
     background: BackgroundGroup
-    real_time_subscriptions: Sequence[Subscription]
+    real_time_subscriptions: list[Subscription]
 
     @property
     def wake_time(self) -> float:

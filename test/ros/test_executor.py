@@ -3,9 +3,16 @@
 import signal
 import subprocess
 import sys
+import time
 
-from push_ros.executor import BAD_PARAMETER, run
+from push_ros.executor import BAD_PARAMETER, MessageWaiter, run, take_message
+from push_ros.qos import LATCHED
+from push_scenario.dds.processes import private_domain
+from push_scenario.dds.replay_client import local_discovery
 import pytest
+import rclpy
+from rclpy.context import Context
+from std_msgs.msg import Float64
 
 pytestmark = pytest.mark.dds
 
@@ -17,7 +24,7 @@ from push_ros.executor import BackgroundGroup, PolledNode, run
 
 
 class Busy(PolledNode):
-    real_time_subscriptions = ()
+    real_time_subscriptions = []
 
     def __init__(self):
         super().__init__('busy')
@@ -100,3 +107,30 @@ def test_a_signal_within_a_callback_of_a_library_interrupts_too():
     ended = subprocess.run([sys.executable, '-c', CALLED_BACK], stdin=subprocess.DEVNULL,
                            text=True, capture_output=True, timeout=400.0)
     assert (ended.returncode, ended.stderr) == (0, '')
+
+
+def test_a_wait_ends_with_a_message_of_any_subscription():
+    """Whatever their number, and with the time where none comes."""
+    with private_domain() as domain, local_discovery():
+        context = Context()
+        rclpy.init(args=[], context=context, domain_id=domain)
+        node = rclpy.create_node('waits', context=context)
+        try:
+            publishers = [node.create_publisher(Float64, name, LATCHED) for name in 'ab']
+            # Taken here, as no executor spins the node.
+            first, second = (node.create_subscription(Float64, name, lambda _: None, LATCHED)
+                             for name in 'ab')
+            waiter = MessageWaiter(context)
+            waiter.wait([first], 0.01)
+            assert take_message(first) is None
+            for subscriptions, number in (([first], 0), ([first, second], 1), ([second], 1)):
+                sent = Float64(data=float(number))
+                publishers[number].publish(sent)
+                received, end = None, time.monotonic() + 60.0
+                while received is None and time.monotonic() < end:
+                    waiter.wait(subscriptions, 60.0)
+                    received = take_message(subscriptions[-1])
+                assert received == sent
+        finally:
+            node.destroy_node()
+            rclpy.shutdown(context=context)
