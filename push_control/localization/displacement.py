@@ -52,6 +52,11 @@ class DisplacementWatch:
         self._driven = 0.0
         self._excursion: _Excursion | None = None
 
+    @property
+    def shift(self) -> Pose | None:
+        """Last displacement, of which the object has not come back: (x, y, heading), or None."""
+        return None if self._excursion is None else self._excursion.shift
+
     def drive(self, distance: float) -> None:
         """
         Note a motion of the robot.

@@ -422,6 +422,15 @@ class TaskPerception:
                 'motion than there is, as where wheels slip')
 
     @property
+    def pose_doubt(self) -> str:
+        """What is odd about object poses where pushes are in vain; empty where nothing is."""
+        shift = self._displacements.shift
+        if shift is None or self._vain_pushes == 0:
+            return ''
+        return (f'the object poses have jumped by {math.hypot(shift.x, shift.y):.2f} m and '
+                f'{math.degrees(abs(shift.theta)):.0f} deg, and the object is not where they are')
+
+    @property
     def was_displaced(self) -> bool:
         """Whether the object has lately moved further than the robot can have pushed it."""
         return self.time - self._displaced_at < DISPLACED_TIME

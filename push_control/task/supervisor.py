@@ -508,10 +508,11 @@ class Supervisor:
             self._pending = _PendingRequest(request, now)
 
     def _abort(self) -> None:
-        """Give the task up for want of progress, and say what odometry may have to do with it."""
+        """Give the task up for want of progress, and say what measurements have to do with it."""
         reason, failure = self._progress.abort_reason, self._progress.failure
-        if failure is TaskFailure.NO_PROGRESS and self._perception.odometry_doubt:
-            reason += f'; {self._perception.odometry_doubt}'
+        doubts = self._perception.pose_doubt, self._perception.odometry_doubt
+        if failure is TaskFailure.NO_PROGRESS:
+            reason = '; '.join([reason, *filter(None, doubts)])
         self._enter(TaskState.FAILED, reason)
         self._entered = dataclasses.replace(self._entered, failure=failure)
 

@@ -167,6 +167,18 @@ def test_pushes_that_do_not_move_the_object_put_the_robot_in_doubt():
     assert perception.localization.position_deviation == before
 
 
+def test_poses_that_have_jumped_to_where_no_push_finds_the_object_are_named():
+    """Until they are back."""
+    robot_pose = Pose(-0.5, 0.1, 0.3)
+    perception = seen(box(), robot_pose, ORIGIN, 0.0)
+    look(perception, robot_pose, Pose(0.3, 0.0, 0.5), 10)
+    assert perception.pose_doubt == ''
+    perception.on_push_in_vain()
+    assert 'have jumped by 0.30 m and 29 deg' in perception.pose_doubt
+    look(perception, robot_pose, ORIGIN, 10)
+    assert perception.pose_doubt == ''
+
+
 def test_odometry_that_means_more_than_the_robot_moves_is_named():
     """By what the contacts have shown; a scale within its deviation is none."""
     perception = seen(box(), Pose(-1.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0), 0.0)
