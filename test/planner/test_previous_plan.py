@@ -79,3 +79,13 @@ def test_another_contact_has_no_use_for_it(former, contact):
 
 def test_next_to_nothing_is_not_worth_it(former):
     assert previous_route(from_sample(former, -1), former) is None
+
+
+def test_a_goal_that_moved_takes_fewer_iterations(former):
+    """From the previous plan, and ends in the same push."""
+    goal = former.problem.goal @ Pose(0.03, -0.02, 0.03)
+    moved = dataclasses.replace(former.problem, goal=goal)
+    again, anew = plan_push(moved, former), plan_push(moved)
+    assert again.report['route'] == 'previous plan'
+    assert again.report['iterations'] < anew.report['iterations']
+    assert again.trajectory.duration == pytest.approx(anew.trajectory.duration, rel=1e-3)
