@@ -102,6 +102,9 @@ class PushedObject:
         if self.inertia == 0.0:
             object.__setattr__(self, 'inertia',
                                plate_inertia(self.mass, self.outline, self.radius))
+        if not self.inertia > 0.0:
+            raise ValueError(f'PushedObject.mass: got {self.mass:g} kg, expected one with which '
+                             'the moment of inertia is above 0')
         # Refuses supports that do not balance the object.
         _support_load_fractions(self.supports, self.center_of_mass)
 

@@ -180,13 +180,22 @@ def _choice(value: Any, kind: type, metadata: Mapping[str, Any]) -> Any:
     return value
 
 
+def _converted(value: Any, kind: type) -> Any:
+    """Convert a number that is neither infinite nor too large for it."""
+    if isinstance(value, (bool, str)) or not hasattr(value, '__float__'):
+        raise _Refused
+    try:
+        converted = kind(value)
+    except (OverflowError, TypeError, ValueError):
+        raise _Refused from None
+    if kind is int and converted != value:
+        raise _Refused
+    return converted
+
+
 def _number(value: Any, kind: type, metadata: Mapping[str, Any]) -> float:
     if type(value) is not kind:
-        if isinstance(value, (bool, str)) or not hasattr(value, '__float__'):
-            raise _Refused
-        if kind is int and int(value) != value:
-            raise _Refused
-        value = kind(value)
+        value = _converted(value, kind)
     above = metadata['above']
     inside = metadata['low'] <= value <= metadata['high'] and (above is None or value > above)
     finite = math.isfinite(value) or (metadata.get('infinite') and not math.isnan(value))

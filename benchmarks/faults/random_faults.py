@@ -147,7 +147,7 @@ def _scenario(task: str) -> Scenario:
 
 
 def _recession(record: Record, start: float) -> float:
-    goal = record.scenario.goal.pose
+    goal = record.scenario.final_goal
     poses = np.array(record.tape.poses('object'))[record.tape['time'] >= start]
     distances = np.hypot(poses[:, 0] - goal.x, poses[:, 1] - goal.y)
     return float(distances.max() - distances[0]) if len(distances) else 0.0

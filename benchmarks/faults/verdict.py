@@ -115,7 +115,7 @@ def is_truly_done(record: Record, fault: Fault | None = None) -> bool:
     """
     scenario = record.scenario
     settings = scenario.control if scenario.task is None else scenario.task.supervision
-    object_pose, goal = Pose(*record.tape.poses('object')[-1]), scenario.goal.pose
+    object_pose, goal = Pose(*record.tape.poses('object')[-1]), scenario.final_goal
     if fault is not None and not fault.is_temporary and (
             fault.input is Input.POSE and fault.word is Word.WRONG):
         object_pose = Pose(object_pose.x + OFFSET.x, object_pose.y, object_pose.theta

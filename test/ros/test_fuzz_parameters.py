@@ -45,6 +45,7 @@ def test_parameters_are_taken_or_refused(name, data):
 @settings(STEPS)
 @hypothesis.given(st.integers(3, 40), st.integers(1, 30), st.floats(0.01, 10.0),
                   st.floats(0.0, 1.0), NUMBERS)
+@hypothesis.example(3, 5, 1.0, 1.0, 5e-324)
 def test_objects_of_any_shape_are_objects_or_refused(count, feet, radius, squash, mass):
     """As numbers of a scan may have it."""
     ring = [(radius * math.cos(math.tau * i / count), squash * radius * math.sin(
