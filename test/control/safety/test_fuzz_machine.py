@@ -1,5 +1,6 @@
 """A supervisor behind the safety layer, with whatever comes in whatever order."""
 
+import functools
 import math
 
 from helpers.fuzzing import hypothesis, settings, st, STEPS, STEPS_PER_EXAMPLE
@@ -20,9 +21,6 @@ PERIOD = 0.05
 SCENARIO = load_scenario('straight_push')
 TASK = load_scenario('task_tap').task
 ROBOT = SCENARIO.robot
-PLAN = plan_push(problem_from_placement(
-    SCENARIO.object, ROBOT, SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose,
-    SCENARIO.planner)).trajectory
 # As messages are read, and what is not finite.
 NUMBERS = st.one_of(st.floats(-3.0, 3.0), st.floats(-1e7, 1e7),
                     st.sampled_from([math.nan, math.inf, -math.inf]))
@@ -30,6 +28,14 @@ POSES = st.builds(Pose, NUMBERS, NUMBERS, NUMBERS)
 SPEEDS = st.one_of(st.floats(-3.0, 3.0), st.floats(-1e3, 1e3),
                    st.sampled_from([math.nan, math.inf]))
 TWISTS = st.builds(Twist, SPEEDS, SPEEDS, SPEEDS)
+
+
+@functools.lru_cache(maxsize=None)
+def trajectory():
+    """Plan the push of the scenario, once."""
+    return plan_push(problem_from_placement(
+        SCENARIO.object, ROBOT, SCENARIO.start.object.pose, SCENARIO.robot_start,
+        SCENARIO.goal.pose, SCENARIO.planner)).trajectory
 
 
 class Machine(RuleBasedStateMachine):
@@ -92,7 +98,7 @@ class Machine(RuleBasedStateMachine):
     def plan(self, is_there):
         """Answer a request, or nobody's."""
         if is_there:
-            self.supervisor.set_plan(PLAN)
+            self.supervisor.set_plan(trajectory())
         else:
             self.supervisor.on_planning_failed(PlanFailure.NOT_CONVERGED, 'there is none')
 
