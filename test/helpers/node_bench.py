@@ -33,7 +33,8 @@ class Bench:
     One node in its own process, and a node here that talks to it.
 
     ``received``: dict of topics to the messages that have come. ``base``: time from which the
-    times of all methods are counted [s]. ``is_lockstep``: whether commands have the stamps of the
+    times of all methods are counted [s]. ``latest``: newest time that was measured at [s].
+    ``is_lockstep``: whether commands have the stamps of the
     measurements that they answer.
 
     :param processes: ``NodeProcesses``.
@@ -47,7 +48,7 @@ class Bench:
         self.node = node
         self.executor = executor
         self._folder = folder
-        self.base = 0.0
+        self.base = self.latest = 0.0
         self.is_lockstep = True
         self.received = {}
         self._publishers = {}
@@ -179,6 +180,7 @@ class Bench:
         """Publish a measurement, best effort, until a command answers it."""
         commands = self.received['cmd_vel']
         count, sent = len(commands), [-math.inf]
+        self.latest = max(self.latest, 1e-9 * nanoseconds(message.header.stamp))
 
         def answers():
             if time.monotonic() > sent[-1] + ANSWER_WAIT:
