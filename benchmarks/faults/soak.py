@@ -127,8 +127,8 @@ def run_soak(count: int, path: Path, seed: int = 1) -> None:
         client = ReplayClient(domain, True, monitor.on_message, nodes.check)
         try:
             _let_time_run(files[SIM])
-            for node, path in files.items():
-                nodes.start(node, MODULES[node], path)
+            for node, parameters in files.items():
+                nodes.start(node, MODULES[node], parameters)
             client.wait_for(lambda: client.is_connected() and monitor.nodes >= MODULES.keys(),
                             TIMEOUT, 'the nodes to start')
             client.send_goal(Pose(*goals[first].tolist()), Frames().world_frame)
@@ -152,13 +152,14 @@ def _let_time_run(path: Path) -> None:
 def _do_task(goal: Pose, client: ReplayClient, monitor: _Monitor,
              nodes: NodeProcesses) -> SoakTask:
     """Set a goal, and wait until it is reached or given up."""
-    start, began = monitor.time, time.monotonic()
+    # The end of the task before may be later than the clock, which comes now and then.
+    start, began = max(monitor.time, monitor.since), time.monotonic()
     before = {name: cpu_time(nodes.pid(name)) for name in nodes.names}
     client.send_goal(goal, Frames().world_frame)
     client.wait_for(lambda: monitor.state.is_final and monitor.since > start, TIMEOUT,
                     'the end of a task')
     return SoakTask(
-        monitor.state is TaskState.DONE, monitor.reason, monitor.time - start,
+        monitor.state is TaskState.DONE, monitor.reason, monitor.since - start,
         time.monotonic() - began,
         {name: sample(nodes.pid(name), cpu) for name, cpu in before.items()})
 
