@@ -59,7 +59,7 @@ class PushEvent(enum.Enum):
     PATH_TOO_LONG = 'aborted after {travelled:.1f} m, planned: {planned:.1f} m'
     OFF_PATH = (
         'off its path: the object is {lateral:.2f} m beside it, at most {limit:.2f} m')
-    GOAL_MISSED = 'ended {lateral:.0f} mm and {heading:.1f} deg beside the goal'
+    GOAL_MISSED = 'ended {distance:.0f} mm and {heading:.1f} deg beside the goal'
 
     def report(self, **values: Any) -> EventReport:
         """

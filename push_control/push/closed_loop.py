@@ -176,6 +176,8 @@ class ClosedLoopPush(PushExecution):
         :param odometry: ``Odometry`` to process meanwhile, or None.
         """
         self._motion = self._motion._replace(command=STOP, elapsed=0.0)
+        # A robot that was to stop at the goal may have gone on: judged again from where it stands.
+        self._outcome = self._outcome._replace(is_finished=False)
         self._law.reset()
         if odometry is not None:
             self._tracker.add_odometry(odometry)
@@ -192,7 +194,10 @@ class ClosedLoopPush(PushExecution):
         step = self._model.step(now, ahead, self._tracker.site)
         flat_output = step.flat_output(ahead, self._target.goal)
         projection = self._guidance.project(flat_output)
-        if self._tracker.is_contact_lost:
+        if self.finished:
+            self._estimate = _Estimate(ahead, projection)
+            command = STOP
+        elif self._tracker.is_contact_lost:
             self._estimate = _Estimate(ahead, projection)
             command = self._close_gap(step, dt)
         else:
@@ -282,9 +287,10 @@ class ClosedLoopPush(PushExecution):
         again = self._guidance.arrive(flat_output, projection, replan_limits)
         if again is not None:
             return again
-        if self._guidance.is_off(projection):
+        overshoot = max(0.0, flat_output.x)
+        if self._guidance.is_off(projection) or overshoot > self._settings.position_tolerance:
             self._fail(PushEvent.GOAL_MISSED.report(
-                lateral=1e3 * projection.lateral_error,
+                distance=1e3 * math.hypot(overshoot, projection.lateral_error),
                 heading=math.degrees(projection.heading_error)))
         else:
             self._outcome = self._outcome._replace(is_finished=True)

@@ -14,6 +14,7 @@ from push_control.push.execution import plain_status, PushExecution
 from push_control.push.open_loop import OpenLoopPush
 from push_control.push.start import start_fault
 from push_control.push.status import ControllerStatus, Phase
+from push_control.safety.layer import is_standing
 from push_control.safety.status import SafetyReport
 from push_control.settings import ControlSettings
 from push_model.parameters import PushedObject, RoundRobot
@@ -175,7 +176,8 @@ class Controller:
         command = self._push.advance(observation.time, dt)
         if self._push.failure is not None:
             self._state = _State(Phase.FAILED, self._push.failure)
-        elif self._push.finished:
+        elif self._push.finished and (self._law is None
+                                      or is_standing(observation.odometry.twist)):
             self._state = _State(Phase.DONE)
         else:
             self._state = _State(Phase.PUSHING, self._push.notice)

@@ -184,10 +184,7 @@ class SafetyLayer:
 
     def _note_standing(self, odometry: Odometry, is_faulty: bool) -> None:
         """Clear the fault of a robot that has stood for a while."""
-        twist = odometry.twist
-        stands = (math.hypot(twist.v_x, twist.v_y) < STANDING_SPEED
-                  and abs(twist.omega) < STANDING_YAW_RATE)
-        if is_faulty or not stands:
+        if is_faulty or not is_standing(odometry.twist):
             self._standing_since = None
         elif self._standing_since is None:
             self._standing_since = odometry.time
@@ -215,3 +212,13 @@ class SafetyLayer:
             return command
         return Twist(ratio * command.v_x, ratio * sideways,
                      min(yaw_limit, max(-yaw_limit, command.omega)))
+
+
+def is_standing(twist: Twist) -> bool:
+    """
+    Tell whether a robot counts as standing.
+
+    :param twist: ``Twist`` as measured.
+    """
+    return (math.hypot(twist.v_x, twist.v_y) < STANDING_SPEED
+            and abs(twist.omega) < STANDING_YAW_RATE)

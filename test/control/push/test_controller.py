@@ -213,6 +213,31 @@ def test_a_push_that_stays_stopped_is_given_up(recorded):
     assert controller.status.phase is Phase.FAILED and controller.status.reason == str(stop)
 
 
+def test_a_base_that_drives_on_at_the_goal_is_no_success():
+    """The push is not done while the robot moves, and is judged anew where it stands."""
+    case, last, ends, phases = random_case(4), [STOP], [], set()
+    stop = SafetyReason.MOVES_OTHERWISE.report(commanded='', measured='')
+
+    def drive_on(plant, controller, observation):
+        command = controller.step(case.target, observation, 0.0)
+        if command != STOP:
+            last[:] = [command]
+            return
+        if last != [STOP]:
+            ends.append(observation.time)
+            phases.add(controller.status.phase)
+        if ends and observation.time < ends[0] + 2.0:
+            plant.command(last[0])
+            controller.on_safety_report(stop, stop)
+        else:
+            controller.on_safety_report(None, None)
+
+    outcome = run(case, SETTINGS, 4, on_step=drive_on)
+    assert Phase.DONE not in phases
+    assert outcome.status.event is PushEvent.GOAL_MISSED and outcome.status.replan_requested
+    assert outcome.position_error > SETTINGS.position_tolerance
+
+
 @pytest.mark.parametrize('bad', [math.nan, math.inf])
 def test_what_is_not_finite_stops_the_robot_and_leaves_no_trace(recorded, bad):
     """A broken pose or odometry is answered by a stop; afterwards everything is finite."""
