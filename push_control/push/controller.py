@@ -48,13 +48,13 @@ class _SafetyStop(NamedTuple):
     The last stop by the safety layer.
 
     :param report: why it holds the robot, or None where the robot may move.
-    :param count: number of stops of this push.
+    :param stop_count: number of stops of this push.
     :param command: the last one before it.
     :param time: when that was sent [s].
     """
 
     report: SafetyReport | None = None
-    count: int = 0
+    stop_count: int = 0
     command: Twist = STOP
     time: float = 0.0
 
@@ -136,13 +136,13 @@ class Controller:
             return
         if is_new:
             stamps, command = self._answer
-            self._stop = _SafetyStop(stop, self._stop.count + 1, command,
+            self._stop = _SafetyStop(stop, self._stop.stop_count + 1, command,
                                      0.0 if stamps is None else stamps[0])
         if self._law is None:
             self._state = _State(Phase.FAILED, PushEvent.SAFETY_STOP.report(reason=stop))
-        elif self._stop.count >= MAX_SAFETY_STOPS:
+        elif self._stop.stop_count >= MAX_SAFETY_STOPS:
             self._state = _State(Phase.FAILED, PushEvent.STOPPED_TOO_OFTEN.report(
-                count=self._stop.count, reason=stop))
+                count=self._stop.stop_count, reason=stop))
 
     def _continues_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """Change over to a target that starts at the present push, if it does."""

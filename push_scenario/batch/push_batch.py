@@ -79,8 +79,8 @@ class PushBatchResult:
 
     def refusals(self) -> dict[int, str]:
         """List the cases that were refused: number and reason."""
-        refused = np.flatnonzero(self.rows['end'] == CaseEnd.REFUSED)
-        return {int(case): refusal(self.push, self.rows[case]) for case in refused}
+        refused: list[int] = np.flatnonzero(self.rows['end'] == CaseEnd.REFUSED).tolist()
+        return {case: refusal(self.push, self.rows[case]) for case in refused}
 
 
 @dataclasses.dataclass(frozen=True)
