@@ -98,13 +98,15 @@ def _shown_fields(instance: Any) -> list[tuple[str, Any]]:
 
 def _innermost(function: Any) -> Any:
     """Find the function that partials and instances of dataclasses call."""
-    while not isinstance(function, types.FunctionType):
-        inner = [function.func] if isinstance(function, functools.partial) else [
-            value for _, value in _shown_fields(function) if _is_function(value)]
+    while True:
+        if isinstance(function, functools.partial):
+            function = function.func
+            continue
+        inner = [value for _, value in _shown_fields(function) if _is_function(value)
+                 ] if dataclasses.is_dataclass(function) else []
         if not inner:
-            break
+            return function
         function = inner[0]
-    return function
 
 
 @functools.lru_cache(maxsize=1)
