@@ -273,6 +273,7 @@ class _Rig:
         trajectory = found.trajectory
         answer = to_plan_message(trajectory, stamp, FRAME)
         if not self._is_spoilt(Input.PLAN):
+            self._withheld = False
             self.plans.append(trajectory)
             self._publishers['push_plan'].publish(answer)
             return

@@ -125,8 +125,8 @@ class CommandGate:
         self._warn_of_flip()
         fault = self._layer.observe(observation.odometry)
         self._mode.on_safety_report(fault, self._layer.report)
-        sent = self._layer.filter(self._mode.step(observation, dt), observation.time)
-        return sent if self._is_odometry_fresh else STOP
+        command = self._mode.step(observation, dt)
+        return self._layer.filter(command if self._is_odometry_fresh else STOP, observation.time)
 
     @property
     def _is_odometry_fresh(self) -> bool:
