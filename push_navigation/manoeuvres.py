@@ -129,6 +129,46 @@ class Manoeuvring(NamedTuple):
     reverse_limit: float
 
 
+class Circle(NamedTuple):
+    """
+    Circle on which the robot moves; a turn in place has no radius.
+
+    :param x: of its centre [m].
+    :param y: of its centre [m].
+    :param radius: signed: positive where it is left round [m].
+    """
+
+    x: float
+    y: float
+    radius: float
+
+
+class Tangent(NamedTuple):
+    """
+    Straight line between two circles.
+
+    :param direction: of motion [rad].
+    :param length: [m]; -1 where there is none.
+    """
+
+    direction: float
+    length: float
+
+
+class Tour(NamedTuple):
+    """
+    Corners of the object that the robot passes.
+
+    :param first: number of the first one.
+    :param count: of corners; 0 where it need not go round the object, -1 where it cannot.
+    :param step: from one number to the next: 1 counter-clockwise, -1 clockwise.
+    """
+
+    first: int
+    count: int
+    step: int
+
+
 @compiled
 def wrapped(angle: float) -> float:
     """
@@ -208,46 +248,107 @@ def append(segments: Any, count: int, kind: int, begin: tuple[float, float, floa
 
 
 @compiled
-def first_corner(given: Manoeuvring, x: float, y: float, radius: float, side: float) -> int:
+def circle_of(pose: tuple[float, float, float], radius: float) -> Circle:
+    """
+    Find the circle on which the robot moves on.
+
+    :param pose: (x, y, direction of motion).
+    :param radius: signed [m].
+    """
+    return Circle(pose[0] - radius * math.sin(pose[2]), pose[1] + radius * math.cos(pose[2]),
+                  radius)
+
+
+@compiled
+def point_on(circle: Circle, direction: float) -> tuple[float, float]:
+    """
+    Find where the robot is on a circle as it moves in a direction.
+
+    :param circle: ``Circle``.
+    :param direction: of motion [rad].
+    :return: (x, y) [m].
+    """
+    return (circle.x + circle.radius * math.sin(direction),
+            circle.y - circle.radius * math.cos(direction))
+
+
+@compiled
+def common_tangent(begin: Circle, end: Circle) -> Tangent:
+    """
+    Find the straight line that leads from one circle to another.
+
+    :param begin: ``Circle`` that it leaves.
+    :param end: ``Circle`` that it leads to.
+    :return: ``Tangent``, of length -1 where one circle is inside the other.
+    """
+    to_x, to_y = end.x - begin.x, end.y - begin.y
+    growth = end.radius - begin.radius
+    squared = to_x * to_x + to_y * to_y - growth * growth
+    if not squared > 0.0:
+        return Tangent(0.0, -1.0)
+    length = math.sqrt(squared)
+    return Tangent(math.atan2(to_y, to_x) - math.atan2(growth, length), length)
+
+
+@compiled
+def corner_circle(given: Manoeuvring, number: int, side: float) -> Circle:
+    """
+    Return the circle on which the robot rounds a corner of the object.
+
+    :param given: ``Manoeuvring``.
+    :param number: of the corner.
+    :param side: of the tour.
+    """
+    return Circle(given.corners[number, 0], given.corners[number, 1],
+                  side * (given.contact_radius + given.clearance))
+
+
+@compiled
+def first_corner(given: Manoeuvring, circle: Circle, side: float) -> int:
     """
     Find the corner that a tour round the object meets first.
 
     :param given: ``Manoeuvring``.
-    :param x: of the centre of the first curve [m].
-    :param y: of the centre of the first curve [m].
-    :param radius: of the first curve, signed [m].
+    :param circle: ``Circle`` of the first curve.
     :param side: of the tour.
     :return: number of the corner, -1 where the curve overlaps with one.
     """
-    corners = given.corners
-    reach = side * (given.contact_radius + given.clearance) - radius
-    ahead, found, best = 0.0, -1, math.inf
-    for i in range(len(corners)):
-        to_x, to_y = corners[i, 0] - x, corners[i, 1] - y
-        away = math.hypot(to_x, to_y)
-        if away <= abs(reach):
+    reference, found, least_angle = 0.0, -1, math.inf
+    for i in range(len(given.corners)):
+        corner = corner_circle(given, i, side)
+        to_x, to_y = corner.x - circle.x, corner.y - circle.y
+        growth, away = corner.radius - circle.radius, math.hypot(to_x, to_y)
+        if away <= abs(growth):
             return -1
-        psi = math.atan2(to_y, to_x) - math.asin(reach / away)
+        direction = math.atan2(to_y, to_x) - math.asin(growth / away)
         if i == 0:
-            ahead = psi
-        turned = side * wrapped(psi - ahead)
-        if turned < best:
-            found, best = i, turned
+            reference = direction
+        angle = side * wrapped(direction - reference)
+        if angle < least_angle:
+            found, least_angle = i, angle
     return found
 
 
 @compiled
-def tangent_length(given: Manoeuvring, to_x: float, to_y: float, reach: float) -> float:
+def tour_between(given: Manoeuvring, first: Circle, last: Circle, side: float) -> Tour:
     """
-    Compute the length of a common tangent, -1 where there is none.
+    Find the corners that a tour passes.
 
     :param given: ``Manoeuvring``.
-    :param to_x: from centre to centre [m].
-    :param to_y: from centre to centre [m].
-    :param reach: difference of the signed radii [m].
+    :param first: ``Circle`` of the first curve.
+    :param last: ``Circle`` of the last curve.
+    :param side: of the tour, 0 for none.
+    :return: ``Tour``, with a count of -1 where a curve overlaps with a corner.
     """
-    squared = to_x * to_x + to_y * to_y - reach * reach
-    return math.sqrt(squared) if squared > 0.0 else -1.0
+    if side == 0.0:
+        return Tour(0, 0, 1)
+    step = 1 if side > 0.0 else -1
+    begin = first_corner(given, first, side)
+    # Seen from the other end, the tour goes round the other side.
+    end = first_corner(given, Circle(last.x, last.y, -last.radius), -side)
+    if begin < 0 or end < 0:
+        return Tour(0, -1, step)
+    return Tour(begin, (step * (end - begin)) % len(given.corners) + 1, step)
 
 
 @compiled
@@ -281,59 +382,37 @@ def lay_tour(given: Manoeuvring, manoeuvre: Any, segments: Any, count: int,
     :param last: (x, y, direction of motion) at the beginning of the arrival.
     :return: count of segments now, 0 where there is no such tour.
     """
-    corners, side = given.corners, manoeuvre[SIDE]
-    x, y, direction = first
+    side = manoeuvre[SIDE]
     reverses = 1.0 if manoeuvre[GEAR] < 0.0 else 0.0
-    radius, last_radius = manoeuvre[FIRST_RADIUS], manoeuvre[LAST_RADIUS]
-    center_x = x - radius * math.sin(direction)
-    center_y = y + radius * math.cos(direction)
-    last_x = last[0] - last_radius * math.sin(last[2])
-    last_y = last[1] + last_radius * math.cos(last[2])
-    corner, left = 0, 0
-    if side != 0.0:
-        corner = first_corner(given, center_x, center_y, radius, side)
-        # Seen from the other end, the tour goes round the other side.
-        end = first_corner(given, last_x, last_y, -last_radius, -side)
-        if corner < 0 or end < 0:
+    circle = circle_of(first, manoeuvre[FIRST_RADIUS])
+    last_circle = circle_of(last, manoeuvre[LAST_RADIUS])
+    tour = tour_between(given, circle, last_circle, side)
+    if tour.count < 0:
+        return 0
+    x, y, direction = first
+    for passed in range(tour.count + 1):
+        following = last_circle
+        if passed < tour.count:
+            corner = (tour.first + tour.step * passed) % len(given.corners)
+            following = corner_circle(given, corner, side)
+        tangent = common_tangent(circle, following)
+        angle = curve_angle(direction, tangent.direction, circle.radius)
+        if tangent.length < 0.0 or abs(angle) > LONGEST_ARC:
             return 0
-        step = 1 if side > 0.0 else -1
-        left = (step * (end - corner)) % len(corners) + 1
-    kind = CURVES
-    while True:
-        next_x, next_y, next_radius = last_x, last_y, last_radius
-        if left > 0:
-            next_x, next_y = corners[corner, 0], corners[corner, 1]
-            next_radius = side * (given.contact_radius + given.clearance)
-        to_x, to_y = next_x - center_x, next_y - center_y
-        reach = next_radius - radius
-        length = tangent_length(given, to_x, to_y, reach)
-        if length < 0.0:
-            return 0
-        psi = math.atan2(to_y, to_x) - math.atan2(reach, length)
-        angle = curve_angle(direction, psi, radius)
-        if abs(angle) > LONGEST_ARC:
-            return 0
-        count = append(segments, count, kind, (x, y, direction), (abs(radius * angle), angle),
-                       reverses)
-        x = center_x + radius * math.sin(psi)
-        y = center_y - radius * math.cos(psi)
-        # Between corners it keeps the clearance by construction.
-        between = kind == TOURS and left > 0
-        count = append(segments, count, TOURS if between else KEEPS_OFF, (x, y, psi),
-                       (length, 0.0), reverses)
-        x, y = next_x + next_radius * math.sin(psi), next_y - next_radius * math.cos(psi)
-        direction, radius = psi, next_radius
-        center_x, center_y = next_x, next_y
-        if left == 0:
-            break
-        kind = TOURS
-        corner = (corner + (1 if side > 0.0 else -1)) % len(corners)
-        left -= 1
-    angle = curve_angle(direction, last[2], radius)
+        count = append(segments, count, TOURS if passed > 0 else CURVES, (x, y, direction),
+                       (abs(circle.radius * angle), angle), reverses)
+        x, y = point_on(circle, tangent.direction)
+        # Between two corners it keeps the clearance by construction.
+        is_between = 0 < passed < tour.count
+        count = append(segments, count, TOURS if is_between else KEEPS_OFF,
+                       (x, y, tangent.direction), (tangent.length, 0.0), reverses)
+        x, y = point_on(following, tangent.direction)
+        direction, circle = tangent.direction, following
+    angle = curve_angle(direction, last[2], circle.radius)
     if abs(angle) > LONGEST_ARC:
         return 0
-    return append(segments, count, CURVES, (x, y, direction), (abs(radius * angle), angle),
-                  reverses)
+    return append(segments, count, CURVES, (x, y, direction),
+                  (abs(circle.radius * angle), angle), reverses)
 
 
 @compiled

@@ -211,7 +211,11 @@ def interpolate_cost(values: Any, distances: Any, headings: Any, x: float, y: fl
 
 @compiled
 def wrapped(angle: float) -> float:
-    """Wrap an angle to [-pi, pi)."""
+    """
+    Wrap an angle to [-pi, pi).
+
+    :param angle: any finite angle [rad].
+    """
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 

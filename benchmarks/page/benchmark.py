@@ -65,12 +65,19 @@ def playing(scenario: str) -> Generator[str, None, None]:
             process.send_signal(signal.SIGINT)
 
 
-def wait_for(driver: Any, condition: str) -> None:
-    """Wait until a JavaScript expression is true."""
-    end = time.monotonic() + PATIENCE
+def wait_for(driver: Any, condition: str, patience: float = PATIENCE) -> None:
+    """
+    Wait until a JavaScript expression is true.
+
+    :param driver: of selenium.
+    :param condition: the expression.
+    :param patience: longest wait [s].
+    :raises TimeoutError: where it is not true by then.
+    """
+    end = time.monotonic() + patience
     while not driver.execute_script(f'return Boolean({condition})'):
         if time.monotonic() > end:
-            raise TimeoutError(f'{condition}: not true after {PATIENCE:g} s')
+            raise TimeoutError(f'{condition}: not true after {patience:g} s')
         time.sleep(0.1)
 
 

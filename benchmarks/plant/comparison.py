@@ -5,6 +5,7 @@ import math
 from typing import Callable, NamedTuple, Sequence
 
 from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, TUNED
+from benchmarks.plant.scenes import ORIGIN, robot_without_lag
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Outline, PushedObject, RoundRobot, Support
 from push_model.signals import Twist
@@ -12,7 +13,6 @@ from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 
 ENGINES = {'default': DEFAULT, 'hard': HARD, 'tuned': TUNED}
-ORIGIN = Pose(0.0, 0.0, 0.0)
 # Shift of the robot's start for the sensitivity [m]; chosen: well above rounding, well below what
 # changes the contact mode.
 SHIFT = 1e-4
@@ -66,8 +66,8 @@ class Push:
 
     @property
     def robot(self) -> RoundRobot:
-        """The ``RoundRobot``: no lag, so that both engines move it the same way."""
-        return RoundRobot(self.radius, 'holonomic', 2.0, 4.0, 2.0, 10.0, 0.0)
+        """The ``RoundRobot``."""
+        return robot_without_lag(self.radius)
 
     @property
     def command(self) -> Twist:

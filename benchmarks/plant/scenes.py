@@ -19,6 +19,16 @@ LEVER = 0.2
 Commands = tuple[tuple[float, Twist], ...]
 
 
+def robot_without_lag(radius: float) -> RoundRobot:
+    """
+    Make a robot that two engines move the same way: it ramps up at 2 m/s^2, without a lag.
+
+    :param radius: [m].
+    """
+    return RoundRobot(radius, 'holonomic', max_speed=2.0, max_yaw_rate=4.0, max_acceleration=2.0,
+                      max_yaw_acceleration=10.0, time_constant=0.0)
+
+
 class MovingObject(Protocol):
     """What a scene moves: the plant, or anything with the same interface."""
 
@@ -64,8 +74,8 @@ class Scene:
 
     @property
     def robot(self) -> RoundRobot:
-        """The ``RoundRobot``: it ramps up at 2 m/s^2."""
-        return RoundRobot(self.radius, 'holonomic', 2.0, 4.0, 2.0, 10.0, 0.0)
+        """The ``RoundRobot``."""
+        return robot_without_lag(self.radius)
 
     @property
     def duration(self) -> float:

@@ -12,7 +12,7 @@ from typing import Any, Callable, get_args, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
-from benchmarks.tasks.intervention import Intervention, INTERVENTIONS
+from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
 )
@@ -208,8 +208,9 @@ def _draw(part: str, kind: str, seed: int) -> Case:
         start, goal = Pose(0.0, 0.0, 0.0), _goal(rng)
     robot_start = _robot_start(true, robot, start, floor, rng)
     if part == DISTURBED:
-        variety = INTERVENTIONS[seed % len(INTERVENTIONS)]
-        intervention = Intervention(variety, rng.uniform(0.0, LATEST),
+        disturbance = list(Disturbance)[seed % len(Disturbance)]
+        variety = disturbance.value
+        intervention = Intervention(disturbance, rng.uniform(0.0, LATEST),
                                     rng.uniform(-math.pi, math.pi))
         begin = rng.uniform(0.0, LATEST)
         dropouts = ((begin, begin + rng.uniform(0.0, LONGEST_DROPOUT)),)

@@ -1,5 +1,6 @@
 """A person who displaces or rotates the object while the robot is at its task."""
 
+from enum import Enum
 import math
 from typing import Optional
 
@@ -8,8 +9,6 @@ from push_model.geometry import Pose
 from push_sim_node.disturbance import ObjectDisplacement
 from push_sim_node.simulation import Simulation
 
-# The texts stand in records.
-INTERVENTIONS = ('shoved by 0.2 m', 'turned by 45 degrees')
 # Displacement [m] and rotation [rad]; chosen: far beyond what the supervisor tolerates.
 DISPLACEMENT = 0.2
 ROTATION = math.radians(45.0)
@@ -17,18 +16,25 @@ ROTATION = math.radians(45.0)
 DIRECTIONS = 8
 
 
+class Disturbance(Enum):
+    """What the person does; the values are the texts of records and reports."""
+
+    DISPLACED = 'displaced by 0.2 m'
+    ROTATED = 'rotated by 45 degrees'
+
+
 class Intervention:
     """
     Move the object once, as soon as the robot does not stand where it would go.
 
-    :param move: one of ``INTERVENTIONS``.
+    :param disturbance: ``Disturbance``.
     :param moment: earliest time [s].
     :param direction: of the displacement, in the object frame [rad]; where the robot stands there
         another is taken. Its sign is that of the rotation.
     """
 
-    def __init__(self, move: str, moment: float, direction: float) -> None:
-        self._move = move
+    def __init__(self, disturbance: Disturbance, moment: float, direction: float) -> None:
+        self._disturbance = disturbance
         self._moment = moment
         self._direction = direction
         self.displacement: Optional[ObjectDisplacement] = None
@@ -53,7 +59,7 @@ class Intervention:
             return
 
     def _displacements(self) -> list[Pose]:
-        if self._move == INTERVENTIONS[1]:
+        if self._disturbance is Disturbance.ROTATED:
             rotation = math.copysign(ROTATION, self._direction)
             return [Pose(0.0, 0.0, rotation), Pose(0.0, 0.0, -rotation)]
         angles = [self._direction + 2.0 * math.pi * number / DIRECTIONS

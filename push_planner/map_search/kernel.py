@@ -29,7 +29,7 @@ from push_planner.map_search.object_distance import DistanceGrid, length_at, UNR
 from push_planner.map_search.priority_queue import push, remove_first
 from push_planner.map_search.robot_reach import fill_reach, needed_gap, path_length
 from push_planner.map_search.scene import clearance, object_clearance
-from push_primitives.cost_to_go import interpolate_cost
+from push_primitives.cost_to_go import interpolate_cost, wrapped
 
 # Numbers of a node: pose of the object, cost [s], place of the robot, length of the last push.
 X, Y, THETA, COST, ROBOT_X, ROBOT_Y, LENGTH = range(7)
@@ -327,12 +327,6 @@ def is_open(floor: Any, query: Any, x: float, y: float) -> bool:
         if clearance(floor, x + part * d_x, y + part * d_y) < needed:
             return False
     return True
-
-
-@compiled
-def wrapped(angle: float) -> float:
-    """Wrap an angle to [-pi, pi)."""
-    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
 @compiled

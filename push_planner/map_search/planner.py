@@ -87,11 +87,6 @@ class MapPlan(NamedTuple):
     later: KeptSequence
     expansions: int = 0
 
-    @property
-    def later_poses(self) -> tuple[Pose, ...]:
-        """``Pose`` of the object after each of the later pushes, in the world."""
-        return tuple(push.end for push in self.later.pushes)
-
 
 def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
                      drive: DriveSettings, occupancy_map: OccupancyMap, *,

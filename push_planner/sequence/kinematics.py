@@ -73,11 +73,6 @@ class SequenceMotions:
         return SequenceMotions(self.rotations[rows], self.straight_before[rows],
                                self.straight_after[rows], self.path_lengths[rows])
 
-    @property
-    def reaches_goal(self) -> BoolArray:
-        """Whether each sequence reaches the goal, shape (m,)."""
-        return np.logical_and.reduce(np.isfinite(self.path_lengths), axis=1)
-
 
 @dataclasses.dataclass(frozen=True)
 class Displacements:

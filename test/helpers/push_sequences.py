@@ -59,7 +59,7 @@ def random_motions(table, moves, goal, rng):
     rotations = complete_rotations(table, moves, rotations[:, :-1], goal.theta)
     least = rng.uniform(0.0, 0.5, moves.shape)
     motions = solve_straights(table, moves, rotations, goal, least)
-    reached = motions.reaches_goal
+    reached = np.isfinite(motions.path_lengths).all(axis=1)
     assert 20 < reached.sum()
     return moves[reached], least[reached], motions.select(reached)
 

@@ -9,6 +9,7 @@ from push_model.files.data import config_file
 from push_model.files.flat_values import (
     from_parameter_values, parameter_specs, to_parameter_values,
 )
+from push_model.files.parameter_files import read_object, read_robot
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_planner import planner_node
 from push_planner.problem import PlannerSettings
@@ -182,6 +183,15 @@ def test_the_default_file_has_only_parameters_that_its_nodes_have(name):
     assert set(values) <= {spec.name for spec in parameters(name)}
     for prefix, cls in SECTIONS[name]:
         from_parameter_values(cls, values, prefix)
+
+
+def test_the_default_file_has_the_box_and_the_disc_of_the_scenarios():
+    """What `push.yaml` repeats of their files cannot differ from them."""
+    values = _flat(yaml.safe_load(config_file('push.yaml').read_text())['/**']['ros__parameters'])
+    assert from_parameter_values(PushedObject, values, 'object.') == read_object(
+        config_file('objects/box_04.yaml'))
+    assert from_parameter_values(RoundRobot, values, 'robot.') == read_robot(
+        config_file('robots/disc_017.yaml'))
 
 
 def _flat(tree, prefix=''):

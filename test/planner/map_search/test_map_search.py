@@ -110,7 +110,7 @@ def test_where_the_floor_is_open_a_map_changes_nothing():
     goal = Pose(-0.4, 0.5, 2.0)
     found = plan(walled_floor(20.0, 20.0), goal)
     free = plan_primitive_push(PlanRequest(HERE, START, goal, BOX), ROBOT, SETTINGS, DRIVE)
-    assert found.expansions == 0 and found.later_poses == ()
+    assert found.expansions == 0 and found.later.pushes == ()
     np.testing.assert_allclose(found.first.trajectory.object_poses, free.trajectory.object_poses,
                                atol=1e-9)
 
@@ -120,9 +120,9 @@ def test_goals_beside_a_wall_are_reached(goal):
     """The last push comes from a side that is free; nothing overlaps the wall."""
     occupancy_map = walled_room()
     found = plan(occupancy_map, goal)
-    assert found.later_poses == () or found.later_poses[-1] == pytest.approx(goal, abs=1e-9)
-    end = found.later_poses[-1] if found.later_poses else Pose(
-        *found.first.trajectory.object_poses[-1])
+    later_poses = [push.end for push in found.later.pushes]
+    assert not later_poses or later_poses[-1] == pytest.approx(goal, abs=1e-9)
+    end = later_poses[-1] if later_poses else Pose(*found.first.trajectory.object_poses[-1])
     assert math.dist(end[:2], goal[:2]) < 0.05
     assert occupancy_map.object_is_free(BOX, found.first.trajectory.object_poses, 0.0)
 
@@ -172,8 +172,8 @@ def test_a_plan_does_not_depend_on_the_frame():
     first = plan(plain, goal)
     second = plan(moved, origin @ goal, here=origin @ HERE, start=origin @ START)
     assert second.expansions == first.expansions
-    np.testing.assert_allclose([(origin @ pose)[:2] for pose in first.later_poses],
-                               [pose[:2] for pose in second.later_poses], atol=1e-6)
+    np.testing.assert_allclose([(origin @ push.end)[:2] for push in first.later.pushes],
+                               [push.end[:2] for push in second.later.pushes], atol=1e-6)
 
 
 def test_the_robot_reaches_what_is_connected():

@@ -1,0 +1,81 @@
+"""
+Draw the picture of the page in the docs: ``python -m benchmarks.page.picture docs/page.png``.
+
+A session of ``play`` runs the demonstration with another goal and a wall; once it has come to its
+end, the page is shown in the middle of the second push. The picture ends below a section of the
+right column, so that none is cut.
+"""
+
+import base64
+from pathlib import Path
+import sys
+import time
+from typing import Any
+
+from benchmarks.page.benchmark import playing, wait_for
+from benchmarks.page.chromium import open_chromium
+
+SCENARIO = 'task_demo'
+# Size of the picture, of which the height follows from the sections that it shows, and of the
+# window while the task runs, as what is painted meanwhile nobody looks at [pixels].
+WIDTH, HEIGHT = 1240, 800
+SMALL_WIDTH, SMALL_HEIGHT = 400, 300
+# Longest wait for the end of the task [s]; chosen: that of a very busy machine.
+PATIENCE = 3600.0
+# Another goal than that of the scenario, and a wall beside the way there [m, m, rad].
+GOAL = [1.1, 0.6, -0.35]
+WALL = {'start': [0.55, 0.0], 'end': [0.55, -0.6]}
+# Number of the push that is shown, and how much of its duration is over.
+PUSH, FRACTION = 1, 0.5
+# The last section that is wholly in the picture, by what it holds, and the margin below it.
+LAST_SECTION, MARGIN = 'friction', 16
+
+
+def main(path: str) -> None:
+    """
+    Draw the picture.
+
+    :param path: of the PNG file to write.
+    """
+    with playing(SCENARIO) as url, open_chromium() as driver:
+        _set_size(driver, SMALL_WIDTH, SMALL_HEIGHT)
+        driver.get(url)
+        wait_for(driver, 'typeof app !== "undefined" && app.canEdit && app.recording.end > 0.2')
+        _play(driver)
+        _set_size(driver, WIDTH, HEIGHT)
+        _show_push(driver)
+        height = driver.execute_script(
+            'return document.getElementById(arguments[0]).closest("section")'
+            '.getBoundingClientRect().bottom + window.scrollY', LAST_SECTION)
+        _set_size(driver, WIDTH, round(height) + MARGIN)
+        # One frame to lay the page out, one to paint it.
+        time.sleep(1.0)
+        shot = driver.execute_cdp_cmd('Page.captureScreenshot', {'format': 'png'})
+    Path(path).write_bytes(base64.b64decode(shot['data']))
+
+
+def _set_size(driver: Any, width: int, height: int) -> None:
+    """Set the size of the window [pixels]."""
+    driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
+        'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': False})
+
+
+def _play(driver: Any) -> None:
+    """Give the wall and the goal, and let the task run to its end."""
+    driver.execute_script('app.send({type: "wall", ...arguments[0]});'
+                          'app.send({type: "goal", pose: arguments[1]});'
+                          'app.player.setSpeed(10);', WALL, GOAL)
+    wait_for(driver, '["done", "failed"].includes((app.recording.states.at(-1) || {}).state)',
+             PATIENCE)
+
+
+def _show_push(driver: Any) -> None:
+    """Seek a time within a push, and show the whole floor."""
+    driver.execute_script(
+        'const push = app.recording.pushes()[arguments[0]];'
+        'app.player.seek(push.start + arguments[1] * (push.end - push.start));'
+        'app.camera.fit(app.recording); app.redraw();', PUSH, FRACTION)
+
+
+if __name__ == '__main__':
+    main(sys.argv[1])
