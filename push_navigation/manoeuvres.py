@@ -160,12 +160,12 @@ class Tour(NamedTuple):
     Corners of the object that the robot passes.
 
     :param first: number of the first one.
-    :param count: of corners; 0 where it need not go round the object, -1 where it cannot.
+    :param corners: number of them; 0 where it need not go round the object, -1 where it cannot.
     :param step: from one number to the next: 1 counter-clockwise, -1 clockwise.
     """
 
     first: int
-    count: int
+    corners: int
     step: int
 
 
@@ -338,7 +338,7 @@ def tour_between(given: Manoeuvring, first: Circle, last: Circle, side: float) -
     :param first: ``Circle`` of the first curve.
     :param last: ``Circle`` of the last curve.
     :param side: of the tour, 0 for none.
-    :return: ``Tour``, with a count of -1 where a curve overlaps with a corner.
+    :return: ``Tour``, with -1 corners where a curve overlaps with a corner.
     """
     if side == 0.0:
         return Tour(0, 0, 1)
@@ -387,12 +387,12 @@ def lay_tour(given: Manoeuvring, manoeuvre: Any, segments: Any, count: int,
     circle = circle_of(first, manoeuvre[FIRST_RADIUS])
     last_circle = circle_of(last, manoeuvre[LAST_RADIUS])
     tour = tour_between(given, circle, last_circle, side)
-    if tour.count < 0:
+    if tour.corners < 0:
         return 0
     x, y, direction = first
-    for passed in range(tour.count + 1):
+    for passed in range(tour.corners + 1):
         following = last_circle
-        if passed < tour.count:
+        if passed < tour.corners:
             corner = (tour.first + tour.step * passed) % len(given.corners)
             following = corner_circle(given, corner, side)
         tangent = common_tangent(circle, following)
@@ -403,7 +403,7 @@ def lay_tour(given: Manoeuvring, manoeuvre: Any, segments: Any, count: int,
                        (abs(circle.radius * angle), angle), reverses)
         x, y = point_on(circle, tangent.direction)
         # Between two corners it keeps the clearance by construction.
-        is_between = 0 < passed < tour.count
+        is_between = 0 < passed < tour.corners
         count = append(segments, count, TOURS if is_between else KEEPS_OFF,
                        (x, y, tangent.direction), (tangent.length, 0.0), reverses)
         x, y = point_on(following, tangent.direction)

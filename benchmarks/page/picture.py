@@ -27,8 +27,8 @@ GOAL = [1.1, 0.6, -0.35]
 WALL = {'start': [0.55, 0.0], 'end': [0.55, -0.6]}
 # Number of the push that is shown, and how much of its duration is over.
 PUSH, FRACTION = 1, 0.5
-# The last section that is wholly in the picture, by what it holds, and the margin below it.
-LAST_SECTION, MARGIN = 'friction', 16
+# What the last section in the picture holds, and the margin below that section [pixels].
+LAST_SECTION, MARGIN = 'values', 8
 
 
 def main(path: str) -> None:

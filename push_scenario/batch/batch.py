@@ -6,7 +6,7 @@ record. It must be pure, seeded by the job alone: then every record is the same 
 and in whatever order the jobs run.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent import futures
 import dataclasses
 import math
@@ -21,6 +21,8 @@ from push_scenario.batch.store import Store, write_table
 from push_scenario.batch.workers import available_cores, open_workers, Workers
 
 BatchProgress = Callable[[int, int], None]
+# Stands for a value that a record does not have; None is one that it may have.
+_MISSING = object()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,12 +31,13 @@ class BatchResult:
     Records of all jobs, in the order of the jobs.
 
     :param jobs: the jobs.
-    :param records: flat dict of each job, None where it failed.
+    :param records: flat dict of each job, None where it failed; those of a file are read from it
+        when they are asked for.
     :param errors: what went wrong, by number of the job.
     """
 
     jobs: tuple[Job, ...]
-    records: tuple[Record | None, ...]
+    records: Sequence[Record | None]
     errors: dict[int, str]
 
     def column(self, name: str) -> NDArray[Any]:
@@ -46,12 +49,13 @@ class BatchResult:
             nan, or '' in a column of text.
         :raises ValueError: where no record has the key.
         """
-        found = [record[name] for record in self.records if record and name in record]
-        if not found:
+        found = [(record or {}).get(name, _MISSING) for record in self.records]
+        first = next((value for value in found if value is not _MISSING), _MISSING)
+        if first is _MISSING:
             known = sorted({key for record in self.records for key in record or ()})
             raise ValueError(f'column: got {name!r}, expected one of ' + ', '.join(known))
-        missing = '' if isinstance(found[0], str) else math.nan
-        return np.array([(record or {}).get(name, missing) for record in self.records])
+        missing = '' if isinstance(first, str) else math.nan
+        return np.array([missing if value is _MISSING else value for value in found])
 
 
 def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[str] | None = None,
@@ -64,8 +68,9 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
 
     Results are appended to ``out`` as they arrive, and survive Ctrl-C and kill. Ctrl-C ends the
     running jobs and then raises ``KeyboardInterrupt``; a second one does not wait. The same call
-    again does the rest, and gives what an uninterrupted call would have given. At the end a table
-    of jobs and records is written beside ``out``, with the suffix ``.csv``.
+    again does the rest, and gives what an uninterrupted call would have given. Memory does not
+    hold them: the result reads from ``out``. At the end a table of jobs and records is written
+    beside it, with the suffix ``.csv``.
 
     A job whose function raises an exception is kept with its error, and the others continue.
 
@@ -97,25 +102,23 @@ def run_batch(function: JobFunction, jobs: Iterable[Job], out: str | PathLike[st
     jobs = tuple(jobs)
     with Store(out, header(function, jobs), any_software) as store:
         if is_valid is not None:
-            store.keep_valid(lambda entry: is_valid(jobs[entry['job']], entry['record']))
+            store.keep_valid(lambda number, record: is_valid(jobs[number], record))
 
         def report() -> None:
             if progress is not None:
-                progress(len(store.entries), len(jobs))
+                progress(store.done_count, len(jobs))
 
         def keep(entries: list[Entry]) -> None:
             store.append(entries)
             report()
 
         report()
-        missing = [index for index in range(len(jobs)) if index not in store.entries]
+        missing = store.missing()
         if missing:
             with StopRequest() as stop, open_workers(workers or available_cores(), executor,
                                                      len(missing)) as pool:
                 collect(pool, function, _chunks(jobs, missing, chunk, pool), keep, stop)
-        entries = [store.entries[index] for index in range(len(jobs))]
-    result = BatchResult(jobs, tuple(entry.get('record') for entry in entries),
-                         {entry['job']: entry['error'] for entry in entries if 'error' in entry})
+        result = BatchResult(jobs, store.records(), dict(sorted(store.errors.items())))
     if out is not None and table:
         write_table(out, result.jobs, result.records, result.errors)
     return result
@@ -134,7 +137,8 @@ def seeds(seed: int, count: int) -> list[int]:
 
 
 def _chunks(jobs: tuple[Job, ...], missing: list[int], size: int | None,
-            pool: Workers) -> list[list[tuple[int, Job]]]:
+            pool: Workers) -> Iterator[list[tuple[int, Job]]]:
+    """Generate lists of (number of the job, job)."""
     size = size or pool.chunk_size(len(missing))
-    return [[(index, jobs[index]) for index in missing[first:first + size]]
-            for first in range(0, len(missing), size)]
+    for first in range(0, len(missing), size):
+        yield [(index, jobs[index]) for index in missing[first:first + size]]

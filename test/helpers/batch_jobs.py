@@ -52,6 +52,11 @@ def extremes(job):
             'numpy': np.float64(0.1), 'counted': np.int64(3)}
 
 
+def long_text(job):
+    """Return some 100 kB, for each job others."""
+    return {'text': f'{job:03d}' * 33_000}
+
+
 def leave(job):
     """End the process without a word at one of the jobs."""
     if job['n'] == 20:

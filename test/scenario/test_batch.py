@@ -9,9 +9,10 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 
 from helpers.batch_jobs import (
-    extremes, interrupted, leave, noisy, recorded, slow, sometimes_failing,
+    extremes, interrupted, leave, long_text, noisy, recorded, slow, sometimes_failing,
 )
 from helpers.extras import import_extra
 import numpy as np
@@ -251,12 +252,35 @@ def test_other_jobs_or_functions_are_refused(tmp_path):
 @pytest.mark.parametrize('key', ['version', 'software'])
 def test_results_of_other_software_are_refused_unless_accepted(tmp_path, key):
     out = tmp_path / 'out.jsonl'
-    result = run_batch(noisy, JOBS, out, workers=1)
+    records = list(run_batch(noisy, JOBS, out, workers=1).records)
     header, rest = out.read_text().split('\n', 1)
     out.write_text(json.dumps({**json.loads(header), key: 'old'}) + '\n' + rest)
     with pytest.raises(ValueError, match="got 'old'.*any_software"):
         run_batch(noisy, JOBS, out, workers=1)
-    assert run_batch(noisy, JOBS, out, workers=1, any_software=True) == result
+    assert run_batch(noisy, JOBS, out, workers=1, any_software=True).records == records
+
+
+def test_memory_does_not_hold_the_records_of_a_file(tmp_path):
+    """Neither while jobs run nor afterwards; without a file it has to."""
+    jobs = list(range(100))
+    peaks = {}
+    for out in (None, tmp_path / 'out.jsonl'):
+        tracemalloc.start()
+        result = run_batch(long_text, jobs, out, workers=1, chunk=1)
+        peaks[out] = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert list(result.records) == [long_text(job) for job in jobs]
+        assert result.records[-1] == long_text(99) and result.records[:2][1] == long_text(1)
+    whole = len(jobs) * len(long_text(0)['text'])
+    assert peaks[None] > whole > 4 * peaks[tmp_path / 'out.jsonl']
+
+
+def test_a_result_whose_file_has_been_changed_is_not_read(tmp_path):
+    out = tmp_path / 'out.jsonl'
+    result = run_batch(noisy, JOBS, out, workers=1)
+    out.write_text('x' + out.read_text())
+    with pytest.raises(ValueError, match='in place of job 3'):
+        assert result.records[3]
 
 
 @pytest.mark.parametrize('content', ['notes', 'notes\n', '[]\n', '{"a": 1}\n'])
