@@ -170,7 +170,8 @@ class ControllerNode(ManagedNode):
         self.subscribe('odom', self._on_odometry, real_time=True)
         self.subscribe('object_pose', self._world.receiver('object_pose', Handlers(
             self._on_object_pose, self._refuse_measurement)), real_time=True,
-            with_covariance=self._options.object_pose_with_covariance)
+            with_covariance=self._options.object_pose_with_covariance,
+            frame=self._frames.world_frame)
         self.subscribe('push_plan', self._on_plan, real_time=True)
         self.subscribe('goal_pose', self._world.receiver('goal_pose', Handlers(
             self._on_goal, self._refuse, self._goals.move)))

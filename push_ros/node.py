@@ -7,6 +7,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from builtin_interfaces.msg import Time
 from push_ros import qos
+from push_ros.conversions.serialized import message_reader
 from push_ros.diagnostics import Reporter
 from push_ros.executor import BackgroundGroup, PolledNode, take_message
 from push_ros.parameters import ParameterHooks, ParameterSet, Section
@@ -186,24 +187,29 @@ class PushNode(PolledNode):
         return self._publishers_by_topic[topic]
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], *, real_time: bool = False,
-                  stamped: bool = True, with_covariance: bool = False) -> Subscription:
+                  stamped: bool = True, with_covariance: bool = False,
+                  frame: str | None = None) -> Subscription:
         """
         Subscribe to a topic of the list.
 
         :param topic: its name.
-        :param callback: takes the message.
+        :param callback: takes the message; where that is real-time, values with its attributes.
         :param real_time: whether the callback is run at once.
         :param stamped: whether commands have a stamp.
         :param with_covariance: whether poses have a covariance.
+        :param frame: id of the frame beside which the callback takes whole messages all the same.
         """
-        callback = self.guarded(callback)
         entry = TOPICS[topic]
+        kind = entry.message_type(stamped, with_covariance=with_covariance)
+        read = message_reader(kind, frame) if real_time else None
+        if read is not None:
+            callback = _reading(callback, read)
+        callback = self.guarded(callback)
         group = self.real_time if real_time else self.background
         is_best_effort = entry.subscribe_qos.reliability is ReliabilityPolicy.BEST_EFFORT
         subscription = self.create_subscription(
-            entry.message_type(stamped, with_covariance=with_covariance), topic, callback,
-            entry.subscribe_qos, callback_group=group,
-            event_callbacks=NO_EVENTS if is_best_effort else None)
+            kind, topic, callback, entry.subscribe_qos, callback_group=group,
+            event_callbacks=NO_EVENTS if is_best_effort else None, raw=read is not None)
         self._own_subscriptions.append(subscription)
         if real_time:
             self.real_time_subscriptions.append(subscription)
@@ -306,6 +312,14 @@ class RateLimiter:
             return False
         self._next = time + self._period
         return True
+
+
+def _reading(callback: Callable[[Any], None],
+             read: Callable[[bytes], Any]) -> Callable[[bytes], None]:
+    """Make the callback of a raw subscription of one that takes messages."""
+    def receive(data: bytes) -> None:
+        callback(read(data))
+    return receive
 
 
 def _ignore(_: Any) -> None:

@@ -20,7 +20,7 @@ from push_ros.node_settings import Frames, SimOptions
 from push_ros.parameters import DYNAMIC
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
-from push_sim_node.ros.outputs import SimOutputs
+from push_sim_node.ros.outputs import PublishedMeasurement, SimOutputs
 from push_sim_node.ros.pacing import Pacer, SpeedMeter, SUSPENSION
 from push_sim_node.ros.run_control import QUIET_TIME, RunAction, RunControl, RunState
 from push_sim_node.sensors import SensorSettings
@@ -42,14 +42,14 @@ class _InFlight(NamedTuple):
     """
     The measurement that was published last.
 
-    :param message: of it.
-    :param is_object_pose: whether it is an object pose, else odometry.
+    :param published: the ``PublishedMeasurement``.
     :param sent: wall time [s].
+    :param is_timed: whether the time until its first answer is of interest still.
     """
 
-    message: Any
-    is_object_pose: bool
+    published: PublishedMeasurement
     sent: float
+    is_timed: bool
 
 
 class SimNode(PushNode):
@@ -167,7 +167,7 @@ class SimNode(PushNode):
                       'is gone; stopped')
         elif self._in_flight is not None and self._exchange.is_resend_due(now):
             self._exchange.resent(now)
-            self._outputs.republish(self._in_flight.message)
+            self._outputs.republish(self._in_flight.published)
 
     def _keep_time(self, now: float) -> None:
         """Compute the next measurement, and publish it when it is due."""
@@ -226,9 +226,9 @@ class SimNode(PushNode):
             self._simulation.rows.clear()
             self._latencies.clear()
         sent = time.monotonic()
-        message = self._outputs.publish_measurement(measurement)
-        self._in_flight = _InFlight(message, isinstance(measurement, ObjectPose), sent)
-        self._exchange.sent(nanoseconds(message.header.stamp), now)
+        published = self._outputs.publish_measurement(measurement)
+        self._in_flight = _InFlight(published, sent, is_timed=published.is_object_pose)
+        self._exchange.sent(published.stamp, now)
         # While the controller computes its command.
         self._outputs.publish_scene(self._simulation)
         if not self._options.lockstep:
@@ -245,10 +245,10 @@ class SimNode(PushNode):
             return
         if self._options.lockstep and not self._exchange.is_answer(stamp):
             return
-        if self._in_flight.is_object_pose:
+        if self._in_flight.is_timed:
             self._latencies.append(now - self._in_flight.sent)
             # Without lockstep more than one command may follow a measurement.
-            self._in_flight = self._in_flight._replace(is_object_pose=False)
+            self._in_flight = self._in_flight._replace(is_timed=False)
         self._command(message.twist if stamped else message)
         if self._options.lockstep:
             self._publish_next(now)

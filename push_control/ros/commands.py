@@ -3,7 +3,8 @@
 from builtin_interfaces.msg import Time
 from push_control.ros.other_commanders import OtherCommanders
 from push_model.signals import STOP, Twist
-from push_ros.conversions.measurements import to_command_message
+from push_ros.conversions.primitives import nanoseconds
+from push_ros.conversions.serialized import serialize_command
 from push_ros.node import PushNode
 from push_ros.node_settings import ControllerOptions
 from rclpy.duration import Duration
@@ -83,6 +84,7 @@ class CommandPublisher:
         self._publisher.wait_for_all_acked(Duration(seconds=FLUSH_TIMEOUT))
 
     def _publish(self, twist: Twist, stamp: Time) -> None:
-        message = to_command_message(twist, stamp, self._frame, self._is_stamped)
-        self._others.add_own(message)
-        self._publisher.publish(message)
+        time = nanoseconds(stamp)
+        self._others.add_own(twist, time)
+        self._publisher.publish(serialize_command(twist, time, self._frame,
+                                                  stamped=self._is_stamped))

@@ -4,6 +4,7 @@ from collections import deque
 import time
 from typing import Any
 
+from push_model.signals import Twist
 from push_ros.conversions.primitives import nanoseconds
 from push_ros.executor import BackgroundGroup, take_message
 from push_ros.node import PushNode
@@ -57,14 +58,15 @@ class OtherCommanders:
         self._node.destroy_timer(self._timer)
         self._listen(False)
 
-    def add_own(self, message: Any) -> None:
+    def add_own(self, command: Twist, stamp: int) -> None:
         """
         Note a command of this node.
 
-        :param message: as published.
+        :param command: ``Twist`` as published.
+        :param stamp: of it [ns].
         """
         if self._subscription is not None:
-            self._own.append(self._key(message))
+            self._own.append((stamp if self._stamped else 0, *command))
 
     @property
     def names(self) -> str:

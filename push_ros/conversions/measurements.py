@@ -4,12 +4,10 @@ import math
 from typing import Any, Sequence
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import (
-    PoseStamped, PoseWithCovarianceStamped, Twist as TwistMessage, TwistStamped, WrenchStamped,
-)
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from push_model.geometry import Coordinates
-from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
+from push_model.signals import ObjectPose, Odometry, PoseCovariance
 from push_ros.conversions.primitives import (
     check_frame, check_upright, from_pose_message, from_twist_message, MessageRefused, seconds,
     to_pose_message, to_stamp, to_twist_message,
@@ -138,29 +136,12 @@ def from_object_pose_message(message: PoseStamped | PoseWithCovarianceStamped, f
     check_frame(message.header.frame_id, frame, topic)
     pose: Any = message.pose
     covariance = None
-    if isinstance(message, PoseWithCovarianceStamped):
-        pose = message.pose.pose
-        covariance = from_covariance(list(map(float, message.pose.covariance)),
+    if hasattr(pose, 'covariance'):
+        covariance = from_covariance(list(map(float, pose.covariance)),
                                      f'{topic}.pose.covariance')
+        pose = pose.pose
     check_upright(pose.orientation, topic)
     return ObjectPose(seconds(message.header.stamp), from_pose_message(pose, topic), covariance)
-
-
-def to_command_message(twist: Twist, stamp: Time, frame: str,
-                       stamped: bool) -> TwistStamped | TwistMessage:
-    """
-    Convert a command to a message.
-
-    :param twist: ``Twist`` in the robot's axes.
-    :param stamp: stamp of the measurement that it answers.
-    :param frame: id of the robot's frame.
-    :param stamped: whether to make a ``TwistStamped``, else a ``Twist``.
-    """
-    if not stamped:
-        return to_twist_message(twist)
-    message = TwistStamped(twist=to_twist_message(twist))
-    message.header.stamp, message.header.frame_id = stamp, frame
-    return message
 
 
 def to_wrench_message(force: Coordinates, stamp: Time, frame: str) -> WrenchStamped:

@@ -71,7 +71,17 @@ def to_quaternion(angle: float) -> Quaternion:
 
     :param angle: about z [rad].
     """
-    return Quaternion(z=math.sin(0.5 * angle), w=math.cos(0.5 * angle))
+    z, w = yaw_quaternion(angle)
+    return Quaternion(z=z, w=w)
+
+
+def yaw_quaternion(angle: float) -> tuple[float, float]:
+    """
+    Convert a yaw angle to the parts z and w of its quaternion, whose others are 0.
+
+    :param angle: about z [rad].
+    """
+    return math.sin(0.5 * angle), math.cos(0.5 * angle)
 
 
 def to_yaw(quaternion: Quaternion, topic: str) -> float:

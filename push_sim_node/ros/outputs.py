@@ -1,7 +1,7 @@
 """Publishers of the simulator, and how often they publish."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
@@ -9,10 +9,9 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
 from push_ros.conversions.markers import MarkerHeader, scene_markers
-from push_ros.conversions.measurements import (
-    to_object_pose_message, to_odometry_message, to_wrench_message, VARIANCE_PLACES,
-)
-from push_ros.conversions.primitives import NANOSECONDS, to_quaternion
+from push_ros.conversions.measurements import to_wrench_message, VARIANCE_PLACES
+from push_ros.conversions.primitives import exact_stamp, NANOSECONDS, to_quaternion
+from push_ros.conversions.serialized import serialize_object_pose, serialize_odometry
 from push_ros.node import PushNode, RateLimiter
 from push_ros.node_settings import Frames, SimOptions
 from push_ros.qos import EVENT
@@ -34,6 +33,20 @@ MARKER_RATE = 5.0
 TRUTH_RATE = 20.0
 # Fraction of a period of the clock by which a time may be early, for its rounding.
 CLOCK_ROUNDING = 1e-6
+
+
+class PublishedMeasurement(NamedTuple):
+    """
+    A measurement as it was published.
+
+    :param stamp: of it [ns].
+    :param is_object_pose: whether it is an object pose, else odometry.
+    :param data: the message, serialized.
+    """
+
+    stamp: int
+    is_object_pose: bool
+    data: bytes
 
 
 class _Output:
@@ -112,37 +125,39 @@ class SimOutputs:
 
         :param time: [s].
         """
-        whole, part = divmod(self._epoch + math.floor(time * NANOSECONDS + 0.5), NANOSECONDS)
-        return Time(sec=whole, nanosec=part)
+        return exact_stamp(self._nanoseconds(time))
 
-    def publish_measurement(self, measurement: Odometry | ObjectPose) -> Any:
+    def _nanoseconds(self, time: float) -> int:
+        return self._epoch + math.floor(time * NANOSECONDS + 0.5)
+
+    def publish_measurement(self, measurement: Odometry | ObjectPose) -> PublishedMeasurement:
         """
         Publish a measurement.
 
         :param measurement: ``Odometry`` or ``ObjectPose``.
-        :return: the message.
+        :return: what was published.
         """
         self.publish_clock(measurement.time)
+        stamp, world = self._nanoseconds(measurement.time), self._frames.world_frame
         if isinstance(measurement, Odometry):
-            message = to_odometry_message(measurement, self._frames.world_frame,
-                                          self._frames.base_frame)
-            message.twist.covariance = self._twist_covariance
-            self._publish_transforms(self.stamp(measurement.time),
-                                     {self._frames.base_frame: measurement.pose})
+            base = self._frames.base_frame
+            published = PublishedMeasurement(stamp, False, serialize_odometry(
+                measurement, stamp, (world, base), self._twist_covariance))
+            self._publish_transforms(measurement.time, {base: measurement.pose})
         else:
-            message = to_object_pose_message(measurement, self._frames.world_frame)
-        message.header.stamp = self.stamp(measurement.time)
-        self.republish(message)
-        return message
+            published = PublishedMeasurement(stamp, True, serialize_object_pose(
+                measurement, stamp, world))
+        self.republish(published)
+        return published
 
-    def republish(self, message: Any) -> None:
+    def republish(self, published: PublishedMeasurement) -> None:
         """
-        Publish the message of a measurement as it stands.
+        Publish a measurement as it stands.
 
-        :param message: ``nav_msgs/Odometry`` or ``geometry_msgs/PoseStamped``.
+        :param published: the ``PublishedMeasurement``.
         """
-        is_object_pose = hasattr(message.pose, 'position')
-        (self._object_pose if is_object_pose else self._odometry).publish(message)
+        publisher = self._object_pose if published.is_object_pose else self._odometry
+        publisher.publish(published.data)
 
     def publish_clock(self, time: float) -> None:
         """
@@ -181,7 +196,7 @@ class SimOutputs:
                 self._robot, truth.object_pose, truth.robot_pose))
         if self._tf.is_due(time):
             truth = simulation.truth
-            self._publish_transforms(self.stamp(truth.time), {
+            self._publish_transforms(truth.time, {
                 self._options.truth_prefix + self._frames.base_frame: truth.robot_pose,
                 self._options.truth_prefix + self._frames.object_frame: truth.object_pose})
 
@@ -191,11 +206,11 @@ class SimOutputs:
             normal_in_object.rotate((truth.force_n, truth.force_t)), self.stamp(truth.time),
             self._options.truth_prefix + self._frames.object_frame))
 
-    def _publish_transforms(self, stamp: Time, poses: dict[str, Pose]) -> None:
-        """Publish where frames are in the world frame, by their ids."""
+    def _publish_transforms(self, time: float, poses: dict[str, Pose]) -> None:
+        """Publish where frames are in the world frame at a simulated time [s], by their ids."""
         if TFMessage is None:
             return
-        message = TFMessage()
+        message, stamp = TFMessage(), self.stamp(time)
         for child, pose in poses.items():
             transform = TransformStamped(child_frame_id=child)
             transform.header.stamp = stamp

@@ -10,8 +10,8 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
 from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
 from push_ros.conversions.measurements import (
-    from_object_pose_message, from_odometry_message, to_command_message, to_object_pose_message,
-    to_odometry_message, to_wrench_message,
+    from_object_pose_message, from_odometry_message, to_object_pose_message, to_odometry_message,
+    to_wrench_message,
 )
 from push_ros.conversions.plan import from_plan_message, JOINTS, to_path_message, to_plan_message
 from push_ros.conversions.primitives import (
@@ -173,17 +173,6 @@ def test_a_covariance_that_is_none_is_refused(place, value, text):
     message.pose.covariance[place] = value
     with pytest.raises(MessageRefused, match=rf'odom\.pose\.covariance: .*{text}'):
         from_odometry_message(message, 'odom')
-
-
-@pytest.mark.parametrize('stamped', [True, False])
-def test_commands_survive_with_and_without_stamp(stamped):
-    """The stamp is that of the measurement, untouched."""
-    stamp = to_stamp(12.34)
-    message = sent(to_command_message(Twist(0.1, 0.2, 0.3), stamp, 'base_link', stamped))
-    twist = message.twist if stamped else message
-    assert from_twist_message(twist) == Twist(0.1, 0.2, 0.3)
-    if stamped:
-        assert message.header.stamp == stamp and message.header.frame_id == 'base_link'
 
 
 def test_a_twist_that_is_not_finite_is_refused():
