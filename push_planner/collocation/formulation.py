@@ -108,17 +108,29 @@ def formulate(problem: PushProblem, route: InitialRoute,
     :param refined: whether linear pushing angles get twice as many segments.
     :return: (``Formulation``, ``Solution`` to start from).
     """
-    settings = problem.settings
     mesh = build_mesh(problem, route.path_length, route.final_straight, refined)
+    formulation = formulate_on(problem, mesh, route.final_straight > 0.0, route.rotation)
+    return formulation, _first_guess(problem, route, formulation)
+
+
+def formulate_on(problem: PushProblem, mesh: Mesh, straight_end: bool,
+                 rotation: float) -> Formulation:
+    """
+    Set up the program on a mesh.
+
+    :param problem: the ``PushProblem``.
+    :param mesh: the ``Mesh``.
+    :param straight_end: whether the end is a straight push through the centre of friction.
+    :param rotation: angle by which the object rotates, about [rad].
+    """
+    settings = problem.settings
     dimensions = Dimensions(problem.kind, len(problem.obj.supports), len(mesh.lengths),
-                            settings.pushing_angles == 'constant', route.final_straight > 0.0,
+                            settings.pushing_angles == 'constant', straight_end,
                             settings.heading_free, has_heights(problem.obj))
-    boundary = _boundary_values(problem, route)
+    boundary = _boundary_values(problem, rotation)
     common = np.concatenate([problem.push_parameters.column(), _limits(problem), boundary])
-    bounds = _bounds(problem)
-    guess = _first_guess(problem, route, mesh, dimensions, bounds)
-    steps = _step_data(problem, mesh)
-    return Formulation(dimensions, mesh, bounds, boundary, common, steps), guess
+    return Formulation(dimensions, mesh, _bounds(problem), boundary, common,
+                       _step_data(problem, mesh))
 
 
 def max_angle_rate(problem: PushProblem) -> float:
@@ -183,14 +195,14 @@ def _vertex_normals(problem: PushProblem) -> tuple[float, float]:
     return low + shift + VERTEX_MARGIN, high + shift - VERTEX_MARGIN
 
 
-def _boundary_values(problem: PushProblem, route: InitialRoute) -> BoundaryValues:
+def _boundary_values(problem: PushProblem, rotation: float) -> BoundaryValues:
     q_x, q_y = problem.contact_point
     if problem.kind == 'rolling':
         q_x -= problem.robot.radius * math.cos(problem.start_normal)
         q_y -= problem.robot.radius * math.sin(problem.start_normal)
     goal, motion = problem.relative_goal, problem.motion
-    # The goal's heading next to the rotation of the route, which may turn by more than pi.
-    theta = route.rotation + wrap_angle(goal.theta - route.rotation)
+    # The goal's heading next to the rotation, which may be more than pi.
+    theta = rotation + wrap_angle(goal.theta - rotation)
     moving = motion.speed > 0.0
     w = motion.yaw_rate / motion.speed if moving else 0.0
     delta = problem.vehicle.angle + problem.heading_offset
@@ -211,18 +223,18 @@ def _bounds(problem: PushProblem) -> VariableBounds:
     return VariableBounds(angle, first, rotation_range(problem))
 
 
-def _first_guess(problem: PushProblem, route: InitialRoute, mesh: Mesh, dimensions: Dimensions,
-                 bounds: VariableBounds) -> Solution:
+def _first_guess(problem: PushProblem, route: InitialRoute, formulation: Formulation) -> Solution:
+    mesh = formulation.mesh
     free_length = max(route.path_length - mesh.fixed_length,
                       MIN_FREE_FRACTION * route.path_length)
     lengths = mesh.step_lengths(free_length)
     nodes, rates = route.guess(problem, lengths * (route.path_length / lengths.sum()),
                                radau(POINTS).points)
     rho = nodes[:, 1]
-    if dimensions.jumps:
+    if formulation.dimensions.jumps:
         rho = _segment_means(rho, mesh.may_steer)
     nodes = nodes.copy()
-    largest = GUESS_ANGLE_FRACTION * bounds.angle
+    largest = GUESS_ANGLE_FRACTION * formulation.bounds.angle
     nodes[:, 1] = np.clip(rho, -largest, largest)
     return Solution(free_length, nodes, np.diff(nodes[:, 1]), rates)
 

@@ -7,11 +7,13 @@ a filter accepts the step. The filter holds pairs (violation, cost with barrier)
 improvement of one of both: A. Waechter and L. T. Biegler, On the implementation of an
 interior-point filter line-search algorithm for large-scale nonlinear programming, 2006.
 
-A guess that solves much the same program is gone on from nearer to the edges.
+An iterate that solved nearly the same program is gone on from as it is, with its multipliers and
+the last barrier parameter: then a step or two of Newton's method are enough.
 """
 
 import collections
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+import functools
 import math
 import threading
 from typing import NamedTuple, Optional
@@ -19,7 +21,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 from push_model.geometry import FloatArray
 from push_planner.collocation.dimensions import Dimensions
-from push_planner.collocation.newton_step import Bounds, newton_functions, NewtonFunctions, Tuning
+from push_planner.collocation.newton_step import Bounds, newton_functions, Tuning
 
 # Barrier parameter at first, at first in a second attempt, and at the end [m], and of each step
 # over that before. Chosen: the first leads to most solutions soonest, the second to others; the
@@ -35,10 +37,6 @@ TOLERANCE = 3e-4
 BARRIER_ACCURACY = 10.0
 # Least slack at first: inequalities are kept off their edge.
 FIRST_SLACK = 0.1
-# The same of a guess that is a solution of much the same program. Measured: in 40 programs whose
-# goal moved by up to 5 cm 6.1 iterations in place of 7.9.
-NEAR_BARRIER = 1e-4
-NEAR_SLACK = 1e-2
 # Fraction of the way to the edge that a step goes.
 TO_EDGE = 0.99
 MAX_ITERATIONS = 40
@@ -68,20 +66,50 @@ class _Beginning(NamedTuple):
     least_slack: float
 
 
-# Attempts from a guess, and from a solution of much the same program.
-FAR = _Beginning(FIRST_BARRIER, FIRST_SLACK), _Beginning(SECOND_BARRIER, FIRST_SLACK)
-NEAR = _Beginning(NEAR_BARRIER, NEAR_SLACK), FAR[0]
+# Attempts from a guess.
+ATTEMPTS = (_Beginning(FIRST_BARRIER, FIRST_SLACK), _Beginning(SECOND_BARRIER, FIRST_SLACK))
+
+
+class Iterate(NamedTuple):
+    """
+    All that the method changes, as flat arrays; ``iterate_shapes`` tells their parts.
+
+    :param primal: variables of the program, and slacks.
+    :param dual: multipliers of the equalities, and of the inequalities.
+    """
+
+    primal: FloatArray
+    dual: FloatArray
+
+
+class IterateShapes(NamedTuple):
+    """
+    Shapes of the parts of an ``Iterate`` by name, in their order; n steps.
+
+    Primal are the variables ``z`` and the slacks of inequalities at the start (``first``), of the
+    steps (``step``) and at the end (``end``). Dual are the multipliers of the dynamics
+    (``costates``), of the moment balance (``nu``), of start (``eta``) and goal (``goal``), and of
+    the same inequalities.
+
+    :param primal: name -> shape.
+    :param dual: name -> shape.
+    :param slacks: those of the inequalities alone.
+    """
+
+    primal: Mapping[str, tuple[int, ...]]
+    dual: Mapping[str, tuple[int, ...]]
+    slacks: Mapping[str, tuple[int, ...]]
 
 
 class InteriorResult(NamedTuple):
     """
     Result of the method.
 
-    :param column: variables of the program; None where it did not converge.
+    :param iterate: the last ``Iterate``, a solution; None where it did not converge.
     :param iterations: number of iterations.
     """
 
-    column: Optional[FloatArray]
+    iterate: Optional[Iterate]
     iterations: int
 
 
@@ -120,11 +148,10 @@ class InteriorPointMethod:
     def __init__(self, dimensions: Dimensions) -> None:
         """Allocate the memory, and bind the functions to it."""
         self._lock = threading.Lock()
-        self._variable_count = dimensions.variable_count
-        self._memory = _Memory(newton_functions(dimensions._replace(step_count=1)), dimensions)
+        self._memory = _Memory(dimensions)
 
     def solve(self, common: FloatArray, data: FloatArray, bounds: Bounds,
-              guess: FloatArray, is_near: bool = False) -> InteriorResult:
+              guess: FloatArray) -> InteriorResult:
         """
         Solve the program.
 
@@ -132,23 +159,36 @@ class InteriorPointMethod:
         :param data: parameters of the steps, a row each.
         :param bounds: ``Bounds``.
         :param guess: variables to start from.
-        :param is_near: whether the guess is a solution of much the same program.
         """
-        memory = self._memory
         with self._lock:
-            memory.common[:] = common
-            memory.data[:] = data
-            memory.bounds[:] = bounds
-            converged, count = _solve_from(memory, guess, NEAR if is_near else FAR)
-            column = memory.primal[:self._variable_count].copy() if converged else None
-            return InteriorResult(column, count)
+            self._memory.set_program(common, data, bounds)
+            return self._result(*_solve_from(self._memory, guess))
+
+    def resume(self, common: FloatArray, data: FloatArray, bounds: Bounds,
+               iterate: Iterate) -> InteriorResult:
+        """
+        Solve the program from the solution of nearly the same one.
+
+        :param common: parameters of the whole push.
+        :param data: parameters of the steps, a row each.
+        :param bounds: ``Bounds``.
+        :param iterate: ``Iterate`` of the former solution.
+        """
+        with self._lock:
+            self._memory.set_program(common, data, bounds)
+            self._memory.resume(iterate)
+            return self._result(*_iterate(self._memory))
+
+    def _result(self, converged: bool, count: int) -> InteriorResult:
+        memory = self._memory
+        iterate = Iterate(memory.primal.copy(), memory.dual.copy()) if converged else None
+        return InteriorResult(iterate, count)
 
 
-def _solve_from(memory: '_Memory', guess: FloatArray,
-                beginnings: Sequence[_Beginning]) -> tuple[bool, int]:
+def _solve_from(memory: '_Memory', guess: FloatArray) -> tuple[bool, int]:
     """Solve from variables, if need be in a second attempt."""
     total = 0
-    for beginning in beginnings:
+    for beginning in ATTEMPTS:
         memory.begin(guess, beginning)
         converged, count = _iterate(memory)
         total += count
@@ -214,21 +254,18 @@ class _Memory:
     and then of inequalities.
     """
 
-    def __init__(self, functions: NewtonFunctions, dimensions: Dimensions) -> None:
+    def __init__(self, dimensions: Dimensions) -> None:
         n, states = dimensions.step_count, dimensions.state_count
-        first, step, end = (function.sizes for function in (
-            functions.evaluate_first, functions.evaluate, functions.evaluate_end))
-        variables = {'z': (n + 1, dimensions.step_size)}
-        equalities = {'costates': (n + 1, states), 'nu': (n, step['nu']), 'eta': (first['eta'],),
-                      'goal': (end['goal'],)}
-        slacks = {'first': (first['s'],), 'step': (n, step['s']), 'end': (end['s'],)}
-        self.primal, of_primal = _divide({**variables, **slacks})
-        self.primal_step, primal_steps = _divide({**variables, **slacks})
-        self.dual, of_dual = _divide({**equalities, **slacks})
-        self.dual_step, dual_steps = _divide({**equalities, **slacks})
+        functions = newton_functions(dimensions._replace(step_count=1))
+        step, end = functions.evaluate.sizes, functions.evaluate_end.sizes
+        shapes = iterate_shapes(dimensions)
+        self.primal, of_primal = _allocate(shapes.primal)
+        self.primal_step, primal_steps = _allocate(shapes.primal)
+        self.dual, of_dual = _allocate(shapes.dual)
+        self.dual_step, dual_steps = _allocate(shapes.dual)
         self._slacks = slice((n + 1) * dimensions.step_size, None)
-        self._multipliers = slice(-sum(map(math.prod, slacks.values())), None)
-        self._rows, rows = _divide(slacks)
+        self._multipliers = slice(-_size(shapes.slacks), None)
+        self._rows, rows = _allocate(shapes.slacks)
         self.common, self.data = np.zeros(step['common']), np.zeros((n, step['data']))
         self.bounds, self.tuning = np.zeros(len(Bounds._fields)), np.zeros(len(Tuning._fields))
         self._measures = np.zeros((n + 2, step['measures']))
@@ -276,6 +313,17 @@ class _Memory:
                 'dy': dual_steps['end'], 'dgoal': dual_steps['goal'],
                 'limits': self._limits[n + 1]}))
 
+    def set_program(self, common: FloatArray, data: FloatArray, bounds: Bounds) -> None:
+        """Take the parameters of a program."""
+        self.common[:] = common
+        self.data[:] = data
+        self.bounds[:] = bounds
+
+    def resume(self, iterate: Iterate) -> None:
+        """Start from the solution of nearly the same program."""
+        self.primal[:], self.dual[:] = iterate
+        self.tuning[:] = LAST_BARRIER, 0.0
+
     def begin(self, guess: FloatArray, beginning: _Beginning) -> None:
         """Start from variables: slacks off the edge, multipliers on the central path."""
         barrier, least_slack = beginning
@@ -315,13 +363,46 @@ class _Memory:
         return min(1.0, TO_EDGE / max(primal, 1e-9)), min(1.0, TO_EDGE / max(dual, 1e-9))
 
 
-def _divide(shapes: Mapping[str, tuple[int, ...]]) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Make one flat array of zeros, and views of its parts."""
-    flat = np.zeros(sum(map(math.prod, shapes.values())))
+@functools.lru_cache(maxsize=64)
+def iterate_shapes(dimensions: Dimensions) -> IterateShapes:
+    """
+    List the parts of iterates.
+
+    :param dimensions: ``Dimensions``.
+    """
+    n, states = dimensions.step_count, dimensions.state_count
+    functions = newton_functions(dimensions._replace(step_count=1))
+    first, step, end = (function.sizes for function in (
+        functions.evaluate_first, functions.evaluate, functions.evaluate_end))
+    slacks = {'first': (first['s'],), 'step': (n, step['s']), 'end': (end['s'],)}
+    return IterateShapes(
+        {'z': (n + 1, dimensions.step_size), **slacks},
+        {'costates': (n + 1, states), 'nu': (n, step['nu']), 'eta': (first['eta'],),
+         'goal': (end['goal'],), **slacks}, slacks)
+
+
+def parts_of(flat: FloatArray, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, FloatArray]:
+    """
+    Divide a flat array.
+
+    :param flat: the array.
+    :param shapes: name -> shape of each part, in their order.
+    :return: name -> view of the part.
+    """
     views: dict[str, FloatArray] = {}
     begin = 0
     for name, shape in shapes.items():
         end = begin + math.prod(shape)
         views[name] = flat[begin:end].reshape(shape)
         begin = end
-    return flat, views
+    return views
+
+
+def _allocate(shapes: Mapping[str, tuple[int, ...]]) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Make one flat array of zeros, and views of its parts."""
+    flat = np.zeros(_size(shapes))
+    return flat, parts_of(flat, shapes)
+
+
+def _size(shapes: Mapping[str, tuple[int, ...]]) -> int:
+    return sum(map(math.prod, shapes.values()))

@@ -15,6 +15,7 @@ import numpy as np
 from push_model.geometry import FloatArray
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.dimensions import Dimensions, POINTS
+from push_planner.collocation.interior_point import Iterate
 from push_planner.collocation.transcription import SMOOTHING, Transcription
 
 # Price of the excess in the relaxed program [m]. Chosen: dear against paths of some metres, so
@@ -151,12 +152,15 @@ class SolveResult(NamedTuple):
     :param iterations: number of iterations.
     :param failure: ``PlanFailure``; None with a solution.
     :param verdict: the failure in words.
+    :param iterate: ``Iterate`` to resume from; None without a solution, and of other methods than
+        the interior point method of the planner.
     """
 
     solution: Optional[Solution]
     iterations: int
     failure: Optional[PlanFailure] = None
     verdict: str = ''
+    iterate: Optional[Iterate] = None
 
 
 class NlpSolver:

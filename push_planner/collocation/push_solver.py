@@ -6,7 +6,9 @@ import numpy as np
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.formulation import Formulation
-from push_planner.collocation.interior_point import InteriorPointMethod
+from push_planner.collocation.interior_point import (
+    InteriorPointMethod, InteriorResult, Iterate,
+)
 from push_planner.collocation.newton_step import Bounds
 from push_planner.collocation.nlp_solver import (
     MIN_FREE_LENGTH, NlpSolver, Solution, SolveResult, VariableBounds,
@@ -26,21 +28,33 @@ class PushSolver:
         self._dimensions = dimensions
         self._method = InteriorPointMethod(dimensions)
 
-    def solve(self, formulation: Formulation, guess: Solution,
-              is_near: bool = False) -> SolveResult:
+    def solve(self, formulation: Formulation, guess: Solution) -> SolveResult:
         """
         Solve the program.
 
         :param formulation: ``Formulation`` of these dimensions.
         :param guess: ``Solution`` to start from.
-        :param is_near: whether the guess is a solution of much the same program.
         """
-        found = self._method.solve(
+        return self._result(self._method.solve(
             formulation.common, formulation.steps, _bounds(formulation.bounds),
-            guess.column(self._dimensions), is_near=is_near)
-        if found.column is None:
+            guess.column(self._dimensions)))
+
+    def resume(self, formulation: Formulation, iterate: Iterate) -> SolveResult:
+        """
+        Solve the program from the solution of nearly the same one.
+
+        :param formulation: ``Formulation`` of these dimensions.
+        :param iterate: ``Iterate`` of the former solution.
+        """
+        return self._result(self._method.resume(
+            formulation.common, formulation.steps, _bounds(formulation.bounds), iterate))
+
+    def _result(self, found: InteriorResult) -> SolveResult:
+        if found.iterate is None:
             return SolveResult(None, found.iterations, PlanFailure.NOT_CONVERGED, 'not solved')
-        return SolveResult(Solution.of_column(found.column, self._dimensions), found.iterations)
+        column = found.iterate.primal[:self._dimensions.variable_count]
+        return SolveResult(Solution.of_column(column, self._dimensions), found.iterations,
+                           iterate=found.iterate)
 
     def solve_relaxed(self, formulation: Formulation, guess: Solution) -> SolveResult:
         """

@@ -84,39 +84,63 @@ class Correction(NamedTuple):
     free_length: float
 
 
+class Steering(NamedTuple):
+    """
+    Linear-quadratic problem along a push.
+
+    :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
+    :param cost_to_go: ``CostToGo``.
+    """
+
+    maps: FloatArray
+    cost_to_go: CostToGo
+
+    @property
+    def gains(self) -> FloatArray:
+        """K_k of the nodes, shape (n, 6)."""
+        return self.cost_to_go.gains[:, :6]
+
+
 class RefinedPush(NamedTuple):
     """
     A push that has been refined.
 
     :param rollout: ``Rollout``.
     :param free_length: S [m].
+    :param solution: ``Solution`` that it refines.
+    :param steering: ``Steering`` by which it was refined.
     """
 
     rollout: Rollout
     free_length: float
+    solution: Solution
+    steering: Steering
 
 
 class _Iterate(NamedTuple):
-    """A fine rollout: its run, S [m], and the size of its miss [m, rad]."""
+    """A fine rollout: its run, S [m], the size of its miss [m, rad], and ``Steering``."""
 
     run: Run
     free_length: float
     miss: float
+    steering: Steering
 
 
-def refine(problem: PushProblem, formulation: Formulation,
-           solution: Solution) -> Optional[RefinedPush]:
+def refine(problem: PushProblem, formulation: Formulation, solution: Solution,
+           former: Optional[RefinedPush] = None) -> Optional[RefinedPush]:
     """
     Integrate an optimum finely, corrected towards its own nodes and the goal.
 
     :param problem: the ``PushProblem``.
     :param formulation: ``Formulation``.
     :param solution: ``Solution`` of the program.
+    :param former: ``RefinedPush`` of a solution on the same mesh that is much the same: what it
+        corrected is corrected again.
     :return: ``RefinedPush``; None where the integration breaks down.
     """
     rollout = ClosedLoopRollout(problem, formulation, solution.free_length)
     best: Optional[_Iterate] = None
-    for iterate in _iterates(problem, formulation, solution, rollout):
+    for iterate in _iterates(problem, formulation, solution, rollout, former):
         if not math.isfinite(iterate.miss) or (
                 best is not None and iterate.miss > MIN_IMPROVEMENT * best.miss):
             break
@@ -125,7 +149,8 @@ def refine(problem: PushProblem, formulation: Formulation,
             break
     if best is None:
         return None
-    return RefinedPush(rollout.collect(best.run, best.free_length), best.free_length)
+    return RefinedPush(rollout.collect(best.run, best.free_length), best.free_length, solution,
+                       best.steering)
 
 
 def backward_pass(maps: FloatArray, end_weights: FloatArray) -> CostToGo:
@@ -197,37 +222,45 @@ def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) 
 
 
 def _iterates(problem: PushProblem, formulation: Formulation, solution: Solution,
-              rollout: ClosedLoopRollout) -> Iterator[_Iterate]:
-    """Correct a coarse rollout, and then fine ones, for what each misses."""
+              rollout: ClosedLoopRollout, former: Optional[RefinedPush]) -> Iterator[_Iterate]:
+    """Correct a first rollout, and then fine ones, for what each misses."""
     dimensions = formulation.dimensions
     may_steer = formulation.mesh.may_steer.copy()
     if dimensions.jumps:
         # The first of angles that jump is a jump as well: impulses add up.
         may_steer[0] = 1.0
     end_weights = STRAIGHT_END_WEIGHTS if dimensions.straight_end else END_WEIGHTS
-    maps = _program_maps(problem, formulation, solution, may_steer)
-    cost_to_go = backward_pass(maps, end_weights)
-    free_length = solution.free_length
-    run = rollout.run(ReferenceTrack(_begin_nodes(problem, formulation, solution),
-                                     solution.changes * may_steer, cost_to_go.gains[:, :6]),
-                      free_length, coarse=True)
+    begins = _begin_nodes(problem, formulation, solution)
+    changes, free_length = solution.changes * may_steer, solution.free_length
+    if former is None:
+        maps = _program_maps(problem, formulation, solution, may_steer)
+        steering = Steering(maps, backward_pass(maps, end_weights))
+    else:
+        steering = former.steering
+        begins[1:] += (former.rollout.nodes - former.solution.nodes)[1:-1]
+        changes += former.rollout.changes - former.solution.changes * may_steer
+        free_length += former.free_length - former.solution.free_length
+    run = rollout.run(ReferenceTrack(begins, changes, steering.gains), free_length,
+                      coarse=former is None)
     miss = goal_miss(problem, formulation, run.nodes[-1])
     if not math.isfinite(_size(miss)):
         return
+    if former is not None:
+        yield _Iterate(run, free_length, _size(miss), steering)
     before = math.inf
     for _ in range(FINE_ROLLOUTS):
         if _size(miss) > GOOD_CORRECTION * before:
             # The program's steps are too coarse to tell how fine ones change.
             maps = rollout.linearize(run.nodes[:-1], run.changes, free_length, may_steer)
-            cost_to_go = backward_pass(maps, end_weights)
-        correction = feed_forward(maps, cost_to_go, miss)
+            steering = Steering(maps, backward_pass(maps, end_weights))
+        correction = feed_forward(steering.maps, steering.cost_to_go, miss)
         free_length = free_length + correction.free_length
         if free_length <= 0.0:
             return
         run = rollout.run(ReferenceTrack(run.nodes[:-1], run.changes + correction.changes,
-                                         cost_to_go.gains[:, :6]), free_length)
+                                         steering.gains), free_length)
         before, miss = _size(miss), goal_miss(problem, formulation, run.nodes[-1])
-        yield _Iterate(run, free_length, _size(miss))
+        yield _Iterate(run, free_length, _size(miss), steering)
 
 
 def _size(miss: FloatArray) -> float:

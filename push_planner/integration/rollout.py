@@ -11,8 +11,9 @@ each a Radau step of three points (see ``collocation``), solved by Newton's meth
 ``push_dynamics.machine_code.RowFunction``.
 """
 
-from collections.abc import Sequence
 import functools
+import math
+import threading
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -52,7 +53,8 @@ class Rollout(NamedTuple):
     :param v_squared: V at each sample, shape (m,) [m^2/s^2].
     :param samples: ``Node`` at each sample, shape (m, 6).
     :param forces: (F_n, F_t) at each sample, shape (m, 2) [N]; nan at the begins of steps.
-    :param is_begin: whether a sample is at the begin of a step, after a jump, shape (m,).
+    :param is_begin: whether a sample is at the begin of a step, after a jump or at the start,
+        shape (m,).
     """
 
     nodes: FloatArray
@@ -88,33 +90,6 @@ class Run(NamedTuple):
 
     nodes: FloatArray
     changes: FloatArray
-
-
-class _Parts(NamedTuple):
-    """
-    Parts of all steps; m parts.
-
-    :param step: number of the step that each belongs to, shape (m,).
-    :param fractions: length over that of the step, shape (m,).
-    :param before: fraction of the step that lies before, shape (m,).
-    :param begins: numbers of the parts at the begin of each step, shape (n,).
-    """
-
-    step: IntArray
-    fractions: FloatArray
-    before: FloatArray
-    begins: IntArray
-
-    @classmethod
-    def of(cls, graded: Sequence[FloatArray], lengths: FloatArray, longest: float) -> '_Parts':
-        """Take the fractions of the first steps, and divide those after them into equal parts."""
-        equal = np.ceil(lengths / longest).astype(int)
-        counts = np.append([len(one) for one in graded], equal)
-        joined = np.concatenate([*graded, np.repeat(1.0 / equal, equal)])
-        ends = np.cumsum(joined)
-        begins = np.cumsum(counts) - counts
-        step = np.repeat(np.arange(len(counts)), counts)
-        return cls(step, joined, ends - joined - (ends - joined)[begins][step], begins)
 
 
 def graded_fractions(length: float, first: float, longest: float) -> FloatArray:
@@ -207,38 +182,67 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
 
 class _PartRows:
     """
-    Memory of a rollout over parts, and the function bound to it.
+    Memory of rollouts whose steps are divided into the same numbers of parts, and what is bound.
+
+    Attributes: ``step``, number of the step that each part belongs to; ``begins``, numbers of the
+    parts at the begin of each step; ``nodes``, the same and the number of parts; ``fractions`` and
+    ``before``, length of each part and of what lies before it over that of its step.
 
     :param function: of ``part_function``.
-    :param parts: ``_Parts``.
-    :param column: ``PushParameters`` as a column.
-    :param times: number of times that the parts are repeated.
+    :param counts: number of parts of each step, shape (n,).
+    :param variants: number of rollouts one after the other.
     """
 
-    def __init__(self, function: RowFunction, parts: _Parts, column: FloatArray,
-                 times: int = 1) -> None:
-        count = times * len(parts.step)
-        self.parts = parts
+    def __init__(self, function: RowFunction, counts: IntArray, variants: int) -> None:
+        size = int(counts.sum())
+        self.step = np.repeat(np.arange(len(counts)), counts)
+        ends = np.cumsum(counts)
+        self.begins = ends - counts
+        self.nodes = np.append(self.begins, size)
+        self.fractions, self.before = np.zeros(size), np.zeros(size)
+        count = variants * size
         self.states = np.zeros((count + 1, NODE_SIZE + 2))
         self.references, self.gains = np.zeros((count, NODE_SIZE)), np.zeros((count, NODE_SIZE))
         self.changes, self.scalars = np.zeros((count, 1)), np.zeros((count, 5))
-        self.restarts = np.zeros((count, 1))
-        self.begins = np.zeros((count, NODE_SIZE))
+        self.column = np.zeros(function.sizes['column'])
+        self.first = np.zeros((count, NODE_SIZE))
         self.samples = np.zeros((count, POINTS * NODE_SIZE))
         self.forces = np.zeros((count, POINTS * 2))
-        is_begin = np.zeros((times, len(parts.step)))
-        is_begin[:, parts.begins] = 1.0
+        is_begin = np.zeros((variants, size))
+        is_begin[:, self.begins] = 1.0
         self.is_begin = is_begin.reshape(count, 1)
+        # One rollout goes on from step to step; of several, each step goes on from its reference.
+        self.restarts = self.is_begin if variants > 1 else np.zeros((count, 1))
         self.evaluate = function.bind({
             'state': self.states[:-1], 'reference': self.references, 'gains': self.gains,
             'change': self.changes, 'scalars': self.scalars, 'is_begin': self.is_begin,
-            'restarts': self.restarts, 'column': column, 'next_state': self.states[1:],
-            'begin': self.begins, 'samples': self.samples, 'forces': self.forces})
+            'restarts': self.restarts, 'column': self.column, 'next_state': self.states[1:],
+            'begin': self.first, 'samples': self.samples, 'forces': self.forces})
+
+    def divide(self, fractions: FloatArray) -> None:
+        """Take the lengths of all parts over those of their steps."""
+        ends = np.cumsum(fractions)
+        self.fractions[:] = fractions
+        self.before[:] = ends - fractions
+        self.before -= self.before[self.begins][self.step]
+
+
+@functools.lru_cache(maxsize=32)
+def _part_rows(function: RowFunction, counts: bytes, variants: int, thread: int) -> _PartRows:
+    """
+    Allocate memory, or return that of a rollout before: binding it takes longer than a rollout.
+
+    :param function: of ``part_function``.
+    :param counts: number of parts of each step, as bytes.
+    :param variants: number of rollouts one after the other.
+    :param thread: that works on it: each has a memory of its own.
+    """
+    return _PartRows(function, np.frombuffer(counts, dtype=int), variants)
 
 
 class ClosedLoopRollout:
     """
-    Integrates one push, again and again.
+    Integrates one push, again and again; one at a time in a thread, as they share memory.
 
     :param problem: the ``PushProblem``.
     :param formulation: its ``Formulation``.
@@ -250,6 +254,7 @@ class ClosedLoopRollout:
         """Divide the steps into parts."""
         self._mesh = formulation.mesh
         dimensions = formulation.dimensions
+        self._jumps = dimensions.jumps
         self._function = part_function(dimensions.kind, dimensions.supports, dimensions.jumps)
         # V and dV/ds as the program has them: 0 without inertia.
         self._inertia = formulation.steps[:, 2:4]
@@ -263,11 +268,22 @@ class ClosedLoopRollout:
         lengths = self._mesh.step_lengths(free_length)
         # The steps after whose begin w settles are fine: the first, or after all jumps.
         graded = lengths if dimensions.jumps else lengths[:1]
-        begins = [graded_fractions(length, first, longest) for length in graded.tolist()]
-        rest = lengths[len(graded):]
-        self._fine = _PartRows(self._function, _Parts.of(begins, rest, longest), self._column)
-        self._coarse = _PartRows(self._function, _Parts.of(begins, rest, COARSE_PART),
-                                 self._column)
+        self._graded = [graded_fractions(length, first, longest) for length in graded.tolist()]
+        self._equal_lengths = lengths[len(graded):]
+        self._fine = self._parts(longest)
+
+    @functools.cached_property
+    def _coarse(self) -> _PartRows:
+        return self._parts(COARSE_PART)
+
+    def _parts(self, longest: float, variants: int = 1) -> _PartRows:
+        """Divide the graded steps as they are, and those after them into equal parts."""
+        equal = np.ceil(self._equal_lengths / longest).astype(int)
+        counts = np.append([len(one) for one in self._graded], equal)
+        rows = _part_rows(self._function, counts.tobytes(), variants, threading.get_ident())
+        rows.divide(np.concatenate([*self._graded, np.repeat(1.0 / equal, equal)]))
+        rows.column[:] = self._column
+        return rows
 
     def run(self, track: ReferenceTrack, free_length: float, coarse: bool = False) -> Run:
         """
@@ -278,15 +294,14 @@ class ClosedLoopRollout:
         :param coarse: whether in fewer parts, with too few samples for a ``Rollout``.
         """
         rows = self._coarse if coarse else self._fine
-        begins = rows.parts.begins
+        begins = rows.begins
         rows.states[0, :NODE_SIZE] = track.nodes[0]
         rows.references[begins] = track.nodes
         rows.gains[begins] = track.gains
         rows.changes[begins, 0] = track.changes
-        rows.scalars[:] = self._part_scalars(rows.parts, free_length)
+        self._set_scalars(rows, rows.scalars, free_length)
         rows.evaluate()
-        nodes = rows.states[np.append(begins, len(rows.states) - 1), :NODE_SIZE]
-        return Run(nodes, rows.states[begins + 1, NODE_SIZE + 1])
+        return Run(rows.states[rows.nodes, :NODE_SIZE], rows.states[begins + 1, NODE_SIZE + 1])
 
     def linearize(self, nodes: FloatArray, changes: FloatArray, free_length: float,
                   may_steer: FloatArray) -> FloatArray:
@@ -302,17 +317,15 @@ class ClosedLoopRollout:
         """
         # All steps as they are, and then with a difference in each of the 8 arguments.
         variants = NODE_SIZE + 3
-        parts = self._coarse.parts
-        size, begins = len(parts.step), parts.begins
-        rows = _PartRows(self._function, parts, self._column, variants)
-        rows.restarts[:] = rows.is_begin
+        rows = self._parts(COARSE_PART, variants)
+        size, begins = len(rows.step), rows.begins
         for i in range(variants):
             shift = DIFFERENCE * np.eye(1, variants - 1, i - 1)[0]
             at = i * size + begins
             rows.references[at] = nodes + shift[:NODE_SIZE]
             rows.changes[at, 0] = changes + shift[NODE_SIZE + 1] * may_steer
-            rows.scalars[i * size:(i + 1) * size] = self._part_scalars(
-                parts, free_length + shift[NODE_SIZE])
+            self._set_scalars(rows, rows.scalars[i * size:(i + 1) * size],
+                              free_length + shift[NODE_SIZE])
         rows.evaluate()
         ends = np.append(begins[1:], size)
         found = rows.states[1:].reshape(variants, size, -1)[:, ends - 1, :NODE_SIZE]
@@ -329,29 +342,35 @@ class ClosedLoopRollout:
         :param free_length: S of the run [m].
         """
         rows, mesh = self._fine, self._mesh
-        parts = rows.parts
+        step = rows.step
         lengths = mesh.step_lengths(free_length)
-        of_step = lengths[parts.step]
-        # Path lengths since the begin of the step: of the begin, and of all points.
-        points = np.append(0.0, radau(POINTS).points)
-        s = of_step[:, None] * (parts.before[:, None] + parts.fractions[:, None] * points)
-        v_squared = mesh.v_squared[parts.step, None] + mesh.v_squared_slopes[parts.step, None] * s
-        s += (np.cumsum(lengths) - lengths)[parts.step, None]
-        samples = np.concatenate([rows.begins, rows.samples], axis=1).reshape(
-            len(s), POINTS + 1, NODE_SIZE)
-        forces = np.full((len(s), POINTS + 1, 2), np.nan)
-        forces[:, 1:] = rows.forces.reshape(len(s), POINTS, 2)
-        # Only steps have a sample at their begin.
-        is_begin = np.zeros(s.shape, bool)
-        is_begin[parts.begins, 0] = True
-        kept = is_begin.copy()
-        kept[:, 1:] = True
-        return Rollout(run.nodes, run.changes, s[kept], v_squared[kept], samples[kept],
-                       forces[kept], is_begin[kept])
+        # Path lengths since the begin of the step, of all points.
+        s = lengths[step, None] * (rows.before[:, None] + rows.fractions[:, None]
+                                   * radau(POINTS).points)
+        v_squared = mesh.v_squared[step, None] + mesh.v_squared_slopes[step, None] * s
+        begins_at = np.cumsum(lengths) - lengths
+        s += begins_at[step, None]
+        # The end of a step is the begin of the next, unless there is a jump between them.
+        jumps = np.array([0])
+        if self._jumps:
+            jumps = np.append(0, np.flatnonzero(run.changes[1:]) + 1)
+        at = rows.begins[jumps] * POINTS
+        is_begin = np.zeros(s.size + len(at), bool)
+        is_begin[at + np.arange(len(at))] = True
+        return Rollout(run.nodes, run.changes,
+                       np.insert(s.ravel(), at, begins_at[jumps]),
+                       np.insert(v_squared.ravel(), at, mesh.v_squared[jumps]),
+                       np.insert(rows.samples.reshape(-1, NODE_SIZE), at,
+                                 rows.first[rows.begins[jumps]], axis=0),
+                       np.insert(rows.forces.reshape(-1, 2), at, math.nan, axis=0), is_begin)
 
-    def _part_scalars(self, parts: _Parts, free_length: float) -> FloatArray:
-        lengths = self._mesh.step_lengths(free_length)[parts.step]
-        v_squared, slope = self._inertia[parts.step].T
-        return np.stack([parts.fractions * lengths, parts.fractions,
-                         v_squared + slope * parts.before * lengths, slope,
-                         self._smoothing[parts.step]], axis=1)
+    def _set_scalars(self, rows: _PartRows, scalars: FloatArray, free_length: float) -> None:
+        """Set what describes each part; see ``part_function``."""
+        step = rows.step
+        lengths = self._mesh.step_lengths(free_length)[step]
+        v_squared, slope = self._inertia[step].T
+        scalars[:, 0] = rows.fractions * lengths
+        scalars[:, 1] = rows.fractions
+        scalars[:, 2] = v_squared + slope * rows.before * lengths
+        scalars[:, 3] = slope
+        scalars[:, 4] = self._smoothing[step]

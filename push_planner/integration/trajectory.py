@@ -48,12 +48,12 @@ def find_switches(problem: PushProblem, rollout: Rollout, jumps: bool) -> tuple[
         found.append(_switch(problem, response, rollout, begins[0], node.rho))
     if not jumps:
         return tuple(found)
-    for k in range(1, len(rollout.changes)):
+    changed = np.flatnonzero(rollout.changes[1:]) + 1
+    for k, begin in zip(changed.tolist(), begins[1:].tolist()):
         change = float(rollout.changes[k])
-        if change != 0.0:
-            response = contact_impulse(problem.kind, parameters,
-                                       Node(*rollout.nodes[k].tolist()), change)
-            found.append(_switch(problem, response, rollout, begins[k], change))
+        response = contact_impulse(problem.kind, parameters, Node(*rollout.nodes[k].tolist()),
+                                   change)
+        found.append(_switch(problem, response, rollout, begin, change))
     return tuple(found)
 
 
@@ -98,17 +98,11 @@ def sample_trajectory(problem: PushProblem, rollout: Rollout) -> PushTrajectory:
     :param rollout: ``Rollout``.
     :return: ``PushTrajectory``; where twists jump it is sampled ``JUMP_TIME`` before, and after.
     """
-    repeated = rollout.is_begin.copy()
-    repeated[0] = False
-    # The end of one step is the begin of the next, unless there is a jump between them.
-    jumps = repeated.copy()
-    jumps[1:] &= np.diff(rollout.samples[:, 1]) != 0.0
-    kept = ~repeated | jumps
-    s, v_squared = rollout.s[kept], rollout.v_squared[kept]
-    speed = np.sqrt(v_squared)
-    times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (speed[1:] + speed[:-1]))])
-    before = np.flatnonzero(jumps[kept]) - 1
-    columns: dict[str, Any] = {**_motion(problem, rollout.samples[kept], speed)}
+    s, speed = rollout.s, np.sqrt(rollout.v_squared)
+    times = np.zeros(len(s))
+    np.cumsum(2.0 * np.diff(s) / (speed[1:] + speed[:-1]), out=times[1:])
+    before = np.flatnonzero(rollout.is_begin[1:])
+    columns: dict[str, Any] = {**_motion(problem, rollout.samples, speed)}
     times[before] -= JUMP_TIME
     for name in ('object', 'contact', 'robot'):
         columns[f'{name}_poses'][before] -= JUMP_TIME * columns[f'{name}_twists'][before]

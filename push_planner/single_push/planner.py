@@ -13,22 +13,18 @@ import itertools
 import math
 from typing import NamedTuple, Optional
 
-import numpy as np
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import (
     formulate, Formulation, InitialRoute, rotation_range,
 )
-from push_planner.collocation.nlp_solver import Solution
+from push_planner.collocation.nlp_solver import SolveResult
 from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import is_fast, routes, tightest_turns, TurnPair
 from push_planner.initial_guess.first_guess import Route
-from push_planner.initial_guess.previous_plan import previous_route, PreviousRoute
-from push_planner.integration.refinement import refine, RefinedPush
-from push_planner.integration.rollout import Rollout
-from push_planner.integration.trajectory import build_report, find_switches, sample_trajectory
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
-from push_planner.single_push.bounds import displacement_bound
+from push_planner.single_push.assembly import finish
+from push_planner.single_push.continuation import plan_on
 from push_planner.single_push.feasibility import check_feasibility
 
 # Routes that are tried at most, and of those the first with the relaxed program. Chosen: the six
@@ -41,12 +37,8 @@ MAX_RELAXED_ROUTES = 2
 # fast push leaves the reserve of curvature of its routes, and may leave its homotopy class.
 ROUTE_SLACK = 0.95
 FAST_ROUTE_SLACK = 0.77
-# A rest of a plan that is longer than a new route by this ratio is not gone on with. Chosen.
-NEARLY_SHORTEST = 1.1
 # Difference of the object's rotations below which two routes lead to the same optimum [rad].
 SAME_ROTATION = 1.0
-# Steps back of a rollout that are rounding [m].
-ROUNDING = 1e-9
 
 
 class Attempt(NamedTuple):
@@ -114,19 +106,19 @@ class _Solved(NamedTuple):
 
     route: InitialRoute
     formulation: Formulation
-    solution: Solution
-    iterations: int
+    result: SolveResult
+    free_length: float
     relaxed: bool
 
     @property
     def duration(self) -> float:
         """Approximate time of the push [s]."""
-        return float(self.formulation.mesh.step_times(self.solution.free_length).sum())
+        return float(self.formulation.mesh.step_times(self.free_length).sum())
 
     @property
     def path_length(self) -> float:
         """Approximate path length of the contact [m]."""
-        return self.solution.free_length + self.formulation.mesh.fixed_length
+        return self.free_length + self.formulation.mesh.fixed_length
 
 
 def plan_push(problem: PushProblem, previous: Optional[Plan] = None,
@@ -135,11 +127,13 @@ def plan_push(problem: PushProblem, previous: Optional[Plan] = None,
     Find the fastest push to the goal that keeps to the planning cone.
 
     :param problem: the ``PushProblem``.
-    :param previous: ``Plan`` for much the same push, to start from; None for none.
+    :param previous: ``Plan`` for nearly the same push, to go on from where that leads to a push;
+        None for none.
     :param max_solves: number of programs that are solved at most.
     :raises PlanningFailed: with the reason, where there is none or none was found.
     """
-    return RouteSearch(problem, max_solves).plan(previous)
+    plan = None if previous is None else plan_on(problem, previous)
+    return plan or RouteSearch(problem, max_solves).plan()
 
 
 def steering_limits(problem: PushProblem) -> TurnPair:
@@ -158,48 +152,6 @@ def steering_limits(problem: PushProblem) -> TurnPair:
     return turns
 
 
-def assemble_plan(problem: PushProblem, formulation: Formulation, refined: RefinedPush) -> Plan:
-    """
-    Make a plan of a refined push.
-
-    :param problem: the ``PushProblem``.
-    :param formulation: its ``Formulation``.
-    :param refined: the ``RefinedPush``.
-    """
-    rollout, mesh = refined.rollout, formulation.mesh
-    jumps = formulation.dimensions.jumps
-    trajectory = sample_trajectory(problem, rollout)
-    switches = find_switches(problem, rollout, jumps)
-    begins = rollout.nodes[:-1, 1] + (rollout.changes if jumps else 0.0)
-    report = build_report(problem, rollout, trajectory, switches)
-    bound = displacement_bound(problem)
-    report['displacement_bound'] = bound
-    report['over_displacement_bound'] = trajectory.duration / bound
-    return Plan(problem, trajectory,
-                tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
-                tuple(np.cumsum(mesh.step_lengths(refined.free_length)).tolist()),
-                tuple(zip(np.sqrt(mesh.v_squared).tolist(), np.sqrt(mesh.end_v_squared).tolist())),
-                switches, report)
-
-
-def acceptance_error(plan: Plan) -> str:
-    """
-    Describe what is wrong with a plan; empty where nothing is.
-
-    :param plan: the ``Plan``.
-    """
-    report, settings = plan.report, plan.problem.settings
-    if not report['position_error'] <= settings.position_tolerance:
-        return f're-integration misses the goal by {1e3 * report["position_error"]:.2f} mm'
-    if not report['heading_error'] <= settings.heading_tolerance:
-        return ('re-integration misses the goal by '
-                f'{math.degrees(report["heading_error"]):.2f} deg')
-    if settings.angle_limit == 'cone' and not report['friction_usage'] <= 1.0:
-        return ('the contact force leaves the friction cone by a factor '
-                f'{report["friction_usage"]:.2f}')
-    return ''
-
-
 class RouteSearch:
     """
     Search for a push over the routes of one problem.
@@ -216,7 +168,8 @@ class RouteSearch:
         check_feasibility(problem)
         self._problem = problem
         self._log = AttemptLog(max_solves)
-        self._ranked = routes(problem, steering_limits(problem))
+        self._turns = steering_limits(problem)
+        self._ranked = routes(problem, self._turns)
         self._candidates: Optional[Iterator[_Solved]] = None
 
     def shortest_route(self) -> float:
@@ -238,17 +191,12 @@ class RouteSearch:
         self._candidates = itertools.chain([first], candidates)
         return first.duration
 
-    def plan(self, previous: Optional[Plan] = None) -> Plan:
+    def plan(self) -> Plan:
         """
         Refine pushes until one is accepted.
 
-        :param previous: ``Plan`` for much the same push, to start from; None for none.
         :raises PlanningFailed: with the reason, where none is.
         """
-        if previous is not None:
-            found = self._follow(previous)
-            if found is not None:
-                return found
         for candidate in self._candidates or self._solve_all():
             found = self._finish(candidate) or self._finish_refined(candidate.route)
             if found is not None:
@@ -284,14 +232,6 @@ class RouteSearch:
             nearest.failure or PlanFailure.NOT_CONVERGED,
             'found no push within the friction cone and the limits of the robot on '
             f'{len(promising)} routes, among them {nearest}', {'attempts': self._log.lines()})
-
-    def _follow(self, previous: Plan) -> Optional[Plan]:
-        """Start from the rest of a previous plan, where there is no much shorter path."""
-        route = previous_route(self._problem, previous)
-        solved = None if route is None else self._solve(route)
-        if solved is None or solved.path_length > NEARLY_SHORTEST * self._ranked[0].path_length:
-            return None
-        return self._finish(solved)
 
     def _solve_routes(self, ranked: Sequence[Route], relaxed: bool) -> Iterator[_Solved]:
         """Solve routes in their order; of those that may be as good, the fastest push first."""
@@ -333,12 +273,12 @@ class RouteSearch:
         if relaxed:
             result = solver.solve_relaxed(formulation, guess)
         else:
-            result = solver.solve(formulation, guess, isinstance(route, PreviousRoute))
+            result = solver.solve(formulation, guess)
         if result.solution is None:
             self._log.attempts.append(Attempt(route.name, route.path_length, result.verdict,
                                               result.failure, relaxed))
             return None
-        return _Solved(route, formulation, result.solution, result.iterations, relaxed)
+        return _Solved(route, formulation, result, result.solution.free_length, relaxed)
 
     def _finish_refined(self, route: InitialRoute) -> Optional[Plan]:
         """Where the rollout was too far from the program, take a mesh of twice the segments."""
@@ -350,31 +290,11 @@ class RouteSearch:
         """Refine a solved route, and accept the plan or not."""
         if solved is None:
             return None
-        plan = None
-        violation = 'the fine integration broke down'
-        refined = refine(self._problem, solved.formulation, solved.solution)
-        if refined is not None and _is_sound(refined.rollout):
-            plan = self._assemble(solved, refined)
-            violation = acceptance_error(plan)
+        plan, violation = finish(self._problem, solved.formulation, solved.result, self._turns)
         self._log.attempts.append(Attempt(
             solved.route.name, solved.route.path_length, violation or 'solved',
             PlanFailure.NOT_ACCEPTED if violation else None, solved.relaxed))
-        if plan is None or violation:
-            return None
-        plan.report['attempts'] = self._log.lines()
+        if plan is not None:
+            plan.report.update(route=solved.route.name, attempts=self._log.lines(),
+                               final_straight=solved.route.final_straight)
         return plan
-
-    def _assemble(self, solved: _Solved, refined: RefinedPush) -> Plan:
-        plan = assemble_plan(self._problem, solved.formulation, refined)
-        plan.report.update(route=solved.route.name,
-                           segments=solved.formulation.dimensions.step_count,
-                           final_straight=solved.route.final_straight,
-                           iterations=solved.iterations)
-        return plan
-
-
-def _is_sound(rollout: Rollout) -> bool:
-    """Whether all of a rollout is finite, and its path never goes back."""
-    steps = np.diff(rollout.s)
-    return bool(np.isfinite(rollout.samples).all() and (steps > -ROUNDING).all()
-                and rollout.s[-1] > 0.0 and (rollout.v_squared >= 0.0).all())

@@ -1,0 +1,123 @@
+"""
+Resampling of a solution: from the mesh of a push to another mesh for the rest of it.
+
+Variables are functions of the path length s, and so are costates. Multipliers of what holds at the
+points of a step are densities over s times the length of the step. With the frame moved by (x, y)
+and rotated by T, positions and their costates rotate by -T. The costate of the free length S is
+
+    lambda_S(s) = 1 - (1 / S) integral of g from s to the end
+
+with g independent of S, so that ``1 - lambda_S`` grows by the ratio of the free lengths.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_model.geometry import FloatArray, Pose
+from push_planner.collocation.collocation import radau
+from push_planner.collocation.dimensions import Dimensions, POINTS
+from push_planner.collocation.interior_point import (
+    Iterate, iterate_shapes, LAST_BARRIER, parts_of,
+)
+from push_planner.collocation.mesh import Mesh
+
+# Columns of the states: S, w, rho, theta, q_x, q_y and phi.
+THETA, POSITION, PHI = 3, slice(4, 6), 6
+# Least slack at the start, whose bounds on the pushing angle may be as narrow as a milliradian.
+LEAST_SLACK = 1e-3
+
+
+class Meshed(NamedTuple):
+    """
+    Mesh of a program.
+
+    :param dimensions: ``Dimensions``.
+    :param mesh: ``Mesh``.
+    :param free_length: S [m].
+    """
+
+    dimensions: Dimensions
+    mesh: Mesh
+    free_length: float
+
+    def lengths(self) -> FloatArray:
+        """Lengths of the steps [m]."""
+        return self.mesh.step_lengths(self.free_length)
+
+
+def resample(iterate: Iterate, former: Meshed, present: Meshed, done: float,
+             frame: Pose) -> Iterate:
+    """
+    Carry an iterate over to the rest of the push.
+
+    :param iterate: the ``Iterate``.
+    :param former: its mesh.
+    :param present: mesh of the rest; its dimensions differ in the number of steps alone.
+    :param done: path length before the rest, on the former mesh [m].
+    :param frame: present start in the frame of the former one; its angle is not wrapped.
+    """
+    shapes, present_shapes = iterate_shapes(former.dimensions), iterate_shapes(present.dimensions)
+    primal, dual = parts_of(iterate.primal, shapes.primal), parts_of(iterate.dual, shapes.dual)
+    found = Iterate(*(np.ones(sum(map(math.prod, of.values())))
+                      for of in (present_shapes.primal, present_shapes.dual)))
+    new_primal = parts_of(found.primal, present_shapes.primal)
+    new_dual = parts_of(found.dual, present_shapes.dual)
+    lengths, new_lengths = former.lengths(), present.lengths()
+    ends = np.append(0.0, np.cumsum(lengths))
+    scale = (ends[-1] - done) / new_lengths.sum()
+    new_ends = done + scale * np.append(0.0, np.cumsum(new_lengths))
+    middles = 0.5 * (new_ends[1:] + new_ends[:-1])
+    step = np.clip(np.searchsorted(ends, middles) - 1, 0, len(lengths) - 1)
+    density = (scale * new_lengths / lengths[step])[:, None]
+    new_primal['z'][:] = _variables(primal['z'], former, (ends, new_ends), present.free_length,
+                                    frame)
+    new_dual['costates'][:] = _costates(
+        dual['costates'], ends, new_ends, frame.theta,
+        former.free_length / present.free_length)
+    new_dual['nu'][:] = density * dual['nu'][step]
+    new_dual['eta'][:] = 0.0
+    new_dual['goal'][:] = dual['goal']
+    new_dual['goal'][:2] = _rotated(dual['goal'][None, :2], -frame.theta)[0]
+    new_dual['step'][:] = np.maximum(density * dual['step'][step], 1e-9)
+    new_primal['step'][:] = LAST_BARRIER / new_dual['step']
+    new_primal['end'][:], new_dual['end'][:] = primal['end'], dual['end']
+    new_primal['first'][:] = LEAST_SLACK
+    new_dual['first'][:] = LAST_BARRIER / LEAST_SLACK
+    return found
+
+
+def _variables(z: FloatArray, former: Meshed, ends: tuple[FloatArray, FloatArray],
+               free_length: float, frame: Pose) -> FloatArray:
+    """Resample the variables of all steps."""
+    states = former.dimensions.state_count
+    old, new = ends
+    points = radau(POINTS).points
+    found = np.ones((len(new), z.shape[1]))
+    for i in range(states):
+        found[:, i] = np.interp(new, old, z[:, i])
+    found[:, 0] = free_length
+    found[:, THETA] -= frame.theta
+    found[:, POSITION] = _rotated(found[:, POSITION] - np.array([frame.x, frame.y]), -frame.theta)
+    if states > PHI:
+        found[:, PHI] -= found[0, PHI]
+    found[:-1, states] = np.diff(found[:, 2])
+    at = (old[:-1, None] + np.diff(old)[:, None] * points).ravel()
+    new_at = new[:-1, None] + np.diff(new)[:, None] * points
+    found[:-1, states + 1:] = np.interp(new_at, at, z[:-1, states + 1:].ravel())
+    return found
+
+
+def _costates(costates: FloatArray, ends: FloatArray, new_ends: FloatArray, angle: float,
+              ratio: float) -> FloatArray:
+    """Resample the multipliers of the dynamics."""
+    found = np.column_stack([np.interp(new_ends, ends, column) for column in costates.T])
+    found[:, 0] = 1.0 - ratio * (1.0 - found[:, 0])
+    found[:, POSITION] = _rotated(found[:, POSITION], -angle)
+    return found
+
+
+def _rotated(vectors: FloatArray, angle: float) -> FloatArray:
+    """Rotate vectors of shape (n, 2) by an angle."""
+    c, s = math.cos(angle), math.sin(angle)
+    return vectors @ np.array([[c, s], [-s, c]])
