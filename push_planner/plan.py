@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import os
-from typing import Any, NamedTuple, Optional, TYPE_CHECKING, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 from push_model.geometry import Pose
@@ -11,9 +11,6 @@ from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
 from push_planner.problem import InitialMotion, PushProblem
 from push_planner.settings import PlannerSettings
-
-if TYPE_CHECKING:
-    from push_planner.single_push.assembly import SolvedPush
 
 FilePath = Union[str, 'os.PathLike[str]']
 # Version of the file format.
@@ -44,6 +41,10 @@ class Switch(NamedTuple):
     blend_distance: float
 
 
+class PlanSource:
+    """What a plan was made of, from which a plan for nearly the same push goes on."""
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Plan:
     """
@@ -59,8 +60,7 @@ class Plan:
         linear in the path length between [m/s].
     :param switches: ``Switch`` of every jump, the first touch included: the impulse it takes.
     :param report: further figures and texts by name.
-    :param solved: ``SolvedPush`` from which a plan for nearly the same push goes on; None for a
-        plan from a file, and for angles that jump.
+    :param source: ``PlanSource``; None for a plan from a file, and for angles that jump.
     """
 
     problem: PushProblem
@@ -70,7 +70,7 @@ class Plan:
     speeds: tuple[tuple[float, float], ...]
     switches: tuple[Switch, ...]
     report: dict[str, Any]
-    solved: Optional['SolvedPush'] = dataclasses.field(default=None, repr=False)
+    source: Optional[PlanSource] = dataclasses.field(default=None, repr=False)
 
     def save(self, path: FilePath) -> None:
         """

@@ -10,9 +10,10 @@ done until then. Prints Markdown, and writes it with a figure to a directory if 
 import argparse
 import dataclasses
 import functools
+import math
 from pathlib import Path
 import time
-from typing import NamedTuple, Optional, Sequence
+from typing import Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.planner.goals import families, mid_face, ProblemMaker, problems
 from benchmarks.planner.measure import Answer, collect, measure
@@ -22,9 +23,10 @@ from benchmarks.planner.shooting import shoot, Shot
 from benchmarks.planner.sites import Choice, choices, KINDS
 from benchmarks.planner.vehicle_bound import BoundComparison
 import numpy as np
-from push_model.geometry import Pose
+from push_model.geometry import Pose, wrap_angle
 from push_planner.plan import Plan
-from push_planner.problem import PlanningFailed, PushProblem
+from push_planner.problem import InitialMotion, PlanningFailed, PushProblem
+from push_planner.single_push.continuation import ROUTE
 from push_planner.single_push.planner import plan_push
 
 DESCRIPTION = 'Benchmark of the planner: goals reached, CPU time, quality of plans.'
@@ -34,12 +36,30 @@ WARM_SEED = 7
 MOVED_SEED = 11
 # Range of the displacement of goals that move [m, rad]; chosen: as a supervisor corrects them.
 MOVED = 0.05
-
-
+# Part of a push after which it is planned on, and how far the object is off its path there at most
+# [m, m, rad]. Chosen: as a push that is corrected half-way.
+PUSHED_FRACTIONS = 0.1, 0.6
+OFF_PATH = np.array([0.003, 0.003, 0.005])
 # Numbers that growth is measured over: segments of slow pushes, faces.
 SEGMENT_COUNTS = 12, 24, 48, 96, 192
 SLOW_SPEEDS = (0.25,)
 FACE_COUNTS = 3, 4, 6, 8, 12
+
+
+class WarmStart(NamedTuple):
+    """
+    A push planned from nothing, and from the plan before.
+
+    :param first: CPU time from nothing [s].
+    :param on: CPU time from the plan before [s].
+    :param duration: time of the push over that from nothing.
+    :param went_on: whether the plan before led to it.
+    """
+
+    first: float
+    on: float
+    duration: float
+    went_on: bool
 
 
 class Results(NamedTuple):
@@ -49,7 +69,7 @@ class Results(NamedTuple):
     :param kinds: name -> ``Answer`` of each push.
     :param first: CPU time of the first plan [s].
     :param shots: (segments, pairs of ``Answer`` and ``Shot``).
-    :param warm_starts: per goal, (CPU time, duration) from nothing and with a warm start [s].
+    :param warm_starts: what has changed -> per goal, ``WarmStart``.
     :param quality: name -> ``Quality`` of each push.
     :param bounded: name -> (time over the vehicle bound, over the upper one) of each push.
     :param solvers: ``SolverRun`` of each solver.
@@ -61,7 +81,7 @@ class Results(NamedTuple):
     kinds: dict[str, list[Answer]]
     first: float
     shots: list[tuple[int, list[tuple[Answer, Shot]]]]
-    warm_starts: list[list[tuple[float, float]]]
+    warm_starts: dict[str, list[WarmStart]]
     quality: dict[str, list[Quality]]
     bounded: dict[str, list[tuple[float, float]]]
     solvers: list[SolverRun]
@@ -97,24 +117,51 @@ def shots(answers: Sequence[Answer], segments: int) -> list[tuple[Answer, Shot]]
                    lambda answer: (answer, shoot(answer.problem, segments)))
 
 
-def warm_starts(answers: Sequence[Answer]) -> list[list[tuple[float, float]]]:
-    """Plan for goals that moved a little, from nothing and with a warm start."""
-    return collect([answer for answer in answers if not answer.fault], 'moved goals',
-                   _warm_start)
+def warm_starts(answers: Sequence[Answer]) -> dict[str, list[WarmStart]]:
+    """Plan for pushes that have changed a little, from nothing and from the plan before."""
+    solved = [answer.problem for answer in answers if not answer.fault]
+    return {name: [one for one in collect(solved, name, functools.partial(_warm_start, change))
+                   if one is not None]
+            for name, change in (('a goal that moved', _moved), ('a push under way', _pushed_on))}
 
 
-def _warm_start(answer: Answer) -> list[tuple[float, float]]:
-    problem = answer.problem
+def _warm_start(change: Callable[[Plan, np.random.Generator], PushProblem],
+                problem: PushProblem) -> Optional[WarmStart]:
+    """Plan twice; None where there is no plan from nothing."""
     rng = np.random.default_rng((MOVED_SEED, int(1e6 * abs(problem.goal.x))))
-    x, y = rng.uniform(-MOVED, MOVED, 2)
-    goal = problem.goal @ Pose(x, y, rng.uniform(-MOVED, MOVED))
-    moved, before = dataclasses.replace(problem, goal=goal), plan_push(problem)
-    times: list[tuple[float, float]] = []
-    for previous in (None, before):
+    before = plan_push(problem)
+    changed = change(before, rng)
+    try:
         began = time.process_time()
-        found = plan_push(moved, previous)
-        times.append((time.process_time() - began, found.trajectory.duration))
-    return times
+        first = plan_push(changed)
+        between = time.process_time()
+        again = plan_push(changed, before)
+        ended = time.process_time()
+    except PlanningFailed:
+        return None
+    return WarmStart(between - began, ended - between,
+                     again.trajectory.duration / first.trajectory.duration,
+                     again.report['route'] == ROUTE)
+
+
+def _moved(plan: Plan, rng: np.random.Generator) -> PushProblem:
+    """Move the goal of a plan."""
+    x, y = rng.uniform(-MOVED, MOVED, 2)
+    goal = plan.problem.goal @ Pose(x, y, rng.uniform(-MOVED, MOVED))
+    return dataclasses.replace(plan.problem, goal=goal)
+
+
+def _pushed_on(plan: Plan, rng: np.random.Generator) -> PushProblem:
+    """Push on from somewhere along a plan, the object a little off, its goal as it was."""
+    motion = plan.trajectory
+    now = motion.at(rng.uniform(*PUSHED_FRACTIONS) * motion.duration)
+    off = rng.uniform(-1.0, 1.0, 3) * OFF_PATH
+    velocity, normal = now['contact_twists'][:2], now['contact_poses'][2]
+    angle = wrap_angle(math.atan2(velocity[1], velocity[0]) - normal)
+    return dataclasses.replace(
+        plan.problem, start=Pose(*(now['object_poses'] + off).tolist()),
+        normal=float(normal + off[2]), heading=float(now['robot_poses'][2]),
+        motion=InitialMotion(math.hypot(*velocity), float(now['object_twists'][2]), angle))
 
 
 def options() -> argparse.Namespace:

@@ -41,10 +41,11 @@ def aim_table(results: Results) -> str:
                            solved == 100.0)]
     rows += _solver_rows(results) + _shot_rows(results) + _gap_rows(results)
     plan = _median_cpu(square)
-    if results.warm_starts:
-        first, on = (np.median([pair[i][0] for pair in results.warm_starts]) for i in (0, 1))
-        rows.append(_at_most('planning on from a plan, over a first plan', PLANNING_ON_AIM,
-                             float(on / first)))
+    for name, pairs in results.warm_starts.items():
+        if pairs:
+            first, on = (np.median([pair[i] for pair in pairs]) for i in (0, 1))
+            rows.append(_at_most(f'planning on from a plan, over a first plan: {name}',
+                                 PLANNING_ON_AIM, float(on / first)))
     driven = [answer.cpu for answer in results.kinds.get(DIFFERENTIAL, ())]
     for aim, share in zip(DIFFERENTIAL_AIMS, (50, 95)) if driven else ():
         rows.append(_at_most(f'differential drive at a vertex, over a plan: percentile {share}',

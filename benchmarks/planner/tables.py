@@ -23,6 +23,22 @@ class SiteTimes(Protocol):
     def found(self) -> bool: ...  # noqa: D102
 
 
+class TwoPlans(Protocol):
+    """CPU times from nothing and on from a plan [s], and ratio of the times of the pushes."""
+
+    @property
+    def first(self) -> float: ...  # noqa: D102
+
+    @property
+    def on(self) -> float: ...  # noqa: D102
+
+    @property
+    def duration(self) -> float: ...  # noqa: D102
+
+    @property
+    def went_on(self) -> bool: ...  # noqa: D102
+
+
 def table(head: Sequence[Any], rows: Iterable[Sequence[Any]]) -> str:
     """Write a Markdown table."""
     return '\n'.join('| ' + ' | '.join(map(str, line)) + ' |'
@@ -104,14 +120,22 @@ def shot_table(results: Sequence[tuple[int, list[tuple[Answer, Shot]]]]) -> str:
                   'ratio of medians', 'longer than the plan by %, median', 'max'], rows)
 
 
-def warm_start_table(pairs: Sequence[Sequence[tuple[float, float]]]) -> str:
-    """Write planning from nothing against planning with a warm start."""
-    if not pairs:
+def warm_start_table(kinds: Mapping[str, Sequence[TwoPlans]]) -> str:
+    """Write planning from nothing against planning on, by what has changed."""
+    rows: list[list[Any]] = []
+    for name, pairs in kinds.items():
+        if not pairs:
+            continue
+        rows.append([name, *spread([pair.first for pair in pairs])[:2],
+                     *spread([pair.on for pair in pairs]),
+                     f'{sum(pair.went_on for pair in pairs)}/{len(pairs)}',
+                     f'{np.median([pair.duration for pair in pairs]):.4f}',
+                     f'{max(pair.duration for pair in pairs):.4f}'])
+    if not rows:
         return 'Not measured.'
-    return table(['', 'CPU ms median', 'p95', 'max', 'time of the push over that from nothing'],
-                 [[name, *spread([pair[i][0] for pair in pairs]),
-                   f'{np.median([pair[i][1] / pair[0][1] for pair in pairs]):.4f}']
-                  for i, name in enumerate(('from nothing', 'from the plan before'))])
+    return table(['', 'from nothing: CPU ms median', 'p95', 'from the plan before: CPU ms median',
+                  'p95', 'max', 'went on', 'time of the push over that from nothing, median',
+                  'greatest'], rows)
 
 
 def quality_table(groups: dict[str, list[Quality]]) -> str:

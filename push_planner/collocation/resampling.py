@@ -17,15 +17,11 @@ import numpy as np
 from push_model.geometry import FloatArray, Pose
 from push_planner.collocation.collocation import radau
 from push_planner.collocation.dimensions import Dimensions, POINTS
-from push_planner.collocation.interior_point import (
-    Iterate, iterate_shapes, LAST_BARRIER, parts_of,
-)
+from push_planner.collocation.interior_point import Iterate, iterate_shapes, parts_of
 from push_planner.collocation.mesh import Mesh
 
 # Columns of the states: S, w, rho, theta, q_x, q_y and phi.
 THETA, POSITION, PHI = 3, slice(4, 6), 6
-# Least slack at the start, whose bounds on the pushing angle may be as narrow as a milliradian.
-LEAST_SLACK = 1e-3
 
 
 class Meshed(NamedTuple):
@@ -49,7 +45,7 @@ class Meshed(NamedTuple):
 def resample(iterate: Iterate, former: Meshed, present: Meshed, done: float,
              frame: Pose) -> Iterate:
     """
-    Carry an iterate over to the rest of the push.
+    Carry an iterate over to the rest of the push, without slacks: they follow from the rows.
 
     :param iterate: the ``Iterate``.
     :param former: its mesh.
@@ -79,11 +75,8 @@ def resample(iterate: Iterate, former: Meshed, present: Meshed, done: float,
     new_dual['eta'][:] = 0.0
     new_dual['goal'][:] = dual['goal']
     new_dual['goal'][:2] = _rotated(dual['goal'][None, :2], -frame.theta)[0]
-    new_dual['step'][:] = np.maximum(density * dual['step'][step], 1e-9)
-    new_primal['step'][:] = LAST_BARRIER / new_dual['step']
-    new_primal['end'][:], new_dual['end'][:] = primal['end'], dual['end']
-    new_primal['first'][:] = LEAST_SLACK
-    new_dual['first'][:] = LAST_BARRIER / LEAST_SLACK
+    new_dual['step'][:] = density * dual['step'][step]
+    new_dual['first'][:], new_dual['end'][:] = dual['first'], dual['end']
     return found
 
 

@@ -1,5 +1,6 @@
 """A plan from the solution of a program: refined, assembled, and accepted or not."""
 
+import dataclasses
 import math
 from typing import NamedTuple, Optional
 
@@ -11,7 +12,7 @@ from push_planner.initial_guess.dubins_routes import TurnPair
 from push_planner.integration.refinement import refine, RefinedPush
 from push_planner.integration.rollout import Rollout
 from push_planner.integration.trajectory import build_report, find_switches, sample_trajectory
-from push_planner.plan import Plan
+from push_planner.plan import Plan, PlanSource
 from push_planner.problem import PushProblem
 from push_planner.single_push.bounds import displacement_bound
 
@@ -19,9 +20,10 @@ from push_planner.single_push.bounds import displacement_bound
 ROUNDING = 1e-9
 
 
-class SolvedPush(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class SolvedPush(PlanSource):
     """
-    What a plan for nearly the same push goes on from.
+    Solution of a program, and how it was refined.
 
     :param formulation: ``Formulation``.
     :param iterate: ``Iterate``, its solution.

@@ -2,9 +2,9 @@
 Planning on: from a plan to that of nearly the same push, whose start or goal is another one.
 
 The program of the former plan, its solution and its multipliers are carried over: moved into the
-frame of the present start, cut off where the object is by now, and put on a mesh for the rest. From
-there a few steps of Newton's method lead to the optimum, where that keeps to the same route. The
-push is then refined and checked as any other.
+frame of the present start, cut off where the object is by now, and put on a mesh for the rest.
+From there a few steps of Newton's method lead to the optimum, where that keeps to the same
+route. The push is then refined and checked as any other.
 """
 
 import math
@@ -34,9 +34,9 @@ NEARLY_SHORTEST = 1.1
 HEADING_WEIGHT = 0.3
 # Least path length that is worth going on with [m].
 MIN_REST = 0.02
-# Largest fraction of the rest that its final straight may be. Chosen: the main section of a push
-# needs a length of its own.
-MAX_STRAIGHT_FRACTION = 0.9
+# Largest fraction of the rest that its final straight may be. Chosen: a push that is off its path
+# by now needs a length to steer back in.
+MAX_STRAIGHT_FRACTION = 2.0 / 3.0
 
 
 class Resumed(NamedTuple):
@@ -65,8 +65,8 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
         routes, or a solution that is not accepted.
     :raises PlanningFailed: where the problem is refused.
     """
-    solved = previous.solved
-    if solved is None or not _is_alike(problem, previous.problem):
+    solved = previous.source
+    if not isinstance(solved, SolvedPush) or not _is_alike(problem, previous.problem):
         return None
     check_feasibility(problem)
     resumed = _resume(problem, previous, solved)

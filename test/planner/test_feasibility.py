@@ -14,7 +14,7 @@ from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.plan_request import PlanFailure
 from push_planner.integration.refinement import refine
 from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
-from push_planner.single_push import planner
+from push_planner.single_push import assembly
 from push_planner.single_push.planner import plan_push
 import pytest
 
@@ -158,7 +158,7 @@ def test_an_integration_that_breaks_down_is_no_plan(monkeypatch, spoilt):
         refined = refine(*arguments)
         return refined and refined._replace(rollout=spoilt(refined.rollout))
 
-    monkeypatch.setattr(planner, 'refine', run_away)
+    monkeypatch.setattr(assembly, 'refine', run_away)
     with pytest.raises(PlanningFailed, match='the fine integration broke down') as failure:
         plan_push(vertex_problem(AHEAD))
     assert failure.value.code is PlanFailure.NOT_ACCEPTED
