@@ -2,7 +2,7 @@
 Scalar kernels: compiled by numba where it is installed, plain Python elsewhere.
 
 Machine code is kept on disk, in a directory named after the text of all modules that end up in
-it (this folder, that of the function, and those whose functions others call): numba itself notices
+it (this folder, that of the function, and the modules of what it calls): numba itself notices
 changes only in the file of the outermost function. The directory is in the user's cache, so that a
 read-only installation works; where it cannot be written to either, every process compiles anew.
 
@@ -86,7 +86,8 @@ class CompiledFunction:
     def _make_dispatcher(self, subfolder: str, special: dict[str, bool]) -> Any:
         numba = importlib.import_module('numba')
         options = {**_options(numba), **special}
-        directory = cache_directory(pathlib.Path(self.py_func.__code__.co_filename).parent)
+        files = _files_of(self.py_func)
+        directory = cache_directory(pathlib.Path(self.py_func.__code__.co_filename).parent, files)
         if directory is None:
             return numba.njit(self.py_func, **options)
         folder = pathlib.Path(directory) / subfolder
@@ -142,13 +143,16 @@ def numbers_of(values: Any) -> list[float]:
     return [float(value) for value in values] if isinstance(values, list) else values.tolist()
 
 
-def cache_directory(folder: pathlib.Path = HERE) -> str | None:
+def cache_directory(folder: pathlib.Path = HERE,
+                    files: frozenset[str] = frozenset()) -> str | None:
     """
     Return the directory for numba's machine code; see ``user_cache``.
 
     :param folder: of the compiled function's module.
+    :param files: paths of modules elsewhere whose functions it calls.
     """
-    return user_cache(_source_digest(folder))
+    outside = frozenset(path for path in files if pathlib.Path(path).parent not in (HERE, folder))
+    return user_cache(_source_digest(folder, outside))
 
 
 def user_cache(name: str) -> str | None:
@@ -221,15 +225,27 @@ def _in_turn(compile_function: Callable[..., Any], path: pathlib.Path) -> Callab
     return compile_in_turn
 
 
+@functools.lru_cache(maxsize=None)
+def _files_of(function: Callable[..., Any]) -> frozenset[str]:
+    """Paths of the modules of a function, of those that it calls, and so on."""
+    files = {function.__code__.co_filename}
+    for name in function.__code__.co_names:
+        called = getattr(function.__globals__.get(name), 'py_func', None)
+        if called is not None and called is not function:
+            files |= _files_of(called)
+    return frozenset(files)
+
+
 # One digest for each folder: some dozen functions ask for it.
 @functools.lru_cache(maxsize=None)
-def _source_digest(folder: pathlib.Path) -> str:
+def _source_digest(folder: pathlib.Path, files: frozenset[str]) -> str:
     folders = {HERE, folder}
     if folder != HERE:
         folders.add(HERE.parent / 'push_primitives')
     sources = [source for part in sorted(folders) for source in sorted(part.glob('*.py'))]
     digest = hashlib.sha256()
-    for source in [*sources, geometry.__file__, friction.__file__]:
+    elsewhere = {geometry.__file__, friction.__file__, *files} - {str(path) for path in sources}
+    for source in [*sources, *sorted(elsewhere)]:
         digest.update(pathlib.Path(source).read_bytes())
     return digest.hexdigest()[:16]
 

@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from push_dynamics.compiled import compiled, interpreted
 from push_model.contact import (
     contact_point, curvature_radius, face_normal, find_contact, normal_range, rolling_constants,
 )
@@ -46,6 +47,61 @@ class ContactFrame(NamedTuple):
     normal: float
 
 
+class RollingContact(NamedTuple):
+    """
+    The numbers of a ``ContactSite`` by which its contact rolls, as compiled functions read them.
+
+    :param normal_ratio: lam of the rolling rule (model: section 2).
+    :param robot_radius: R_p [m].
+    :param object_radius: R_s [m]; 0 at a vertex, infinite on a face.
+    :param x: of C at the start, object frame [m].
+    :param y: of C at the start, object frame [m].
+    :param normal: angle of n at the start, object frame [rad].
+    :param heading: robot heading at the start, relative to the object [rad].
+    """
+
+    normal_ratio: float
+    robot_radius: float
+    object_radius: float
+    x: float
+    y: float
+    normal: float
+    heading: float
+
+
+@compiled
+def rolled_contact(contact: RollingContact, heading: float) -> ContactFrame:
+    """
+    Find the contact of a robot that has rolled without slip.
+
+    :param contact: the ``RollingContact``.
+    :param heading: of the robot relative to the object, unwrapped [rad].
+    :return: ``ContactFrame``.
+    """
+    rotation = heading - contact.heading
+    if contact.object_radius == 0.0:
+        return ContactFrame(contact.x, contact.y, contact.normal + rotation)
+    if math.isinf(contact.object_radius):
+        shift = contact.robot_radius * rotation
+        return ContactFrame(contact.x + shift * math.sin(contact.normal),
+                            contact.y - shift * math.cos(contact.normal), contact.normal)
+    normal = contact.normal + (1.0 - contact.normal_ratio) * rotation
+    x, y = round_point(contact.object_radius, normal)
+    return ContactFrame(x, y, normal)
+
+
+@compiled
+def round_point(radius: float, normal: float) -> tuple[float, float]:
+    """
+    Find the point of a round outline at which the normal has an angle.
+
+    :param radius: R_s [m].
+    :param normal: angle of n in the object frame [rad].
+    :return: (x, y) in the object frame [m].
+    """
+    return -radius * math.cos(normal), -radius * math.sin(normal)
+
+
 class ContactSite(NamedTuple):
     """
     The contact in the object frame, for any heading of the robot relative to the object.
@@ -76,6 +132,12 @@ class ContactSite(NamedTuple):
         """D, angle from the robot's heading to the contact normal at the start [rad]."""
         return math.remainder(self.normal - self.heading, 2.0 * math.pi)
 
+    @property
+    def rolling(self) -> RollingContact:
+        """The ``RollingContact``."""
+        return RollingContact(self.normal_ratio, self.robot_radius, self.object_radius,
+                              *self.point, self.normal, self.heading)
+
     def contact_at(self, heading: float) -> ContactFrame:
         """
         Find the contact of a robot that has rolled without slip.
@@ -83,15 +145,7 @@ class ContactSite(NamedTuple):
         :param heading: of the robot relative to the object, unwrapped [rad].
         :return: ``ContactFrame``.
         """
-        rotation = heading - self.heading
-        if self.kind == 'vertex':
-            return ContactFrame(self.point[0], self.point[1], self.normal + rotation)
-        if self.kind == 'face':
-            shift = self.robot_radius * rotation
-            return ContactFrame(self.point[0] + shift * math.sin(self.normal),
-                                self.point[1] - shift * math.cos(self.normal), self.normal)
-        normal = self.normal + (1.0 - self.normal_ratio) * rotation
-        return ContactFrame(*self._round_point(normal), normal)
+        return interpreted(rolled_contact)(self.rolling, heading)
 
     def robot_center(self, pose: Pose, phi: float) -> tuple[float, float]:
         """
@@ -133,7 +187,8 @@ class ContactSite(NamedTuple):
         normal = self.normal - slip / (self.robot_radius + self.object_radius)
         if self.kind == 'vertex':
             return self._replace(normal=normal)
-        return self._replace(normal=normal, point=self._round_point(normal))
+        return self._replace(normal=normal,
+                             point=interpreted(round_point)(self.object_radius, normal))
 
     def is_same_push(self, other: 'ContactSite', shift: Pose) -> bool:
         """
@@ -147,10 +202,6 @@ class ContactSite(NamedTuple):
                 and math.dist(self.point, other.point) <= SAME_POINT_DISTANCE
                 and math.hypot(shift.x, shift.y) <= SAME_PUSH_DISTANCE
                 and abs(wrap_angle(shift.theta)) <= SAME_PUSH_ROTATION)
-
-    def _round_point(self, normal: float) -> tuple[float, float]:
-        """Point of a round outline at which the normal has an angle."""
-        return -self.object_radius * math.cos(normal), -self.object_radius * math.sin(normal)
 
 
 def initial_contact_site(obj: PushedObject, robot: RoundRobot,

@@ -8,17 +8,20 @@ Odometry is the input; poses are measured late and enter at their own time. With
     ``K = P H^T (H P H^T + R)^-1``,  ``x += K (z - H x)``,  ``P -= K H P``   for every pose
 """
 
-from collections.abc import Iterator
 import math
 from typing import NamedTuple
 
 import numpy as np
 from push_control.estimation.contact_site import ContactSite
 from push_control.estimation.dead_reckoning import RobotMotion
+from push_control.estimation.filter_kernel import (
+    add_motion, advance, CONTACT_SIZE, correct, FilterMemory, forget_before, load_machine_code,
+    MOTION_COLUMNS, ODOMETRY_COLUMNS, predict, replay, SIZE,
+)
 from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.settings import ControlSettings
 from push_model.geometry import Coordinates, FloatArray, wrap_angle
-from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
 
 # How long odometry is kept to be replayed from a late pose [s]. Chosen: far above the latency of
 # any pose that is not stale.
@@ -27,6 +30,8 @@ INPUT_MEMORY = 1.0
 # push direction is inflated by so much. Chosen: the next pose then passes the gate.
 MAX_CONSECUTIVE_REJECTIONS = 3
 COVARIANCE_INFLATION = 25.0
+# Motions of the robot for which there is room at first; chosen: those between two poses.
+FIRST_CAPACITY = 64
 
 
 class NoiseModel(NamedTuple):
@@ -68,62 +73,6 @@ class NoiseModel(NamedTuple):
                    settings.max_center_offset_ratio * arm)
 
 
-class _Input(NamedTuple):
-    """Mean motion of the robot between two times [s]."""
-
-    start: float
-    end: float
-    twist: Twist
-
-
-class OdometryBuffer:
-    """Motion of the robot since some time, to be replayed from a late pose. ``last``: newest."""
-
-    def __init__(self, start: float, odometry: Odometry):
-        """
-        Begin with one odometry, which holds since the start.
-
-        :param start: not later than the odometry [s].
-        :param odometry: first ``Odometry``.
-        """
-        self._inputs = [_Input(start, odometry.time, odometry.twist)]
-        self.last = odometry
-
-    def add(self, odometry: Odometry) -> None:
-        """
-        Add the mean motion since the last odometry.
-
-        :param odometry: ``Odometry``, newer than the last.
-        """
-        mean = Twist(*(0.5 * (a + b) for a, b in zip(self.last.twist, odometry.twist)))
-        self._inputs.append(_Input(self.last.time, odometry.time, mean))
-        self.last = odometry
-
-    def between(self, start: float, end: float) -> Iterator[tuple[float, Twist]]:
-        """
-        List the motions between two times; the last one goes on.
-
-        :param start: begin [s].
-        :param end: end [s].
-        :return: yields duration [s] and ``Twist`` of each.
-        """
-        for item in self._inputs:
-            duration = min(end, item.end) - max(start, item.start)
-            if duration > 0.0:
-                yield duration, item.twist
-        beyond = end - max(start, self.last.time)
-        if beyond > 0.0:
-            yield beyond, self.last.twist
-
-    def forget_before(self, time: float) -> None:
-        """
-        Drop what is no longer needed.
-
-        :param time: of the earliest replay to come [s].
-        """
-        self._inputs = [item for item in self._inputs if item.end > time]
-
-
 class PoseUpdate(NamedTuple):
     """
     What became of a measured pose.
@@ -140,8 +89,9 @@ class Estimator:
     """
     Fuses odometry and late object poses.
 
-    ``motion``: ``PushMotion`` of the contact. ``state``: ``PushState`` at the time of the last
-    pose used. ``rejected_poses``: number of poses outside the gate.
+    ``motion``: ``PushMotion`` of the contact. ``last_odometry``: the newest ``Odometry`` used.
+    ``travelled_distance``: path length of the contact since the start [m]. ``rejected_poses``:
+    number of poses outside the gate.
     """
 
     def __init__(self, motion: PushMotion, settings: ControlSettings, center: Coordinates,
@@ -156,26 +106,43 @@ class Estimator:
         :param odometry: first ``Odometry``.
         """
         site = motion.site
-        self.motion = motion
         self._settings = settings
-        self._noise = NoiseModel.of(settings, site, center)
+        noise = NoiseModel.of(settings, site, center)
+        self._pose_gate = noise.pose_gate
         theta = pose.pose.theta
         misalignment = wrap_angle(odometry.pose.theta - theta - site.heading)
-        self.state = PushState(pose.pose.x, pose.pose.y, theta,
-                               theta + site.heading + misalignment, *center)
-        self._covariance: FloatArray = np.diag(self._noise.initial)
-        self._covariance[:3, :3] = settings.believed_covariance(pose).matrix
+        state = PushState(*pose.pose, theta + site.heading + misalignment, *center)
+        covariance: FloatArray = np.diag(noise.initial)
+        covariance[:3, :3] = settings.believed_covariance(pose).matrix
+        self._memory = FilterMemory(
+            contact=np.zeros(CONTACT_SIZE), c_squared=motion.supports.values,
+            odometry=np.zeros((FIRST_CAPACITY, ODOMETRY_COLUMNS)),
+            last=np.array((odometry.time, *odometry.twist)), state=np.array(state),
+            latest=np.zeros(SIZE), covariance=covariance, walk=noise.walk,
+            center=np.array((*noise.center, noise.max_center_offset)),
+            motions=np.zeros((FIRST_CAPACITY + 1, MOTION_COLUMNS)),
+            scratch=np.zeros((3, SIZE, SIZE)))
         self._time = min(pose.time, odometry.time)
-        self._odometry = OdometryBuffer(self._time, odometry)
-        # The state at the time of the last odometry, or None where it must be computed.
-        self._latest: PushState | None = None
+        # The first odometry holds since the start.
+        self._memory.odometry[0] = self._time, odometry.time, *odometry.twist
+        self._count = 1
+        self.last_odometry = odometry
+        self.travelled_distance = 0.0
         self.rejected_poses = 0
         self._consecutive_rejections = 0
+        self.motion = motion
+        self.set_contact(site, motion.is_lost)
+        load_machine_code(self._memory)
+
+    @property
+    def state(self) -> PushState:
+        """``PushState`` at the time of the last pose used."""
+        return PushState(*self._memory.state.tolist())
 
     @property
     def covariance(self) -> FloatArray:
         """Covariance at the time of the last pose used, shape (7, 7)."""
-        return self._covariance.copy()
+        return self._memory.covariance.copy()
 
     def set_contact(self, site: ContactSite, is_lost: bool) -> None:
         """
@@ -185,22 +152,26 @@ class Estimator:
         :param is_lost: whether the robot does not touch the object.
         """
         self.motion = self.motion._replace(site=site, is_lost=is_lost)
-        self._latest = None
+        self._memory.contact[:] = *site.rolling, is_lost
+        # Whether ``latest`` is the state at the time of the last odometry.
+        self._is_replayed = False
 
     def add_odometry(self, odometry: Odometry) -> tuple[RobotMotion, ...]:
         """
-        Remember a motion of the robot.
+        Remember a motion of the robot: the mean one since the last odometry.
 
         :param odometry: ``Odometry``; one that is not newer than the last is ignored.
         :return: each ``RobotMotion`` that the filter has processed, as it got too old to keep.
         """
-        last_time = self._odometry.last.time
-        if odometry.time <= last_time:
+        if odometry.time <= self.last_odometry.time:
             return ()
-        self._odometry.add(odometry)
-        if self._latest is not None:
-            self._latest = self._propagated(self._latest, max(self._time, last_time),
-                                            odometry.time)
+        self._replay()
+        if self._count == len(self._memory.odometry):
+            self._grow()
+        self.travelled_distance += add_motion(self._memory, self._count, self._time,
+                                              odometry.time, odometry.twist)
+        self._count += 1
+        self.last_odometry = odometry
         if odometry.time - INPUT_MEMORY > self._time:
             return self._advance(odometry.time - INPUT_MEMORY)
         return ()
@@ -215,21 +186,17 @@ class Estimator:
         if measured.time < self._time:
             return PoseUpdate(False)
         motions = self._advance(measured.time)
-        self._latest = None
-        state, covariance = self.state, self._covariance
-        innovation = np.array([measured.pose.x - state.x, measured.pose.y - state.y,
-                               wrap_angle(measured.pose.theta - state.theta)])
-        noise = self._settings.believed_covariance(measured).matrix
-        information = np.linalg.inv(covariance[:3, :3] + noise)
-        if innovation @ information @ innovation > self._noise.pose_gate:
+        self._is_replayed = False
+        x, y, theta = self._memory.state[:3].tolist()
+        innovation = (measured.pose.x - x, measured.pose.y - y,
+                      wrap_angle(measured.pose.theta - theta))
+        is_accepted = correct(self._memory, innovation,
+                              self._settings.believed_covariance(measured), self._pose_gate)
+        if is_accepted:
+            self._consecutive_rejections = 0
+        else:
             self._reject()
-            return PoseUpdate(False, motions)
-        self._consecutive_rejections = 0
-        gain = covariance[:, :3] @ information
-        self.state = self._clamped(PushState(*(np.array(state) + gain @ innovation).tolist()))
-        covariance = covariance - gain @ covariance[:3, :]
-        self._covariance = 0.5 * (covariance + covariance.T)
-        return PoseUpdate(True, motions)
+        return PoseUpdate(is_accepted, motions)
 
     def predict(self, time: float) -> PushState:
         """
@@ -238,40 +205,47 @@ class Estimator:
         :param time: when [s], not before the last odometry.
         :return: ``PushState``.
         """
-        last_time = self._odometry.last.time
-        if self._latest is None:
-            self._latest = self._propagated(self.state, self._time, last_time)
-        return self._propagated(self._latest, max(self._time, last_time), time)
+        return self.predict_on(time, STOP, 0.0)[0]
 
-    def propagate(self, state: PushState, twist: Twist, duration: float) -> PushState:
+    def predict_on(self, time: float, twist: Twist,
+                   duration: float) -> tuple[PushState, PushState]:
         """
-        Carry a state on under an expected motion.
+        Carry the estimate to a later time, and on from there under an expected motion.
 
-        :param state: ``PushState``.
-        :param twist: mean ``Twist`` of the robot, robot's axes.
+        :param time: when [s], not before the last odometry.
+        :param twist: mean ``Twist`` of the robot from then on, robot's axes.
         :param duration: how long it lasts [s].
-        :return: ``PushState``.
+        :return: ``PushState`` at that time, and after that motion.
+        :raises ValueError: where it is not finite.
         """
-        return self.motion.propagate(state, twist, duration) if duration > 0.0 else state
+        self._replay()
+        begin = max(self._time, self.last_odometry.time)
+        now, ahead = predict(self._memory, begin, time, twist, duration)
+        if not math.isfinite(sum(ahead)):
+            raise ValueError(f'state: got {ahead} at {time} s, expected finite numbers')
+        return now, ahead
 
-    def _propagated(self, state: PushState, start: float, end: float) -> PushState:
-        for duration, twist in self._odometry.between(start, end):
-            state = self.motion.propagate(state, twist, duration)
-        return state
+    def _replay(self) -> None:
+        """Bring ``latest`` to the time of the last odometry, if it is not there."""
+        if not self._is_replayed:
+            replay(self._memory, self._count, self._time)
+            self._is_replayed = True
 
     def _advance(self, time: float) -> tuple[RobotMotion, ...]:
         """Carry state and covariance to a later time; give the motion of the robot meanwhile."""
-        motions: list[RobotMotion] = []
-        for duration, twist in self._odometry.between(self._time, time):
-            rates = self.motion.rates(self.state, twist)
-            transition, distance = self.motion.linearize(self.state, rates, duration)
-            motions.append(RobotMotion(twist, duration, distance, self.state.phi))
-            self.state = self.motion.propagate(self.state, twist, duration, rates)
-            self._covariance = transition @ self._covariance @ transition.T
-            self._covariance[range(7), range(7)] += distance * self._noise.walk
+        memory = self._memory
+        listed = advance(memory, self._count, self._time, time)
         self._time = max(time, self._time)
-        self._odometry.forget_before(self._time)
-        return tuple(motions)
+        self._count = forget_before(memory, self._count, self._time)
+        return tuple(RobotMotion(Twist(v_x, v_y, omega), *rest)
+                     for v_x, v_y, omega, *rest in memory.motions[:listed].tolist())
+
+    def _grow(self) -> None:
+        """Make room for twice as many motions."""
+        memory = self._memory
+        self._memory = memory._replace(
+            odometry=np.concatenate((memory.odometry, np.zeros_like(memory.odometry))),
+            motions=np.zeros((2 * len(memory.odometry) + 1, MOTION_COLUMNS)))
 
     def _reject(self) -> None:
         """Count a pose outside the gate; widen the gate after several in a row."""
@@ -279,14 +253,4 @@ class Estimator:
         self._consecutive_rejections += 1
         if self._consecutive_rejections >= MAX_CONSECUTIVE_REJECTIONS:
             scale = np.array([COVARIANCE_INFLATION] * 4 + [1.0] * 3)
-            self._covariance = self._covariance * np.sqrt(np.outer(scale, scale))
-
-    def _clamped(self, state: PushState) -> PushState:
-        """Keep the centre of friction near its nominal place."""
-        center, limit = self._noise.center, self._noise.max_center_offset
-        off_x, off_y = state.p_x - center[0], state.p_y - center[1]
-        off = math.hypot(off_x, off_y)
-        if off <= limit:
-            return state
-        return state._replace(p_x=center[0] + off_x * limit / off,
-                              p_y=center[1] + off_y * limit / off)
+            self._memory.covariance[:] *= np.sqrt(np.outer(scale, scale))

@@ -1,8 +1,10 @@
 """Response of the supports to the direction of a push, tabulated for fast look-up."""
 
 import math
+from typing import Any
 
 import numpy as np
+from push_dynamics.compiled import compiled, interpreted, kernel_array
 from push_model.friction import friction_weight, LoadTransfer
 from push_model.geometry import Coordinates, FloatArray
 from push_model.parameters import PushedObject
@@ -23,13 +25,31 @@ MIN_C_SQUARED = 1e-6
 ITERATIONS = 4
 
 
+@compiled
+def tabulated_c_squared(values: Any, alpha: float) -> float:
+    """
+    Interpolate the effective c^2 of a push.
+
+    :param values: ``LimitSurfaceTable.values`` [m^2].
+    :param alpha: angle from C->F to the velocity imposed at C [rad]; held beyond the table.
+    :return: c^2 [m^2].
+    """
+    position = (alpha + MAX_ANGLE) / SPACING
+    # Written so that a number that is none stays in the table too.
+    position = min(position, len(values) - 1.001) if position > 0.0 else 0.0
+    index = int(position)
+    ratio = position - index
+    return (1.0 - ratio) * values[index] + ratio * values[index + 1]
+
+
 class LimitSurfaceTable:
     """
     Turning and force of the supports themselves, over the angle alpha of the push from C->F.
 
     Turning is kept as the c^2 with which the ellipsoidal limit surface turns as fast as the
     supports do, ``omega = -r sin(alpha) / (c^2 + r^2)`` for unit speed; so the table also serves
-    for centre of frictions near the nominal one.
+    for centre of frictions near the nominal one. ``values``: that c^2 over alpha, for compiled
+    functions [m^2].
     """
 
     def __init__(self, obj: PushedObject, point: Coordinates):
@@ -53,6 +73,7 @@ class LimitSurfaceTable:
             c_squared.append(nominal.c_squared if abs(alpha) < 0.5 * SPACING else
                              -nominal.arm * math.sin(alpha) / omega - nominal.arm ** 2)
         self._c_squared = [max(MIN_C_SQUARED, value) for value in c_squared]
+        self.values = kernel_array(self._c_squared)
         self._forces: FloatArray = np.maximum.accumulate(forces)
 
     def c_squared(self, alpha: float) -> float:
@@ -62,10 +83,7 @@ class LimitSurfaceTable:
         :param alpha: angle from C->F to the velocity imposed at C [rad]; held beyond the table.
         :return: c^2 [m^2].
         """
-        position = min(max((alpha + MAX_ANGLE) / SPACING, 0.0), len(self._c_squared) - 1.001)
-        index = int(position)
-        ratio = position - index
-        return (1.0 - ratio) * self._c_squared[index] + ratio * self._c_squared[index + 1]
+        return interpreted(tabulated_c_squared)(self._c_squared, alpha)
 
     def push_angle(self, vehicle: Vehicle, curvature: float) -> float:
         """

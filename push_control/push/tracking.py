@@ -1,7 +1,5 @@
 """Tracking of a push: what all measurements so far tell of object, robot and contact."""
 
-import math
-
 from push_control.estimation.contact_detection import ContactDetector, ContactState
 from push_control.estimation.contact_site import ContactSite
 from push_control.estimation.dead_reckoning import RobotDeadReckoning, RobotMotion
@@ -13,7 +11,6 @@ from push_control.laws.command import mean_twist
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_model.geometry import Coordinates, Pose, wrap_angle
-from push_model.robot_kinematics import contact_velocity
 from push_model.signals import ObjectPose, Odometry, Twist
 
 
@@ -21,8 +18,7 @@ class PushTracker:
     """
     Runs estimator, dead reckoning and contact detection, each measurement once.
 
-    ``last_odometry``: the newest ``Odometry`` used. ``travelled_distance``: path length of the
-    contact since the start [m]. ``detector``: the ``ContactDetector``.
+    ``detector``: the ``ContactDetector``.
     """
 
     def __init__(self, motion: PushMotion, time_constant: float, settings: ControlSettings,
@@ -44,8 +40,16 @@ class PushTracker:
         self._follow_monitor = FollowMonitor(settings)
         self._pose_time = pose.time
         self.detector = ContactDetector(settings, motion.robot_radius, motion.site)
-        self.last_odometry = odometry
-        self.travelled_distance = 0.0
+
+    @property
+    def last_odometry(self) -> Odometry:
+        """The newest ``Odometry`` used."""
+        return self._estimator.last_odometry
+
+    @property
+    def travelled_distance(self) -> float:
+        """Path length of the contact since the start [m]."""
+        return self._estimator.travelled_distance
 
     @property
     def site(self) -> ContactSite:
@@ -76,8 +80,7 @@ class PushTracker:
         self._pose_time = measured.time
         self._store(self._estimator.add_pose(measured).motions)
         self._detect_contact(measured.pose)
-        state = self._estimator.state
-        contact = self.site.contact_at(state.relative_heading)
+        contact = self.site.contact_at(self._estimator.state.relative_heading)
         if self._follow_monitor.is_lost(self.travelled_distance,
                                         measured.pose.transform((contact.x, contact.y))):
             return PushEvent.OBJECT_DOES_NOT_FOLLOW.report()
@@ -89,17 +92,7 @@ class PushTracker:
 
         :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
         """
-        last = self.last_odometry
-        if odometry.time <= last.time:
-            return
-        state = self._estimator.predict(last.time)
-        normal = self.site.contact_at(state.relative_heading).normal
-        heading_offset = state.theta + normal - state.phi
-        radius = self._estimator.motion.robot_radius
-        speed = math.hypot(*contact_velocity(0.0, heading_offset, radius, odometry.twist))
-        self.travelled_distance += speed * (odometry.time - last.time)
         self._store(self._estimator.add_odometry(odometry))
-        self.last_odometry = odometry
 
     def predict(self, time: float, command: Twist) -> tuple[PushState, PushState]:
         """
@@ -109,9 +102,9 @@ class PushTracker:
         :param command: ``Twist`` that the robot follows.
         :return: ``PushState`` now, and one drive lag later.
         """
-        now, lag = self._estimator.predict(time), self._time_constant
+        lag = self._time_constant
         motion = mean_twist(self.last_odometry.twist, command, lag)
-        return now, self._estimator.propagate(now, motion, lag)
+        return self._estimator.predict_on(time, motion, lag)
 
     def _store(self, motions: tuple[RobotMotion, ...]) -> None:
         self._robot = self._robot.moved(motions)
