@@ -100,16 +100,17 @@ def play_back(scenario: Scenario, bag: Path) -> Playback:
     if not answers or not arrivals:
         raise ValueError(f'{bag}: got {len(answers)} times of commands and {len(arrivals)} '
                          'measurements, expected a recording in lockstep')
-    repetitions = Counter(arrival[:3] for arrival in arrivals)
+    counts = Counter(arrival[:3] for arrival in arrivals)
+    repeated = {stamp for (_, _, stamp), count in counts.items() if count > 1}
     robot = _Robot(scenario, messages['push_plan'])
     differences: list[Difference] = []
     count = 0
     for arrival in arrivals:
         computed = robot.answer(arrival.measured)
         # What is not answered for a while comes again, as at time 0, which is held, and while
-        # something is planned; and not every message of the end is in a recording, which ends
-        # while the nodes do.
-        if repetitions[arrival[:3]] > 1 or not answers[arrival.stamp]:
+        # something is planned: then it is open which measurement of that stamp a command answers.
+        # And not every message of the end is in a recording, which ends while the nodes do.
+        if arrival.stamp in repeated or not answers[arrival.stamp]:
             continue
         count += 1
         recorded = answers[arrival.stamp].popleft()
