@@ -52,13 +52,14 @@ def center(numbers: Any, means: Any) -> None:
 
 
 @compiled
-def add_odometry(increments: Any, parameters: Any, walks: Any, x: float, y: float,
+def add_odometry(increments: Any, means: Any, parameters: Any, walks: Any, x: float, y: float,
                  rotation: float) -> None:
     """
     Turn random numbers into the motion of each robot, by odometry and its errors.
 
-    :param increments: standard normal numbers, shape (n, 3); motion (x, y, theta) of each robot in
-        its own axes is written.
+    :param increments: standard normal numbers, shape (n, 3), whose mean over the members is taken
+        off; motion (x, y, theta) of each robot in its own axes is written.
+    :param means: scratch, 3 numbers.
     :param parameters: of all members; first the relative errors of distances and of rotations, and
         the heading error per distance.
     :param walks: random walks per root of the distance, (x, y, theta).
@@ -66,6 +67,7 @@ def add_odometry(increments: Any, parameters: Any, walks: Any, x: float, y: floa
     :param y: the same, y [m].
     :param rotation: the same [rad].
     """
+    center(increments, means)
     length = math.sqrt(x * x + y * y)
     root = math.sqrt(length)
     for i in range(len(increments)):
@@ -133,15 +135,17 @@ def write_poses(states: Any, bodies: Any, poses: Any, first: int) -> None:
 
 
 @compiled
-def disturb_objects(poses: Any, before: Any, numbers: Any, walks: Any) -> None:
+def disturb_objects(poses: Any, before: Any, numbers: Any, means: Any, walks: Any) -> None:
     """
     Add a random walk to what each object has moved.
 
     :param poses: of robots and objects, shape (n, 6), is written.
     :param before: the same before they moved.
-    :param numbers: standard normal, shape (n, 3).
+    :param numbers: standard normal, shape (n, 3), whose mean over the members is taken off.
+    :param means: scratch, 3 numbers.
     :param walks: per root of the distance (x, y, theta).
     """
+    center(numbers, means)
     for i in range(len(poses)):
         d_x, d_y = poses[i, 3] - before[i, 3], poses[i, 4] - before[i, 4]
         root = math.sqrt(math.sqrt(d_x * d_x + d_y * d_y))
@@ -215,6 +219,21 @@ def update_block(block: Any, first: int, spread: Any, innovation: Any, factor: A
                 block[i, k] += (innovation[j] - 0.5 * spread[i, j]) * gain[j]
 
 
+@compiled
+def update_blocks(blocks: Any, first: int, spread: Any, innovation: Any, factor: Any) -> None:
+    """
+    Move several blocks of numbers, as ``update_block`` does.
+
+    :param blocks: shape (b, n, k), is written from the column ``first`` on.
+    :param first: as of ``update_block``.
+    :param spread: as of ``update_block``.
+    :param innovation: as of ``update_block``.
+    :param factor: as of ``update_block``.
+    """
+    for b in range(len(blocks)):
+        update_block(blocks[b], first, spread, innovation, factor)
+
+
 class EnsembleUpdate:
     """
     Update of all members by one measurement.
@@ -256,6 +275,15 @@ class EnsembleUpdate:
         :param first: number of the first column that the measurement tells of.
         """
         update_block(block, first, self._spread, self._innovation, self._factor)
+
+    def apply_to_all(self, blocks: FloatArray, first: int = 0) -> None:
+        """
+        Move several blocks of numbers, as ``apply`` does.
+
+        :param blocks: shape (b, n, k), is written.
+        :param first: as of ``apply``.
+        """
+        update_blocks(blocks, first, self._spread, self._innovation, self._factor)
 
     def jump(self, robots: FloatArray) -> FloatArray:
         """

@@ -1,24 +1,32 @@
 """Former poses of all members, as far back as measurements still come in."""
 
-from collections import deque
-
+import numpy as np
 from push_model.geometry import FloatArray
 
 # Time for which former poses are kept [s]; chosen: longer than object poses are late.
 HISTORY_TIME = 0.4
+# Poses that there is room for at first; chosen: of odometry with 50 Hz, each moved once.
+FIRST_ROOM = 64
 
 
 class PoseHistory:
     """
-    Poses of all members by time, the oldest first.
+    Poses of all members by time, the oldest first, in one array.
 
-    ``times``: of odometry [s]. ``poses``: as of ``Members.poses``, one array for each time.
+    ``times``: of odometry [s].
     """
 
     def __init__(self) -> None:
         """Begin without poses."""
-        self.times: deque[float] = deque()
-        self.poses: deque[FloatArray] = deque()
+        self.times: list[float] = []
+        self._room: FloatArray = np.empty((0, 1, 6))
+        # Place of the oldest poses in the room.
+        self._first = 0
+
+    @property
+    def poses(self) -> FloatArray:
+        """Poses of all members by time, shape (k, n, 6), as of ``Members.poses``; writeable."""
+        return self._room[self._first:self._first + len(self.times)]
 
     def append(self, time: float, poses: FloatArray) -> None:
         """
@@ -27,8 +35,10 @@ class PoseHistory:
         :param time: later than all others [s].
         :param poses: of all members; a copy is kept.
         """
+        if self._first + len(self.times) == len(self._room):
+            self._make_room(poses.shape)
+        self._room[self._first + len(self.times)] = poses
         self.times.append(time)
-        self.poses.append(poses.copy())
         while time - self.times[0] > HISTORY_TIME:
             self._drop_first()
 
@@ -49,7 +59,6 @@ class PoseHistory:
         :param poses: of all members; a copy is kept.
         """
         self.times.clear()
-        self.poses.clear()
         self.append(time, poses)
 
     def at(self, time: float) -> FloatArray:
@@ -59,15 +68,23 @@ class PoseHistory:
         :param time: [s].
         :return: poses of all members then, shape (n, 6).
         """
+        poses = self.poses
         after = next((i for i, other in enumerate(self.times) if other >= time), None)
         if after is None:
-            return self.poses[-1]
+            return poses[-1]
         if after == 0:
-            return self.poses[0]
+            return poses[0]
         ratio = (time - self.times[after - 1]) / (self.times[after] - self.times[after - 1])
-        first, last = self.poses[after - 1], self.poses[after]
+        first, last = poses[after - 1], poses[after]
         return first + ratio * (last - first)
 
     def _drop_first(self) -> None:
-        self.times.popleft()
-        self.poses.popleft()
+        del self.times[0]
+        self._first += 1
+
+    def _make_room(self, shape: tuple[int, ...]) -> None:
+        """Move all poses to the beginning of a room that has as much space again behind them."""
+        poses = self.poses
+        self._room = np.empty((max(FIRST_ROOM, 2 * len(poses)), *shape))
+        self._room[:len(poses)] = poses
+        self._first = 0

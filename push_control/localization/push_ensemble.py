@@ -140,6 +140,8 @@ class PushEnsemble:
         self._odometry_walks: FloatArray = np.array(
             (odometry_noise.walk, odometry_noise.walk, odometry_noise.heading_walk), dtype=float)
         self._rng = np.random.default_rng(seed)
+        # Scratch: means of random numbers.
+        self._means: FloatArray = np.empty(POSE)
         # With numbers of its own: all others do not depend on whether there is a bias.
         self._bias = PoseBias(control.pose_bias, control.heading_bias, MEMBER_COUNT,
                               np.random.default_rng((seed, 1)))
@@ -171,11 +173,12 @@ class PushEnsemble:
         update = EnsembleUpdate(none, np.eye(POSE))
         update.test(np.zeros(POSE))
         update.apply(poses)
+        update.apply_to_all(poses[None])
         members.move(none, LONGEST_STEP)
         members.close_gaps()
-        disturb_objects(poses, poses.copy(), none, OBJECT_WALKS)
+        disturb_objects(poses, poses.copy(), none, self._means, OBJECT_WALKS)
         members.set_poses(poses)
-        add_odometry(none, members.parameters, self._odometry_walks, 0.0, 0.0, 0.0)
+        add_odometry(none, self._means, members.parameters, self._odometry_walks, 0.0, 0.0, 0.0)
 
     # Estimates.
 
@@ -347,9 +350,9 @@ class PushEnsemble:
         is_at_rest = math.hypot(step.x, step.y) < REST and abs(rotation) < REST
         if is_at_rest and not members.in_contact.any():
             return
-        increments = self._normal((members.count, POSE))
-        add_odometry(increments, members.parameters, self._odometry_walks, step.x, step.y,
-                     rotation)
+        increments = self._rng.standard_normal((members.count, POSE))
+        add_odometry(increments, self._means, members.parameters, self._odometry_walks, step.x,
+                     step.y, rotation)
         before = members.poses if self.has_object else None
         if members.move(increments, duration):
             self._last_contact = time
@@ -359,7 +362,8 @@ class PushEnsemble:
     def _disturb_objects(self, before: FloatArray) -> None:
         """Add what the dynamics do not know to the motion of the objects."""
         poses = self.members.poses.copy()
-        disturb_objects(poses, before.copy(), self._normal((len(poses), POSE)), OBJECT_WALKS)
+        disturb_objects(poses, before.copy(), self._rng.standard_normal((len(poses), POSE)),
+                        self._means, OBJECT_WALKS)
         self.members.set_poses(poses, OBJECT_COLUMNS)
 
     # Updates.
@@ -390,7 +394,9 @@ class PushEnsemble:
         self._pose_time = measured.time
         self._history.drop_before(measured.time)
         poses = self._history.at(measured.time)
-        expected = poses[:, POSE:] + self._bias.errors(poses[:, :POSE], poses[:, POSE:])
+        expected = poses[:, POSE:]
+        if self._bias.exists:
+            expected = expected + self._bias.errors(poses[:, :POSE], expected)
         update = EnsembleUpdate(expected, self._noise(measured))
         innovation = np.array(measured.pose) - update.mean
         innovation[2] = wrap_angle(innovation[2])
@@ -410,7 +416,8 @@ class PushEnsemble:
 
     def _noise(self, measured: ObjectPose) -> FloatArray:
         """Covariance of the errors that differ from one object pose to the next."""
-        return self._settings.believed_covariance(measured).matrix + self._bias.roughness
+        covariance = self._settings.believed_covariance(measured).matrix
+        return covariance + self._bias.roughness if self._bias.exists else covariance
 
     def without_bias(self, measured: ObjectPose) -> ObjectPose:
         """
@@ -552,8 +559,8 @@ class PushEnsemble:
         """
         members, first = self.members, 0 if is_coupled else OBJECT_COLUMNS
         poses = members.poses.copy()
-        for block in (poses, *self._history.poses):
-            update.apply(block, first)
+        update.apply(poses, first)
+        update.apply_to_all(self._history.poses, first)
         if self._bias.exists:
             update.apply(self._bias.coefficients)
         members.set_poses(poses, first)
@@ -571,8 +578,9 @@ class PushEnsemble:
         missing = [math.sqrt(max(0.0, least ** 2 - deviation ** 2))
                    for least, deviation in zip(LEAST_STDS, deviations)]
         if any(missing) and self.contact_ratio == 0.0:
-            poses = members.object_poses
-            members.set_object_poses(poses + missing * self._normal((members.count, POSE)))
+            poses = members.poses.copy()
+            poses[:, OBJECT_COLUMNS:] += missing * self._normal((members.count, POSE))
+            members.set_poses(poses, OBJECT_COLUMNS)
 
     # Whether the contact is slippery.
 

@@ -55,10 +55,11 @@ class SlipTest:
         :param nominal: contact friction as it is stated.
         :param friction: contact friction of the members, shape (n,).
         """
+        if not math.log(ROUGH_ODDS) < self._log_odds < math.inf:
+            return False
         limit = SLIPPERY_FRACTION * nominal
         mean, deviation = float(friction.mean()), float(friction.std())
-        return (math.log(ROUGH_ODDS) < self._log_odds < math.inf
-                and mean > limit > mean - ROUGH_SIGMAS * deviation)
+        return mean > limit > mean - ROUGH_SIGMAS * deviation
 
     def judge(self, log_likelihood_ratio: float) -> SlipVerdict:
         """

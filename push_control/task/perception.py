@@ -261,13 +261,14 @@ class TaskPerception:
         :param observation: ``Observation``, with odometry as it comes.
         """
         odometry, measured = observation.odometry, observation.object_pose
-        if is_finite_odometry(odometry):
+        has_odometry = is_finite_odometry(odometry)
+        has_pose = measured is not None and measured.pose.is_finite()
+        if has_odometry:
             self._predict(odometry)
             covariance = self._supervision.believed_covariance(odometry)
             if covariance is not None:
                 self.localization.update_robot(odometry.pose, covariance.matrix)
-            odometry = self._corrected(odometry)
-        if measured is not None and measured.pose.is_finite():
+        if measured is not None and has_pose:
             is_new = self._pose_time is None or measured.time > self._pose_time
             self._pose_time = measured.time
             is_believed = self.localization.update(measured)
@@ -278,12 +279,14 @@ class TaskPerception:
                 self._believed = measured
                 if self.localization.has_pose_bias:
                     self._believed = self.localization.without_bias(measured)
-            odometry = self._corrected(odometry)
             believed = self._believed or measured
             if measured.time >= self._rest_from:
                 self._window.add(measured if self._is_outlier else believed, self._is_outlier)
             measured = believed
-        self._observation = observation._replace(odometry=odometry, object_pose=measured)
+        if has_odometry or has_pose:
+            odometry = self._corrected(odometry)
+        self._observation = Observation(observation.time, odometry, measured,
+                                        observation.pose_doubt)
 
     def _note_displacement(self, measured: ObjectPose) -> None:
         """Forget what was inferred of the robot from poses that were a mistake."""

@@ -38,4 +38,4 @@ def test_old_poses_are_dropped():
     poses = np.zeros((2, 6))
     kept.restart(9.0, poses)
     poses[:] = 5.0
-    assert list(kept.times) == [9.0] and (kept.at(9.0) == 0.0).all()
+    assert kept.times == [9.0] and (kept.at(9.0) == 0.0).all()
