@@ -7,7 +7,6 @@ it has is not known beforehand; hence there is one model for each of their combi
 side in arrays (`m` models, 3 axes).
 """
 
-import bisect
 import math
 from typing import Any, NamedTuple
 
@@ -31,6 +30,27 @@ NOMINAL_LAG, NOMINAL_ACCELERATION = LAGS[1], ACCELERATION_RATIOS[1]
 LEAST_ERROR = 1e-9
 # Time constant in place of none [s]; chosen: far below any period.
 LEAST_LAG = 1e-4
+# Commands that there is room for at first; chosen: a second of 50 Hz and of object poses.
+FIRST_ROOM = 64
+
+
+@compiled
+def choose_commands(commands: Any, delays: Any, times: Any, twists: Any, time: float) -> None:
+    """
+    Look up the command that every model follows.
+
+    :param commands: of the models, shape (m, 3), is written [m/s, m/s, rad/s].
+    :param delays: of the models, shape (m,) [s].
+    :param times: of the commands that were sent, in order, shape (k,) [s].
+    :param twists: these commands, shape (k, 3).
+    :param time: now [s].
+    """
+    for i in range(len(commands)):
+        k = len(times) - 1
+        while k > 0 and times[k] > time - delays[i]:
+            k -= 1
+        for j in range(3):
+            commands[i, j] = twists[k, j]
 
 
 @compiled
@@ -66,9 +86,59 @@ def follow_commands(velocities: Any, rates: Any, commands: Any, lags: Any, limit
 class _Model(NamedTuple):
     """Delay [s], lag (ratio, margin [s]) and acceleration ratio of a model."""
 
-    delay_index: int
+    delay: float
     lag: tuple[float, float]
     acceleration_ratio: float
+
+
+class _CommandHistory:
+    """Commands that were sent, the first of which stands for all before it."""
+
+    def __init__(self, longest: float) -> None:
+        """
+        Begin with a robot that nobody has commanded.
+
+        :param longest: time for which commands are kept [s].
+        """
+        self._longest = longest
+        self._times: FloatArray = np.empty(FIRST_ROOM)
+        self._twists: FloatArray = np.empty((FIRST_ROOM, 3))
+        self.restart(STOP)
+
+    def __len__(self) -> int:
+        return self._count
+
+    @property
+    def times(self) -> FloatArray:
+        """When they were sent, shape (k,) [s]."""
+        return self._times[:self._count]
+
+    @property
+    def twists(self) -> FloatArray:
+        """The commands, shape (k, 3)."""
+        return self._twists[:self._count]
+
+    def restart(self, twist: Twist) -> None:
+        """Forget all commands; the robot has had one velocity until now."""
+        self._count, self._newest = 0, -math.inf
+        self.append(twist, -math.inf)
+
+    def append(self, twist: Twist, time: float) -> None:
+        """Add a command; one before the last counts as sent with it."""
+        if self._count == len(self._times):
+            self._make_room()
+        self._newest = max(time, self._newest)
+        self._times[self._count], self._twists[self._count] = self._newest, twist
+        self._count += 1
+
+    def _make_room(self) -> None:
+        """Keep the commands that models may follow yet, with as much space again behind them."""
+        first = max(0, int(np.searchsorted(self.times, self._newest - self._longest, 'right')) - 1)
+        times, twists = self.times[first:], self.twists[first:]
+        self._count = len(times)
+        room = max(FIRST_ROOM, 2 * self._count)
+        self._times, self._twists = np.empty(room), np.empty((room, 3))
+        self._times[:self._count], self._twists[:self._count] = times, twists
 
 
 class DriveModels:
@@ -86,29 +156,29 @@ class DriveModels:
 
         :param robot: the ``RoundRobot``, nominal.
         """
-        self._delays: list[float] = np.arange(
+        delays: list[float] = np.arange(
             0.0, RESPONSE_TIME + 0.5 * DELAY_STEP, DELAY_STEP, dtype=np.float64).tolist()
-        models = [_Model(i, lag, ratio) for i in range(len(self._delays)) for lag in LAGS
+        models = [_Model(delay, lag, ratio) for delay in delays for lag in LAGS
                   for ratio in ACCELERATION_RATIOS]
-        self._nominal = models.index(_Model(0, NOMINAL_LAG, NOMINAL_ACCELERATION))
-        self._delay_indices = [model.delay_index for model in models]
+        self._nominal = models.index(_Model(0.0, NOMINAL_LAG, NOMINAL_ACCELERATION))
+        self._delays = np.array([model.delay for model in models])
         self._lags = np.array([max(LEAST_LAG, ratio * robot.time_constant + margin)
                                for ratio, margin in (model.lag for model in models)])
         limits = robot.max_acceleration, robot.max_yaw_acceleration
         self._limits = np.outer([model.acceleration_ratio for model in models], limits)
-        # Commands since the last reset; the first stands for all before it.
-        self._times = [-math.inf]
-        self._twists = [STOP]
+        # Commands since the last reset.
+        self._sent = _CommandHistory(2.0 * RESPONSE_TIME)
         self.velocities: FloatArray = np.zeros((len(models), 3))
         self.rates: FloatArray = np.zeros((len(models), 3))
         self.commands: FloatArray = np.zeros((len(models), 3))
         # Changes nothing; but loads machine code before the robot moves.
+        self._choose_commands(0.0)
         follow_commands(self.velocities, self.rates, self.commands, self._lags, self._limits, 1.0)
 
     @property
     def is_commanded(self) -> bool:
         """Whether there is any command to follow since the last reset."""
-        return len(self._times) > 1
+        return len(self._sent) > 1
 
     @property
     def nominal_velocity(self) -> Twist:
@@ -122,13 +192,7 @@ class DriveModels:
         :param command: ``Twist``, finite.
         :param time: when [s]; one before the last counts as sent with it.
         """
-        time = max(time, self._times[-1])
-        self._times.append(time)
-        self._twists.append(command)
-        # Of those that no model follows any more, the last one is what they followed.
-        first = bisect.bisect_right(self._times, time - 2.0 * RESPONSE_TIME) - 1
-        if first > 0:
-            del self._times[:first], self._twists[:first]
+        self._sent.append(command, time)
 
     def reset(self, measured: Twist) -> None:
         """
@@ -136,7 +200,7 @@ class DriveModels:
 
         :param measured: ``Twist``.
         """
-        self._times, self._twists = [-math.inf], [measured]
+        self._sent.restart(measured)
         self.velocities[:] = measured
         self.rates[:] = 0.0
 
@@ -147,9 +211,9 @@ class DriveModels:
         :param time: end of the step [s].
         :param dt: its duration, above 0 [s].
         """
-        start, last = time - dt, len(self._times) - 1
-        found = [max(0, min(last, bisect.bisect_right(self._times, start - delay + 0.5 * dt) - 1))
-                 for delay in self._delays]
-        recent = np.array([self._twists[i] for i in found], dtype=np.float64)
-        self.commands = recent[self._delay_indices]
+        self._choose_commands(time - dt + 0.5 * dt)
         follow_commands(self.velocities, self.rates, self.commands, self._lags, self._limits, dt)
+
+    def _choose_commands(self, time: float) -> None:
+        sent = self._sent
+        choose_commands(self.commands, self._delays, sent.times, sent.twists, time)

@@ -103,6 +103,25 @@ def is_unexplained(sums: Any, excluded_until: Any, time: float) -> bool:
     return least > THRESHOLD
 
 
+@compiled
+def is_motion_unexplained(velocities: Any, rates: Any, measured: Any, ratios: Any, sums: Any,
+                          excluded_until: Any, time: float, dt: float) -> bool:
+    """
+    Compare a measured velocity with those of the models, and tell whether none explains it.
+
+    :param velocities: as of ``sum_residuals``.
+    :param rates: as of ``sum_residuals``.
+    :param measured: as of ``sum_residuals``.
+    :param ratios: as of ``sum_residuals``.
+    :param sums: as of ``sum_residuals``.
+    :param excluded_until: as of ``is_unexplained``.
+    :param time: now [s].
+    :param dt: time since the last measurement [s].
+    """
+    sum_residuals(velocities, rates, measured, ratios, sums, dt)
+    return is_unexplained(sums, excluded_until, time)
+
+
 class MotionMonitor:
     """Compares the velocity of the robot with its commands."""
 
@@ -122,9 +141,9 @@ class MotionMonitor:
         self._excluded_until: FloatArray = np.full(count, -math.inf)
         self._time: float | None = None
         # Changes nothing; but loads machine code before the robot moves.
-        sum_residuals(self._models.velocities, self._models.rates, np.zeros(3), self._ratios,
-                      self._sums, 0.0)
-        is_unexplained(self._sums, self._excluded_until, 0.0)
+        is_motion_unexplained(
+            self._models.velocities, self._models.rates, np.zeros(3), self._ratios, self._sums,
+            self._excluded_until, 0.0, 0.0)
 
     def reset(self) -> None:
         """Begin anew, at whatever velocity the robot has: somebody else has commanded it."""
@@ -164,9 +183,9 @@ class MotionMonitor:
         self._models.update(time, time - last)
         self._delay.add(time, twist, self._models.nominal_velocity)
         measured = np.array(twist, dtype=np.float64)
-        sum_residuals(self._models.velocities, self._models.rates, measured, self._ratios,
-                      self._sums, time - last)
-        is_fault = is_unexplained(self._sums, self._excluded_until, time)
+        is_fault = is_motion_unexplained(
+            self._models.velocities, self._models.rates, measured, self._ratios, self._sums,
+            self._excluded_until, time, time - last)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
