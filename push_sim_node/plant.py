@@ -8,17 +8,19 @@ import numpy as np
 from push_dynamics import layout
 from push_dynamics.actuation import limit_command
 from push_dynamics.compiled import interpreted, IS_COMPILED, kernel_array, numbers_of
-from push_dynamics.contact_law import ContactPoint, nearest_points, surface_velocity
 from push_dynamics.encoding import (
     body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
     object_twist_of, resolve_overlap, robot_pose_of, robot_twist_of, support_rows,
 )
 from push_dynamics.floor import floor_rows, FloorPatch
 from push_dynamics.step import advance
-from push_model.friction import check_tipping
+from push_model.friction import check_tipping, has_heights
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
+from push_sim_node.tape_row import (
+    columns_of, COMMAND, CONTACT, ENERGY, OBJECT, ROBOT, SUPPORTS, write_row,
+)
 from push_sim_node.truth import ContactMode, Energy, Truth
 
 
@@ -28,25 +30,26 @@ class _Kernel(NamedTuple):
 
     :param is_compiled: which of the two.
     :param advance: moves the plant on.
-    :param nearest_points: of robot and object.
-    :param surface_velocity: of the robot at the contact.
+    :param write_row: writes a row of a tape.
     """
 
     is_compiled: bool
     advance: Callable[..., None]
-    nearest_points: Callable[..., ContactPoint]
-    surface_velocity: Callable[..., tuple[float, float]]
+    write_row: Callable[..., None]
 
     def array(self, values: Any) -> Any:
         """Lay numbers out as the functions read them fastest."""
         return kernel_array(values, self.is_compiled)
 
+    def empty(self, count: int) -> Any:
+        """Make room for numbers, likewise."""
+        return np.empty(count) if self.is_compiled else [0.0] * count
+
 
 def _make_kernel(interpret: bool) -> _Kernel:
     if interpret:
-        return _Kernel(False, interpreted(advance), interpreted(nearest_points),
-                       interpreted(surface_velocity))
-    return _Kernel(IS_COMPILED, advance, nearest_points, surface_velocity)
+        return _Kernel(False, interpreted(advance), interpreted(write_row))
+    return _Kernel(IS_COMPILED, advance, write_row)
 
 
 @dataclasses.dataclass
@@ -62,6 +65,7 @@ class _KernelArrays:
     forces: Any
     command: Any
     drive: Any
+    loads: Any
 
     def copy(self) -> '_KernelArrays':
         """Copy what the kernel writes to."""
@@ -122,7 +126,9 @@ class Plant:
             floor=array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),
             forces=array([0.0] * (2 * len(obj.supports))),
             command=array(STOP),
-            drive=array(drive_numbers(robot)))
+            drive=array(drive_numbers(robot)),
+            loads=array(obj.loads if has_heights(obj) else []))
+        self._row_size = len(columns_of(obj))
         self.set_friction_factors([1.0] * len(obj.supports))
         self._compile()
 
@@ -235,7 +241,22 @@ class Plant:
     @property
     def energy(self) -> Energy:
         """``Energy`` since the start."""
-        return self._energy_of(self._arrays.state)
+        return Energy(*numbers_of(self.row(0.0))[ENERGY:SUPPORTS])
+
+    def row(self, time: float, command: Twist = STOP) -> Any:
+        """
+        Make a row of a tape.
+
+        :param time: simulated time that it carries [s].
+        :param command: ``Twist`` that the robot has.
+        :return: numbers by ``columns_of`` the object, as the kernel lays them out.
+        """
+        arrays = self._arrays
+        row = self._kernel.empty(self._row_size)
+        self._kernel.write_row(row, time, arrays.state, arrays.body, arrays.supports,
+                               arrays.outline, arrays.forces, arrays.loads)
+        row[COMMAND:COMMAND + 3] = command
+        return row
 
     def truth(self, time: float) -> Truth:
         """
@@ -245,55 +266,33 @@ class Plant:
         :return: ``Truth``.
         """
         # Numbers of a list are read several times faster than those of an array.
-        state = numbers_of(self._arrays.state)
-        forces = numbers_of(self._arrays.forces)
-        center_of_mass = self.obj.center_of_mass
-        object_pose = object_pose_of(state, center_of_mass)
-        robot_pose = robot_pose_of(state)
-        robot_twist = robot_twist_of(state)
-        mode = ContactMode.from_code(state[layout.MODE])
-        nearest = self._kernel.nearest_points(
-            self._arrays.outline, self.obj.radius, self.robot.radius, *object_pose, *robot_pose)
+        row = numbers_of(self.row(time))
+        mode, force_n, force_t, gap, pushing_angle, x, y, normal = row[CONTACT:ENERGY]
+        forces = row[SUPPORTS:SUPPORTS + 2 * len(self.obj.supports)]
         return Truth(
             time=time,
-            object_pose=object_pose,
-            object_twist=object_twist_of(state, center_of_mass),
-            robot_pose=robot_pose,
-            robot_twist=robot_twist,
-            mode=mode,
-            contact_point=(nearest.x, nearest.y),
-            normal=math.atan2(nearest.n_y, nearest.n_x),
-            gap=nearest.gap,
-            pushing_angle=(math.nan if mode is ContactMode.SEPARATE
-                           else self._pushing_angle(nearest, robot_pose, robot_twist)),
-            force_n=state[layout.NORMAL_FORCE],
-            force_t=state[layout.TANGENTIAL_FORCE],
+            object_pose=Pose(*row[OBJECT:OBJECT + 3]),
+            object_twist=Twist(*row[OBJECT + 3:OBJECT + 6]),
+            robot_pose=Pose(*row[ROBOT:ROBOT + 3]),
+            robot_twist=Twist(*row[ROBOT + 3:ROBOT + 6]),
+            mode=ContactMode.from_code(mode),
+            contact_point=(x, y),
+            normal=normal,
+            gap=gap,
+            pushing_angle=pushing_angle,
+            force_n=force_n,
+            force_t=force_t,
             support_forces=tuple(zip(forces[::2], forces[1::2])),
             support_loads=tuple(
-                load * float(row[layout.LOAD_RATIO])
-                for load, row in zip(self.obj.loads, self._arrays.supports)),
-            energy=self._energy_of(state))
-
-    def _energy_of(self, state: Any) -> Energy:
-        v_x, v_y, omega = (float(state[i]) for i in (layout.V_X, layout.V_Y, layout.OMEGA))
-        kinetic = 0.5 * (self.obj.mass * (v_x * v_x + v_y * v_y)
-                         + self.obj.inertia * omega * omega)
-        return Energy(float(state[layout.WORK]), kinetic, float(state[layout.SUPPORT_LOSS]),
-                      float(state[layout.CONTACT_LOSS]), float(state[layout.IMPACT_LOSS]),
-                      float(state[layout.INTEGRATION_LOSS]))
-
-    def _pushing_angle(self, nearest: ContactPoint, robot_pose: Pose, robot_twist: Twist) -> float:
-        v_x, v_y = robot_pose.rotate(robot_twist)
-        normal, tangential = self._kernel.surface_velocity(
-            self.robot.radius, nearest.n_x, nearest.n_y, nearest.x - robot_pose.x,
-            nearest.y - robot_pose.y, v_x, v_y, robot_twist.omega)
-        if normal == 0.0 and tangential == 0.0:
-            return math.nan
-        return math.atan2(tangential, normal)
+                load * float(support[layout.LOAD_RATIO])
+                for load, support in zip(self.obj.loads, self._arrays.supports)),
+            energy=Energy(*row[ENERGY:SUPPORTS]))
 
     def _compile(self) -> None:
         # Seconds where no machine code is kept on disk: better here than while time runs.
-        if not self._kernel.is_compiled or getattr(advance, 'is_loaded', True):
+        functions = advance, write_row
+        if not self._kernel.is_compiled or all(getattr(function, 'is_loaded', True)
+                                               for function in functions):
             return
         self.truth(0.0)
         self._arrays.copy().advance(self.step, self.step)

@@ -2,14 +2,12 @@
 
 import enum
 import heapq
-import itertools
 import math
 from typing import NamedTuple
 
 import numpy as np
 from push_dynamics.actuation import limit_command
-from push_model.friction import has_heights
-from push_model.geometry import Pose
+from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_sim_node.disturbance import change_times, friction_factors
@@ -17,15 +15,9 @@ from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.tape import Tape
-from push_sim_node.truth import Energy, Truth
+from push_sim_node.tape_row import columns_of
+from push_sim_node.truth import Truth
 
-# Columns of a tape, but for the friction on each support.
-COLUMNS = ('time',
-           'object_x', 'object_y', 'object_theta', 'object_v_x', 'object_v_y', 'object_omega',
-           'robot_x', 'robot_y', 'robot_theta', 'robot_v_x', 'robot_v_y', 'robot_omega',
-           'command_v_x', 'command_v_y', 'command_omega',
-           'mode', 'force_n', 'force_t', 'gap', 'pushing_angle', 'contact_x', 'contact_y',
-           'normal', *(f'energy_{name}' for name in Energy._fields))
 # Nanoseconds per second.
 NANOSECONDS = 1_000_000_000
 
@@ -163,23 +155,15 @@ class Simulation:
         self._command = _HeldCommand()
         self._events = _EventQueue()
         self._disturbances = _Disturbances(settings)
-        self.rows: list[tuple[float, ...]] = []
+        self.rows: list[FloatArray | list[float]] = []
         self._apply_friction()
         self._events.schedule(0, _EventKind.MEASURE_POSE, 0)
         self._events.schedule(0, _EventKind.MEASURE_ODOMETRY, 0)
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """
-        Names of the columns of ``rows``: ``COLUMNS``, then the friction on each support.
-
-        The loads of the supports follow where pushes shift them.
-        """
-        supports = range(len(self.obj.supports))
-        columns = COLUMNS + tuple(f'support_{i}_{axis}' for i in supports for axis in 'xy')
-        if has_heights(self.obj):
-            columns += tuple(f'support_{i}_load' for i in supports)
-        return columns
+        """Names of the columns of ``rows``, see ``columns_of``."""
+        return columns_of(self.obj)
 
     @property
     def tape(self) -> Tape:
@@ -242,7 +226,7 @@ class Simulation:
         number = event.number + 1
         self._events.schedule(_nanoseconds(number / self.sensors.odometry_rate),
                               _EventKind.MEASURE_ODOMETRY, number)
-        self.rows.append(self._row())
+        self.rows.append(self.plant.row(self.time, self._active_command()))
         return self._odometry_sensor.measure(self.time, self.plant.robot_pose,
                                              self.plant.robot_twist)
 
@@ -294,15 +278,6 @@ class Simulation:
         except ValueError as error:
             raise ValueError(f'SimulationSettings.object_displacements: at {self.time:g} s '
                              f'{error}') from error
-
-    def _row(self) -> tuple[float, ...]:
-        truth = self.truth
-        return (truth.time, *truth.object_pose, *truth.object_twist, *truth.robot_pose,
-                *truth.robot_twist, *self._active_command(), float(truth.mode.code),
-                truth.force_n, truth.force_t, truth.gap, truth.pushing_angle,
-                *truth.contact_point, truth.normal, *truth.energy,
-                *itertools.chain.from_iterable(truth.support_forces),
-                *(truth.support_loads if has_heights(self.obj) else ()))
 
 
 def _nanoseconds(seconds: float) -> int:

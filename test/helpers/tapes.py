@@ -9,8 +9,8 @@ from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.placement import Placement
 from push_scenario.simulation.history import single_push_history
 from push_scenario.simulation.result import Outcome, RunResult
-from push_sim_node.simulation import COLUMNS
 from push_sim_node.tape import Tape
+from push_sim_node.tape_row import COLUMNS
 
 TIMES = np.linspace(0.0, 10.0, 501)
 
