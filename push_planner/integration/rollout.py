@@ -12,7 +12,6 @@ each a Radau step of three points (see ``collocation``), solved by Newton's meth
 """
 
 import functools
-import math
 import threading
 from typing import Any, NamedTuple
 
@@ -20,8 +19,10 @@ import casadi as ca
 import numpy as np
 from push_dynamics.machine_code import RowFunction
 from push_model.dynamics import SMOOTHING
-from push_model.geometry import BoolArray, FloatArray, IntArray
-from push_planner.collocation.collocation import collocate, contact_impulse, Node, radau, Step
+from push_model.geometry import FloatArray, IntArray
+from push_planner.collocation.collocation import (
+    collocate, contact_impulse, moment_and_force, MotionPoint, Node, radau, robot_yaw_rate, Step,
+)
 from push_planner.collocation.formulation import Formulation
 from push_planner.problem import PushProblem
 from push_planner.push_parameters import PushKind, PushParameters, SupportLayout
@@ -52,9 +53,9 @@ class Rollout(NamedTuple):
     :param s: path length of the contact from the start to each sample, shape (m,) [m].
     :param v_squared: V at each sample, shape (m,) [m^2/s^2].
     :param samples: ``Node`` at each sample, shape (m, 6).
-    :param forces: (F_n, F_t) at each sample, shape (m, 2) [N]; nan at the begins of steps.
-    :param is_begin: whether a sample is at the begin of a step, after a jump or at the start,
-        shape (m,).
+    :param forces: (F_n, F_t) at each sample, shape (m, 2) [N].
+    :param step_forces: the same at the begin of each step, shape (n, 2) [N].
+    :param begins: numbers of the samples at the start, and after jumps between steps.
     """
 
     nodes: FloatArray
@@ -63,7 +64,8 @@ class Rollout(NamedTuple):
     v_squared: FloatArray
     samples: FloatArray
     forces: FloatArray
-    is_begin: BoolArray
+    step_forces: FloatArray
+    begins: IntArray
 
 
 class ReferenceTrack(NamedTuple):
@@ -134,7 +136,8 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     a step (``is_begin`` is 1) the change is corrected towards ``reference``, and the pushing angle
     may jump; where ``restarts`` is 1 the node is the reference itself. ``scalars`` are the length
     of the part, its fraction of the step, V at its begin, dV/ds and the smoothing. Results are the
-    state after it, the node at its begin, and samples and forces at its points.
+    state after it, the node at its begin, and samples and forces at its points, and the
+    force at its begin.
 
     :param kind: how the contact moves with the robot.
     :param supports: ``SupportLayout``.
@@ -170,14 +173,34 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     for _ in range(NEWTON_STEPS):
         rates = ca.substitute(improved, unknowns, rates)
     result = collocate(kind, parameters, node, step, ca.vertsplit(rates))
+    first_force = _force_at_begin(kind, parameters, node, step)
     end_slope = ca.dot(ca.DM(scheme.inverse[-1]), rates - node.w) / length
     given = {'state': state, 'reference': reference, 'gains': gains, 'change': change,
              'scalars': scalars, 'is_begin': is_begin, 'restarts': restarts, 'column': column}
     found: Any = ca.cse([ca.vertcat(*result.end, end_slope, corrected), begin,
                          ca.vertcat(*[ca.vertcat(*sample) for sample in result.samples]),
-                         ca.vertcat(*[ca.vertcat(*force) for force in result.forces])])
+                         ca.vertcat(*[ca.vertcat(*force) for force in result.forces]),
+                         ca.vertcat(*first_force)])
     return RowFunction(ca.Function('part', list(given.values()), found, list(given),
-                                   ['next_state', 'begin', 'samples', 'forces']))
+                                   ['next_state', 'begin', 'samples', 'forces', 'first_force']))
+
+
+def _force_at_begin(kind: PushKind, parameters: PushParameters, node: Node,
+                    step: Step) -> tuple[Any, Any]:
+    """
+    Write the force at the begin of a part, where its angle begins to change at another rate.
+
+    There w goes on, and the moment balance determines dw/ds, in which it is linear.
+    """
+    point = MotionPoint(node.theta, node.phi, node.w, node.rho,
+                        robot_yaw_rate(kind, parameters, node.rho, node.w))
+    angle_slope = step.change / step.length
+    at_rest, by_unit = (moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0)
+                        for w_slope in (0.0, 1.0))
+    # Without inertia dw/ds plays no part.
+    inertia = by_unit.residual - at_rest.residual
+    w_slope = -at_rest.residual / ca.if_else(step.v_squared > 0.0, inertia, ca.inf)
+    return moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0).force
 
 
 class _PartRows:
@@ -208,6 +231,7 @@ class _PartRows:
         self.first = np.zeros((count, NODE_SIZE))
         self.samples = np.zeros((count, POINTS * NODE_SIZE))
         self.forces = np.zeros((count, POINTS * 2))
+        self.first_forces = np.zeros((count, 2))
         is_begin = np.zeros((variants, size))
         is_begin[:, self.begins] = 1.0
         self.is_begin = is_begin.reshape(count, 1)
@@ -217,7 +241,8 @@ class _PartRows:
             'state': self.states[:-1], 'reference': self.references, 'gains': self.gains,
             'change': self.changes, 'scalars': self.scalars, 'is_begin': self.is_begin,
             'restarts': self.restarts, 'column': self.column, 'next_state': self.states[1:],
-            'begin': self.first, 'samples': self.samples, 'forces': self.forces})
+            'begin': self.first, 'samples': self.samples, 'forces': self.forces,
+            'first_force': self.first_forces})
 
     def divide(self, fractions: FloatArray) -> None:
         """Take the lengths of all parts over those of their steps."""
@@ -355,14 +380,14 @@ class ClosedLoopRollout:
         if self._jumps:
             jumps = np.append(0, np.flatnonzero(run.changes[1:]) + 1)
         at = rows.begins[jumps] * POINTS
-        is_begin = np.zeros(s.size + len(at), bool)
-        is_begin[at + np.arange(len(at))] = True
+        samples, forces = rows.samples.reshape(-1, NODE_SIZE), rows.forces.reshape(-1, 2)
+        step_forces = rows.first_forces[rows.begins]
         return Rollout(run.nodes, run.changes,
-                       np.insert(s.ravel(), at, begins_at[jumps]),
-                       np.insert(v_squared.ravel(), at, mesh.v_squared[jumps]),
-                       np.insert(rows.samples.reshape(-1, NODE_SIZE), at,
-                                 rows.first[rows.begins[jumps]], axis=0),
-                       np.insert(rows.forces.reshape(-1, 2), at, math.nan, axis=0), is_begin)
+                       _inserted(s.ravel(), at, begins_at[jumps]),
+                       _inserted(v_squared.ravel(), at, mesh.v_squared[jumps]),
+                       _inserted(samples, at, rows.first[rows.begins[jumps]]),
+                       _inserted(forces, at, step_forces[jumps]), step_forces,
+                       at + np.arange(len(at)))
 
     def _set_scalars(self, rows: _PartRows, scalars: FloatArray, free_length: float) -> None:
         """Set what describes each part; see ``part_function``."""
@@ -374,3 +399,12 @@ class ClosedLoopRollout:
         scalars[:, 2] = v_squared + slope * rows.before * lengths
         scalars[:, 3] = slope
         scalars[:, 4] = self._smoothing[step]
+
+
+def _inserted(values: FloatArray, at: IntArray, new: FloatArray) -> FloatArray:
+    """Insert new values before those at increasing places, the first of them at the front."""
+    if len(at) > 1:
+        return np.insert(values, at, new, axis=0)
+    found = np.empty((len(values) + 1, *values.shape[1:]))
+    found[0], found[1:] = new[0], values
+    return found

@@ -41,15 +41,14 @@ def find_switches(problem: PushProblem, rollout: Rollout, jumps: bool) -> tuple[
         return ()
     parameters = problem.push_parameters
     found: list[Switch] = []
-    begins = np.flatnonzero(rollout.is_begin)
     if problem.motion.speed == 0.0:
         node = Node(*rollout.samples[0].tolist())
         response = contact_impulse(problem.kind, parameters, node)
-        found.append(_switch(problem, response, rollout, begins[0], node.rho))
+        found.append(_switch(problem, response, rollout, 0, node.rho))
     if not jumps:
         return tuple(found)
     changed = np.flatnonzero(rollout.changes[1:]) + 1
-    for k, begin in zip(changed.tolist(), begins[1:].tolist()):
+    for k, begin in zip(changed.tolist(), rollout.begins[1:].tolist()):
         change = float(rollout.changes[k])
         response = contact_impulse(problem.kind, parameters, Node(*rollout.nodes[k].tolist()),
                                    change)
@@ -70,11 +69,12 @@ def build_report(problem: PushProblem, rollout: Rollout, trajectory: PushTraject
         planning cone, between the points at which the program keeps it inside (just after the
         touch, mostly).
     """
-    force_angles = np.abs(np.arctan2(rollout.forces[:, 1], rollout.forces[:, 0]))
+    force_angles = _force_angles(rollout.forces)
     x, y, theta = trajectory.object_poses[-1]
     goal = problem.goal
     rotation = 0.0 if problem.settings.heading_free else wrap_angle(theta - goal.theta)
-    steepest = float(np.nanmax(force_angles))
+    # The rate of the angle jumps between steps, and so does the force.
+    steepest = float(max(force_angles.max(), _force_angles(rollout.step_forces).max()))
     outside = force_angles > problem.planning_cone_angle + CONE_TOLERANCE
     return {'pushing_speed': problem.settings.pushing_speed,
             'highest_speed': float(np.sqrt(rollout.v_squared.max())),
@@ -101,12 +101,17 @@ def sample_trajectory(problem: PushProblem, rollout: Rollout) -> PushTrajectory:
     s, speed = rollout.s, np.sqrt(rollout.v_squared)
     times = np.zeros(len(s))
     np.cumsum(2.0 * np.diff(s) / (speed[1:] + speed[:-1]), out=times[1:])
-    before = np.flatnonzero(rollout.is_begin[1:])
+    before = rollout.begins[1:] - 1
     columns: dict[str, Any] = {**_motion(problem, rollout.samples, speed)}
     times[before] -= JUMP_TIME
     for name in ('object', 'contact', 'robot'):
         columns[f'{name}_poses'][before] -= JUMP_TIME * columns[f'{name}_twists'][before]
     return PushTrajectory(times=times, **columns)
+
+
+def _force_angles(forces: FloatArray) -> FloatArray:
+    """Angles of forces from the normal [rad]."""
+    return np.abs(np.arctan2(forces[:, 1], forces[:, 0]))
 
 
 def _switch(problem: PushProblem, response: ContactImpulse, rollout: Rollout, sample: int,
@@ -122,8 +127,7 @@ def _switch(problem: PushProblem, response: ContactImpulse, rollout: Rollout, sa
     blend_distance = 0.0
     if not in_cone:
         # Spread over a distance, the force that presses meanwhile makes up for the excess.
-        after = rollout.forces[sample + 1:]
-        f_n, f_t = after[np.flatnonzero(~np.isnan(after[:, 0]))[0]]
+        f_n, f_t = rollout.forces[sample + 1]
         reserve = slope * f_n - abs(f_t)
         blend_distance = speed * excess / reserve if reserve > 0.0 else math.inf
     return Switch(float(rollout.s[sample]), change, speed * w_jump, j_n, j_t, in_cone,

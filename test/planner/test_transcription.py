@@ -32,12 +32,13 @@ def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.1
     v_squared = problem.settings.pushing_speed ** 2
     scalars = np.tile([length / count, 1.0 / count, v_squared, 0.0, smoothing], (count, 1))
     is_begin = np.eye(count, 1)
-    samples, unused = np.zeros((count, 18)), np.zeros((count, 6))
+    samples, unused, force = np.zeros((count, 18)), np.zeros((count, 6)), np.zeros((count, 2))
     part_function(problem.kind, parameters.supports, jumps).bind({
         'state': states[:-1], 'reference': states[0, :6].copy(), 'gains': np.zeros(6),
         'change': np.array([float(change)]), 'scalars': scalars, 'is_begin': is_begin,
         'restarts': np.zeros(1), 'column': parameters.column(), 'next_state': states[1:],
-        'begin': unused, 'samples': samples, 'forces': unused})()
+        'begin': unused, 'samples': samples, 'forces': unused,
+        'first_force': force})()
     return states[-1, :6], samples.reshape(-1, 6)
 
 
