@@ -12,7 +12,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import BoolArray, distance, FloatArray, Pose, wrap_angle
+from push_model.geometry import BoolArray, distance, FloatArray, IntArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
@@ -128,31 +128,48 @@ def _mark(occupancy_map: OccupancyMap, shape: InflatedObstacle, poses: list[Pose
     if not poses:
         return
     size, resolution = _radius(shape), occupancy_map.resolution
-    places = occupancy_map.to_map([pose[:2] for pose in poses])
     # With a rim, in which obstacles that go on are seen.
     rim = size + margin + 2.0 * resolution
-    first = np.maximum(np.floor((places.min(axis=0) - rim) / resolution), 0).astype(int)
-    last = np.maximum(np.ceil((places.max(axis=0) + rim) / resolution), 0).astype(int)
-    window = slice(first[1], last[1]), slice(first[0], last[0])
-    occupied = occupancy_map.occupied[window]
-    rows, columns = np.nonzero(occupied)
+    rows, columns = _occupied_near(occupancy_map, poses, rim)
     if not rows.size:
         return
-    points = occupancy_map.from_map(
-        resolution * np.stack((columns + first[0] + 0.5, rows + first[1] + 0.5), axis=1))
+    points = occupancy_map.from_map(resolution * np.stack((columns + 0.5, rows + 0.5), axis=1))
     away = _distances(shape, poses, points, size + rim)
     inside = away < 0.0
-    # Obstacles in what is left.
-    left = occupied.copy()
-    left[rows[inside], columns[inside]] = False
+    obstacles = _obstacle_numbers(rows, columns, ~inside)
+    goes_on = np.isin(obstacles, np.unique(obstacles[away > margin]))
+    cleared = inside | ~goes_on
+    cells[rows[cleared], columns[cleared]] = True
+
+
+def _occupied_near(occupancy_map: OccupancyMap, poses: list[Pose], rim: float
+                   ) -> tuple[IntArray, IntArray]:
+    """List rows and columns of the occupied cells about some poses, with a rim [m]."""
+    resolution = occupancy_map.resolution
+    places = occupancy_map.to_map([pose[:2] for pose in poses])
+    first = np.maximum(np.floor((places.min(axis=0) - rim) / resolution), 0).astype(int)
+    last = np.maximum(np.ceil((places.max(axis=0) + rim) / resolution), 0).astype(int)
+    rows, columns = np.nonzero(occupancy_map.occupied[first[1]:last[1], first[0]:last[0]])
+    return rows + first[1], columns + first[0]
+
+
+def _obstacle_numbers(rows: IntArray, columns: IntArray, is_left: BoolArray) -> IntArray:
+    """
+    Find the number of the obstacle to which each cell belongs: connected cells have the same.
+
+    :param rows: of the cells, shape (n,).
+    :param columns: of the cells, shape (n,).
+    :param is_left: which cells are still occupied, shape (n,).
+    :return: number of the obstacle of each cell, 0 for the others, shape (n,).
+    """
     # Imported here: a node begins sooner without it, and few maps need it.
     from scipy.ndimage import label
-    numbers = np.empty(left.shape, dtype=np.int_)
-    label(left, NEIGHBOURS, output=numbers)
-    of_cells = numbers[rows, columns]
-    kept = np.unique(of_cells[away > margin])
-    cleared = inside | ~np.isin(of_cells, kept)
-    cells[window][rows[cleared], columns[cleared]] = True
+    rows, columns = rows - rows.min(), columns - columns.min()
+    occupied = np.zeros((rows.max() + 1, columns.max() + 1), dtype=np.bool_)
+    occupied[rows[is_left], columns[is_left]] = True
+    numbers = np.empty(occupied.shape, dtype=np.int_)
+    label(occupied, NEIGHBOURS, output=numbers)
+    return numbers[rows, columns]
 
 
 def _distances(shape: InflatedObstacle, poses: list[Pose], points: FloatArray,

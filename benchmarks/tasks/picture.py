@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any, Sequence
 
-from benchmarks.controller.tables import Job, Record, TO_DEGREES, wilson
+from benchmarks.controller.tables import Job, Pair, Record, TO_DEGREES, wilson
 from benchmarks.tasks.cases import METHODS, OPEN, PARTS, Tolerance
-from benchmarks.tasks.groups import drive, grouped, side_by_side
+from benchmarks.tasks.groups import drive, Group, grouped, side_by_side
 from benchmarks.tasks.report import methods_of
 import numpy as np
 
@@ -28,31 +28,37 @@ def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
     methods = methods_of(pairs)
     figure = Figure(figsize=(12, 8.5), layout='constrained')
     (times, errors), (success, spans) = figure.subplots(2, 2)
+    _draw_open_floor(times, errors, pairs, methods)
+    _draw_parts(success, spans, pairs, methods)
+    for axis in (times, errors, success, spans):
+        axis.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)
+
+
+def _draw_open_floor(times: Any, errors: Any, pairs: Sequence[Pair], methods: Sequence[str]
+                     ) -> None:
+    """Draw the distribution of times, and the errors at the end."""
     for method in methods:
         for group in grouped(pairs, OPEN, method, drive)[1:]:
-            values = np.sort(group.values('duration'))
-            times.step(values, np.arange(1, len(values) + 1) / len(group.tasks), where='post',
-                       color=COLOURS[method], ls=LINES[group.name],
-                       label=f'{method}, {group.name}')
+            durations = np.sort(group.values('duration'))
+            fractions = np.arange(1, len(durations) + 1) / len(group.tasks)
+            times.step(durations, fractions, where='post', color=COLOURS[method],
+                       ls=LINES[group.name], label=f'{method}, {group.name}')
         for group in grouped(pairs, OPEN, method):
             errors.plot(1e3 * group.values('position_error', successful=False),
                         TO_DEGREES * group.values('heading_error', successful=False), '.', ms=4,
                         alpha=0.5, color=COLOURS[method], label=method)
     _finish_open_floor(times, errors)
+
+
+def _draw_parts(success: Any, spans: Any, pairs: Sequence[Pair], methods: Sequence[str]) -> None:
+    """Draw success and times, a row for each part that was measured."""
     measured = [part for part in PARTS if side_by_side(pairs, (part,), methods)]
     for row, part in enumerate(measured):
         for group in side_by_side(pairs, (part,), methods):
             y = row + OFFSET * (methods.index(group.method) - 0.5 * (len(methods) - 1))
-            low, high = wilson(group.successes, len(group.tasks))
-            success.plot((100.0 * low, 100.0 * high), (y, y), color=COLOURS[group.method], lw=4,
-                         alpha=0.4)
-            success.plot(100.0 * group.successes / len(group.tasks), y, 'o',
-                         color=COLOURS[group.method])
-            values = group.values('duration')
-            if len(values):
-                quantiles = np.percentile(values, (5, 50, 95))
-                spans.plot(quantiles[::2], (y, y), color=COLOURS[group.method], lw=4, alpha=0.4)
-                spans.plot(quantiles[1], y, 'o', color=COLOURS[group.method])
+            _draw_success(success, group, y)
+            _draw_times(spans, group, y)
     success.set(xlabel='success and its 95 % interval, %')
     spans.set(xlabel='time of the tasks that succeed, s: median, 5 and 95 %', xscale='log')
     spans.xaxis.set_major_formatter('{x:g}')
@@ -61,9 +67,20 @@ def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
     for axis in (success, spans):
         axis.set_yticks(range(len(measured)), measured)
         axis.set_ylim(len(measured) - 0.5, -0.5)
-    for axis in (times, errors, success, spans):
-        axis.grid(alpha=0.3)
-    figure.savefig(path, dpi=110)
+
+
+def _draw_success(axis: Any, group: Group, y: float) -> None:
+    low, high = wilson(group.successes, len(group.tasks))
+    axis.plot((100.0 * low, 100.0 * high), (y, y), color=COLOURS[group.method], lw=4, alpha=0.4)
+    axis.plot(100.0 * group.successes / len(group.tasks), y, 'o', color=COLOURS[group.method])
+
+
+def _draw_times(axis: Any, group: Group, y: float) -> None:
+    durations = group.values('duration')
+    if len(durations):
+        low, median, high = np.percentile(durations, (5, 50, 95))
+        axis.plot((low, high), (y, y), color=COLOURS[group.method], lw=4, alpha=0.4)
+        axis.plot(median, y, 'o', color=COLOURS[group.method])
 
 
 def _finish_open_floor(times: Any, errors: Any) -> None:

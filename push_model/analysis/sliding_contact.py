@@ -131,17 +131,18 @@ def contact_motion(supports: SupportArrays, points: ArrayLike, normals: ArrayLik
     angles = _wrapped(np.arctan2(forces[:, 1], forces[:, 0]) - normals)
     cone = np.broadcast_to(np.arctan(contact_friction), angles.shape)
     slides = np.where(np.abs(angles) > cone + ROUNDING, np.sign(angles), 0.0).astype(int)
-    moving = slides != 0
-    if moving.any():
-        edges = normals[moving] + slides[moving] * cone[moving]
-        pushed = _cone_edge(arms.rows(moving), edges)
-        along = np.column_stack([np.cos(normals[moving]), np.sin(normals[moving])])
-        scale = ((velocities[moving] * along).sum(axis=1)
-                 / (pushed.velocities * along).sum(axis=1))
+    sliding = slides != 0
+    if sliding.any():
+        # The force lies on the edge of the cone; the contact stays closed.
+        edges = slides[sliding] * cone[sliding]
+        pushed = _cone_edge(arms.rows(sliding), normals[sliding] + edges)
+        normal = np.column_stack([np.cos(normals[sliding]), np.sin(normals[sliding])])
+        scale = ((velocities[sliding] * normal).sum(axis=1)
+                 / (pushed.velocities * normal).sum(axis=1))
         velocities, forces = velocities.copy(), forces.copy()
-        velocities[moving] = scale[:, None] * pushed.velocities
-        yaw_rates[moving] = scale * pushed.yaw_rates
-        forces[moving], angles[moving] = pushed.forces, slides[moving] * cone[moving]
+        velocities[sliding] = scale[:, None] * pushed.velocities
+        yaw_rates[sliding] = scale * pushed.yaw_rates
+        forces[sliding], angles[sliding] = pushed.forces, edges
     return ContactMotion(velocities, yaw_rates, forces, angles, slides)
 
 

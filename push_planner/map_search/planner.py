@@ -130,22 +130,40 @@ def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
                          robot, PlannerSettings(), drive, room)
 
 
+class _MapPoses(NamedTuple):
+    """
+    Poses in the frame of the map.
+
+    :param start: ``Pose`` of the object.
+    :param robot: ``Pose`` of the robot.
+    :param goal: ``Pose`` that the object is to have.
+    """
+
+    start: Pose
+    robot: Pose
+    goal: Pose
+
+
 class _Known(NamedTuple):
     """
     What is known of pushes and paths for one request.
 
+    :param poses: ``_MapPoses``.
     :param primitives: ``PushPrimitives``.
     :param weights: of the guesses of friction, shape (K,).
     :param pushes: ``Pushes`` of a localized robot.
     :param first_pushes: likewise of it as it is now.
     :param paths: ``ApproachPaths``.
+    :param search: ``MapSearch``.
     """
 
+    poses: _MapPoses
     primitives: PushPrimitives
     weights: FloatArray
     pushes: Pushes
     first_pushes: Pushes
     paths: ApproachPaths
+    search: MapSearch
 
 
 class _MapPlanner:
@@ -188,50 +206,58 @@ class _MapPlanner:
         return MapPlan(found, KeptSequence(request.goal)) if is_free else None
 
     def _search(self, kept: KeptSequence | None) -> MapPlan:
+        """Go on with a kept sequence where that is possible, else search for one."""
+        known = self._prepare()
+        return self._take_up(kept, known) or self._find_sequence(known)
+
+    def _prepare(self) -> _Known:
+        """
+        Prepare pushes, paths and the search.
+
+        :raises PlanningFailed: where the floor is too narrow for the object.
+        """
         request, scene = self._request, self._scene
-        start, robot, goal = (self._map.origin.inverse() @ pose for pose in (
-            request.object_pose, request.robot_pose, request.goal))
+        to_map = self._map.origin.inverse()
+        poses = _MapPoses(to_map @ request.object_pose, to_map @ request.robot_pose,
+                          to_map @ request.goal)
         needed = scene.inner_radius + LEAST_FRACTION * OBJECT_FRACTION * self._drive.map_clearance
-        grid = _distance_grid(self._map, (goal.x, goal.y), needed)
-        if length_at(grid, start.x, start.y) >= UNREACHED:
-            raise self._too_narrow(start, goal, 2.0 * needed)
+        grid = _distance_grid(self._map, (poses.goal.x, poses.goal.y), needed)
+        if length_at(grid, poses.start.x, poses.start.y) >= UNREACHED:
+            raise self._too_narrow(poses.start, poses.goal, 2.0 * needed)
         primitives = primitives_for(request, self._robot, self._drive)
         weights = draw_weights(primitives.table.draws, friction_belief(request))
         pushes, first_pushes = self._pushes(primitives, weights)
         search = MapSearch(scene, (pushes, first_pushes), grid, primitives.cost_to_go,
                            self._search_settings(primitives))
         paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
-        known = _Known(primitives, weights, pushes, first_pushes, paths)
-        taken_up = self._take_up(kept, search, known, (start, robot, goal))
-        if taken_up is not None:
-            return taken_up
-        first_failure: SearchResult | None = None
+        return _Known(poses, primitives, weights, pushes, first_pushes, paths, search)
+
+    def _find_sequence(self, known: _Known) -> MapPlan:
+        """
+        Search for a sequence of pushes, with the widest margins first.
+
+        :raises PlanningFailed: where there is none whose first push the robot can reach.
+        """
+        failures: list[SearchResult] = []
         expansions = 0
         is_exhausted = False
         for margins in self._margins():
-            if margins.is_wide and not is_exhausted:
+            if expansions >= TOTAL_EXPANSIONS or (margins.is_wide and not is_exhausted):
                 break
-            blocked = np.zeros(len(pushes.numbers), dtype=np.bool_)
-            for _ in range(MAX_WIDE_PUSHES if margins.is_wide else MAX_FIRST_PUSHES):
-                if expansions >= TOTAL_EXPANSIONS:
-                    break
-                result = search.run(start, robot, goal, margins, blocked)
+            for result in _sequences(known, margins):
                 expansions += result.expansions
                 is_exhausted = result.end is SearchEnd.EXHAUSTED
                 if result.end is not SearchEnd.FOUND:
-                    first_failure = first_failure or result
+                    failures.append(result)
                     break
-                first = result.pushes[0]
-                time = paths.travel_time(Pose(*pushes.starts[first.begin].tolist()))
-                if math.isfinite(time):
-                    selected = SelectedPush(
-                        int(pushes.numbers[first.begin]), first.length, weights, time,
-                        result.cost - first.length / greatest_speed(self._robot, self._settings),
-                        result.cost)
-                    return self._lay_out(result, selected, known, expansions)
                 # The search sees the robot's path on a grid only.
-                blocked[first.begin] = True
-        raise self._no_sequence(first_failure)
+                begin = known.pushes.starts[result.pushes[0].begin]
+                time = known.paths.travel_time(Pose(*begin.tolist()))
+                if math.isfinite(time):
+                    return self._lay_out(result, time, known, expansions)
+                if expansions >= TOTAL_EXPANSIONS:
+                    break
+        raise self._no_sequence(failures[0] if failures else None)
 
     def _pushes(self, primitives: PushPrimitives, weights: FloatArray) -> tuple[Pushes, Pushes]:
         """Prepare the pushes of a localized robot, and those of it as it is now."""
@@ -243,11 +269,14 @@ class _MapPlanner:
         return pushes, make_pushes(primitives, request.obj, radius,
                                    primitives.unsure_displacements, weights)
 
-    def _lay_out(self, result: SearchResult, selected: SelectedPush, known: _Known,
+    def _lay_out(self, result: SearchResult, travel_time: float, known: _Known,
                  expansions: int) -> MapPlan:
-        """Plan the first push of a sequence exactly."""
-        goal = self._map.origin.inverse() @ self._request.goal
-        is_last = distance(result.pushes[0].end, goal) == 0.0
+        """Plan the first push of a sequence exactly; the robot takes a time to its begin [s]."""
+        push = result.pushes[0]
+        pushing_time = push.length / greatest_speed(self._robot, self._settings)
+        selected = SelectedPush(int(known.pushes.numbers[push.begin]), push.length, known.weights,
+                                travel_time, result.cost - pushing_time, result.cost)
+        is_last = distance(push.end, known.poses.goal) == 0.0
         first = self._first(selected, known,
                             PushStyle.UNSTEERED if is_last else PushStyle.WAYPOINT)
         first.report.update({
@@ -261,8 +290,7 @@ class _MapPlanner:
         return lay_out(self._request, self._robot, self._settings, known.primitives, selected,
                        path=known.paths.to(Pose(*start.tolist())), style=style)
 
-    def _take_up(self, kept: KeptSequence | None, search: MapSearch, known: _Known,
-                 poses: tuple[Pose, Pose, Pose]) -> MapPlan | None:
+    def _take_up(self, kept: KeptSequence | None, known: _Known) -> MapPlan | None:
         """Go on with a sequence where its next push is free; None where it is not."""
         request = self._request
         if (kept is None or request.cone_fraction < 1.0
@@ -273,13 +301,14 @@ class _MapPlanner:
         if not begins.size:
             return None
         begin = int(begins[0])
-        end = expected_end(known.first_pushes, begin, first.length, poses[0])
+        end = expected_end(known.first_pushes, begin, first.length, known.poses.start)
         if not is_as_expected(first, self._map.origin @ end):
             return None
         blocked = np.ones(len(known.pushes.numbers), dtype=np.bool_)
         blocked[begin] = False
         # The node of the object, from which only this push leads.
-        result = search.run(*poses, next(self._margins())._replace(max_expansions=2), blocked)
+        result = known.search.run(
+            *known.poses, next(self._margins())._replace(max_expansions=2), blocked)
         time = known.paths.travel_time(Pose(*known.pushes.starts[begin].tolist()))
         away = np.hypot(*(result.nodes[1:, :2] - end[:2]).T)
         if away.min(initial=math.inf) > SAME_PLACE or not math.isfinite(time):
@@ -345,6 +374,17 @@ class _MapPlanner:
             PlanFailure.BLOCKED, 'no sequence of pushes to the goal was found: the object gets as '
             f'far as {x:.2f} m, {y:.2f} m, where the floor is {width:.2f} m wide ('
             f'{result.end.value}, {result.expansions} expansions)', report)
+
+
+def _sequences(known: _Known, margins: Margins) -> Iterator[SearchResult]:
+    """Generate the best sequences of pushes that begin differently, and at last what ends them."""
+    blocked = np.zeros(len(known.pushes.numbers), dtype=np.bool_)
+    for _ in range(MAX_WIDE_PUSHES if margins.is_wide else MAX_FIRST_PUSHES):
+        result = known.search.run(*known.poses, margins, blocked)
+        yield result
+        if result.end is not SearchEnd.FOUND:
+            return
+        blocked[result.pushes[0].begin] = True
 
 
 # A task asks for the same goal again and again; a grid of a flat takes a megabyte.

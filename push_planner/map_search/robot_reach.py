@@ -21,6 +21,8 @@ HALF_WINDOW, WIDE_WINDOW = 28, 100
 # Where the robot does not get [m]. Finite, see ``object_distance``.
 UNREACHED = 1e9
 DIAGONAL = math.sqrt(2.0)
+# Rounding of the lengths of paths [m].
+ROUNDING = 1e-6
 # Places on half of the line along which the robot may have been displaced; chosen: see
 # ``map_clearance``.
 AXIS_STEPS = 3
@@ -96,19 +98,11 @@ def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
             for b in range(max(0, j - 1), min(side, j + 2)):
                 step = SPACING if a == i or b == j else DIAGONAL * SPACING
                 length = lengths[i, j] + step
-                if lengths[a, b] <= length + 1e-6 or last - first >= size:
-                    continue
-                if not _may_drift(scene, margins, pose, reach, (i, j, a, b), origin):
-                    continue
-                distance = SPACING * math.sqrt(float(
-                    (a - row) * (a - row) + (b - column) * (b - column)))
-                if lengths[a, b] >= UNREACHED and not _may_enter(
-                        scene, margins, pose, (a - half, b - half), (i - half, j - half),
-                        needed_gap(margins, distance)):
-                    continue
-                lengths[a, b] = length
-                queue[last % size] = a * side + b
-                last += 1
+                if (lengths[a, b] > length + ROUNDING and last - first < size
+                        and _may_step(scene, margins, pose, reach, (i, j, a, b), origin)):
+                    lengths[a, b] = length
+                    queue[last % size] = a * side + b
+                    last += 1
 
 
 @compiled
@@ -144,6 +138,30 @@ def needed_gap(margins: Any, away: float) -> float:
     """
     rising = margins.slope * away
     return max(margins.obstacles, math.sqrt(margins.position * margins.position + rising * rising))
+
+
+@compiled
+def _may_step(scene: Any, margins: Any, pose: Any, reach: Any, step: tuple[int, int, int, int],
+              origin: tuple[int, int, int]) -> bool:
+    """
+    Tell whether the robot may go from one grid point to the next.
+
+    :param scene: ``Scene``.
+    :param margins: ``RobotMargins``.
+    :param pose: (x, y, theta) of the object.
+    :param reach: ``Reach``, of which the moment at the end of the step is written.
+    :param step: from a row and column of the grid to others.
+    :param origin: row and column in which the path starts, and those of the object.
+    """
+    if not _may_drift(scene, margins, pose, reach, step, origin):
+        return False
+    i, j, a, b = step
+    if reach.lengths[a, b] < UNREACHED:
+        return True
+    row, column, half = origin
+    away = SPACING * math.sqrt(float((a - row) * (a - row) + (b - column) * (b - column)))
+    return _may_enter(scene, margins, pose, (a - half, b - half), (i - half, j - half),
+                      needed_gap(margins, away))
 
 
 @compiled

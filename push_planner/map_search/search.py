@@ -8,14 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 from push_model.geometry import FloatArray, Pose
 from push_navigation.map_clearance import CERTAIN, PlaceUncertainty
-from push_planner.map_search import kernel
-from push_planner.map_search.kernel import Choices, Guide, Memory, OpenFloor, Problem, Query
+from push_planner.map_search.estimate import CLOSE_DISTANCE, CONTACT_DISTANCE, estimate
+from push_planner.map_search.kernel import EXHAUSTED, LIMIT, search
 from push_planner.map_search.object_distance import DistanceGrid, UNREACHED
+from push_planner.map_search.problem import (
+    Choices, CLOSED, COST, COUNTER_SIZE, EXPANDED, FACE, FINAL_SIZE, Guide, LENGTH, LINK_SIZE,
+    Memory, NEAREST, NODE_SIZE, NODES, OpenFloor, PARENT, Problem, PUSH, Query, SLOT_SIZE,
+)
 from push_planner.map_search.pushes import Pushes
 from push_planner.map_search.robot_reach import (
     HALF_WINDOW, Reach, RobotMargins, SPACING, WIDE_WINDOW,
 )
 from push_planner.map_search.scene import object_clearance, Scene
+from push_planner.map_search.successors import ENOUGH, LEAST_GAP, LOST_GAP, START_RANGE
 from push_primitives.cost_to_go import CostToGo
 
 # Nodes of a search, chosen: some ten for each expanded node; and slots of its hash table, a power
@@ -60,7 +65,7 @@ class Lattice(NamedTuple):
 
 # Chosen: against the fine one, the coarse one takes a third of the expansions (a tenth where the
 # first idea is a dead end) to plans that take 1 % longer in the median of flats and passages.
-COARSE, FINE = Lattice(0.18, 12, 0.0), Lattice(0.06, 24, kernel.START_RANGE)
+COARSE, FINE = Lattice(0.18, 12, 0.0), Lattice(0.06, 24, START_RANGE)
 
 
 class Margins(NamedTuple):
@@ -90,7 +95,7 @@ class Margins(NamedTuple):
 
 
 class SearchSettings(NamedTuple):
-    """What a search weighs; fields as of ``kernel.Query``."""
+    """What a search weighs; fields as of ``Query``."""
 
     position_tolerance: float
     heading_tolerance: float
@@ -198,36 +203,36 @@ class MapSearch:
                   self._settings.contact_time, self._settings.pushing_speed,
                   self._settings.robot_speed, self._closing_time, self._settings.weight,
                   margins.max_expansions, *margins.lattice, half, first_half))
-        found = int(kernel.search(problem, memory))
+        found = int(search(problem, memory))
         return self._result(problem, memory, found)
 
     def _clearance(self, pose: Pose) -> float:
-        found = float(object_clearance(self._scene, *pose, kernel.ENOUGH))
-        return max(kernel.LEAST_GAP, found - kernel.LOST_GAP)
+        found = float(object_clearance(self._scene, *pose, ENOUGH))
+        return max(LEAST_GAP, found - LOST_GAP)
 
     def _result(self, problem: Problem, memory: Memory, found: int) -> SearchResult:
-        ends = {kernel.EXHAUSTED: SearchEnd.EXHAUSTED, kernel.LIMIT: SearchEnd.LIMIT}
-        last = found if found >= 0 else int(memory.counters[kernel.NEAREST])
-        count = int(memory.counters[kernel.NODES])
+        ends = {EXHAUSTED: SearchEnd.EXHAUSTED, LIMIT: SearchEnd.LIMIT}
+        last = found if found >= 0 else int(memory.counters[NEAREST])
+        count = int(memory.counters[NODES])
         nodes, links = memory.nodes[:count], memory.links[:count]
         poses = [Pose(*nodes[last, :3].tolist())]
         pushes: list[SearchPush] = []
         number = last
-        while links[number, kernel.PARENT] >= 0:
-            length, cost = nodes[number, [kernel.LENGTH, kernel.COST]].tolist()
-            begin, number = links[number, [kernel.PUSH, kernel.PARENT]].tolist()
+        while links[number, PARENT] >= 0:
+            length, cost = nodes[number, [LENGTH, COST]].tolist()
+            begin, number = links[number, [PUSH, PARENT]].tolist()
             poses.append(Pose(*nodes[number, :3].tolist()))
             pushes.append(SearchPush(begin, length, poses[-1], poses[-2], cost))
-        remaining = float(kernel.estimate(problem.guide, problem.query, *poses[0],
-                                          max(0, links[last, kernel.FACE])))
+        remaining = float(estimate(problem.guide, problem.query, *poses[0],
+                                   max(0, links[last, FACE])))
         away = nodes[:, :2] - nodes[0, :2]
-        cost = float(nodes[last, kernel.COST]) + remaining
+        cost = float(nodes[last, COST]) + remaining
         return SearchResult(
             ends.get(found, SearchEnd.FOUND), tuple(pushes[::-1]), cost,
-            min(cost, self._least_cost(nodes[links[:, kernel.CLOSED] == 0])),
-            int(memory.counters[kernel.EXPANDED]),
+            min(cost, self._least_cost(nodes[links[:, CLOSED] == 0])),
+            int(memory.counters[EXPANDED]),
             float(np.hypot(*away.T).max()),
-            np.column_stack([nodes[:, :3], links[:, kernel.PARENT].astype(float)]))
+            np.column_stack([nodes[:, :3], links[:, PARENT].astype(float)]))
 
     def _least_cost(self, nodes: FloatArray) -> float:
         """
@@ -245,7 +250,7 @@ class MapSearch:
         row, column = (np.clip((nodes[:, axis] / grid.spacing).astype(int) + 1, 0, size - 1)
                        for axis, size in ((1, near.shape[0]), (0, near.shape[1])))
         lengths = np.maximum(0.0, near[row, column] / GRID_LENGTHENING)
-        return float((nodes[:, kernel.COST] + settings.contact_time
+        return float((nodes[:, COST] + settings.contact_time
                       + lengths / settings.pushing_speed).min())
 
 
@@ -258,12 +263,12 @@ def _first_margins(margins: Margins) -> RobotMargins:
 
 def _closing_time(cost_to_go: CostToGo, settings: SearchSettings) -> float:
     """Mean excess of the cost-to-go of open floor, the object turned as at the goal [s]."""
-    distance = kernel.CLOSE_DISTANCE
+    distance = CLOSE_DISTANCE
     times = [cost_to_go.at(Pose(distance * math.cos(bearing), distance * math.sin(bearing), 0.0),
                            face)
              for bearing in BEARINGS for face in range(len(cost_to_go.values))]
     counted = distance * (1.0 / settings.pushing_speed
-                          + settings.contact_time / kernel.CONTACT_DISTANCE)
+                          + settings.contact_time / CONTACT_DISTANCE)
     return max(0.0, float(np.mean(times)) - counted)
 
 
@@ -279,8 +284,8 @@ def _choices(pushes: Pushes, first_pushes: Pushes) -> Choices:
 def _memory() -> Memory:
     nothing = Reach(np.empty((1, 1)), np.empty((1, 1, 2)), np.empty(1, dtype=np.int64))
     return Memory(
-        np.empty((MAX_NODES, kernel.NODE_SIZE)),
-        np.empty((MAX_NODES, kernel.LINK_SIZE), dtype=np.int64),
+        np.empty((MAX_NODES, NODE_SIZE)),
+        np.empty((MAX_NODES, LINK_SIZE), dtype=np.int64),
         np.empty(2 * MAX_NODES), np.empty(2 * MAX_NODES, dtype=np.int64),
-        np.empty((SLOTS, kernel.SLOT_SIZE), dtype=np.int64), nothing, np.empty(3),
-        np.empty(kernel.FINAL_SIZE), np.zeros(kernel.COUNTER_SIZE, dtype=np.int64))
+        np.empty((SLOTS, SLOT_SIZE), dtype=np.int64), nothing, np.empty(3),
+        np.empty(FINAL_SIZE), np.zeros(COUNTER_SIZE, dtype=np.int64))

@@ -88,15 +88,14 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         table[f'{name}_relative_work'] = effort.relative_work
         table[f'{name}_duration_s'] = effort.durations
         table[f'{name}_extra_duration'] = effort.extra_durations
-        findings.update({
-            f'{name}_few': Finding(float(PERCENT * effort.extra_durations[0]), '%',
-                                   f'duration with {counts[0]} segments above that with the '
-                                   f'most, {name}'),
-            f'{name}_six': Finding(float(PERCENT * effort.extra_durations[reference]), '%',
-                                   f'the same with {REFERENCE_SEGMENTS} segments, {name}'),
-            f'{name}_asymmetry': Finding(asymmetry(found[reference]), '', 'distance of the '
-                                         'pushing angles from symmetry over the largest, '
-                                         f'{name}')})
+        few, six = (float(PERCENT * effort.extra_durations[number]) for number in (0, reference))
+        findings[f'{name}_few'] = Finding(
+            few, '%', f'duration with {counts[0]} segments above that with the most, {name}')
+        findings[f'{name}_six'] = Finding(
+            six, '%', f'the same with {REFERENCE_SEGMENTS} segments, {name}')
+        findings[f'{name}_asymmetry'] = Finding(
+            asymmetry(found[reference]), '',
+            f'distance of the pushing angles from symmetry over the largest, {name}')
     # One integration for the motion, one for its length, and one for each angle.
     table['integrations_relative'] = (np.array(counts) + 2.0) / (REFERENCE_SEGMENTS + 2.0)
     steps = plans[GOALS[0]][reference].report['segments']

@@ -13,7 +13,9 @@ from push_model.contact import contact_point
 from push_model.parameters import Contact, PushedObject
 from push_study.framework.parameters import Parameter, Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Table
-from push_study.maps.perimeter import perimeter_locations, stable_borders
+from push_study.maps.perimeter import (
+    Borders, perimeter_locations, PerimeterLocation, Point, stable_borders,
+)
 from push_study.maps.tolerance import TolerancePush
 
 PARAMETERS = (Parameter('locations', '', 'approximate number of locations round the perimeter'),
@@ -64,31 +66,55 @@ def compute(panels: Sequence[Panel], values: Values, run_jobs: RunJobs) -> Outco
     :param run_jobs: of the study.
     :return: outcome with the tables ``map``, ``fractions`` and ``borders`` (of the closed form).
     """
-    pairs = [(panel, location) for panel in panels
-             for location in perimeter_locations(panel.object, int(values.locations))]
+    table = _location_table(panels, values, run_jobs)
+    borders = [stable_borders(panel.object, panel.robot_radius, FINE_LOCATIONS)
+               for panel in panels]
+    tables = {'map': table, 'fractions': _fraction_table(panels, table, borders),
+              'borders': _border_table(panels, borders)}
+    return Outcome(tables, _findings(tables))
+
+
+def _location_table(panels: Sequence[Panel], values: Values, run_jobs: RunJobs) -> Table:
+    """Find place and tolerance of every location: the table ``map``."""
+    owners: list[Panel] = []
+    locations: list[PerimeterLocation] = []
+    for panel in panels:
+        found = perimeter_locations(panel.object, int(values.locations))
+        owners += [panel] * len(found)
+        locations += found
+    contacts = [location.contact for location in locations]
     push = TolerancePush(panels[0].object, values.distance, values.duration, values.accuracy)
-    records = run_jobs(push, [_job(panel, location.contact) for panel, location in pairs])
-    table = _key_columns(panels, [panel for panel, _ in pairs])
-    points = [contact_point(panel.object, location.contact) for panel, location in pairs]
-    table.update(_point_columns(points), along_m=[location.s for _, location in pairs],
-                 length_m=np.array([location.length for _, location in pairs]),
-                 face=[location.contact.index for _, location in pairs])
-    table.update((f'{name}_rad', np.array([record[name] for record in records]))
-                 for name in ANGLES)
+    records = run_jobs(push, list(map(_job, owners, contacts)))
+    table: Table = {
+        **_key_columns(panels, owners),
+        **_point_columns([contact_point(panel.object, contact)
+                          for panel, contact in zip(owners, contacts)]),
+        'along_m': [location.s for location in locations],
+        'length_m': np.array([location.length for location in locations]),
+        'face': [contact.index for contact in contacts]}
+    for name in ANGLES:
+        table[f'{name}_rad'] = np.array([record[name] for record in records])
     for form in ('', 'closed_'):
         table[f'{form}tolerance_rad'] = np.minimum(table[f'{form}clockwise_rad'],
                                                    table[f'{form}counter_rad'])
-    borders = [stable_borders(panel.object, panel.robot_radius, FINE_LOCATIONS)
-               for panel in panels]
-    edges = [(panel, point) for panel, found in zip(panels, borders) for point in found.points]
-    fractions = {**_key_columns(panels, panels),
-                 'stable_fraction': [_stable_fraction(table, panel.rows(table))
-                                     for panel in panels],
-                 'closed_stable_fraction': [found.stable_fraction for found in borders]}
-    tables = {'map': table, 'fractions': fractions,
-              'borders': {**_key_columns(panels, [panel for panel, _ in edges]),
-                          **_point_columns([point for _, point in edges])}}
-    return Outcome(tables, _findings(tables))
+    return table
+
+
+def _fraction_table(panels: Sequence[Panel], table: Table, borders: Sequence[Borders]) -> Table:
+    """Find which fraction of each perimeter is stable."""
+    return {**_key_columns(panels, panels),
+            'stable_fraction': [_stable_fraction(table, panel.rows(table)) for panel in panels],
+            'closed_stable_fraction': [found.stable_fraction for found in borders]}
+
+
+def _border_table(panels: Sequence[Panel], borders: Sequence[Borders]) -> Table:
+    """List the points at which stable regions end, by the closed form."""
+    owners: list[Panel] = []
+    points: list[Point] = []
+    for panel, found in zip(panels, borders):
+        owners += [panel] * len(found.points)
+        points += found.points
+    return {**_key_columns(panels, owners), **_point_columns(points)}
 
 
 def stable_length(table: Table, rows: Rows) -> float:

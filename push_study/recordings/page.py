@@ -41,32 +41,43 @@ def page(reports: Sequence[RecordingReport], picture: str) -> str:
     :return: text.
     """
     names = [_short(one.recording.name) for one in reports] + ['all']
-    lines = [f'| end of a push: median (90 of 100) | {" | ".join(names)} |',
-             '| --- |' + ' --- |' * len(names)]
-    for parameters, model in KINDS:
-        found = select(reports, parameters, model)
-        found.append(_pooled(found))
-        cells = [f'{_pair(MILLIMETRES * errors.position)} mm, '
-                 f'{_pair(np.degrees(errors.heading))}°' for errors in found]
-        lines.append(f'| {model}, {parameters} | {" | ".join(cells)} |')
-    for parameters in (UNFITTED, FITTED):
-        found = select(reports, parameters, QUASI_STATIC)
-        found.append(_pooled(found))
-        cells = [f'{_pair(np.degrees(errors.force_direction))}°, '
-                 f'{np.median(errors.force_ratio):.2f}' for errors in found]
-        lines.append(f'| direction of the force, size over the recorded one, {parameters} | '
-                     f'{" | ".join(cells)} |')
+    lines = [_row('end of a push: median (90 of 100)', names), _row('---', ['---'] * len(names))]
+    lines += [_end_row(reports, parameters, model) for parameters, model in KINDS]
+    lines += [_force_row(reports, parameters) for parameters in (UNFITTED, FITTED)]
     lines += ['', '| identified from five pushes | centre of friction x, y [mm] | contact '
               'friction |', '| --- | --- | --- |']
-    for one in reports:
-        found = one.identification
-        center = [f'{MILLIMETRES * number.value:.1f} ({MILLIMETRES * number.low:.1f} to '
-                  f'{MILLIMETRES * number.high:.1f})'
-                  for number in (found.friction_center_x, found.friction_center_y)]
-        friction = found.contact_friction
-        lines.append(f'| {_short(one.recording.name)} | {", ".join(center)} | '
-                     f'{friction.value:.2f} ({friction.low:.2f} to {friction.high:.2f}) |')
+    lines += map(_identification_row, reports)
     return '\n'.join([*lines, '', f'![Errors of the predicted ends]({picture})', ''])
+
+
+def _row(head: str, cells: Sequence[str]) -> str:
+    return f'| {head} | {" | ".join(cells)} |'
+
+
+def _end_row(reports: Sequence[RecordingReport], parameters: str, model: str) -> str:
+    """Write the errors of pose in which pushes end, recording by recording and all together."""
+    found = select(reports, parameters, model)
+    return _row(f'{model}, {parameters}',
+                [f'{_pair(MILLIMETRES * errors.position)} mm, '
+                 f'{_pair(np.degrees(errors.heading))}°' for errors in (*found, _pooled(found))])
+
+
+def _force_row(reports: Sequence[RecordingReport], parameters: str) -> str:
+    """Write the errors of the contact force, recording by recording and all together."""
+    found = select(reports, parameters, QUASI_STATIC)
+    return _row(f'direction of the force, size over the recorded one, {parameters}',
+                [f'{_pair(np.degrees(errors.force_direction))}°, '
+                 f'{np.median(errors.force_ratio):.2f}' for errors in (*found, _pooled(found))])
+
+
+def _identification_row(report: RecordingReport) -> str:
+    """Write what was identified, with its 95 % interval."""
+    found, friction = report.identification, report.identification.contact_friction
+    center = [f'{MILLIMETRES * number.value:.1f} ({MILLIMETRES * number.low:.1f} to '
+              f'{MILLIMETRES * number.high:.1f})'
+              for number in (found.friction_center_x, found.friction_center_y)]
+    return _row(_short(report.recording.name), [
+        ', '.join(center), f'{friction.value:.2f} ({friction.low:.2f} to {friction.high:.2f})'])
 
 
 def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:

@@ -14,7 +14,7 @@ from benchmarks.tasks.cases import (
 from benchmarks.tasks.groups import (
     faults_of, grouped, kind, side_by_side, with_informed_times, without_numbers,
 )
-from benchmarks.tasks.intervention import Intervention, INTERVENTIONS
+from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, MAPS, object_clearance, robot_clearance, to_rectangles,
 )
@@ -185,8 +185,8 @@ def test_in_maps_start_and_goal_are_clear(seed):
     assert occupancy_map.object_is_free(scenario.object, ends, 0.05)
 
 
-@pytest.mark.parametrize('move', INTERVENTIONS)
-def test_the_intervention_waits_until_the_robot_is_clear(move):
+@pytest.mark.parametrize('disturbance', Disturbance)
+def test_the_intervention_waits_until_the_robot_is_clear(disturbance):
     """Then it moves the object once."""
     puts, barred = [], [True]
 
@@ -197,7 +197,7 @@ def test_the_intervention_waits_until_the_robot_is_clear(move):
 
     plant = SimpleNamespace(set_object_pose=set_object_pose, object_pose=START)
     supervisor = SimpleNamespace(status=SimpleNamespace(state=TaskState.PUSH))
-    intervention = Intervention(move, 2.0, -1.0)
+    intervention = Intervention(disturbance, 2.0, -1.0)
     for time in (1.0, 3.0):
         intervention(SimpleNamespace(time=time, plant=plant), supervisor)
     assert intervention.displacement is None
@@ -207,8 +207,8 @@ def test_the_intervention_waits_until_the_robot_is_clear(move):
     moved = START.inverse() @ puts[0]
     assert len(puts) == 1
     assert intervention.displacement.time == 4.0 and intervention.state == 'push'
-    assert (math.hypot(moved.x, moved.y), moved.theta) == pytest.approx(
-        (0.2, 0.0) if move == INTERVENTIONS[0] else (0.0, -math.radians(45.0)), abs=1e-12)
+    expected = (0.2, 0.0) if disturbance is Disturbance.DISPLACED else (0.0, -math.radians(45.0))
+    assert (math.hypot(moved.x, moved.y), moved.theta) == pytest.approx(expected, abs=1e-12)
 
 
 def test_tasks_are_counted_by_kind():

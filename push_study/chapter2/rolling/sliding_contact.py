@@ -43,15 +43,8 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     tables['equilibria'] = {'rho_rad': [middle.rho], 'margin_m': [middle.margin]}
     border = _border(location, values)
     tables['basin'] = {'rho_rad': [-border, border], 'limit': ['slides off', 'slides off']}
-    distances = np.linspace(0.0, values.distance, STEPS)
-    released = push_from(location, spread, friction, np.array(values.releases), distances)
-    tables['releases'] = {'distance_m': distances}
-    for number, start in enumerate(values.releases):
-        tables['releases'][f'rho_{start:g}_rad'] = released.rho[:, number]
-        tables['releases'][f'slides_{start:g}'] = released.slides[:, number].astype(int)
-    passes = (released.rho >= PASSED).argmax(axis=0)
-    # The first release, in ascending order, after which the robot passes the object.
-    lost = np.flatnonzero(passes)
+    releases, lost, lost_distance = _releases(location, values)
+    tables['releases'] = releases
     turns_away = rho[(rho > rolling.high) & (motion.yaw_rates < 0.0)]
     return Outcome(tables, {
         'cone': Finding(math.atan(friction), 'rad', 'half-angle of the friction cone'),
@@ -60,13 +53,33 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         **{name: Finding(rolling_range(location, other, friction, values.max_rho).high, 'rad',
                          f'the same with support points {other:g} m from the centre of friction')
            for name, other in zip(('edge_narrow', 'edge_wide'), values.other_spreads)},
-        'lost': Finding(float(values.releases[lost[0]]) if len(lost) else math.nan, 'rad',
-                        'least of the releases drawn after which contact is lost'),
-        'lost_distance': Finding(float(distances[passes[lost[0]]]) if len(lost) else math.nan,
-                                 'm', 'distance after which it is, there'),
+        'lost': Finding(lost, 'rad', 'least of the releases drawn after which contact is lost'),
+        'lost_distance': Finding(lost_distance, 'm', 'distance after which it is, there'),
         'border': Finding(border, 'rad', 'pushing angle from which the object slides off'),
         'back': Finding(float(turns_away.min(initial=rho[-1])), 'rad', 'pushing angle from which '
                         'the object rotates away')})
+
+
+def _releases(location: PushingLocation, values: Values) -> tuple[Table, float, float]:
+    """
+    Integrate the pushes that are drawn.
+
+    :return: (their table, least release after which contact is lost [rad], distance after which
+        it is [m]); nan where it never is.
+    """
+    distances = np.linspace(0.0, values.distance, STEPS)
+    released = push_from(location, values.support_spread, values.contact_friction,
+                         np.array(values.releases), distances)
+    table: Table = {'distance_m': distances}
+    for number, start in enumerate(values.releases):
+        table[f'rho_{start:g}_rad'] = released.rho[:, number]
+        table[f'slides_{start:g}'] = released.slides[:, number].astype(int)
+    # Of each release, the first sample at which the robot has passed the object, 0 for none.
+    passes = (released.rho >= PASSED).argmax(axis=0)
+    lost = np.flatnonzero(passes)
+    if not len(lost):
+        return table, math.nan, math.nan
+    return table, float(values.releases[lost[0]]), float(distances[passes[lost[0]]])
 
 
 def _border(location: PushingLocation, values: Values) -> float:

@@ -1,0 +1,167 @@
+"""
+What a search over pushes reads and writes: arrays and small values that compiled code takes.
+
+Functions take only those parts of the ``Problem`` that they read: the time to compile them grows
+with the number of arrays in their arguments.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from push_model.geometry import BoolArray, FloatArray, IntArray, Pose
+from push_planner.map_search.object_distance import DistanceGrid
+
+# Numbers of a node: pose of the object, cost [s], place of the robot, length of the last push.
+X, Y, THETA, COST, ROBOT_X, ROBOT_Y, LENGTH = range(7)
+NODE_SIZE = 7
+# Links of a node: face that was pushed last, node before, push in between, whether that ends at
+# the goal, and whether the node is done with.
+FACE, PARENT, PUSH, FINAL, CLOSED = range(5)
+LINK_SIZE = 5
+# Of a slot of the hash table: number of the lattice cell, or -1, and the node in it.
+CELL, CELL_NODE = range(2)
+SLOT_SIZE = 2
+# Counters of a search.
+NODES, QUEUED, EXPANDED, REACH_FILLED, NEAREST = range(5)
+COUNTER_SIZE = 5
+# Of a node: length of a push from it that ends at the goal [m], the miss of that over the
+# tolerances, and the clearance of the object [m].
+LENGTH_TO_GOAL, MISS, GAP = range(3)
+FINAL_SIZE = 3
+
+
+class Query(NamedTuple):
+    """
+    What is searched for, in the frame of the map.
+
+    :param start: ``Pose`` of the object.
+    :param robot: ``Pose`` of the robot.
+    :param goal: ``Pose`` of the object.
+    :param position_tolerance: distance from the goal at which a push ends there [m].
+    :param heading_tolerance: likewise [rad].
+    :param open_radius: clearance from which on the floor counts as open [m].
+    :param object_margin: clearance of the object [m], but at start and goal.
+    :param spread_factor: standard deviations of a vertex that are added to it.
+    :param goal_margin: clearance of the goal, to which a push may keep there [m].
+    :param contact_time: of a contact besides pushing and driving [s].
+    :param pushing_speed: [m/s].
+    :param robot_speed: [m/s].
+    :param closing_time: that the cost-to-go of open floor has in excess at ``CLOSE_DISTANCE`` [s].
+    :param weight: of the estimate, at least 1.
+    :param max_expansions: number of nodes that are expanded at most.
+    :param cell: side of the cells of the lattice, in which only the cheapest node is kept [m].
+    :param headings: of a turn that it distinguishes.
+    :param dense_range: distance of the object from its start, along either axis, within which it
+        is pushed at all places and with all tilts [m].
+    :param half: half the side of the window in which the robot comes from one contact to another.
+    :param first_half: likewise to the first contact.
+    """
+
+    start: Pose
+    robot: Pose
+    goal: Pose
+    position_tolerance: float
+    heading_tolerance: float
+    open_radius: float
+    object_margin: float
+    spread_factor: float
+    goal_margin: float
+    contact_time: float
+    pushing_speed: float
+    robot_speed: float
+    closing_time: float
+    weight: float
+    max_expansions: int
+    cell: float
+    headings: int
+    dense_range: float
+    half: int
+    first_half: int
+
+
+class OpenFloor(NamedTuple):
+    """Cost-to-go of open floor; fields as of ``CostToGo``."""
+
+    values: NDArray[np.float32]
+    distances: FloatArray
+    headings: FloatArray
+
+
+class Guide(NamedTuple):
+    """
+    What the estimate reads of map and object.
+
+    :param grid: ``DistanceGrid`` to the goal.
+    :param open_floor: ``OpenFloor``.
+    """
+
+    grid: DistanceGrid
+    open_floor: OpenFloor
+
+
+class Choices(NamedTuple):
+    """
+    Pushes to choose from; fields as of ``Pushes``.
+
+    The first axis of ``means``, ``spreads`` and ``last`` has first pushes, of a robot whose place
+    is as uncertain as it is now, and later ones, of a robot that is localized. In ``last`` 0 is
+    for pushes that are not allowed.
+    """
+
+    faces: IntArray
+    starts: FloatArray
+    lengths: FloatArray
+    means: FloatArray
+    spreads: FloatArray
+    last: IntArray
+    coarse: BoolArray
+    is_end: BoolArray
+    middles: FloatArray
+    normals: FloatArray
+
+
+class Problem(NamedTuple):
+    """
+    All that a search reads.
+
+    :param scene: ``Scene``.
+    :param choices: ``Choices``.
+    :param guide: ``Guide``.
+    :param margins: ``RobotMargins``.
+    :param first_margins: likewise on the way to the first push.
+    :param query: ``Query``.
+    """
+
+    scene: Any
+    choices: Choices
+    guide: Guide
+    margins: Any
+    first_margins: Any
+    query: Query
+
+
+class Memory(NamedTuple):
+    """
+    All that a search writes.
+
+    :param nodes: shape (n, ``NODE_SIZE``).
+    :param links: shape (n, ``LINK_SIZE``).
+    :param keys: of the queue, shape (2 n,).
+    :param items: of the queue, shape (2 n,).
+    :param slots: hash table of lattice cells, shape (k, ``SLOT_SIZE``), k a power of two.
+    :param reach: ``Reach``.
+    :param pose: of the object that is being looked at, shape (3,).
+    :param final: of the push that is, shape (``FINAL_SIZE``,).
+    :param counters: shape (``COUNTER_SIZE``,).
+    """
+
+    nodes: FloatArray
+    links: IntArray
+    keys: FloatArray
+    items: IntArray
+    slots: IntArray
+    reach: Any
+    pose: FloatArray
+    final: FloatArray
+    counters: IntArray
