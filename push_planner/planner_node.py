@@ -2,7 +2,8 @@
 
 import contextlib
 import sys
-from typing import Any, Callable, Mapping, Sequence
+import time
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from builtin_interfaces.msg import Time
 from push_model.files.flat_values import parameter_specs
@@ -42,8 +43,23 @@ SETTABLE = {spec.name: DYNAMIC for prefix, cls in SECTIONS if prefix in DYNAMIC_
             for spec in parameter_specs(cls, prefix)}
 # Period at which a request waits for measurements [s]; chosen: that of slow object poses.
 MEASUREMENT_WAIT = 0.05
+# Longest wait for measurements that are subscribed for one plan [s]; chosen: on a busy machine it
+# takes some tenths of a second until publishers have been met.
+DISCOVERY_WAIT = 1.0
 # Period at which a map is looked for that is being read [s]; chosen: short for who waits for it.
 MAP_PERIOD = 0.1
+
+
+class _MeasurementTopics(NamedTuple):
+    """Newest messages of the topics of measurements."""
+
+    odom: NewestMessage
+    object_pose: NewestMessage
+
+    @property
+    def missing(self) -> Sequence[str]:
+        """Topics on which nothing has come yet."""
+        return [topic for topic, newest in self._asdict().items() if newest.message is None]
 
 
 class PlannerNode(ManagedNode):
@@ -72,8 +88,9 @@ class PlannerNode(ManagedNode):
 
     Subscribers, while active
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
-        effort; ``map`` (OccupancyGrid, latched); ``push_request`` (JointTrajectory, latched);
-        ``/tf`` and ``/tf_static`` (TFMessage) as soon as one of these comes in another frame.
+        effort, with ``planner.site`` at ``sequence`` from ``planner/replan`` on; ``map``
+        (OccupancyGrid, latched); ``push_request`` (JointTrajectory, latched); ``/tf`` and
+        ``/tf_static`` (TFMessage) as soon as one of these comes in another frame.
 
     Services
         ``planner/replan`` (Trigger): plans again to the goal of the last request, from the newest
@@ -90,8 +107,7 @@ class PlannerNode(ManagedNode):
     """
 
     _sequences: SequenceRequestHandler
-    _odometry: NewestMessage
-    _object_pose: NewestMessage
+    _measured: _MeasurementTopics | None = None
 
     def __init__(self) -> None:
         super().__init__(PLANNER, SECTIONS, SETTABLE)
@@ -114,9 +130,8 @@ class PlannerNode(ManagedNode):
 
     def activate(self) -> None:
         """Subscribe, and wait for a request."""
-        self._odometry = self.subscribe_newest('odom')
-        self._object_pose = self.subscribe_newest(
-            'object_pose', with_covariance=self._options.object_pose_with_covariance)
+        if not self._plans_sequences:
+            self._listen()
         # The map first: a request that has come with it is planned with it.
         self.subscribe('map', self._world.receiver('map', Handlers(
             self._on_map, self._refuse_map, self._sequences.move_map, is_latched=True)),
@@ -136,6 +151,7 @@ class PlannerNode(ManagedNode):
         """Forget what was requested."""
         self.destroy_timer(self._timer)
         self.destroy_timer(self._map_timer)
+        self._measured = None
         self._forget()
 
     def clean_up(self) -> None:
@@ -156,11 +172,21 @@ class PlannerNode(ManagedNode):
     def _plans_sequences(self) -> bool:
         return self._present_parameters.planner.site == 'sequence'
 
-    @property
-    def _missing(self) -> Sequence[str]:
-        """Topics on which nothing has come yet."""
-        received = {'odom': self._odometry, 'object_pose': self._object_pose}
-        return [topic for topic, newest in received.items() if newest.message is None]
+    def _listen(self) -> _MeasurementTopics:
+        """Subscribe to measurements, where that is not done; each wakes up a thread."""
+        if self._measured is None:
+            self._measured = _MeasurementTopics(
+                self.subscribe_newest('odom'), self.subscribe_newest(
+                    'object_pose', with_covariance=self._options.object_pose_with_covariance))
+        return self._measured
+
+    def _wait_for_measurements(self) -> Sequence[str]:
+        """Wait until measurements have come that are subscribed now; return what is missing."""
+        is_new = self._measured is None
+        topics, end = self._listen(), time.monotonic() + DISCOVERY_WAIT
+        while is_new and topics.missing and time.monotonic() < end:
+            time.sleep(MEASUREMENT_WAIT)
+        return topics.missing
 
     def _forget(self) -> None:
         # A request of one push that waits for measurements, and its stamp.
@@ -247,8 +273,8 @@ class PlannerNode(ManagedNode):
         """Plan what was requested, or look again a little later."""
         if self._pending is None:
             self._timer.cancel()
-        elif self._missing:
-            self._report(WARN, f'has a goal and waits for {" and ".join(self._missing)}')
+        elif missing := self._listen().missing:
+            self._report(WARN, f'has a goal and waits for {" and ".join(missing)}')
             self._timer.reset()
         else:
             (request, stamp), self._pending = self._pending, None
@@ -257,10 +283,11 @@ class PlannerNode(ManagedNode):
     def _replan(self) -> ServiceAnswer:
         if self._last_request is None:
             return ServiceAnswer(False, 'has received no request yet')
-        if self._missing:
-            return ServiceAnswer(False, f'has received no {" and no ".join(self._missing)} yet')
+        missing = self._wait_for_measurements()
+        if missing:
+            return ServiceAnswer(False, f'has received no {" and no ".join(missing)} yet')
         request, self._pending = self._last_request, None
-        stamps = [newest.message.header.stamp for newest in (self._odometry, self._object_pose)]
+        stamps = [newest.message.header.stamp for newest in self._listen()]
         stamp = max(stamps, key=nanoseconds)
         return self._answer(stamp, lambda: self._plan_from_measurements(request, stamp),
                             publishes_failure=False)
@@ -290,8 +317,9 @@ class PlannerNode(ManagedNode):
                                                request.obj), stamp)
 
     def _measurements(self) -> tuple[ObjectPose, Odometry]:
-        odometry = from_odometry_message(self._odometry.message, self._world_frame)
-        message = self._world.in_world('object_pose', self._object_pose.message)
+        topics = self._listen()
+        odometry = from_odometry_message(topics.odom.message, self._world_frame)
+        message = self._world.in_world('object_pose', topics.object_pose.message)
         return from_object_pose_message(message, self._world_frame), odometry
 
     def _plan_push(self, request: PlanRequest, stamp: Time) -> str:

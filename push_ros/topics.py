@@ -69,6 +69,16 @@ class Service(NamedTuple):
     description: str
 
 
+def interface_name(kind: type) -> str:
+    """
+    Name a message or service type as ``ros2 interface`` does.
+
+    :param kind: the class.
+    """
+    package, folder = kind.__module__.split('.')[:2]
+    return f'{package}/{folder}/{kind.__name__}'
+
+
 TOPICS = {
     'odom': Topic(Odometry, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
                   'robot pose in the world frame with its covariance where that is stated, '

@@ -15,7 +15,9 @@ from typing import Any
 from push_control import controller_node
 from push_model.files.flat_values import parameter_specs, ParameterSpec
 from push_planner import planner_node
-from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, Topic, TOPICS, TRACKER
+from push_ros.topics import (
+    CONTROLLER, interface_name, PLANNER, SERVICES, SIM, Topic, TOPICS, TRACKER,
+)
 from push_sim_node import sim_node
 from push_tracker import tracker_node
 from push_view import view_node
@@ -88,16 +90,6 @@ def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [header, ['---'] * len(header), *rows]
     return '\n'.join('| ' + ' | '.join(cell.replace('|', '\\|') for cell in line) + ' |'
                      for line in lines)
-
-
-def interface_name(kind: type) -> str:
-    """
-    Name a message or service type as ``ros2 interface`` does.
-
-    :param kind: the class.
-    """
-    package, folder = kind.__module__.split('.')[:2]
-    return f'{package}/{folder}/{kind.__name__}'
 
 
 def kind_name(kind: Any) -> str:

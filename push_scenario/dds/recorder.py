@@ -8,7 +8,7 @@ from typing import Any
 
 from push_ros.conversions.primitives import NANOSECONDS
 from push_ros.executor import take_message
-from push_ros.topics import Topic, TOPICS
+from push_ros.topics import interface_name, Topic, TOPICS
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -88,8 +88,9 @@ class BagWriter:
         self._writer.open()
         store = get_typestore(Stores.ROS2_JAZZY)
         self._connections = {
-            topic: self._writer.add_connection(f'/{topic}', _type_name(kind), typestore=store,
-                                               offered_qos_profiles=_offered_qos(TOPICS[topic]))
+            topic: self._writer.add_connection(
+                f'/{topic}', interface_name(kind), typestore=store,
+                offered_qos_profiles=_offered_qos(TOPICS[topic]))
             for topic, kind in types.items()}
         self._types = types
         self._path = path
@@ -177,11 +178,6 @@ def _offered_qos(entry: Topic) -> list[Any]:
                 QosReliability.RELIABLE if reliable else QosReliability.BEST_EFFORT,
                 QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
                 unlimited, unlimited, QosLiveliness.AUTOMATIC, unlimited, False)]
-
-
-def _type_name(kind: type) -> str:
-    package, folder = kind.__module__.split('.')[:2]
-    return f'{package}/{folder}/{kind.__name__}'
 
 
 def _ignore(_: object) -> None:

@@ -13,7 +13,7 @@ from push_scenario.dds.processes import NodeProcesses, private_domain
 from push_scenario.dds.recorder import BagWriter
 from push_scenario.dds.replay_client import ReplayClient, ReplayFailed
 from push_scenario.dds.result import collect_result
-from push_scenario.dds.run_monitor import READ_TOPICS, RunMonitor
+from push_scenario.dds.run_monitor import PROGRESS_TOPIC, READ_TOPICS, RunMonitor
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import LaterGoal, Task
 from push_scenario.simulation.loop import control_settings, ProgressCallback, SETTLE_TIME
@@ -52,24 +52,19 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     settings = control_settings(scenario, control_law)
     law = settings.control_law
     folder = Path(out_dir) / f'{scenario.name}_{law}_nodes'
-    folder.mkdir(parents=True, exist_ok=True)
-    tape_path = folder / 'tape.csv'
-    for stale in (tape_path, tape_path.with_suffix('.json')):
-        stale.unlink(missing_ok=True)
+    tape_path = _new_tape(folder)
     bag = Path(out_dir) / f'{scenario.name}_{law}_bag' if record else None
     files = write_parameter_files(folder, scenario, settings, tape_path, real_time=real_time,
                                   stamped=stamped)
     monitor = RunMonitor(scenario, progress)
+    topics = READ_TOPICS if progress is None else (*READ_TOPICS, PROGRESS_TOPIC)
     with contextlib.ExitStack() as stack:
         nodes = stack.enter_context(NodeProcesses(stack.enter_context(private_domain()), folder))
         client = ReplayClient(nodes.domain, stamped, monitor.on_message, nodes.check,
-                              topics=None if record else READ_TOPICS)
+                              topics=None if record else topics)
         stack.callback(client.close)
         if bag is not None:
-            _clear(bag)
-            writer = BagWriter(bag, client.types)
-            stack.callback(writer.close)
-            monitor.write = writer.write
+            stack.callback(_record(bag, client, monitor).close)
         for node, path in files.items():
             nodes.start(node, MODULES[node], path)
         refusal = _set_goal(scenario, client, monitor, is_lockstep=not real_time)
@@ -83,6 +78,23 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     if refusal:
         return RunResult(scenario, law, Outcome.REFUSED, refusal, bag=bag)
     return collect_result(scenario, law, monitor, tape_path, bag)
+
+
+def _new_tape(folder: Path) -> Path:
+    """Make the folder of the nodes, without what a former run has left; return where to write."""
+    folder.mkdir(parents=True, exist_ok=True)
+    tape_path = folder / 'tape.csv'
+    for stale in (tape_path, tape_path.with_suffix('.json')):
+        stale.unlink(missing_ok=True)
+    return tape_path
+
+
+def _record(bag: Path, client: ReplayClient, monitor: RunMonitor) -> BagWriter:
+    """Let the monitor write what it gets into a new recording."""
+    _clear(bag)
+    writer = BagWriter(bag, client.types)
+    monitor.write = writer.write
+    return writer
 
 
 def _later_goals(scenario: Scenario) -> list[LaterGoal]:

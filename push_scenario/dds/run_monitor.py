@@ -23,8 +23,10 @@ from push_scenario.simulation.result import Outcome
 from rclpy.serialization import deserialize_message
 
 
-# Topics of which a ``RunMonitor`` reads the messages; it needs no others.
-READ_TOPICS = ('clock', 'diagnostics', 'object_pose', 'push_plan')
+# Topics of which a ``RunMonitor`` reads the messages, and the one more by which it sees progress;
+# it needs no others.
+READ_TOPICS = ('clock', 'diagnostics', 'push_plan')
+PROGRESS_TOPIC = 'object_pose'
 
 
 class RunEnd(NamedTuple):

@@ -449,11 +449,23 @@ def test_a_request_without_a_plan_is_answered_all_the_same(planner, spoil, text)
 
 
 def test_another_plan_needs_measurements(planner):
-    """To the goal of the last request, from where object and robot are by now."""
+    """To the goal of the last request, from where object and robot are by now: it listens then."""
+    answered(planner, request(2.5))
     planner.received['push_plan'].clear()
     refused = planner.call('planner/replan')
     assert not refused.success and 'odom and no object_pose' in refused.message
     assert planner.received['push_plan'] == []
+    shift = Pose(0.1, 0.2, 0.0)
+
+    def measure():
+        planner.publish('object_pose', to_object_pose_message(
+            ObjectPose(2.6, shift @ OBJECT), 'odom'))
+        planner.publish('odom', to_odometry_message(Odometry(2.6, shift @ ROBOT, STOP), 'odom',
+                                                    'base_link'))
+    planner.repeat_until(measure, lambda: planner.call('planner/replan').success)
+    planner.wait_until(lambda: planner.received['push_plan'])
+    plan = from_plan_message(planner.received['push_plan'][-1], 'odom')
+    assert distance(plan.object_poses[0], shift @ OBJECT) < 1e-6
 
 
 def test_a_map_is_kept_to(planner):
