@@ -15,8 +15,6 @@ from push_control.ros.objects.catalogue import ObjectCatalogue
 from push_control.ros.other_commanders import OtherCommanders
 from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
 from push_control.ros.scene import ScenePublisher
-from push_control.ros.single_push import SinglePushMode
-from push_control.ros.task import TaskMode
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
 from push_model.files.flat_values import parameter_specs
@@ -251,9 +249,12 @@ class ControllerNode(ManagedNode):
             self._turn_to_object()
 
     def _make_mode(self, parameters: ControllerParameters) -> Mode:
+        # Imported here: either takes a while, and one is enough.
         given = self, parameters, self._frames.world_frame, self._options, self._scene
         if self._options.task:
+            from push_control.ros.task import TaskMode
             return TaskMode(*given, map_settings=self._map_settings)
+        from push_control.ros.single_push import SinglePushMode
         return SinglePushMode(*given)
 
     def _make_action(self) -> PushActionServer | None:

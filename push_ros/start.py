@@ -5,11 +5,12 @@ Until a node is made, or the main function of a tool has begun, there is nothing
 so that Ctrl-C ends the process at once, and quietly.
 """
 
+import gc
 import importlib
 import os
 import signal
 import sys
-from types import FrameType
+from types import FrameType, ModuleType
 
 # Module and class of each node, and module of each other command, which has a function main.
 NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
@@ -48,7 +49,7 @@ def tf_tracker() -> int:
 def view() -> int:
     """Run the page; return its exit status."""
     _leave_on_signals()
-    return importlib.import_module(VIEW).main()
+    return import_node_module(VIEW).main()
 
 
 def identify() -> int:
@@ -81,8 +82,25 @@ def start(name: str, arguments: list[str] | None = None) -> int:
     """
     _leave_on_signals()
     module, node = NODES[name]
-    make_node = getattr(importlib.import_module(module), node)
+    make_node = getattr(import_node_module(module), node)
     return importlib.import_module('push_ros.executor').run(make_node, arguments)
+
+
+def import_node_module(name: str) -> ModuleType:
+    """
+    Import the module of a node.
+
+    :param name: of the module.
+    """
+    # Read when numpy is imported. The matrices are small: threads of the linear algebra would only
+    # wait for each other, busily.
+    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    # Nothing of what imports make is garbage: looking for it takes a tenth of their time.
+    gc.disable()
+    try:
+        return importlib.import_module(name)
+    finally:
+        gc.enable()
 
 
 def start_tool(name: str) -> int:

@@ -1,10 +1,12 @@
-"""Commands of the package: Ctrl-C while they import, and output that nobody reads."""
+"""Commands of the package: what they import, Ctrl-C meanwhile, and output that nobody reads."""
 
+import gc
+import os
 import signal
 import subprocess
 import sys
 
-from push_ros.start import BROKEN_PIPE, INTERRUPTED, NODES, TOOLS
+from push_ros.start import BROKEN_PIPE, import_node_module, INTERRUPTED, NODES, TOOLS
 import pytest
 
 # Sends a signal to itself as soon as the module of a command is imported.
@@ -40,3 +42,26 @@ def test_output_that_nobody_reads_ends_a_tool_quietly():
         process.stdout.close()
         errors = process.stderr.read()
     assert (process.returncode, errors) == (BROKEN_PIPE, '')
+
+
+@pytest.mark.parametrize('given, expected', [(None, '1'), ('3', '3')])
+def test_a_node_is_imported_with_one_thread_and_without_collections(
+        given, expected, tmp_path, monkeypatch):
+    """Whoever sets the number of threads keeps it; garbage is collected again afterwards."""
+    (tmp_path / f'some_node_{expected}.py').write_text(
+        'import gc, os\nfound = gc.isenabled(), os.environ["OPENBLAS_NUM_THREADS"]\n')
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setenv('OPENBLAS_NUM_THREADS', given or '')
+    if given is None:
+        del os.environ['OPENBLAS_NUM_THREADS']
+    assert import_node_module(f'some_node_{expected}').found == (False, expected)
+    assert gc.isenabled()
+
+
+def test_the_controller_does_not_import_what_only_some_modes_need():
+    """Either mode takes as long as all the rest."""
+    code = ('import sys, push_control.controller_node; '
+            'print([name for name in sys.modules if name in ("casadi", "numba", "scipy") '
+            'or name.startswith(("push_control.task.supervisor", "push_planner"))])')
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
+    assert done.stdout == '[]\n'
