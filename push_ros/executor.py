@@ -36,7 +36,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
-from rclpy.utilities import timeout_sec_to_nsec, try_shutdown
+from rclpy.utilities import remove_ros_args, timeout_sec_to_nsec, try_shutdown
 
 # Longest wait of background callbacks [s]; chosen: nobody notices it in a service or a plan.
 BACKGROUND_PERIOD = 0.05
@@ -53,8 +53,14 @@ REPEAT_TIME = 0.01
 BAD_PARAMETER = 2
 # Exit status where a node cannot write at its end what it was to leave.
 UNWRITTEN = 1
+# What rclpy raises where rcl cannot do something, as types of a topic that do not fit.
+RCLError: type[Exception] = rclpy_implementation.RCLError
 # What rcl adds to its errors, which helps nobody who uses it.
 PLACE_IN_SOURCE = re.compile(r', at [^,\s]+:\d+')
+
+
+class StartRefused(ValueError):
+    """A node that cannot start, and has logged why."""
 
 
 class BackgroundGroup(MutuallyExclusiveCallbackGroup):
@@ -171,20 +177,25 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
     Make a node, run it until SIGINT or SIGTERM, close it.
 
     :param make_node: takes nothing, returns a ``push_ros.node.PushNode``.
-    :param arguments: command line; None for that of the process.
+    :param arguments: command line behind the name of the program; None for that of the process.
     :return: exit status: 0 after a signal, 1 where a file could not be written at the end, 2 where
-        the node refuses a parameter, or a parameter file or the command line cannot be read.
+        the node refuses to start, as for a parameter, or a parameter file or the command line
+        cannot be read.
     """
+    given = sys.argv[1:] if arguments is None else list(arguments)
     stop = _StopSignal()
     try:
         try:
-            rclpy.init(args=None if arguments is None else list(arguments),
-                       signal_handler_options=SignalHandlerOptions.NO)
+            rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+            foreign = remove_ros_args(given)
+        except rclpy_implementation.UnknownROSArgsError as error:
+            return _refuse(f'got the unknown ROS arguments {error}')
         except RuntimeError as error:
-            # There is no node yet that could log it: a command line or a parameter file that
-            # cannot be read.
-            print(f'refused to start: {PLACE_IN_SOURCE.sub("", str(error))}', file=sys.stderr)
-            return BAD_PARAMETER
+            # A command line or a parameter file that cannot be read.
+            return _refuse(without_place(error))
+        if foreign:
+            return _refuse(f'got the arguments {" ".join(foreign)}, expected none but those of '
+                           'ROS, as --ros-args --params-file FILE')
         return _run(make_node, stop)
     except KeyboardInterrupt:
         return 0
@@ -199,9 +210,11 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
     try:
         node = make_node()
         node.start()
-    except ValueError:
-        # The node has logged why.
+    except StartRefused:
         return BAD_PARAMETER
+    except (ValueError, RCLError) as error:
+        # Of rclpy, as it makes the node: a domain that is none, a parameter without a type.
+        return _refuse(without_place(error))
     # Nothing of what exists now will be collected: a full collection takes 50 ms.
     gc.collect()
     gc.freeze()
@@ -230,6 +243,21 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
         executor.shutdown()
         node.destroy_node()
     return status
+
+
+def _refuse(reason: str) -> int:
+    """Say why there is no node, which could log it; return the exit status."""
+    print(f'refused to start: {reason}', file=sys.stderr)
+    return BAD_PARAMETER
+
+
+def without_place(error: Exception) -> str:
+    """
+    Write an error without the place in the source of rcl.
+
+    :param error: of rclpy, or any other.
+    """
+    return PLACE_IN_SOURCE.sub('', str(error))
 
 
 def spin(node: PolledNode, executor: SingleThreadedExecutor,

@@ -9,6 +9,7 @@ from typing import Any
 from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import ChangeState
 from push_ros.diagnostics import ERROR, OK
+from push_ros.executor import RCLError, without_place
 from push_ros.node import PushNode, ServiceAnswer
 from push_ros.parameters import Section
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
@@ -80,10 +81,10 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
         configured = self.trigger_configure()
         if self._fault is not None:
             self.refuse_to_start(str(self._fault))
-            raise self._fault
         success = TransitionCallbackReturn.SUCCESS
         if configured is not success or self.trigger_activate() is not success:
-            raise RuntimeError('the node could not be configured and activated: see its log')
+            self.refuse_to_start('the node could not be configured and activated: see the error '
+                                 'before')
 
     def close(self) -> None:
         """End what is under way: called once, while publishers are still valid."""
@@ -101,13 +102,13 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
         # Said before, as nothing is answered meanwhile.
         self.reporter.report(OK, 'is being configured; the first time with an object this takes a '
                              'minute or two')
-        try:
-            with self._logged_errors():
+        with self._logged_errors():
+            try:
                 self.configure()
-        except ValueError as error:
-            self._fault = error
-            self.reporter.report(ERROR, f'cannot be configured: {error}')
-            return TransitionCallbackReturn.FAILURE
+            except ValueError as error:
+                self._fault = error
+                self.reporter.report(ERROR, f'cannot be configured: {error}')
+                return TransitionCallbackReturn.FAILURE
         self.reporter.report(OK, 'is configured, and inactive')
         return TransitionCallbackReturn.SUCCESS
 
@@ -170,14 +171,19 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
 
     @contextlib.contextmanager
     def _logged_errors(self) -> Generator[None, None, None]:
-        """Log what goes wrong in a transition, as rclpy drops every error there."""
+        """
+        Log what goes wrong in a transition, as rclpy drops every error there.
+
+        Of what the system or rcl refuses, the text says all that a user can use.
+        """
         is_logged = True
         try:
             yield
             is_logged = False
-        except (ValueError, KeyboardInterrupt):
-            # The caller says which parameter is wrong; and a signal is no error.
+        except (OSError, RCLError, KeyboardInterrupt) as error:
             is_logged = False
+            if not isinstance(error, KeyboardInterrupt):
+                self.get_logger().error(without_place(error))
             raise
         finally:
             if is_logged:

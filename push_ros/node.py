@@ -3,13 +3,15 @@
 import time
 import traceback
 from types import TracebackType
-from typing import Any, Callable, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, NoReturn, Sequence
 
 from builtin_interfaces.msg import Time
 from push_ros import qos
 from push_ros.conversions.serialized import message_reader
-from push_ros.diagnostics import Reporter
-from push_ros.executor import BackgroundGroup, PolledNode, take_message
+from push_ros.diagnostics import ERROR, Reporter
+from push_ros.executor import (
+    BackgroundGroup, PolledNode, StartRefused, take_message, without_place,
+)
 from push_ros.parameters import ParameterHooks, ParameterSet, Section
 from push_ros.topics import SERVICES, TOPICS
 from rcl_interfaces.msg import Log
@@ -18,8 +20,10 @@ from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 from rclpy.service import Service
 from rclpy.subscription import Subscription
+from std_msgs.msg import Header
 
 # Longest waits until somebody reads the log of a node that ends at once, and until all of it has
 # got there [s]; chosen: discovery takes some tenths of a second, more on a busy machine.
@@ -115,7 +119,6 @@ class PushNode(PolledNode):
         except ValueError as error:
             self.refuse_to_start(f'{error} (give parameters with --params-file; config/push.yaml '
                                  'is an example)')
-            raise
         self.reporter = Reporter(self, self.publisher('diagnostics'), self.now)
 
     @property
@@ -148,11 +151,12 @@ class PushNode(PolledNode):
     def on_settings_changed(self) -> None:
         """Use ``settings``, of which some have other values."""
 
-    def refuse_to_start(self, reason: str) -> None:
+    def refuse_to_start(self, reason: str) -> NoReturn:
         """
         Log why the node cannot start, and wait a moment for those who listen to rosout.
 
         :param reason: one sentence.
+        :raises StartRefused: always, with the reason.
         """
         self.get_logger().fatal(f'refused to start: {reason}')
         # The publisher of the log itself is not accessible. One that is made after it meets
@@ -164,6 +168,7 @@ class PushNode(PolledNode):
         publisher.publish(Log(stamp=self.get_clock().now().to_msg(), level=Log.DEBUG,
                               name=self.get_name(), msg='ends'))
         publisher.wait_for_all_acked(Duration(seconds=ROSOUT_DELIVERY))
+        raise StartRefused(reason)
 
     @property
     def default_callback_group(self) -> BackgroundGroup:
@@ -201,9 +206,13 @@ class PushNode(PolledNode):
         """
         entry = TOPICS[topic]
         kind = entry.message_type(stamped, with_covariance=with_covariance)
-        read = message_reader(kind, frame) if real_time else None
+        read: Callable[[bytes], Any] | None = None
+        if entry.largest_size is not None:
+            read = self._limited_reader(topic, kind, entry.largest_size)
+        elif real_time:
+            read = message_reader(kind, frame)
         if read is not None:
-            callback = _reading(callback, read)
+            callback = self._reading(topic, callback, read)
         callback = self.guarded(callback)
         group = self.real_time if real_time else self.background
         is_best_effort = entry.subscribe_qos.reliability is ReliabilityPolicy.BEST_EFFORT
@@ -214,6 +223,31 @@ class PushNode(PolledNode):
         if real_time:
             self.real_time_subscriptions.append(subscription)
         return subscription
+
+    def _limited_reader(self, topic: str, kind: type[Any],
+                        largest_size: int) -> Callable[[bytes], Any]:
+        """Make a function that reads no more than the header of a message that is too large."""
+        def read(data: bytes) -> Any:
+            if len(data) <= largest_size:
+                return deserialize_message(data, kind)
+            self.reporter.report(ERROR, f'{topic}: got a message of {len(data)} bytes, expected '
+                                        f'at most {largest_size}')
+            # Every one of these messages begins with its header.
+            return kind(header=deserialize_message(data, Header))
+        return read
+
+    def _reading(self, topic: str, callback: Callable[[Any], None],
+                 read: Callable[[bytes], Any]) -> Callable[[bytes], None]:
+        """Make the callback of a raw subscription of one that takes messages."""
+        def receive(data: bytes) -> None:
+            try:
+                message = read(data)
+            except RuntimeError as error:
+                self.reporter.report(ERROR, f'{topic}: got a message that cannot be read: '
+                                            + without_place(error))
+                return
+            callback(message)
+        return receive
 
     def subscribe_newest(self, topic: str, *, with_covariance: bool = False) -> NewestMessage:
         """
@@ -312,14 +346,6 @@ class RateLimiter:
             return False
         self._next = time + self._period
         return True
-
-
-def _reading(callback: Callable[[Any], None],
-             read: Callable[[bytes], Any]) -> Callable[[bytes], None]:
-    """Make the callback of a raw subscription of one that takes messages."""
-    def receive(data: bytes) -> None:
-        callback(read(data))
-    return receive
 
 
 def _ignore(_: Any) -> None:

@@ -96,9 +96,10 @@ class ParameterSet:
         if refused:
             raise ValueError(f'{", ".join(refused)}: got a parameter that {self._node.get_name()} '
                              'does not have, expected one of its own (see docs/reference)')
+        if unknown:
+            self._node.get_logger().warning(f'{", ".join(unknown)}: got parameters that this node '
+                                            'does not have; ignored')
         for name in unknown:
-            self._node.get_logger().warning(f'{name}: got a parameter that this node does not '
-                                            'have; ignored')
             self._node.undeclare_parameter(name)
         return {name: value for name, value in given.items() if name in self._specs}
 

@@ -77,7 +77,7 @@ def start(name: str, arguments: list[str] | None = None) -> int:
     Run a node.
 
     :param name: of ``NODES``.
-    :param arguments: command line; None for that of the process.
+    :param arguments: command line behind the name of the program; None for that of the process.
     :return: exit status.
     """
     _leave_on_signals()
@@ -137,4 +137,4 @@ def _leave_tool(number: int, frame: FrameType | None) -> None:
 
 
 if __name__ == '__main__':
-    sys.exit(start(sys.argv[1], sys.argv[1:]))
+    sys.exit(start(sys.argv[1], sys.argv[2:]))

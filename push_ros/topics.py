@@ -20,6 +20,11 @@ SIM = 'push_sim'
 TRACKER = 'push_tracker'
 
 
+# Longest message whose parts are read one by one [bytes]; chosen: a plan of 40 m with the default
+# spacing of samples, which is read in 0.3 s.
+LARGEST_LIST = 1_000_000
+
+
 class Topic(NamedTuple):
     """
     A topic.
@@ -31,6 +36,8 @@ class Topic(NamedTuple):
     :param subscribe_qos: quality of service that is asked for.
     :param description: what it carries.
     :param is_global: whether all robots share it, whatever the namespace of the node.
+    :param largest_size: length of a message [bytes] above which nodes read no more than its
+        header; None where all are read, as they are read quickly.
     """
 
     type: type[Any]
@@ -40,6 +47,7 @@ class Topic(NamedTuple):
     subscribe_qos: QoSProfile
     description: str
     is_global: bool = False
+    largest_size: int | None = None
 
     def message_type(self, stamped: bool = True, *, with_covariance: bool = False) -> 'type[Any]':
         """
@@ -102,13 +110,14 @@ TOPICS = {
         '(cone_fraction), the tolerances of the goal (position_tolerance, heading_tolerance), and '
         "standard deviations of what is known: robot_deviation of the robot's place, "
         'center_deviation of the centre of friction, contact_friction_deviation, and '
-        'odometry_slope and odometry_drift, by which the first grows per distance; latched'),
+        'odometry_slope and odometry_drift, by which the first grows per distance; latched',
+        largest_size=LARGEST_LIST),
     'push_plan': Topic(
         MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
         'plan: joints object, contact and robot over time; the second is called free_contact '
         'where the push is not steered, so that the contact may roll and slide; the answer to a '
         'request has its stamp; where there is no plan it has no points, and the code of the '
-        'reason for its only joint name; latched'),
+        'reason for its only joint name; at most 1 MB; latched', largest_size=LARGEST_LIST),
     'planned_path': Topic(Path, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
                           'path of the object in the plan, through all pushes of a sequence, '
                           'for viewers; latched'),

@@ -128,7 +128,6 @@ class ViewNode(PushNode):
                 token=secrets.token_urlsafe() if host else None)
         except (ModuleNotFoundError, OSError) as error:
             self.refuse_to_start(f'{error}, expected aiohttp (python3-aiohttp) and a free port')
-            raise ValueError(str(error)) from error
         self.reporter.report(OK, f'the page is at {url}')
 
     def close(self) -> None:
@@ -191,7 +190,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :param arguments: command line; None for that of the process.
     :return: exit status.
     """
-    program, *words = sys.argv if arguments is None else arguments
+    _, *words = sys.argv if arguments is None else arguments
     end = words.index(ROS_ARGUMENTS) if ROS_ARGUMENTS in words else len(words)
     try:
         options = _parser().parse_args(words[:end])
@@ -199,7 +198,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_PARAMETER if finished.code else 0
     given = [f'{name}:={value}' for name, value in vars(options).items() if value is not None]
     flags = [word for pair in given for word in ('-p', pair)]
-    return run(ViewNode, [program, *(words[end:] or [ROS_ARGUMENTS]), *flags])
+    return run(ViewNode, [*(words[end:] or [ROS_ARGUMENTS]), *flags])
 
 
 def _parser() -> argparse.ArgumentParser:

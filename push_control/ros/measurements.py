@@ -4,6 +4,7 @@ import enum
 from typing import NamedTuple
 
 from push_control.observation import Observation
+from push_control.safety.stamp_check import MAX_DIFFERENCE
 from push_control.task.settings import SupervisionSettings
 from push_model.signals import ObjectPose, Odometry
 
@@ -39,12 +40,20 @@ class LatestMeasurements:
         :return: time since the newest measurement before [s], at least 0.
         """
         if isinstance(measured, Odometry):
+            if self.odometry is None:
+                self._forget_later_pose(measured.time)
             if self.odometry is None or measured.time >= self.odometry.time:
                 self.odometry = measured
         elif self.object_pose is None or measured.time >= self.object_pose.time:
             self.object_pose = measured
         before, self.time = self.time, max(self.time, measured.time)
         return self.time - before
+
+    def _forget_later_pose(self, time: float) -> None:
+        """Forget an object pose of another clock, to which nothing could be compared before."""
+        if self.object_pose is not None and self.object_pose.time > time + MAX_DIFFERENCE:
+            self.object_pose = None
+            self.time = time
 
     @property
     def observation(self) -> Observation | None:

@@ -81,6 +81,10 @@ class Bench:
             self.wait_until(lambda: self._publishers[topic].get_subscription_count())
         self._publishers[topic].publish(message)
 
+    def publish_bytes(self, topic, data):
+        """Publish bytes in place of a message, on a topic that was published to before."""
+        self._publishers[topic].publish(data)
+
     def wait_until(self, condition):
         """Spin until a condition holds; fail where a node dies."""
         end = time.monotonic() + TIMEOUT

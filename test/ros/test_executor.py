@@ -12,6 +12,7 @@ from push_scenario.dds.replay_client import local_discovery
 import pytest
 import rclpy
 from rclpy.context import Context
+from rclpy.node import Node
 from std_msgs.msg import Float64
 
 pytestmark = pytest.mark.dds
@@ -76,6 +77,21 @@ def test_a_parameter_file_that_cannot_be_read_is_refused_in_a_line(tmp_path, cap
     printed = capsys.readouterr().err
     assert printed.startswith('refused to start: ') and str(path) in printed
     assert printed.count('\n') == 1 and '.c:' not in printed
+
+
+@pytest.mark.parametrize('arguments, text', [
+    (['--params-file', 'my.yaml'], 'got the arguments --params-file my.yaml, expected none but'),
+    (['--ros-args', '--parameters'], "got the unknown ROS arguments ['--parameters']"),
+    (['--ros-args', '-p', 'a:=[]'], 'parameter')], ids=['no ros', 'unknown', 'no type'])
+def test_what_is_no_argument_is_refused_in_a_line(capsys, arguments, text):
+    """One without ``--ros-args`` would be overlooked; a list without numbers has no type."""
+    def make_node():
+        return Node('refused', automatically_declare_parameters_from_overrides=True)
+
+    assert run(make_node, arguments) == BAD_PARAMETER
+    printed = capsys.readouterr().err
+    assert printed.startswith('refused to start: ') and text in printed
+    assert printed.count('\n') == 1
 
 
 # A node that gets a signal while a C library calls back into Python, as a compiler does.

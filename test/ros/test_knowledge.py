@@ -1,11 +1,14 @@
 """What was learned of objects is kept in a file, and between tasks without one."""
 
+import os
+
 from helpers.disk import full_disk
 from helpers.objects import bin_, box
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
+from push_model.files.whole_file import write_whole
 import pytest
 
 KNOWN = ObjectKnowledge((0.01, -0.02), 0.003, 0.35, 0.04)
@@ -137,3 +140,13 @@ def test_a_full_disk_leaves_the_file_as_it_was(tmp_path):
         text = memory.keep(KNOWN)
     assert text.startswith('knowledge_file: ') and str(path) in text
     assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
+def test_what_is_no_file_is_written_to_and_not_replaced(tmp_path):
+    """As ``/dev/null`` is, by which somebody throws a file away."""
+    path = tmp_path / 'pipe'
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(path, b'text')
+    assert os.read(reader, 10) == b'text' and path.is_fifo()
+    os.close(reader)

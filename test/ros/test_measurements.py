@@ -1,9 +1,11 @@
 """What the controller's node keeps of its measurements, and what it says of them."""
 
-from push_control.ros.measurements import CovarianceCheck, OdometryState, OdometryWatchdog
+from push_control.ros.measurements import (
+    CovarianceCheck, LatestMeasurements, OdometryState, OdometryWatchdog,
+)
 from push_control.task.settings import SupervisionSettings
 from push_model.geometry import Pose
-from push_model.signals import Odometry, PoseCovariance, STOP
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
 
 SILENT = Odometry(0.0, Pose(0.0, 0.0, 0.0), STOP)
 STATED = SILENT._replace(covariance=PoseCovariance.from_deviations(1e-3, 2e-3))
@@ -20,6 +22,16 @@ def test_absolute_odometry_without_a_covariance_is_reported_once():
 def test_drifting_odometry_needs_no_covariance():
     check = CovarianceCheck(SupervisionSettings())
     assert not check.update(SILENT) and not check.update(STATED)
+
+
+def test_an_object_pose_of_another_clock_before_the_first_odometry_is_forgotten():
+    """Odometry sets the time; a pose that has come a moment before it is kept."""
+    for time, is_kept in ((1e5, False), (10.2, True), (0.0, True)):
+        latest = LatestMeasurements()
+        latest.add(ObjectPose(time, Pose(1.0, 0.0, 0.0)))
+        latest.add(SILENT._replace(time=10.0))
+        assert (latest.object_pose is not None) == is_kept
+        assert latest.time == (max(10.0, time) if is_kept else 10.0)
 
 
 def reports(arrivals, end):

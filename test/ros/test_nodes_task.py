@@ -226,6 +226,15 @@ def test_a_bad_goal_or_map_is_told_and_changes_nothing(stand, topic, message, te
     assert len(stand.requests) == 1
 
 
+def test_bytes_that_are_no_message_are_refused(stand):
+    """The task goes on: nothing is forgotten."""
+    stand.b.publish_bytes('odom', b'\0\1\0\0' + 40 * b'\xff')
+    stand.b.wait_until(lambda: any('odom: got a message that cannot be read' in error
+                                   for error in errors(stand.b, CONTROLLER)))
+    stand.measure(0.2)
+    assert not any('internal error' in error for error in errors(stand.b, CONTROLLER))
+
+
 def test_a_map_is_taken(stand):
     """The node says so; until then the one that was refused has held the robot."""
     stand.says("task: plan, map: got frame 'world'")
@@ -239,19 +248,25 @@ def test_a_map_is_taken(stand):
 
 def test_only_the_answer_to_the_request_counts(stand, planned):
     """An earlier plan is overlooked; no plan, or one that is refused, is asked for again."""
-    first = stand.requests[0]
-    chain = planned(first)
-    older = to_stamp(1e-3)
-    stand.b.publish('push_plan', to_plan_message(chain.trajectory, older, 'odom'))
+    chain = planned(stand.requests[0])
+    older = to_plan_message(chain.trajectory, to_stamp(1e-3), 'odom')
+    stand.b.publish('push_plan', older)
     stand.b.spin(0.3)
-    assert set(stand.measure(0.2)) == {ZERO} and len(stand.requests) == 1
+    # It would take seconds to read this one.
+    older.points = list(older.points)[:1] * 3500
+    stand.b.publish('push_plan', older)
+    stand.b.wait_until(lambda: any('push_plan: got a message of ' in text
+                                   for text in errors(stand.b, CONTROLLER)))
+    assert set(stand.measure(0.2)) == {ZERO}
+    # Where that has taken long on the wall, the request was sent again.
+    first, count = stand.requests[-1], len(stand.requests)
     stand.b.publish('push_plan', no_plan_message(
         PlanFailure.BLOCKED, first.header.stamp, 'odom'))
-    second = stand.wait_for_request(2)
+    second = stand.wait_for_request(count + 1)
     stand.says(f'no plan: {PlanFailure.BLOCKED.value}')
     assert nanoseconds(second.header.stamp) > nanoseconds(first.header.stamp)
     stand.answer(chain, second, 'camera')
-    stand.wait_for_request(3)
+    stand.wait_for_request(count + 2)
     stand.says("push_plan: got frame 'camera', expected 'odom'")
 
 

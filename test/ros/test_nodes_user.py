@@ -148,7 +148,7 @@ def push(setup):
 
 def test_a_foreign_parameter_is_a_warning(setup):
     """It may be meant for others; the node names it, and goes on without it."""
-    text = 'robot_description: got a parameter that this node does not have'
+    text = 'robot_description: got parameters that this node does not have'
     setup.b.wait_until(lambda: {entry.name for entry in setup.log
                                 if entry.msg.startswith(text)} >= {CONTROLLER, PLANNER})
 
