@@ -12,6 +12,7 @@ the contact travels along a face and R_disc the object's radius where it travels
 """
 
 from collections.abc import Sequence
+import math
 from typing import Any, get_args, Literal, NamedTuple
 
 import casadi as ca
@@ -139,13 +140,24 @@ def contact_frame(parameters: PushParameters, theta: Any, phi: Any) -> ContactFr
     """
     relative = theta - phi
     delta = parameters.delta + (parameters.normal_ratio - 1.0) * relative
-    # casadi would take arrays apart.
-    trig = np if isinstance(delta, np.ndarray) else ca
-    n_x, n_y = trig.cos(delta), trig.sin(delta)
+    n_x, n_y = cos_and_sin(delta)
     travel = parameters.face_radius * relative
     return ContactFrame(delta,
                         parameters.base_x - travel * n_y - parameters.disc_radius * n_x,
                         parameters.base_y + travel * n_x - parameters.disc_radius * n_y)
+
+
+def cos_and_sin(angle: Any) -> tuple[Any, Any]:
+    """
+    Cosine and sine of a number, an array or a casadi symbol.
+
+    :param angle: the angle [rad].
+    """
+    if isinstance(angle, float):
+        return math.cos(angle), math.sin(angle)
+    # casadi would take arrays apart.
+    trig = np if isinstance(angle, np.ndarray) else ca
+    return trig.cos(angle), trig.sin(angle)
 
 
 def contact_frames(parameters: PushParameters, theta: FloatArray, phi: FloatArray) -> ContactFrame:

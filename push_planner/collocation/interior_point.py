@@ -331,7 +331,8 @@ class _Memory:
         slacks, multipliers = self.primal[self._slacks], self.dual[self._multipliers]
         np.maximum(self._rows, RESUMED_SLACK, out=slacks)
         central = LAST_BARRIER / slacks
-        np.clip(multipliers, central / CENTRALITY, CENTRALITY * central, out=multipliers)
+        np.maximum(multipliers, central / CENTRALITY, out=multipliers)
+        np.minimum(multipliers, CENTRALITY * central, out=multipliers)
 
     def begin(self, guess: FloatArray, beginning: _Beginning) -> None:
         """Start from variables: slacks off the edge, multipliers on the central path."""

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from push_model.geometry import FloatArray
 from push_model.plan_request import PlanFailure
-from push_planner.collocation.dimensions import Dimensions, POINTS
+from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.interior_point import Iterate
 from push_planner.collocation.transcription import SMOOTHING, Transcription
 
@@ -120,8 +120,9 @@ class Solution(NamedTuple):
         """
         n = dimensions.step_count
         states = dimensions.state_count
-        # The end has no controls: the table needs as many numbers more to be full.
-        table = np.append(column, np.zeros(1 + POINTS)).reshape(n + 1, dimensions.step_size)
+        table = np.zeros((n + 1, dimensions.step_size))
+        # The end has no controls.
+        table.ravel()[:len(column)] = column
         nodes = np.zeros((n + 1, 6))
         nodes[:, :states - 1] = table[:, 1:states]
         if dimensions.kind == 'held':

@@ -2,7 +2,6 @@
 
 import functools
 
-import numpy as np
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.formulation import Formulation
@@ -81,5 +80,5 @@ def push_solver(dimensions: Dimensions) -> PushSolver:
 
 
 def _bounds(bounds: VariableBounds) -> Bounds:
-    rotation = np.clip(bounds.rotation, -UNLIMITED, UNLIMITED).tolist()
+    rotation = [max(-UNLIMITED, min(UNLIMITED, angle)) for angle in bounds.rotation]
     return Bounds(MIN_FREE_LENGTH, *bounds.first_angle, -bounds.angle, bounds.angle, *rotation)

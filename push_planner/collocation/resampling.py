@@ -14,14 +14,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import FloatArray, Pose
+from push_model.geometry import FloatArray, IntArray, Pose
 from push_planner.collocation.collocation import radau
 from push_planner.collocation.dimensions import Dimensions, POINTS
 from push_planner.collocation.interior_point import Iterate, iterate_shapes, parts_of
 from push_planner.collocation.mesh import Mesh
 
 # Columns of the states: S, w, rho, theta, q_x, q_y and phi.
-THETA, POSITION, PHI = 3, slice(4, 6), 6
+RHO, THETA, POSITION, PHI = 2, 3, slice(4, 6), 6
 
 
 class Meshed(NamedTuple):
@@ -60,17 +60,24 @@ def resample(iterate: Iterate, former: Meshed, present: Meshed, done: float,
     new_primal = parts_of(found.primal, present_shapes.primal)
     new_dual = parts_of(found.dual, present_shapes.dual)
     lengths, new_lengths = former.lengths(), present.lengths()
-    ends = np.append(0.0, np.cumsum(lengths))
-    scale = (ends[-1] - done) / new_lengths.sum()
-    new_ends = done + scale * np.append(0.0, np.cumsum(new_lengths))
-    middles = 0.5 * (new_ends[1:] + new_ends[:-1])
-    step = np.clip(np.searchsorted(ends, middles) - 1, 0, len(lengths) - 1)
+    ends, new_ends = np.zeros(len(lengths) + 1), np.zeros(len(new_lengths) + 1)
+    np.cumsum(lengths, out=ends[1:])
+    np.cumsum(new_lengths, out=new_ends[1:])
+    scale = (ends[-1] - done) / new_ends[-1]
+    new_ends = done + scale * new_ends
+    at_nodes = _places(ends, new_ends)
+    step = _places(ends, 0.5 * (new_ends[1:] + new_ends[:-1])).interval
     density = (scale * new_lengths / lengths[step])[:, None]
-    new_primal['z'][:] = _variables(primal['z'], former, (ends, new_ends), present.free_length,
-                                    frame)
-    new_dual['costates'][:] = _costates(
-        dual['costates'], ends, new_ends, frame.theta,
-        former.free_length / present.free_length)
+    new_primal['z'][:] = _variables(primal['z'], former.dimensions, at_nodes, frame)
+    new_primal['z'][:, 0] = present.free_length
+    points = radau(POINTS).points
+    old_points = ends[:-1, None] + lengths[:, None] * points
+    new_points = new_ends[:-1, None] + scale * new_lengths[:, None] * points
+    controls = former.dimensions.state_count + 1
+    new_primal['z'][:-1, controls:] = np.interp(new_points, old_points.ravel(),
+                                                primal['z'][:-1, controls:].ravel())
+    new_dual['costates'][:] = _costates(dual['costates'], at_nodes, frame.theta,
+                                        former.free_length / present.free_length)
     new_dual['nu'][:] = density * dual['nu'][step]
     new_dual['eta'][:] = 0.0
     new_dual['goal'][:] = dual['goal']
@@ -80,31 +87,41 @@ def resample(iterate: Iterate, former: Meshed, present: Meshed, done: float,
     return found
 
 
-def _variables(z: FloatArray, former: Meshed, ends: tuple[FloatArray, FloatArray],
-               free_length: float, frame: Pose) -> FloatArray:
-    """Resample the variables of all steps."""
-    states = former.dimensions.state_count
-    old, new = ends
-    points = radau(POINTS).points
-    found = np.ones((len(new), z.shape[1]))
-    for i in range(states):
-        found[:, i] = np.interp(new, old, z[:, i])
-    found[:, 0] = free_length
+class _Places(NamedTuple):
+    """Places between knots: number of the interval, and weight of its end, shape (m, 1)."""
+
+    interval: IntArray
+    weight: FloatArray
+
+    def interpolate(self, values: FloatArray) -> FloatArray:
+        """Interpolate rows of values at the knots."""
+        before = values[self.interval]
+        return before + self.weight * (values[self.interval + 1] - before)
+
+
+def _places(knots: FloatArray, s: FloatArray) -> _Places:
+    interval = np.minimum(np.maximum(knots.searchsorted(s) - 1, 0), len(knots) - 2)
+    begin = knots[interval]
+    return _Places(interval, ((s - begin) / (knots[interval + 1] - begin))[:, None])
+
+
+def _variables(z: FloatArray, dimensions: Dimensions, at_nodes: _Places,
+               frame: Pose) -> FloatArray:
+    """Resample the states, and the changes of the pushing angle between them."""
+    states = dimensions.state_count
+    found = np.zeros((len(at_nodes.interval), z.shape[1]))
+    found[:, :states] = at_nodes.interpolate(z[:, :states])
     found[:, THETA] -= frame.theta
     found[:, POSITION] = _rotated(found[:, POSITION] - np.array([frame.x, frame.y]), -frame.theta)
     if states > PHI:
         found[:, PHI] -= found[0, PHI]
-    found[:-1, states] = np.diff(found[:, 2])
-    at = (old[:-1, None] + np.diff(old)[:, None] * points).ravel()
-    new_at = new[:-1, None] + np.diff(new)[:, None] * points
-    found[:-1, states + 1:] = np.interp(new_at, at, z[:-1, states + 1:].ravel())
+    found[:-1, states] = found[1:, RHO] - found[:-1, RHO]
     return found
 
 
-def _costates(costates: FloatArray, ends: FloatArray, new_ends: FloatArray, angle: float,
-              ratio: float) -> FloatArray:
+def _costates(costates: FloatArray, at_nodes: _Places, angle: float, ratio: float) -> FloatArray:
     """Resample the multipliers of the dynamics."""
-    found = np.column_stack([np.interp(new_ends, ends, column) for column in costates.T])
+    found = at_nodes.interpolate(costates)
     found[:, 0] = 1.0 - ratio * (1.0 - found[:, 0])
     found[:, POSITION] = _rotated(found[:, POSITION], -angle)
     return found

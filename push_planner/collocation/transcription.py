@@ -29,7 +29,9 @@ from push_planner.collocation.dimensions import (
     BoundaryValues, Constraint, Dimensions, Limits, POINTS, StepData,
 )
 from push_planner.collocation.fatrop_layout import FatropLayout, RowCounts
-from push_planner.push_parameters import contact_frame, PushKind, PushParameters
+from push_planner.push_parameters import (
+    contact_frame, cos_and_sin, PushKind, PushParameters,
+)
 
 # Sliding speed over the pushing speed below which the supports' friction becomes viscous. Chosen:
 # small against the speeds of supports off the centre of rotation, and smooth enough for Newton.
@@ -252,10 +254,10 @@ def object_origin(kind: PushKind, parameters: PushParameters, node: Node) -> tup
     """
     delta, c_x, c_y = contact_frame(parameters, node.theta, node.phi)
     to_contact = parameters.radius if kind == 'rolling' else 0.0
-    c, s = ca.cos(node.theta), ca.sin(node.theta)
-    gamma = node.theta + delta
-    return (node.q_x + to_contact * ca.cos(gamma) - c * c_x + s * c_y,
-            node.q_y + to_contact * ca.sin(gamma) - s * c_x - c * c_y)
+    c, s = cos_and_sin(node.theta)
+    n_x, n_y = cos_and_sin(node.theta + delta)
+    return (node.q_x + to_contact * n_x - c * c_x + s * c_y,
+            node.q_y + to_contact * n_y - s * c_x - c * c_y)
 
 
 def _cost(dimensions: Dimensions, x: Any) -> Any:

@@ -104,6 +104,17 @@ def routes(problem: PushProblem, turns: TurnPair) -> list[Route]:
     return near + sorted(far, key=lambda route: route.path_length)
 
 
+def shortest_length(problem: PushProblem, turns: TurnPair, final_straight: float) -> float:
+    """
+    Path length of the contact on the shortest route with a final straight [m].
+
+    :param problem: the ``PushProblem``.
+    :param turns: ``SteadyTurn`` (to the left, to the right).
+    :param final_straight: its length [m].
+    """
+    return _routes(problem, turns, final_straight)[0].path_length
+
+
 def contact_length(lengths: Sequence[float], turns: Sequence[SteadyTurn]) -> float:
     """
     Path length of the contact on segments of the flat output's path [m].

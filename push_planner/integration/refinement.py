@@ -19,6 +19,7 @@ and u_k = -l_k - K_k x_k, with x_0[S] = -p_0[S] / (r_S + P_0[S, S]).
 from collections.abc import Iterator
 import functools
 import math
+import threading
 from typing import NamedTuple, Optional
 
 import casadi as ca
@@ -160,13 +161,10 @@ def backward_pass(maps: FloatArray, end_weights: FloatArray) -> CostToGo:
     :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
     :param end_weights: Q_n, shape (7, 7).
     """
-    count = len(maps)
-    values, gains = np.zeros((count + 1, 7, 7)), np.zeros((count, 7))
-    values[count] = end_weights
-    flat = values.reshape(count + 1, 49)
-    _passes().backward.bind({'map': maps.reshape(count, 56)[::-1], 'next_values': flat[:0:-1],
-                             'values': flat[-2::-1], 'gains': gains[::-1]})()
-    return CostToGo(values, gains)
+    memory = _pass_memory(len(maps), threading.get_ident())
+    memory.maps[:], memory.values[-1] = maps, end_weights
+    memory.backward()
+    return CostToGo(memory.values.copy(), memory.gains.copy())
 
 
 def feed_forward(maps: FloatArray, cost_to_go: CostToGo, miss: FloatArray) -> Correction:
@@ -178,17 +176,13 @@ def feed_forward(maps: FloatArray, cost_to_go: CostToGo, miss: FloatArray) -> Co
     :param miss: m, deviation of the end from the goal, shape (7,).
     """
     values, gains = cost_to_go
-    count = len(maps)
-    costates, leads = np.zeros((count + 1, 7)), np.zeros((count, 1))
-    costates[count] = values[-1] @ miss
-    _passes().forward.bind({'map': maps.reshape(count, 56)[::-1],
-                            'next_values': values.reshape(count + 1, 49)[:0:-1],
-                            'gains': gains[::-1], 'next_costate': costates[:0:-1],
-                            'costate': costates[-2::-1], 'lead': leads[::-1]})()
-    costate = costates[0]
-    free_length = -costate[6] / (FREE_LENGTH_COST + values[0][6, 6])
+    memory = _pass_memory(len(maps), threading.get_ident())
+    memory.maps[:], memory.values[:], memory.gains[:] = maps, values, gains
+    memory.costates[-1] = values[-1] @ miss
+    memory.forward()
+    free_length = -memory.costates[0, 6] / (FREE_LENGTH_COST + values[0][6, 6])
     # All gains respond to the longer path from the first step on.
-    return Correction(-(leads[:, 0] + gains[:, 6] * free_length), free_length)
+    return Correction(-(memory.leads[:, 0] + gains[:, 6] * free_length), free_length)
 
 
 def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) -> FloatArray:
@@ -198,10 +192,12 @@ def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) 
     :param problem: the ``PushProblem``.
     :param formulation: ``Formulation``.
     :param last: the last ``Node``, shape (6,).
-    :return: shape (7,).
+    :return: shape (7,); nan where the integration broke down.
     """
+    if not np.isfinite(last).all():
+        return np.full(7, math.nan)
     parameters, node = problem.push_parameters, Node(*last.tolist())
-    x, y = (float(value) for value in object_origin(problem.kind, parameters, node))
+    x, y = object_origin(problem.kind, parameters, node)
     goal = problem.relative_goal
     rotation = 0.0 if problem.settings.heading_free else wrap_angle(node.theta - goal.theta)
     # The followed point moves along as the object rotates back.
@@ -210,11 +206,10 @@ def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) 
     if formulation.dimensions.straight_end:
         if problem.kind == 'differential':
             delta, *_ = contact_frame(parameters, node.theta, node.phi)
-            heading = float(delta) - formulation.boundary.delta + rotation
+            heading = delta - formulation.boundary.delta + rotation
         # The pushing angle of a straight push, once object and robot have rotated back.
         back = {'held': rotation, 'differential': heading, 'rolling': 0.0}[problem.kind]
-        delta, c_x, c_y = (float(value) for value in contact_frame(
-            parameters, node.theta - rotation, node.phi - back))
+        delta, c_x, c_y = contact_frame(parameters, node.theta - rotation, node.phi - back)
         f_x, f_y = problem.friction_center
         angle = delta + node.rho - math.atan2(f_y - c_y, f_x - c_x)
     return np.array([0.0, wrap_angle(angle), rotation, x - goal.x - arm_y * rotation,
@@ -321,6 +316,38 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
              'rates': rates, 'column': column}
     return RowFunction(ca.Function('linearized', list(given.values()), [
         ca.cse(ca.densify(total).T)], list(given), ['map']), is_independent=True)
+
+
+class _PassMemory:
+    """
+    Memory of the two passes, bound once; n steps.
+
+    :param count: n.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.maps, self.values = np.zeros((count, 7, 8)), np.zeros((count + 1, 7, 7))
+        self.gains, self.leads = np.zeros((count, 7)), np.zeros((count, 1))
+        self.costates = np.zeros((count + 1, 7))
+        maps, values = self.maps.reshape(count, 56)[::-1], self.values.reshape(count + 1, 49)
+        self.backward = _passes().backward.bind({
+            'map': maps, 'next_values': values[:0:-1], 'values': values[-2::-1],
+            'gains': self.gains[::-1]})
+        self.forward = _passes().forward.bind({
+            'map': maps, 'next_values': values[:0:-1], 'gains': self.gains[::-1],
+            'next_costate': self.costates[:0:-1], 'costate': self.costates[-2::-1],
+            'lead': self.leads[::-1]})
+
+
+@functools.lru_cache(maxsize=32)
+def _pass_memory(count: int, thread: int) -> _PassMemory:
+    """
+    Allocate the memory of a number of steps, or return that of before.
+
+    :param count: n.
+    :param thread: that works on it: each has a memory of its own.
+    """
+    return _PassMemory(count)
 
 
 class _Passes(NamedTuple):

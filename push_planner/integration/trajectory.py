@@ -101,11 +101,12 @@ def sample_trajectory(problem: PushProblem, rollout: Rollout) -> PushTrajectory:
     s, speed = rollout.s, np.sqrt(rollout.v_squared)
     times = np.zeros(len(s))
     np.cumsum(2.0 * np.diff(s) / (speed[1:] + speed[:-1]), out=times[1:])
-    before = rollout.begins[1:] - 1
     columns: dict[str, Any] = {**_motion(problem, rollout.samples, speed)}
-    times[before] -= JUMP_TIME
-    for name in ('object', 'contact', 'robot'):
-        columns[f'{name}_poses'][before] -= JUMP_TIME * columns[f'{name}_twists'][before]
+    if len(rollout.begins) > 1:
+        before = rollout.begins[1:] - 1
+        times[before] -= JUMP_TIME
+        for name in ('object', 'contact', 'robot'):
+            columns[f'{name}_poses'][before] -= JUMP_TIME * columns[f'{name}_twists'][before]
     return PushTrajectory(times=times, **columns)
 
 

@@ -31,8 +31,8 @@ def displacement_bound(problem: PushProblem) -> float:
 
 def _followed_point(problem: PushProblem, rotation: float) -> tuple[float, float]:
     """Followed point in the object frame after a rotation of the object, (x, y) [m]."""
-    phi = 0.0 if problem.kind == 'rolling' else rotation
-    delta, c_x, c_y = (float(value)
-                       for value in contact_frame(problem.push_parameters, rotation, phi))
-    to_center = problem.robot.radius if problem.kind == 'rolling' else 0.0
-    return c_x - to_center * math.cos(delta), c_y - to_center * math.sin(delta)
+    if problem.kind != 'rolling':
+        return problem.contact_point
+    delta, c_x, c_y = contact_frame(problem.push_parameters, rotation, 0.0)
+    radius = problem.robot.radius
+    return c_x - radius * math.cos(delta), c_y - radius * math.sin(delta)

@@ -18,7 +18,7 @@ from push_planner.collocation.interior_point import Iterate
 from push_planner.collocation.mesh import build_mesh
 from push_planner.collocation.push_solver import push_solver
 from push_planner.collocation.resampling import Meshed, resample
-from push_planner.initial_guess.dubins_routes import routes
+from push_planner.initial_guess.dubins_routes import shortest_length
 from push_planner.integration.refinement import RefinedPush
 from push_planner.plan import Plan
 from push_planner.problem import PushProblem
@@ -77,7 +77,7 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
     if result.solution is None:
         return None
     path_length = result.solution.free_length + formulation.mesh.fixed_length
-    shortest = routes(problem, solved.turns)[0].path_length
+    shortest = shortest_length(problem, solved.turns, resumed.final_straight)
     if path_length > min(NEARLY_SHORTEST * shortest, problem.settings.max_path_length):
         return None
     plan, _ = finish(problem, formulation, result, solved.turns, resumed.refined)
