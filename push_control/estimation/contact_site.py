@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from push_dynamics.compiled import compiled, interpreted
+from push_dynamics.compiled import compiled
 from push_model.contact import (
     contact_point, curvature_radius, face_normal, find_contact, normal_range, rolling_constants,
 )
@@ -54,8 +54,7 @@ class RollingContact(NamedTuple):
     :param normal_ratio: lam of the rolling rule (model: section 2).
     :param robot_radius: R_p [m].
     :param object_radius: R_s [m]; 0 at a vertex, infinite on a face.
-    :param x: of C at the start, object frame [m].
-    :param y: of C at the start, object frame [m].
+    :param point: C at the start, object frame (x, y) [m].
     :param normal: angle of n at the start, object frame [rad].
     :param heading: robot heading at the start, relative to the object [rad].
     """
@@ -63,43 +62,35 @@ class RollingContact(NamedTuple):
     normal_ratio: float
     robot_radius: float
     object_radius: float
-    x: float
-    y: float
+    point: tuple[float, float]
     normal: float
     heading: float
 
 
 @compiled
-def rolled_contact(contact: RollingContact, heading: float) -> ContactFrame:
+def rolled_contact(contact: 'RollingContact | ContactSite', heading: float) -> ContactFrame:
     """
     Find the contact of a robot that has rolled without slip.
 
-    :param contact: the ``RollingContact``.
+    :param contact: the ``RollingContact``, or the ``ContactSite`` that has the same fields.
     :param heading: of the robot relative to the object, unwrapped [rad].
     :return: ``ContactFrame``.
     """
     rotation = heading - contact.heading
     if contact.object_radius == 0.0:
-        return ContactFrame(contact.x, contact.y, contact.normal + rotation)
+        return ContactFrame(contact.point[0], contact.point[1], contact.normal + rotation)
     if math.isinf(contact.object_radius):
         shift = contact.robot_radius * rotation
-        return ContactFrame(contact.x + shift * math.sin(contact.normal),
-                            contact.y - shift * math.cos(contact.normal), contact.normal)
+        return ContactFrame(contact.point[0] + shift * math.sin(contact.normal),
+                            contact.point[1] - shift * math.cos(contact.normal),
+                            contact.normal)
     normal = contact.normal + (1.0 - contact.normal_ratio) * rotation
-    x, y = round_point(contact.object_radius, normal)
-    return ContactFrame(x, y, normal)
+    return ContactFrame(-contact.object_radius * math.cos(normal),
+                        -contact.object_radius * math.sin(normal), normal)
 
 
-@compiled
-def round_point(radius: float, normal: float) -> tuple[float, float]:
-    """
-    Find the point of a round outline at which the normal has an angle.
-
-    :param radius: R_s [m].
-    :param normal: angle of n in the object frame [rad].
-    :return: (x, y) in the object frame [m].
-    """
-    return -radius * math.cos(normal), -radius * math.sin(normal)
+# The function itself: called from Python it is faster than its machine code.
+_rolled_contact = getattr(rolled_contact, 'py_func', rolled_contact)
 
 
 class ContactSite(NamedTuple):
@@ -136,7 +127,7 @@ class ContactSite(NamedTuple):
     def rolling(self) -> RollingContact:
         """The ``RollingContact``."""
         return RollingContact(self.normal_ratio, self.robot_radius, self.object_radius,
-                              *self.point, self.normal, self.heading)
+                              self.point, self.normal, self.heading)
 
     def contact_at(self, heading: float) -> ContactFrame:
         """
@@ -145,7 +136,7 @@ class ContactSite(NamedTuple):
         :param heading: of the robot relative to the object, unwrapped [rad].
         :return: ``ContactFrame``.
         """
-        return interpreted(rolled_contact)(self.rolling, heading)
+        return _rolled_contact(self, heading)
 
     def robot_center(self, pose: Pose, phi: float) -> tuple[float, float]:
         """
@@ -184,11 +175,10 @@ class ContactSite(NamedTuple):
         if self.kind == 'face':
             return self._replace(point=(self.point[0] - slip * math.sin(self.normal),
                                         self.point[1] + slip * math.cos(self.normal)))
-        normal = self.normal - slip / (self.robot_radius + self.object_radius)
-        if self.kind == 'vertex':
-            return self._replace(normal=normal)
-        return self._replace(normal=normal,
-                             point=interpreted(round_point)(self.object_radius, normal))
+        rolled = self._replace(normal=self.normal
+                               - slip / (self.robot_radius + self.object_radius))
+        x, y, _ = rolled.contact_at(self.heading)
+        return rolled._replace(point=(x, y))
 
     def is_same_push(self, other: 'ContactSite', shift: Pose) -> bool:
         """

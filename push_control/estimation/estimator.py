@@ -152,7 +152,9 @@ class Estimator:
         :param is_lost: whether the robot does not touch the object.
         """
         self.motion = self.motion._replace(site=site, is_lost=is_lost)
-        self._memory.contact[:] = *site.rolling, is_lost
+        ratio, robot_radius, object_radius, (x, y), normal, heading = site.rolling
+        self._memory.contact[:] = (ratio, robot_radius, object_radius, x, y, normal, heading,
+                                   is_lost)
         # Whether ``latest`` is the state at the time of the last odometry.
         self._is_replayed = False
 

@@ -73,8 +73,8 @@ def motion_model(memory: FilterMemory) -> MotionModel:
     :return: ``MotionModel``.
     """
     n = memory.contact
-    return MotionModel(RollingContact(n[0], n[1], n[2], n[3], n[4], n[5], n[6]), n[LOST] > 0.0,
-                       memory.c_squared)
+    contact = RollingContact(n[0], n[1], n[2], (n[3], n[4]), n[5], n[6])
+    return MotionModel(contact, n[LOST] > 0.0, memory.c_squared)
 
 
 @compiled

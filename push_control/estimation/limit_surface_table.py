@@ -4,9 +4,9 @@ import math
 from typing import Any
 
 import numpy as np
-from push_dynamics.compiled import compiled, interpreted, kernel_array
+from push_dynamics.compiled import compiled, kernel_array
 from push_model.friction import friction_weight, LoadTransfer
-from push_model.geometry import Coordinates, FloatArray
+from push_model.geometry import Coordinates
 from push_model.parameters import PushedObject
 from push_model.quasi_static import (
     quasi_static_yaw_rate, sliding_capacities, Vehicle, vehicle,
@@ -42,14 +42,85 @@ def tabulated_c_squared(values: Any, alpha: float) -> float:
     return (1.0 - ratio) * values[index] + ratio * values[index + 1]
 
 
+@compiled
+def tabulated_angle(forces: Any, force: float) -> float:
+    """
+    Interpolate the angle of the push that a force comes from.
+
+    :param forces: direction of the force at every tabulated angle, ascending [rad].
+    :param force: direction of the force [rad]; held beyond the table.
+    :return: alpha [rad].
+    """
+    count = len(forces)
+    if not force > forces[0]:
+        return -MAX_ANGLE
+    if force >= forces[count - 1]:
+        return MAX_ANGLE
+    index = 0
+    while force >= forces[index + 1]:
+        index += 1
+    ratio = (force - forces[index]) / (forces[index + 1] - forces[index])
+    return SPACING * (index + ratio) - MAX_ANGLE
+
+
+@compiled
+def wheelbase_at(values: Any, arm: float, c_squared: float, alpha: float) -> float:
+    """
+    Wheelbase of a push.
+
+    :param values: ``LimitSurfaceTable.values`` [m^2].
+    :param arm: r of the ``Vehicle`` [m].
+    :param c_squared: c^2 of the ``Vehicle``, for a push straight to the centre [m^2].
+    :param alpha: angle from C->F to the velocity imposed at C [rad].
+    :return: L [m].
+    """
+    ratio = tabulated_c_squared(values, alpha) / tabulated_c_squared(values, 0.0)
+    return arm + ratio * c_squared / arm
+
+
+@compiled
+def angle_of_curvature(values: Any, arm: float, c_squared: float, curvature: float) -> float:
+    """
+    Angle that turns an object by a curvature, ``tan(alpha) = -L(alpha) kappa``.
+
+    :param values: ``LimitSurfaceTable.values`` [m^2].
+    :param arm: r of the ``Vehicle`` [m].
+    :param c_squared: c^2 of the ``Vehicle`` [m^2].
+    :param curvature: kappa [1/m].
+    :return: alpha [rad].
+    """
+    alpha = 0.0
+    for _ in range(ITERATIONS):
+        alpha = -math.atan(wheelbase_at(values, arm, c_squared, alpha) * curvature)
+    return alpha
+
+
+@compiled
+def curvature_of_force(values: Any, forces: Any, arm: float, c_squared: float,
+                       force: float) -> float:
+    """
+    Curvature at which an object is turned by a force.
+
+    :param values: ``LimitSurfaceTable.values`` [m^2].
+    :param forces: ``LimitSurfaceTable.forces`` [rad].
+    :param arm: r of the ``Vehicle`` [m].
+    :param c_squared: c^2 of the ``Vehicle`` [m^2].
+    :param force: its angle from C->F [rad].
+    :return: kappa [1/m].
+    """
+    alpha = tabulated_angle(forces, force)
+    alpha = min(MAX_STEERING_ANGLE, max(-MAX_STEERING_ANGLE, alpha))
+    return -math.tan(alpha) / wheelbase_at(values, arm, c_squared, alpha)
+
+
 class LimitSurfaceTable:
     """
     Turning and force of the supports themselves, over the angle alpha of the push from C->F.
 
     Turning is kept as the c^2 with which the ellipsoidal limit surface turns as fast as the
     supports do, ``omega = -r sin(alpha) / (c^2 + r^2)`` for unit speed; so the table also serves
-    for centre of frictions near the nominal one. ``values``: that c^2 over alpha, for compiled
-    functions [m^2].
+    for centre of frictions near the nominal one. ``values``: that c^2 over alpha [m^2].
+    ``forces``: angle of the force over alpha [rad].
     """
 
     def __init__(self, obj: PushedObject, point: Coordinates):
@@ -61,10 +132,9 @@ class LimitSurfaceTable:
         """
         nominal = vehicle(obj, point)
         count = round(MAX_ANGLE / SPACING)
-        self._angles = np.asarray(np.arange(-count, count + 1) * SPACING, dtype=np.float64)
         c_squared: list[float] = []
         forces: list[float] = []
-        for alpha in self._angles.tolist():
+        for alpha in (np.arange(-count, count + 1) * SPACING).tolist():
             push = math.cos(nominal.angle + alpha), math.sin(nominal.angle + alpha)
             omega = quasi_static_yaw_rate(obj, point, *push)
             force = _force_angle(obj, point, push, omega)
@@ -72,9 +142,12 @@ class LimitSurfaceTable:
             # Straight to the centre nothing turns, and c^2 is the limit of the quotient.
             c_squared.append(nominal.c_squared if abs(alpha) < 0.5 * SPACING else
                              -nominal.arm * math.sin(alpha) / omega - nominal.arm ** 2)
-        self._c_squared = [max(MIN_C_SQUARED, value) for value in c_squared]
-        self.values = kernel_array(self._c_squared)
-        self._forces: FloatArray = np.maximum.accumulate(forces)
+        self.values = kernel_array([max(MIN_C_SQUARED, value) for value in c_squared])
+        self.forces = kernel_array(np.maximum.accumulate(forces))
+        # Changes nothing; but loads machine code before the robot moves.
+        self.c_squared(0.0)
+        self.push_angle(nominal, 0.0)
+        self.curvatures(nominal, 0.0, 0.0)
 
     def c_squared(self, alpha: float) -> float:
         """
@@ -83,7 +156,7 @@ class LimitSurfaceTable:
         :param alpha: angle from C->F to the velocity imposed at C [rad]; held beyond the table.
         :return: c^2 [m^2].
         """
-        return interpreted(tabulated_c_squared)(self._c_squared, alpha)
+        return tabulated_c_squared(self.values, alpha)
 
     def push_angle(self, vehicle: Vehicle, curvature: float) -> float:
         """
@@ -94,10 +167,7 @@ class LimitSurfaceTable:
         :param curvature: kappa, yaw rate over the speed along C->F [1/m].
         :return: alpha [rad].
         """
-        alpha = 0.0
-        for _ in range(ITERATIONS):
-            alpha = -math.atan(self._wheelbase(vehicle, alpha) * curvature)
-        return alpha
+        return angle_of_curvature(self.values, vehicle.arm, vehicle.c_squared, curvature)
 
     def curvatures(self, vehicle: Vehicle, low: float, high: float) -> tuple[float, float]:
         """
@@ -109,16 +179,9 @@ class LimitSurfaceTable:
         :return: (lowest, highest) curvature [1/m].
         """
         # A force to one side turns the object to the other one.
-        rightmost, leftmost = np.interp((high, low), self._forces, self._angles).tolist()
-        return self._curvature(vehicle, rightmost), self._curvature(vehicle, leftmost)
-
-    def _curvature(self, vehicle: Vehicle, alpha: float) -> float:
-        alpha = min(MAX_STEERING_ANGLE, max(-MAX_STEERING_ANGLE, alpha))
-        return -math.tan(alpha) / self._wheelbase(vehicle, alpha)
-
-    def _wheelbase(self, vehicle: Vehicle, alpha: float) -> float:
-        ratio = self.c_squared(alpha) / self.c_squared(0.0)
-        return vehicle.arm + ratio * vehicle.c_squared / vehicle.arm
+        arm, c_squared = vehicle.arm, vehicle.c_squared
+        return (curvature_of_force(self.values, self.forces, arm, c_squared, high),
+                curvature_of_force(self.values, self.forces, arm, c_squared, low))
 
 
 def _force_angle(obj: PushedObject, point: Coordinates, push: tuple[float, float],

@@ -8,6 +8,9 @@ from push_model.parameters import RoundRobot
 from push_model.robot_kinematics import center_velocity, yaw_rate
 from push_model.signals import Twist
 
+# Mean of exp(-t / T) over the time constant T.
+MEAN_DECAY = 1.0 - math.exp(-1.0)
+
 
 def differential_command(speed: float, angle: float, heading_offset: float,
                          robot_radius: float) -> Twist:
@@ -22,7 +25,7 @@ def differential_command(speed: float, angle: float, heading_offset: float,
     """
     omega = yaw_rate('differential', robot_radius, angle, heading_offset, 0.0, speed)
     command = holonomic_command(speed, angle, heading_offset, robot_radius, omega)
-    return command._replace(v_y=0.0)
+    return Twist(command.v_x, 0.0, omega)
 
 
 def holonomic_command(speed: float, angle: float, heading_offset: float, robot_radius: float,
@@ -51,7 +54,7 @@ def limit_command(command: Twist, robot: RoundRobot) -> Twist:
     """
     excess = max(1.0, math.hypot(command.v_x, command.v_y) / robot.max_speed,
                  abs(command.omega) / robot.max_yaw_rate)
-    return Twist(*(value / excess for value in command))
+    return Twist(command.v_x / excess, command.v_y / excess, command.omega / excess)
 
 
 def mean_twist(twist: Twist, command: Twist, time_constant: float) -> Twist:
@@ -65,9 +68,9 @@ def mean_twist(twist: Twist, command: Twist, time_constant: float) -> Twist:
     """
     if time_constant == 0.0:
         return Twist(*command)
-    # Mean of exp(-t / T) over the time constant T.
-    ratio = 1.0 - math.exp(-1.0)
-    return Twist(*(b + (a - b) * ratio for a, b in zip(twist, command)))
+    return Twist(command.v_x + (twist.v_x - command.v_x) * MEAN_DECAY,
+                 command.v_y + (twist.v_y - command.v_y) * MEAN_DECAY,
+                 command.omega + (twist.omega - command.omega) * MEAN_DECAY)
 
 
 def contact_speed(elapsed: float, remaining_distance: float, max_speed: float,

@@ -146,19 +146,19 @@ class ContactSteering:
         return limit_command(
             holonomic_command(self._settings.start_speed, 0.0, direction, 0.0, 0.0), self._robot)
 
-    def command(self, site: ContactSite, vehicle: Vehicle, state: PushState, *,
+    def command(self, site: ContactSite, vehicle: Vehicle, normal: float, state: PushState, *,
                 curvature: float, speed: float) -> SteeringCommand:
         """
         Compute the command that gives z a curvature.
 
         :param site: the ``ContactSite``.
         :param vehicle: the object as ``Vehicle``, as estimated.
+        :param normal: angle of the contact normal in the object frame [rad].
         :param state: ``PushState`` one drive lag ahead.
         :param curvature: of z [1/m].
         :param speed: of the contact [m/s].
         :return: ``SteeringCommand``.
         """
-        normal = site.contact_at(state.relative_heading).normal
         alpha = self._supports.push_angle(vehicle, curvature)
         angle = vehicle.angle + alpha - normal
         heading_offset = state.theta + normal - state.phi
@@ -194,9 +194,9 @@ def zeta_limits(site: ContactSite, vehicle: Vehicle, normal: float) -> tuple[flo
     :return: (lowest, highest) zeta, within -pi and pi [rad].
     """
     zeta = math.remainder(normal - vehicle.angle, 2.0 * math.pi)
-    low, high = (min(math.pi, max(-math.pi, zeta + limit - normal))
-                 for limit in site.normal_limits)
-    return low, high
+    low, high = site.normal_limits
+    return (min(math.pi, max(-math.pi, zeta + low - normal)),
+            min(math.pi, max(-math.pi, zeta + high - normal)))
 
 
 def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,

@@ -7,13 +7,17 @@ turns out to be.
 
 import abc
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from push_model.dubins import advance_along_arc, dubins_paths, DubinsPath
-from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_dynamics.compiled import compiled, interpreted
+from push_model import dubins
+from push_model.dubins import dubins_paths, DubinsPath
+from push_model.geometry import FloatArray, Pose
 from push_model.quasi_static import Vehicle
 from push_model.trajectory import PushTrajectory
+
+advance_along_arc = compiled(dubins.advance_along_arc)
 
 # Spacing of the samples of a path [m]. Chosen: a small part of any turn that can be pushed.
 SPACING = 0.02
@@ -69,12 +73,61 @@ class PathPoint(NamedTuple):
     curvature: float
 
 
+class PathNumbers(NamedTuple):
+    """
+    A path, as compiled functions read it.
+
+    :param rows: x, y [m], psi [rad] and curvature [1/m], one row for each sample at equal
+        distances, or for the beginning of each arc, shape (n, 4).
+    :param begins: arc lengths of the rows [m], shape (n,).
+    :param is_sampled: whether the rows are samples. Of arcs, the first row is for what lies before
+        the start.
+    """
+
+    rows: Any
+    begins: Any
+    is_sampled: bool
+
+
+@compiled
+def path_point(path: PathNumbers, s: float) -> PathPoint:
+    """
+    Evaluate a path; straight on beyond its ends.
+
+    :param path: ``PathNumbers``.
+    :param s: arc length from the start [m].
+    :return: ``PathPoint``.
+    """
+    rows, begins = path.rows, path.begins
+    last = len(begins) - 1
+    if not path.is_sampled:
+        index = 0 if s < 0.0 else 1
+        while 0 < index < last and s > begins[index + 1]:
+            index += 1
+        pose = Pose(rows[index, 0], rows[index, 1], rows[index, 2])
+        return PathPoint(advance_along_arc(pose, s - begins[index], rows[index, 3]),
+                         rows[index, 3])
+    if not 0.0 < s < begins[last]:
+        index = last if s > 0.0 else 0
+        pose = Pose(rows[index, 0], rows[index, 1], rows[index, 2])
+        return PathPoint(advance_along_arc(pose, s - begins[index], 0.0), rows[index, 3])
+    index = min(int(s / begins[1]), last - 1)
+    ratio = s / begins[1] - index
+    a, b = rows[index], rows[index + 1]
+    return PathPoint(Pose(a[0] + ratio * (b[0] - a[0]), a[1] + ratio * (b[1] - a[1]),
+                          a[2] + ratio * (b[2] - a[2])), a[3] + ratio * (b[3] - a[3]))
+
+
 class FlatOutputPath(abc.ABC):
-    """A path of z that ends at the origin of its frame, along x. ``length``: arc length [m]."""
+    """
+    A path of z that ends at the origin of its frame, along x.
+
+    ``length``: arc length [m]. ``numbers``: ``PathNumbers``.
+    """
 
     length: float
+    numbers: PathNumbers
 
-    @abc.abstractmethod
     def at(self, s: float) -> PathPoint:
         """
         Evaluate the path; straight on beyond the ends.
@@ -82,6 +135,7 @@ class FlatOutputPath(abc.ABC):
         :param s: arc length from the start [m].
         :return: ``PathPoint``.
         """
+        return interpreted(path_point)(self.numbers, s)
 
     @abc.abstractmethod
     def curvatures(self, s: FloatArray) -> FloatArray:
@@ -113,30 +167,9 @@ class SampledPath(FlatOutputPath):
         self._arc_lengths = np.linspace(0.0, length, count)
         x, y, psi = (np.interp(self._arc_lengths, arc_lengths, column) for column in dense_poses)
         self._curvature: FloatArray = np.gradient(psi, self._arc_lengths)
-        self._rows = list(zip(x.tolist(), y.tolist(), psi.tolist(), self._curvature.tolist()))
-        self._spacing = float(self._arc_lengths[1])
+        rows = np.column_stack((x, y, psi, self._curvature))
+        self.numbers = PathNumbers(rows, self._arc_lengths, True)
         self.length = float(length)
-
-    def at(self, s: float) -> PathPoint:
-        """
-        Evaluate the path; straight on beyond the ends.
-
-        :param s: arc length from the start [m].
-        :return: ``PathPoint``.
-        """
-        if s <= 0.0:
-            return self._beyond(0, s)
-        if s >= self.length:
-            return self._beyond(-1, s - self.length)
-        index = min(int(s / self._spacing), len(self._rows) - 2)
-        ratio = s / self._spacing - index
-        x, y, psi, curvature = (a + ratio * (b - a) for a, b in zip(self._rows[index],
-                                                                    self._rows[index + 1]))
-        return PathPoint(Pose(x, y, psi), curvature)
-
-    def _beyond(self, row: int, distance: float) -> PathPoint:
-        x, y, psi, curvature = self._rows[row]
-        return PathPoint(advance_along_arc(Pose(x, y, psi), distance, 0.0), curvature)
 
     def curvatures(self, s: FloatArray) -> FloatArray:
         """
@@ -151,27 +184,25 @@ class SampledPath(FlatOutputPath):
 class FinalStraightPath(FlatOutputPath):
     """A Dubins path, and a straight final approach to the goal."""
 
-    def __init__(self, dubins: DubinsPath, final_straight: float):
+    def __init__(self, route: DubinsPath, final_straight: float):
         """
         Append the straight final approach.
 
-        :param dubins: ``DubinsPath`` to the beginning of the final approach.
+        :param route: ``DubinsPath`` to the beginning of the final approach.
         :param final_straight: length of that [m].
         """
-        self._dubins = dubins
-        self.length = dubins.length + final_straight
+        self.length = route.length + final_straight
         # Before the start, on each of the three segments, and beyond them.
-        self._segment_ends = np.cumsum((0.0, *dubins.lengths))
-        self._segment_curvatures = np.array((0.0, *dubins.curvatures, 0.0))
-
-    def at(self, s: float) -> PathPoint:
-        """
-        Evaluate the path; straight on beyond the ends.
-
-        :param s: arc length from the start [m].
-        :return: ``PathPoint``.
-        """
-        return PathPoint(*self._dubins.at(s))
+        ends: FloatArray = np.cumsum((0.0, *route.lengths))
+        self._segment_ends = ends
+        self._segment_curvatures = np.array((0.0, *route.curvatures, 0.0))
+        pose = route.start
+        poses = [pose, pose]
+        for distance, curvature in zip(route.lengths, route.curvatures):
+            pose = dubins.advance_along_arc(pose, distance, curvature)
+            poses.append(pose)
+        self.numbers = PathNumbers(np.column_stack((poses, self._segment_curvatures)),
+                                   np.concatenate(((0.0,), ends)), False)
 
     def curvatures(self, s: FloatArray) -> FloatArray:
         """
@@ -235,17 +266,33 @@ def project_on_path(path: FlatOutputPath, pose: Pose, s: float) -> PathProjectio
     :param s: arc length at which to begin [m].
     :return: ``PathProjection``.
     """
+    return projected(path.numbers, path.length, pose, s)
+
+
+@compiled
+def projected(path: PathNumbers, length: float, pose: Pose, s: float) -> PathProjection:
+    """
+    Project a pose on a path, near a given arc length.
+
+    :param path: ``PathNumbers``.
+    :param length: of the path [m].
+    :param pose: ``Pose`` in the goal frame of z.
+    :param s: arc length at which to begin [m].
+    :return: ``PathProjection``.
+    """
     for _ in range(PROJECTION_ITERATIONS):
-        on, curvature = path.at(s)
+        on, curvature = path_point(path, s)
         cosine, sine = math.cos(on.theta), math.sin(on.theta)
         off_x, off_y = pose.x - on.x, pose.y - on.y
         ahead, lateral = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
         step = ahead / max(MIN_PROJECTION_DIVISOR, 1.0 - curvature * lateral)
         s += min(MAX_PROJECTION_STEP, max(-MAX_PROJECTION_STEP, step))
-    on, curvature = path.at(s)
+    on, curvature = path_point(path, s)
     lateral = math.cos(on.theta) * (pose.y - on.y) - math.sin(on.theta) * (pose.x - on.x)
-    return PathProjection(s, lateral, wrap_angle(pose.theta - on.theta), curvature,
-                          path.length - s)
+    # The heading error, within half a turn to either side.
+    off = pose.theta - on.theta
+    off -= 2.0 * math.pi * math.floor(off / (2.0 * math.pi) + 0.5)
+    return PathProjection(s, lateral, off, curvature, length - s)
 
 
 def _flat_output_poses(vehicle: Vehicle, trajectory: PushTrajectory) -> FloatArray:
@@ -276,7 +323,7 @@ def _with_arcs(poses: FloatArray) -> tuple[FloatArray, FloatArray]:
         start = Pose(x[i], y[i], bearing - 0.5 * rotation)
         count = max(1, math.ceil(length / SPACING))
         for k in range(1, count + 1):
-            point = advance_along_arc(start, length * k / count, rotation / length)
+            point = dubins.advance_along_arc(start, length * k / count, rotation / length)
             rows.append((point.x, point.y, psi[i] + rotation * k / count))
             arc_lengths.append(arc_lengths[-1] + length / count)
     return np.array(arc_lengths), np.array(rows).T

@@ -167,7 +167,7 @@ class ClosedLoopPush(PushExecution):
 
         :param observation: ``Observation``, usable.
         """
-        self._outcome = self._outcome._replace(failure=self._tracker.observe(observation))
+        self._set_failure(self._tracker.observe(observation))
 
     def pause(self, odometry: Odometry | None) -> None:
         """
@@ -206,7 +206,8 @@ class ClosedLoopPush(PushExecution):
             self._check_length()
             has_ended = self.finished or self.failure is not None
             command = STOP if has_ended else self._steer(step, projection, dt)
-        self._motion = self._motion._replace(command=command)
+        if command is not self._motion.command:
+            self._motion = self._motion._replace(command=command)
         return command
 
     @property
@@ -263,7 +264,7 @@ class ClosedLoopPush(PushExecution):
         """Approach an object out of contact slowly; it lies still meanwhile."""
         fault = self._tracker.detector.approach_fault(self._settings.start_speed * dt)
         failure = fault if self.failure is None else self.failure
-        self._outcome = self._outcome._replace(failure=failure)
+        self._set_failure(failure)
         self._motion = self._motion._replace(curvature=None, elapsed=0.0)
         self._law.reset()
         if failure is not None:
@@ -319,27 +320,31 @@ class ClosedLoopPush(PushExecution):
         elapsed = self._motion.elapsed + dt
         speed = contact_speed(elapsed, projection.remaining_distance, self._target.max_speed,
                               self._settings)
-        self._motion = self._motion._replace(elapsed=elapsed, speed=speed)
         limits = self._model.limits(step, step.now, self._settings.feedback_cone_fraction)
-        fault = self._one_sided.fault(limits, self.travelled_distance)
+        last, fault = self._motion, self._one_sided.fault(limits, self.travelled_distance)
         if fault is not None:
-            self._outcome = self._outcome._replace(failure=fault)
+            self._set_failure(fault)
+            self._motion = _Motion(last.command, last.curvature, elapsed, speed)
             return STOP
-        steering = self._steering_input(step, projection, limits, dt)
+        steering = self._steering_input(step, projection, limits, speed, dt)
         curvature = steering.clip(self._law.curvature(steering))
-        self._motion = self._motion._replace(curvature=curvature)
         command, fault = self._model.command(step, curvature, speed)
-        self._outcome = self._outcome._replace(failure=fault)
+        self._set_failure(fault)
+        self._motion = _Motion(command, curvature, elapsed, speed)
         return command
 
+    def _set_failure(self, failure: EventReport | None) -> None:
+        """Note why the push has failed, or that it has not."""
+        if failure is not self._outcome.failure:
+            self._outcome = self._outcome._replace(failure=failure)
+
     def _steering_input(self, step: PushStep, projection: PathProjection,
-                        limits: CurvatureLimits, dt: float) -> SteeringInput:
+                        limits: CurvatureLimits, speed: float, dt: float) -> SteeringInput:
         """Gather what the law needs to know."""
         def project_now() -> PathProjection:
             return self._guidance.project(step.flat_output(step.now, self._target.goal))
 
-        speed = self._motion.speed
-        posture = self._model.steering.posture(step.site, step.vehicle, step.normal(step.now),
+        posture = self._model.steering.posture(step.site, step.vehicle, step.normal_now,
                                                step.now)
         return SteeringInput(
             projection=projection,

@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Callable, NamedTuple
+from typing import NamedTuple
 
 from push_control.estimation.contact_site import ContactSite, initial_contact_site
 from push_control.estimation.limit_surface_table import LimitSurfaceTable
@@ -24,12 +24,16 @@ class PushStep(NamedTuple):
     :param ahead: ``PushState`` one drive lag ahead, where the command takes effect.
     :param site: the ``ContactSite``.
     :param vehicle: the object as ``Vehicle``, pushed at the contact ahead.
+    :param normal_now: angle of the contact normal in the object frame now [rad].
+    :param normal_ahead: the same one drive lag ahead [rad].
     """
 
     now: PushState
     ahead: PushState
     site: ContactSite
     vehicle: Vehicle
+    normal_now: float
+    normal_ahead: float
 
     def normal(self, state: PushState) -> float:
         """
@@ -38,7 +42,7 @@ class PushStep(NamedTuple):
         :param state: ``now`` or ``ahead``.
         :return: its angle in the object frame [rad].
         """
-        return self.site.contact_at(state.relative_heading).normal
+        return self.normal_ahead if state is self.ahead else self.normal_now
 
     def flat_output(self, state: PushState, goal: Pose) -> Pose:
         """
@@ -81,9 +85,8 @@ class ContactModel:
         supports = LimitSurfaceTable(obj, site.point)
         self.steering = ContactSteering(obj, robot, settings, site, supports)
         self.motion = PushMotion(robot.radius, site, supports)
-        # At a vertex both arguments stay the same until the next pose: one entry is enough.
-        self._vehicle: Callable[..., Vehicle] = functools.lru_cache(maxsize=1)(
-            functools.partial(vehicle, obj))
+        # At a vertex all arguments stay the same until the next pose: one entry is enough.
+        self._vehicle = functools.lru_cache(maxsize=1)(self._pushed_at)
 
     @property
     def time_constant(self) -> float:
@@ -109,9 +112,10 @@ class ContactModel:
         :param site: the ``ContactSite`` as it is by now.
         :return: ``PushStep``.
         """
-        contact = site.contact_at(ahead.relative_heading)
-        pushed = self._vehicle((contact.x, contact.y), ahead.center)
-        return PushStep(now, ahead, site, pushed.with_c_squared_ratio(math.exp(ahead.q)))
+        x, y, normal_ahead = site.contact_at(ahead.phi - ahead.theta)
+        pushed = self._vehicle((x, y), (ahead.p_x, ahead.p_y), ahead.q)
+        normal_now = site.contact_at(now.phi - now.theta).normal
+        return PushStep(now, ahead, site, pushed, normal_now, normal_ahead)
 
     def limits(self, step: PushStep, state: PushState, cone_fraction: float) -> CurvatureLimits:
         """
@@ -133,8 +137,8 @@ class ContactModel:
         :param speed: of the contact [m/s].
         :return: ``SteeringCommand``.
         """
-        return self.steering.command(step.site, step.vehicle, step.ahead, curvature=curvature,
-                                     speed=speed)
+        return self.steering.command(step.site, step.vehicle, step.normal_ahead, step.ahead,
+                                     curvature=curvature, speed=speed)
 
     def center_error_ratio(self, state: PushState) -> float:
         """
@@ -144,3 +148,8 @@ class ContactModel:
         :return: distance over that from the contact.
         """
         return math.dist(state.center, self.center) / self.nominal.arm
+
+    def _pushed_at(self, point: tuple[float, float], center: tuple[float, float],
+                   c_squared_log: float) -> Vehicle:
+        """See the object as a vehicle, with centre of friction and c^2 as estimated."""
+        return vehicle(self._obj, point, center).with_c_squared_ratio(math.exp(c_squared_log))
