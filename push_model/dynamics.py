@@ -155,7 +155,7 @@ def kinematics(state: Iterable[Any], inputs: Iterable[Any], omega_dot: Any,
     """
     state, inputs = State(*state), Input(*inputs)
     normal_ratio, effective_radius = rolling
-    w_x, w_y = _rotated(state.theta, state.c_x, state.c_y)
+    w_x, w_y = rotated(state.theta, state.c_x, state.c_y)
     slip = effective_radius * (state.omega - inputs.omega_p)
     local = state.gamma - state.theta
     return State(inputs.v_x + state.omega * w_y, inputs.v_y - state.omega * w_x, state.omega,
@@ -224,7 +224,15 @@ def equation_of_motion(obj: PushedObject, rolling: Rolling,
                        ['state', 'input'], ['rate', 'force'])
 
 
-def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
+def rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    """
+    Rotate a vector, of numbers or of casadi's symbols.
+
+    :param angle: [rad].
+    :param x: of the vector.
+    :param y: of the vector.
+    :return: (x, y).
+    """
     return ca.cos(angle) * x - ca.sin(angle) * y, ca.sin(angle) * x + ca.cos(angle) * y
 
 
@@ -234,7 +242,7 @@ def _along_normal(gamma: Any, x: Any, y: Any) -> tuple[Any, Any]:
 
 def _lever(terms: ObjectTerms, state: State) -> tuple[Any, Any]:
     """Vector r from C to G in world axes."""
-    return _rotated(state.theta, terms.com_x - state.c_x, terms.com_y - state.c_y)
+    return rotated(state.theta, terms.com_x - state.c_x, terms.com_y - state.c_y)
 
 
 def _bias(terms: ObjectTerms, state: State, inputs: Input, rolling: Rolling) -> tuple[Any, Any]:
@@ -252,7 +260,7 @@ def _support_friction(terms: ObjectTerms, state: State, inputs: Input, smoothing
     force_x, force_y, moment = 0.0, 0.0, 0.0
     capacities = _capacities(terms, state, inputs, smoothing, acceleration)
     for (s_x, s_y, _), capacity in zip(terms.supports, capacities):
-        arm_x, arm_y = _rotated(state.theta, s_x - state.c_x, s_y - state.c_y)
+        arm_x, arm_y = rotated(state.theta, s_x - state.c_x, s_y - state.c_y)
         v_x, v_y = inputs.v_x - state.omega * arm_y, inputs.v_y + state.omega * arm_x
         weight = friction_weight(capacity, v_x, v_y, smoothing)
         force_x, force_y = force_x - weight * v_x, force_y - weight * v_y
@@ -267,10 +275,10 @@ def _capacities(terms: ObjectTerms, state: State, inputs: Input, smoothing: Any,
         return [capacity for _, _, capacity in terms.supports]
     sliding: list[SlidingSupport] = []
     for (s_x, s_y, capacity), support in zip(terms.supports, terms.transfer.supports):
-        arm_x, arm_y = _rotated(state.theta, s_x - state.c_x, s_y - state.c_y)
+        arm_x, arm_y = rotated(state.theta, s_x - state.c_x, s_y - state.c_y)
         slide = slide_direction(inputs.v_x - state.omega * arm_y,
                                 inputs.v_y + state.omega * arm_x, smoothing)
-        gradient = _rotated(state.theta, support.gradient_x, support.gradient_y)
+        gradient = rotated(state.theta, support.gradient_x, support.gradient_y)
         sliding.append(SlidingSupport(capacity, support.friction_coefficient, *gradient, *slide))
     return transferred_capacities(terms.transfer, sliding, terms.mass * acceleration[0],
                                   terms.mass * acceleration[1])

@@ -10,6 +10,7 @@ from benchmarks.controller.tables import (
     ALL, failure_table, Group, groups, Job, Record, refusals, success_table, table, TO_DEGREES,
 )
 from benchmarks.controller.timing import CONVERGED, cpu_times, step_table, Timed
+from benchmarks.report_template import fill_template
 import numpy as np
 
 TEXT = Path(__file__).with_name('controller.md.in')
@@ -107,18 +108,15 @@ def _step_aims(runs: dict[str, list[Timed]]) -> Iterator[Aim]:
 def text(results: Results) -> str:
     """Fill the template."""
     found = groups(results.jobs, results.records)
-    filled = TEXT.read_text(encoding='utf-8')
-    for name, value in (
-            ('COUNTS', _counts(results.jobs)), ('AIMS', aim_table(results)),
-            ('SUCCESS', success_table([group for group in found if group.kind == ALL])),
-            ('KINDS', success_table([group for group in found if group.kind != ALL])),
-            ('FAILURES', failure_table(found)),
-            ('REFUSALS', refusals(results.jobs, results.records)),
-            ('GRID', grid_table(results.grid_jobs, results.grid_records)
-             if results.grid_jobs else 'Not measured in this run.'),
-            ('STEPS', step_table(results.runs)), ('NODES', dds_table(results.nodes))):
-        filled = filled.replace(f'@{name}@', value)
-    return filled
+    grid = 'Not measured in this run.'
+    if results.grid_jobs:
+        grid = grid_table(results.grid_jobs, results.grid_records)
+    return fill_template(
+        TEXT, COUNTS=_counts(results.jobs), AIMS=aim_table(results),
+        SUCCESS=success_table([group for group in found if group.kind == ALL]),
+        KINDS=success_table([group for group in found if group.kind != ALL]),
+        FAILURES=failure_table(found), REFUSALS=refusals(results.jobs, results.records),
+        GRID=grid, STEPS=step_table(results.runs), NODES=dds_table(results.nodes))
 
 
 def _counts(jobs: Sequence[Job]) -> str:

@@ -11,6 +11,7 @@ from benchmarks.faults.injection import Input, Word
 from benchmarks.faults.process_rig import ProcessRow
 from benchmarks.faults.row import Ending, Row
 from benchmarks.faults.soak import soak_table, SoakTask
+from benchmarks.report_template import fill_template
 import numpy as np
 
 TEMPLATE = Path(__file__).parent / 'faults.md.in'
@@ -54,15 +55,13 @@ def write_report(path: Path, findings: Findings, options: str) -> None:
     """
     rows, processes = findings.rows, findings.processes
     temporary = [row for row in rows if row.fault.is_temporary]
-    values = {'RUNS': len(rows), 'OPTIONS': options, 'TABLE': table(rows),
-              'UNEXPLAINED': sum(not row.is_explained for row in [*rows, *processes]),
-              'TEMPORARY': len(temporary),
-              'RECOVERED': sum(row.ending is Ending.DONE for row in temporary),
-              'STOPS': stop_table(rows), 'STRUCK': len(processes),
-              'PROCESSES': process_table(processes), 'SOAK': soak_table(findings.soak)}
-    text = TEMPLATE.read_text(encoding='utf-8')
-    for name, value in values.items():
-        text = text.replace(f'@{name}@', str(value))
+    text = fill_template(
+        TEMPLATE, RUNS=len(rows), OPTIONS=options, TABLE=table(rows),
+        UNEXPLAINED=sum(not row.is_explained for row in [*rows, *processes]),
+        TEMPORARY=len(temporary),
+        RECOVERED=sum(row.ending is Ending.DONE for row in temporary),
+        STOPS=stop_table(rows), STRUCK=len(processes), PROCESSES=process_table(processes),
+        SOAK=soak_table(findings.soak))
     path.write_text(text, encoding='utf-8')
 
 

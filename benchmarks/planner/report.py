@@ -12,6 +12,7 @@ from benchmarks.planner.tables import (
     bound_table, faults, growth_table, kind_table, quality_table, shot_table, site_table,
     solver_table, speed_table, table, warm_start_table,
 )
+from benchmarks.report_template import fill_template
 import numpy as np
 
 if TYPE_CHECKING:
@@ -106,18 +107,14 @@ def _gap_rows(results: Results) -> list[AimRow]:
 def text(results: Results) -> str:
     """Fill the template."""
     square = next(iter(results.kinds.values()))
-    filled = TEXT.read_text(encoding='utf-8')
-    for name, value in (
-            ('COUNT', len(square)), ('FIRST', f'{results.first:.1f}'),
-            ('AIMS', aim_table(results)), ('SPEEDS', speed_table(square)),
-            ('KINDS', kind_table(results.kinds)), ('FAULTS', faults(results.kinds)),
-            ('SHOTS', shot_table(results.shots)), ('QUALITY', quality_table(results.quality)),
-            ('SOLVERS', solver_table(results.solvers)),
-            ('SITES', site_table(results.sites)), ('GROWTH', growth_table(results.growth)),
-            ('AGAIN', warm_start_table(results.warm_starts)),
-            ('STARTS', results.starts), ('BOUNDS', bound_table(results.bounded))):
-        filled = filled.replace(f'@{name}@', str(value))
-    return filled
+    return fill_template(
+        TEXT, COUNT=len(square), FIRST=f'{results.first:.1f}', AIMS=aim_table(results),
+        SPEEDS=speed_table(square), KINDS=kind_table(results.kinds),
+        FAULTS=faults(results.kinds), SHOTS=shot_table(results.shots),
+        QUALITY=quality_table(results.quality), SOLVERS=solver_table(results.solvers),
+        SITES=site_table(results.sites), GROWTH=growth_table(results.growth),
+        AGAIN=warm_start_table(results.warm_starts), STARTS=results.starts,
+        BOUNDS=bound_table(results.bounded))
 
 
 def picture(path: Path, results: Results) -> None:

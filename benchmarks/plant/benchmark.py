@@ -16,6 +16,7 @@ from typing import Callable, Optional, Sequence
 from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, TUNED
 from benchmarks.plant.scenes import apart, extrapolated, MovingObject, ORIGIN, Scene, SCENES
 from benchmarks.progress_bar import progress
+from benchmarks.report_template import fill_template
 from push_model.geometry import Pose
 
 DESCRIPTION = 'Speed and error of the plant, against MuJoCo on the same pushes.'
@@ -202,10 +203,8 @@ def report(quick: bool) -> tuple[str, list[Run], dict[str, list[Run]]]:
     theirs = {name: engine_runs(name, engine, scenes, steps, fine)
               for name, engine in ENGINES.items()}
     runs = [run for family in (ours, *theirs.values()) for run in family]
-    text = TEXT.read_text(encoding='utf-8')
-    for name, value in (('FINE', f'{1e6 * fine:g}'), ('SCENES', scene_table(ours, scenes)),
-                        ('RUNS', run_table(runs)), ('RATIOS', ratio_table(ours, theirs))):
-        text = text.replace(f'@{name}@', value)
+    text = fill_template(TEXT, FINE=f'{1e6 * fine:g}', SCENES=scene_table(ours, scenes),
+                         RUNS=run_table(runs), RATIOS=ratio_table(ours, theirs))
     return text, ours, theirs
 
 

@@ -17,6 +17,7 @@ from benchmarks.plant.comparison import (
 )
 from benchmarks.plant.mujoco_scene import Engine, TUNED
 from benchmarks.progress_bar import progress
+from benchmarks.report_template import fill_template
 import mujoco
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import Pose
@@ -179,12 +180,9 @@ def main() -> None:
     speeds = table(['speed m/s', 'difference mm', 'deg'],
                    [[f'{speed:g}', f'{1e3 * distance:.2f}', f'{math.degrees(angle):.3f}']
                     for speed, (distance, angle) in speed_trend()])
-    text = TEXT.read_text(encoding='utf-8')
-    for name, value in (('VERSION', mujoco.__version__), ('COUNT', str(len(PUSHES))),
-                        ('SPREAD', spread(results)), ('PUSHES', pushes), ('SPEEDS', speeds),
-                        ('STEPS', step_table()),
-                        ('RAISED', raised_table())):
-        text = text.replace(f'@{name}@', value)
+    text = fill_template(TEXT, VERSION=mujoco.__version__, COUNT=len(PUSHES),
+                         SPREAD=spread(results), PUSHES=pushes, SPEEDS=speeds,
+                         STEPS=step_table(), RAISED=raised_table())
     (out / 'mujoco.md').write_text(text, encoding='utf-8')
     picture(out / 'mujoco.png')
     print(f'{out / "mujoco.md"}\n{out / "mujoco.png"}')

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
+from benchmarks.report_template import fill_template
 from benchmarks.speed import growth, measures
 from benchmarks.speed.measures import median
 
@@ -140,8 +141,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     load += f' to {os.getloadavg()[0]:.1f}'
     print('\n\n'.join([table(rows), growing]))
     if options.out is not None:
-        text = TEMPLATE.read_text(encoding='utf-8')
-        text = text.replace('@TABLE@', table(rows)).replace('@LOAD@', load)
-        text = text.replace('@GROWTH@', growing)
+        text = fill_template(TEMPLATE, TABLE=table(rows), LOAD=load, GROWTH=growing)
         (options.out / 'performance.md').write_text(text, encoding='utf-8')
     return 0

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Sequence
 
 from benchmarks.controller.tables import Job, Pair, Record
+from benchmarks.report_template import fill_template
 from benchmarks.tasks.aims import aim_table
 from benchmarks.tasks.cases import DISTURBED, IN_MAPS, METHODS, OPEN, PARTS, STRICT, WHEELS
 from benchmarks.tasks.groups import (
@@ -39,25 +40,22 @@ def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
         what ``benchmarks.tasks.reference.refer`` returned.
     """
     pairs = with_informed_times(list(zip(jobs, records)))
-    methods, filled = methods_of(pairs), TEXT.read_text(encoding='utf-8')
+    methods = methods_of(pairs)
     everything = side_by_side(pairs, PARTS, methods)
     kinds = side_by_side(pairs, (OPEN,), methods, kind)
     mapped = side_by_side(pairs, (IN_MAPS,), methods, variety)
     disturbed = (side_by_side(pairs, (DISTURBED,), methods, variety)
                  + side_by_side(pairs, (DISTURBED,), methods, _state_when_moved)[len(methods):])
-    for name, value in (
-            ('COUNTS', _counts(everything)), ('AIMS', aim_table(pairs, methods)),
-            ('OPEN', success_table(kinds) if kinds else NOT_MEASURED),
-            ('EFFORT', effort_table(kinds) if kinds else NOT_MEASURED),
-            ('CORRECTIONS', correction_table(kinds) if kinds else NOT_MEASURED),
-            ('STATES', state_table(everything)),
-            ('VARIED', _varied(pairs, methods)),
-            ('MAPS', success_table(mapped) if mapped else NOT_MEASURED),
-            ('CLEARANCES', collision_table(mapped) if mapped else NOT_MEASURED),
-            ('DISTURBED', success_table(disturbed) if disturbed else NOT_MEASURED),
-            ('FAILURES', failure_table(pairs)), ('RECOVERIES', recovery_table(pairs, methods))):
-        filled = filled.replace(f'@{name}@', value)
-    return filled
+    return fill_template(
+        TEXT, COUNTS=_counts(everything), AIMS=aim_table(pairs, methods),
+        OPEN=success_table(kinds) if kinds else NOT_MEASURED,
+        EFFORT=effort_table(kinds) if kinds else NOT_MEASURED,
+        CORRECTIONS=correction_table(kinds) if kinds else NOT_MEASURED,
+        STATES=state_table(everything), VARIED=_varied(pairs, methods),
+        MAPS=success_table(mapped) if mapped else NOT_MEASURED,
+        CLEARANCES=collision_table(mapped) if mapped else NOT_MEASURED,
+        DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
+        FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs, methods))
 
 
 def _counts(groups: Sequence[Group]) -> str:

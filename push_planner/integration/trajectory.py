@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from push_dynamics.machine_code import RowFunction
+from push_model.dynamics import rotated
 from push_model.geometry import FloatArray, wrap_angle
 from push_model.trajectory import COLUMNS, PushTrajectory
 from push_planner.collocation.collocation import (
@@ -167,11 +168,11 @@ def _world_motion(kind: PushKind, supports: SupportLayout) -> RowFunction:
     gamma_rate = omega if kind == 'held' else lam * omega + (1.0 - lam) * robot_omega
     # Into the world: all angles grow by that of the start.
     theta, gamma = node.theta + start_theta, node.theta + delta + start_theta
-    q_x, q_y = _rotated(start_theta, node.q_x, node.q_y)
+    q_x, q_y = rotated(start_theta, node.q_x, node.q_y)
     n_x, n_y = ca.cos(gamma), ca.sin(gamma)
     to_contact = radius if kind == 'rolling' else 0.0
     contact_x, contact_y = start_x + q_x + to_contact * n_x, start_y + q_y + to_contact * n_y
-    lever_x, lever_y = _rotated(theta, c_x, c_y)
+    lever_x, lever_y = rotated(theta, c_x, c_y)
     v_x, v_y = speed * ca.cos(gamma + node.rho), speed * ca.sin(gamma + node.rho)
     results = {
         'object_poses': (contact_x - lever_x, contact_y - lever_y, theta),
@@ -185,7 +186,3 @@ def _world_motion(kind: PushKind, supports: SupportLayout) -> RowFunction:
     found: Any = ca.cse([ca.densify(ca.vertcat(*result)) for result in results.values()])
     return RowFunction(ca.Function('world_motion', list(given.values()), found, list(given),
                                    list(results)), is_independent=True)
-
-
-def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
-    return ca.cos(angle) * x - ca.sin(angle) * y, ca.sin(angle) * x + ca.cos(angle) * y
