@@ -1,5 +1,5 @@
 """
-Successors of a node: pushes whose first contact the robot reaches, as far as nothing is in the way.
+Successors of a node: pushes whose first contact the robot reaches, while nothing is in the way.
 
 A push ends after one of several lengths, or at the goal itself.
 """
