@@ -53,6 +53,7 @@ def test_every_push_starts_with_the_robot_at_the_object_and_every_task_away(name
     scenario = read_scenario(find_scenario(name))
     _, _, gap = find_contact(scenario.true_object, scenario.start.object.pose,
                              scenario.robot_start, scenario.robot.radius)
+    assert name.startswith('task_') == (scenario.task is not None)
     if scenario.task is None:
         assert 0.0 - 1e-9 <= gap <= scenario.planner.contact_tolerance
     else:

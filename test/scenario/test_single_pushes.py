@@ -19,11 +19,9 @@ pytestmark = pytest.mark.slow
 CLOSED_LOOPS = ('feedback', 'mpc')
 
 
-SINGLE_PUSHES = [name for name in scenario_names() if load_scenario(name).task is None]
-
-
 @pytest.mark.parametrize('law', CLOSED_LOOPS)
-@pytest.mark.parametrize('name', SINGLE_PUSHES)
+@pytest.mark.parametrize('name', [name for name in scenario_names()
+                                  if not name.startswith('task_')])
 def test_every_scenario_ends_as_expected(name, law):
     result = simulate(load_scenario(name), law)
     assert is_as_expected(result), result.reason or measure(result)
@@ -88,7 +86,8 @@ def test_time_limit_ends_a_run_and_says_so():
 
 def test_robot_stands_while_poses_are_missing_and_goes_on_afterwards():
     case = load_scenario('sensor_dropout')
-    tape = simulate(case).tape
+    last = case.sensors.pose_dropouts[-1][1]
+    tape = simulate(dataclasses.replace(case, time_limit=last + 3.0)).tape
     stale = case.sensors.pose_latency + case.control.pose_timeout + 0.3
     for start, end in case.sensors.pose_dropouts:
         before = (tape['time'] > start - 0.5) & (tape['time'] < start)
@@ -97,7 +96,7 @@ def test_robot_stands_while_poses_are_missing_and_goes_on_afterwards():
         assert np.abs(tape['command_v_x'][missing]).max() == 0.0
         assert np.abs(tape['robot_v_x'][missing]).max() < 0.02
         assert tape['robot_v_x'][before].min() > 0.05
-    after = tape['time'] > case.sensors.pose_dropouts[-1][1] + 1.0
+    after = tape['time'] > last + 1.0
     assert tape['robot_v_x'][after].max() > 0.1
 
 
@@ -117,16 +116,18 @@ def test_progress_is_reported_in_order():
         times.append(progress.time)
         distances.append(progress.distance)
 
-    result = simulate(load_scenario('straight_push'), progress=note)
+    case = load_scenario('straight_push')
+    result = simulate(dataclasses.replace(case, goal=dataclasses.replace(case.goal, x=0.3)),
+                      progress=note)
     assert list(dict.fromkeys(stages)) == ['planning', 'pushing', 'settling']
     assert times == sorted(times)
-    assert distances[0] == pytest.approx(1.0)
+    assert distances[0] == pytest.approx(0.3)
     assert distances[-1] == pytest.approx(measure(result).position_error, abs=1e-4)
 
 
-@pytest.mark.parametrize('angle', [0.0, 2.0])
-def test_result_does_not_depend_on_the_world_frame(angle):
-    case = load_scenario('straight_push')
+def test_result_does_not_depend_on_the_world_frame():
+    """It is as expected where start and goal are turned, too."""
+    case, angle = load_scenario('straight_push'), 2.0
     start = dataclasses.replace(case.start.object, theta=case.start.object.theta + angle)
     goal = dataclasses.replace(case.goal, x=math.cos(angle), y=math.sin(angle),
                                theta=case.goal.theta + angle)
