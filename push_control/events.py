@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-from typing import Any, Mapping
+from typing import Any, Generic, Mapping, TypeVar
+
+Reason = TypeVar('Reason', bound=enum.Enum)
 
 
 class PushEvent(enum.Enum):
@@ -68,24 +70,27 @@ class PushEvent(enum.Enum):
         :param values: the numbers that the sentence names, in its units.
         :return: ``EventReport``.
         """
-        return EventReport(self, values)
+        return Report(self, values)
 
 
 @dataclasses.dataclass(frozen=True)
-class EventReport:
+class Report(Generic[Reason]):
     """
-    An event, and the numbers that belong to it; ``str`` gives the sentence.
+    What has happened, and the numbers that belong to it; ``str`` gives the sentence.
 
-    :param event: what has happened.
+    :param reason: what has happened; its value is the template of its sentence.
     :param values: the numbers that its sentence names.
     """
 
-    event: PushEvent
+    reason: Reason
     values: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
 
     def __str__(self) -> str:
         """Return the sentence."""
-        return self.event.value.format(**self.values)
+        return self.reason.value.format(**self.values)
+
+
+EventReport = Report[PushEvent]
 
 
 def sentence(report: EventReport | None) -> str:

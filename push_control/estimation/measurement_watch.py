@@ -45,7 +45,7 @@ class MeasurementWatch:
         :param time: now [s].
         :return: why the robot has to wait, or None where it may move.
         """
-        if fault is None or fault.event in BEGINNINGS:
+        if fault is None or fault.reason in BEGINNINGS:
             if self.fault is None or fault is not None:
                 return fault
             recovery = RECOVERY_TIMES[min(self._relapses, len(RECOVERY_TIMES) - 1)]
@@ -56,7 +56,7 @@ class MeasurementWatch:
             self._since = time
             has_relapsed = time - self._recovered_at < RELAPSE_TIME
             self._relapses = self._relapses + 1 if has_relapsed else 0
-        is_known = self.fault is not None and self.fault.event is fault.event
+        is_known = self.fault is not None and self.fault.reason is fault.reason
         if not is_known or time - self._reported_at >= RENEWAL_PERIOD:
             self.fault, self._reported_at = fault, time
         self._bad_at = time

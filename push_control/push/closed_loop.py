@@ -240,7 +240,7 @@ class ClosedLoopPush(PushExecution):
         """
         (state, projection), goal, guidance = self._estimate, self._target.goal, self._guidance
         return ControllerStatus(
-            phase=phase, reason=sentence(event), event=None if event is None else event.event,
+            phase=phase, reason=sentence(event), event=None if event is None else event.reason,
             position_error=math.hypot(state.x - goal.x, state.y - goal.y),
             heading_error=wrap_angle(state.theta - goal.theta),
             remaining_distance=(guidance.planned_length if projection is None

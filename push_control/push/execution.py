@@ -83,4 +83,4 @@ def plain_status(phase: Phase, event: EventReport | None) -> ControllerStatus:
     :param event: ``EventReport`` of what is out of the ordinary, or None.
     :return: ``ControllerStatus``.
     """
-    return ControllerStatus(phase, sentence(event), None if event is None else event.event)
+    return ControllerStatus(phase, sentence(event), None if event is None else event.reason)

@@ -86,7 +86,7 @@ class PoseCheck:
         self._agreeing = self._agreeing + 1 if agrees else 1
         if self._agreeing >= AGREEING_COUNT:
             return self._accept(measured)
-        if self.doubt is None or self.doubt.event is not PushEvent.OBJECT_POSE_JUMPS:
+        if self.doubt is None or self.doubt.reason is not PushEvent.OBJECT_POSE_JUMPS:
             self.doubt = PushEvent.OBJECT_POSE_JUMPS.report(
                 distance=distance(believed.pose, measured.pose),
                 rotation=math.degrees(wrap_angle(measured.pose.theta - believed.pose.theta)))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import enum
-from typing import Any, Mapping
+from typing import Any
+
+from push_control.events import Report
 
 
 class SafetyState(enum.Enum):
@@ -69,21 +70,7 @@ class SafetyReason(enum.Enum):
         :param values: the numbers that the sentence names, in its units.
         :return: ``SafetyReport``.
         """
-        return SafetyReport(self, values)
+        return Report(self, values)
 
 
-@dataclasses.dataclass(frozen=True)
-class SafetyReport:
-    """
-    A reason, and the numbers that belong to it; ``str`` gives the sentence.
-
-    :param reason: the ``SafetyReason``.
-    :param values: the numbers that its sentence names.
-    """
-
-    reason: SafetyReason
-    values: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
-
-    def __str__(self) -> str:
-        """Return the sentence."""
-        return self.reason.value.format(**self.values)
+SafetyReport = Report[SafetyReason]

@@ -40,7 +40,7 @@ def test_an_outlier_is_held_back_and_an_object_that_was_moved_is_not():
     last = checked(check, poses)
     far = last._replace(time=last.time + PERIOD, pose=Pose(1.0, 0.0, 0.0))
     assert check.believed(far) is last
-    assert check.doubt.event is PushEvent.OBJECT_POSE_JUMPS
+    assert check.doubt.reason is PushEvent.OBJECT_POSE_JUMPS
     assert check.doubt.values['distance'] == pytest.approx(1.0, abs=0.01)
     back = last._replace(time=far.time + PERIOD)
     assert check.believed(back) is back and check.doubt is None
