@@ -34,9 +34,11 @@ MAX_ROUTES = 12
 MAX_RELAXED_ROUTES = 2
 # Ratio of an optimum to its route that is hardly fallen below: routes whose length times this is
 # above the best solved push are not tried. Measured: all routes of 300 random pushes solved; a
-# fast push leaves the reserve of curvature of its routes, and may leave its homotopy class.
+# fast push leaves the reserve of curvature of its routes, and may leave its homotopy class. Of 91
+# pushes at 1 m/s the worst is 0.2 % above the best of twelve routes, with 0.77 3 %, for a quarter
+# more iterations.
 ROUTE_SLACK = 0.95
-FAST_ROUTE_SLACK = 0.77
+FAST_ROUTE_SLACK = 0.7
 # Difference of the object's rotations below which two routes lead to the same optimum [rad].
 SAME_ROTATION = 1.0
 
