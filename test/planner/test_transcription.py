@@ -1,6 +1,7 @@
 """The nonlinear program's algebra: its integration, its start, its optimum, its derivatives."""
 
 import math
+from typing import NamedTuple
 
 import casadi as ca
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
@@ -21,8 +22,17 @@ GOAL = Pose(1.5, 0.5, 0.0)
 ROBOTS = pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=lambda r: r.drive)
 
 
+class Driven(NamedTuple):
+    """Node after a step, samples of the nodes, forces at the samples, and that at the begin."""
+
+    end: np.ndarray
+    samples: np.ndarray
+    forces: np.ndarray
+    first_force: np.ndarray
+
+
 def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.12):
-    """Return the node after one step from rest in equal parts, and the samples of w."""
+    """Drive one step from rest in equal parts."""
     parameters = problem.push_parameters
     x, y = problem.contact_point
     rest = Node(0.0, angle, 0.0, x, y)
@@ -32,14 +42,14 @@ def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.1
     v_squared = problem.settings.pushing_speed ** 2
     scalars = np.tile([length / count, 1.0 / count, v_squared, 0.0, smoothing], (count, 1))
     is_begin = np.eye(count, 1)
-    samples, unused, force = np.zeros((count, 18)), np.zeros((count, 6)), np.zeros((count, 2))
+    samples, unused = np.zeros((count, 18)), np.zeros((count, 6))
+    forces, first_forces = np.zeros((count, 6)), np.zeros((count, 2))
     part_function(problem.kind, parameters.supports, jumps).bind({
         'state': states[:-1], 'reference': states[0, :6].copy(), 'gains': np.zeros(6),
         'change': np.array([float(change)]), 'scalars': scalars, 'is_begin': is_begin,
         'restarts': np.zeros(1), 'column': parameters.column(), 'next_state': states[1:],
-        'begin': unused, 'samples': samples, 'forces': unused,
-        'first_force': force})()
-    return states[-1, :6], samples.reshape(-1, 6)
+        'begin': unused, 'samples': samples, 'forces': forces, 'first_force': first_forces})()
+    return Driven(states[-1, :6], samples.reshape(-1, 6), forces.reshape(-1, 2), first_forces[0])
 
 
 @pytest.mark.parametrize('points', [2, 3])
@@ -59,10 +69,21 @@ def test_radau_integrates_polynomials_exactly(points):
 def test_fine_integration_converges_fast(robot, change):
     """At least with the fourth power of the part, through the settling after the first touch."""
     problem = vertex_problem(GOAL, robot, pushing_speed=0.4)
-    exact = drive(problem, change, 0.48, 192)[0]
-    errors = [np.abs(drive(problem, change, 0.48, count)[0] - exact).max() for count in (12, 24)]
+    exact = drive(problem, change, 0.48, 192).end
+    errors = [np.abs(drive(problem, change, 0.48, count).end - exact).max() for count in (12, 24)]
     assert errors[0] < 1e-4
     assert errors[1] < errors[0] / 16.0
+
+
+@ROBOTS
+@pytest.mark.parametrize('change', [0.0, 0.3, -0.3])
+def test_the_force_at_the_begin_is_the_limit_of_that_soon_after(robot, change):
+    """Half as far from it, it is half as far off."""
+    problem = vertex_problem(GOAL, robot)
+    soon, sooner = (drive(problem, change, 0.1, count) for count in (2000, 4000))
+    off, half_as_far = (np.abs(run.forces[0] - run.first_force).max() for run in (soon, sooner))
+    assert off < 0.02 * np.hypot(*soon.first_force)
+    assert half_as_far == pytest.approx(0.5 * off, rel=0.05, abs=1e-9)
 
 
 def test_two_jumps_are_one():
@@ -80,7 +101,7 @@ def test_two_jumps_are_one():
 def test_settling_distance_is_that_of_the_integration():
     """After the first touch w nears its steady value by a factor e per settling distance."""
     problem = vertex_problem(GOAL, HOLONOMIC, pushing_speed=0.05)
-    _, samples = drive(problem, 0.0, 0.01, 300, 1e-4, angle=1e-3)
+    samples = drive(problem, 0.0, 0.01, 300, 1e-4, angle=1e-3).samples
     w, s = samples[2::3, 0], np.linspace(0.0, 0.01, 301)[1:]
     begin = float(contact_impulse('held', problem.push_parameters, Node(
         0.0, 1e-3, 0.0, *problem.contact_point)).w_jump)
