@@ -1,6 +1,8 @@
 """Paths of the robot on its own: straight lines, arcs and rotations in place, pose by pose."""
 
 from collections.abc import Iterable, Sequence
+import dataclasses
+import functools
 import math
 from typing import NamedTuple
 
@@ -28,9 +30,12 @@ class NoPathFound(ValueError):
         self.reason = reason
 
 
-class PathSegment(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class PathSegment:
     """
     Motion from one pose to the next, along a circle and with an even yaw rate.
+
+    What follows from it is computed once: a robot that drives along it asks at every step.
 
     :param start: ``Pose`` at its beginning.
     :param end: ``Pose`` at its end.
@@ -42,7 +47,7 @@ class PathSegment(NamedTuple):
     end: Pose
     arc_angle: float = 0.0
 
-    @property
+    @functools.cached_property
     def length(self) -> float:
         """Length of the path of the robot's centre [m]; 0 for a rotation in place."""
         chord, half = distance(self.start, self.end), 0.5 * self.arc_angle
@@ -50,12 +55,12 @@ class PathSegment(NamedTuple):
             return 0.0
         return chord * half / math.sin(half) if abs(half) > 1e-9 else chord
 
-    @property
+    @functools.cached_property
     def heading_change(self) -> float:
         """Change of the robot's heading, the short way round [rad]."""
         return wrap_angle(self.end.theta - self.start.theta)
 
-    @property
+    @functools.cached_property
     def directions(self) -> tuple[float, float]:
         """Directions of motion at the beginning and at the end [rad]."""
         chord = math.atan2(self.end.y - self.start.y, self.end.x - self.start.x)

@@ -275,7 +275,9 @@ class MotionSection:
     def __init__(self, segments: Sequence[PathSegment], limits: DriveSettings,
                  end_speed: float = 0.0) -> None:
         self.segments = tuple(segments)
-        self._limits = limits
+        # Of each segment: limits of speed and acceleration, and curvature.
+        self._limits = [segment_limits(segment, limits) for segment in self.segments]
+        self._curvatures = [segment.arc_angle / segment.length for segment in self.segments]
         self._starts = [0.0, *itertools.accumulate(segment.length for segment in self.segments)]
         self._speeds, self._windows = joint_speeds(self.segments, limits, end_speed=end_speed)
         self._joints = self._curvature_jumps()
@@ -312,7 +314,7 @@ class MotionSection:
         :param s: arc length from the beginning [m].
         """
         i = self._number
-        top, braking = segment_limits(self.segments[i], self._limits)
+        top, braking = self._limits[i]
         left = self._starts[i + 1] - s
         if self._windows[i] and s - self._starts[i] < self._windows[i]:
             top = min(top, self._speeds[i])
@@ -328,8 +330,8 @@ class MotionSection:
 
         :param s: arc length from the beginning [m].
         """
-        segment, along = self._segment_at(s)
-        return segment.direction(along)
+        number, along = self._place_at(s)
+        return self.segments[number].direction(along)
 
     def smooth_motion(self, s: float) -> tuple[float, float, float]:
         """
@@ -341,8 +343,8 @@ class MotionSection:
         :param s: arc length from the beginning [m].
         :return: direction [rad], curvature [1/m], offset to the left of the path [m].
         """
-        segment, along = self._segment_at(s)
-        direction, curvature = segment.direction(along), segment.arc_angle / segment.length
+        number, along = self._place_at(s)
+        direction, curvature = self.segments[number].direction(along), self._curvatures[number]
         joint = min(self._joints, key=lambda joint: abs(s - joint.s), default=None)
         if joint is None:
             return direction, curvature, 0.0
@@ -362,20 +364,22 @@ class MotionSection:
         :param s: arc length from the beginning [m].
         :return: heading [rad], change per distance [rad/m].
         """
-        segment, along = self._segment_at(s)
+        number, along = self._place_at(s)
+        segment = self.segments[number]
         return segment.heading(along), segment.heading_change / segment.length
 
     def _curvature_jumps(self) -> list[CurvatureJump]:
-        curvatures = [segment.arc_angle / segment.length for segment in self.segments]
+        curvatures = self._curvatures
         return [CurvatureJump(s, after - before, window) for s, window, before, after in zip(
             self._starts[1:], self._windows[1:], curvatures, curvatures[1:]) if window]
 
-    def _segment_at(self, s: float) -> tuple[PathSegment, float]:
+    def _place_at(self, s: float) -> tuple[int, float]:
+        """Find the number of the segment at an arc length, and the arc length on it [m]."""
         s = min(self.length, max(0.0, s))
         number = len(self.segments) - 1
         while number and s < self._starts[number]:
             number -= 1
-        return self.segments[number], s - self._starts[number]
+        return number, s - self._starts[number]
 
 
 def split_at_stops(path: Path, limits: DriveSettings,

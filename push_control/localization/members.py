@@ -10,7 +10,7 @@ import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_control.localization.ensemble_update import read_poses, write_poses
+from push_control.localization.ensemble_update import gap_between, read_poses, write_poses
 from push_dynamics import layout
 from push_dynamics.compiled import kernel_array
 from push_dynamics.encoding import body_numbers, initial_state, NO_OUTLINE, support_rows
@@ -141,6 +141,16 @@ class Members:
     def contact_ratio(self) -> float:
         """Ratio of members in which the robot touches the object."""
         return float(np.count_nonzero(self.in_contact)) / self.count
+
+    def gap(self, object_pose: Pose, robot_pose: Pose) -> float:
+        """
+        Compute the gap between robot and object, wherever they are.
+
+        :param object_pose: ``Pose`` of the object frame.
+        :param robot_pose: ``Pose`` of the robot.
+        :return: gap [m], negative on overlap.
+        """
+        return gap_between(self.bodies[0], self.scratch.outline, object_pose, robot_pose)
 
     def set_robot_poses(self, poses: FloatArray) -> None:
         """

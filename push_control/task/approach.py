@@ -120,7 +120,7 @@ class Approach(Behavior):
     def _check_object(self, perception: TaskPerception) -> None:
         """Fail where somebody has moved the object, or the robot itself has run into it."""
         obj, robot, settings = self._context.obj, self._context.robot, self._context.supervision
-        gap = perception.gap(obj, robot)
+        gap = perception.gap
         deviation = perception.localization.position_deviation
         was_displaced = perception.was_displaced
         if gap < -OVERLAP_TOLERANCE and not was_displaced:

@@ -13,7 +13,7 @@ from push_control.observation import Observation
 from push_control.safety.odometry_check import integrated_step
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
-from push_model.contact import find_contact, FoundContact, robot_gap
+from push_model.contact import find_contact, FoundContact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
@@ -447,15 +447,10 @@ class TaskPerception:
         self._window.clear()
         self._rest_from = time
 
-    def gap(self, obj: PushedObject, robot: RoundRobot) -> float:
-        """
-        Compute the gap between the robot and the object at rest.
-
-        :param obj: the ``PushedObject``.
-        :param robot: the ``RoundRobot``.
-        :return: gap [m], negative on overlap.
-        """
-        return robot_gap(obj, self.object_at_rest.pose, self.robot_pose, robot.radius)
+    @property
+    def gap(self) -> float:
+        """Gap between the robot and the object at rest [m], negative on overlap."""
+        return self.localization.members.gap(self.object_at_rest.pose, self.robot_pose)
 
     def update_from_contact(self, obj: PushedObject, robot: RoundRobot, deviation: float,
                             is_certain: bool = True) -> None:

@@ -19,7 +19,6 @@ from push_control.push.status import ControllerStatus, Phase
 from push_control.settings import ControlSettings
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.perception import TaskPerception
-from push_model.contact import robot_gap
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
@@ -241,7 +240,7 @@ class PrimitivePush(Behavior):
         pose, object_pose = ensemble.pose, ensemble.object_pose
         line = object_pose @ self._line.start
         local = line.inverse().transform(pose[:2])
-        gap = robot_gap(self._obj, object_pose, pose, self._robot.radius)
+        gap = ensemble.members.gap(object_pose, pose)
         deviation = ensemble.position_deviation
         if ensemble.contact_ratio > 0.5:
             progress.enter(_Stage.PUSHING)

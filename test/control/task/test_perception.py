@@ -72,7 +72,7 @@ def test_a_robot_does_not_stand_inside_the_object(obj, deviation):
     perception = seen(obj, Pose(-0.31, 0.04, 1.0), ORIGIN, deviation)
     perception.correct_overlap(obj, HOLONOMIC, 0.001)
     # Those that would overlap are moved out, the others not in: the mean is clear by some of it.
-    assert -2e-3 < perception.gap(obj, HOLONOMIC) < 2e-3 + 0.1 * deviation
+    assert -2e-3 < perception.gap < 2e-3 + 0.1 * deviation
     assert 0.03 < distance(perception.robot_pose, (-0.31, 0.04)) < 0.07 + 0.1 * deviation
     members = perception.localization.members
     gaps = [find_contact(obj, Pose(*there), robot[:2], HOLONOMIC.radius).gap
@@ -103,7 +103,7 @@ def test_what_moves_an_object_twice_is_the_robot_behind_it(angle):
     back = Pose(0.0, 0.0, -angle).rotate(np.subtract(perception.robot_pose, pose)[:2])
     # About a radius is not known, and no member is inside the object.
     assert back[0] < -0.3 and abs(back[1]) < 0.05
-    assert 0.0 <= perception.gap(box(), HOLONOMIC) < 0.15
+    assert 0.0 <= perception.gap < 0.15
     assert perception.localization.position_deviation < 0.2
 
 
