@@ -10,10 +10,12 @@ leads along another direction than its twist, which shows over a distance, howev
 
 from collections import deque
 import math
-from typing import NamedTuple
 
+from push_control.safety.odometry_rows import (
+    compare_motions, continue_row, EXPECTED_X, Motions, row_of, TIME, TRAVELLED, X,
+)
 from push_control.safety.status import SafetyReason, SafetyReport
-from push_model.geometry import distance, Pose, wrap_angle
+from push_model.geometry import distance, FloatArray, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
 
@@ -60,34 +62,8 @@ LONG_STEP = 0.25
 # What a step counts as whose duration is not known, as the clock has fallen back in it [s];
 # chosen: the shortest that may have any velocity.
 UNKNOWN_STEP = 1.01 * LONG_STEP
-
-
-class _Sample(NamedTuple):
-    """
-    Where the robot is at a time.
-
-    :param time: of odometry [s].
-    :param pose: of odometry.
-    :param integrated: sum of its twists since the last jump.
-    """
-
-    time: float
-    pose: Pose
-    integrated: Pose
-
-
-class _Course(NamedTuple):
-    """
-    Where the robot has come, in axes of the world.
-
-    :param travelled: path length of its poses [m].
-    :param position: (x, y) of its pose [m].
-    :param expected: sum of its twists, each along the heading of the pose at that time [m].
-    """
-
-    travelled: float
-    position: tuple[float, float]
-    expected: tuple[float, float]
+# Odometry of a robot that stands.
+STILL = Odometry(0.0, Pose(0.0, 0.0, 0.0), STOP)
 
 
 class OdometryCheck:
@@ -103,8 +79,9 @@ class OdometryCheck:
         self._robot = robot
         self._is_absolute = is_absolute
         self._last: Odometry | None = None
-        self._samples: deque[_Sample] = deque()
-        self._course: deque[_Course] = deque()
+        # Rows of the sliding window of time, and of that of distance.
+        self._window: deque[FloatArray] = deque()
+        self._course: deque[FloatArray] = deque()
         # Time at which the present pose came first [s].
         self._pose_since = 0.0
         # Command that was sent last, and when [s]; and what commands add up to since the pose of
@@ -115,6 +92,9 @@ class OdometryCheck:
         # continues the one before.
         self._late: Odometry | None = None
         self._is_continuous = True
+        # Changes nothing; but loads machine code before the robot moves.
+        compare_motions(row_of(STILL), row_of(STILL))
+        continue_row(row_of(STILL), row_of(STILL))
 
     def add_command(self, command: Twist, time: float) -> None:
         """
@@ -139,10 +119,10 @@ class OdometryCheck:
             return
         if late is None:
             # How long this step takes is not known.
-            fault = self._jump(last, odometry._replace(time=last.time + UNKNOWN_STEP),
-                               Pose(0.0, 0.0, 0.0))
+            fault = self._jump(last._replace(twist=STOP), odometry._replace(
+                time=last.time + UNKNOWN_STEP, twist=STOP))
         else:
-            fault = self._jump(late, odometry, integrated_step(late, odometry))
+            fault = self._jump(late, odometry)
         self._late = odometry
         self._is_continuous = self._is_continuous and fault is None
 
@@ -160,29 +140,26 @@ class OdometryCheck:
         if odometry.time <= last.time:
             self._last = last
             return None
-        step = integrated_step(last, odometry)
-        fault = self._jump(last, odometry, step)
+        row = row_of(odometry)
+        duration = odometry.time - last.time
+        fault = self._judge_step(continue_row(self._window[-1], row), duration)
         late, is_continuous = self._late, self._is_continuous
         self._late, self._is_continuous = None, True
         if late is not None and fault is not None and is_continuous:
             # Its clock had fallen back: what looks like a jump was driven meanwhile.
-            fault = self._jump(late, odometry, integrated_step(late, odometry))
+            fault = self._jump(late, odometry)
             self.restart(odometry)
             return fault
-        if odometry.pose != last.pose:
-            if fault is not None and self._explains(last.pose.inverse() @ odometry.pose):
-                # Odometry had stood still, and has caught up.
-                fault = None
-                self.restart(odometry)
+        has_moved = odometry.pose != last.pose
+        # Odometry that had stood still, and has caught up, is judged from here on.
+        has_caught_up = (fault is not None and has_moved
+                         and self._explains(last.pose.inverse() @ odometry.pose))
+        if has_moved:
             self._commanded_distance = self._commanded_rotation = 0.0
-        if fault is not None or odometry.time - last.time > LONG_STEP:
+        if fault is not None or duration > LONG_STEP:
             self.restart(odometry)
-            return fault
-        samples = self._samples
-        samples.append(_Sample(odometry.time, odometry.pose, samples[-1].integrated @ step))
-        while len(samples) > 2 and samples[1].time <= odometry.time - WINDOW:
-            samples.popleft()
-        self._extend_course(last, odometry)
+            return None if has_caught_up else fault
+        self._extend(row)
         fault = self._repetition(last, odometry) or self._contradiction()
         return fault or self._check_direction(odometry)
 
@@ -192,10 +169,10 @@ class OdometryCheck:
 
         :param odometry: the newest ``Odometry``.
         """
-        self._course.clear()
-        self._course.append(_Course(0.0, odometry.pose[:2], (0.0, 0.0)))
-        self._samples.clear()
-        self._samples.append(_Sample(odometry.time, odometry.pose, Pose(0.0, 0.0, 0.0)))
+        row = row_of(odometry)
+        for rows in (self._window, self._course):
+            rows.clear()
+            rows.append(row)
         self._pose_since = odometry.time
 
     def _repetition(self, last: Odometry, odometry: Odometry) -> SafetyReport | None:
@@ -208,21 +185,24 @@ class OdometryCheck:
             return None
         return SafetyReason.ODOMETRY_FROZEN.report(duration=duration)
 
-    def _jump(self, last: Odometry, odometry: Odometry, expected: Pose) -> SafetyReport | None:
+    def _jump(self, last: Odometry, odometry: Odometry) -> SafetyReport | None:
+        """Judge the step from one message to another."""
+        return self._judge_step(continue_row(row_of(last), row_of(odometry)),
+                                odometry.time - last.time)
+
+    def _judge_step(self, step: Motions, duration: float) -> SafetyReport | None:
         distance_limit, rotation_limit = (
             (ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION) if self._is_absolute
             else (JUMP_DISTANCE, JUMP_ROTATION))
-        moved, duration = last.pose.inverse() @ odometry.pose, odometry.time - last.time
-        travelled, rotated = math.hypot(expected.x, expected.y), abs(expected.theta)
+        travelled, rotated = step.expected_distance, step.expected_rotation
         if duration > LONG_STEP:
             travelled = max(travelled, self._robot.max_speed * duration)
             rotated = max(rotated, self._robot.max_yaw_rate * duration)
-        offset, rotation = _difference(moved, expected)
-        if (offset <= distance_limit + JUMP_RATIO * travelled
-                and rotation <= rotation_limit + JUMP_RATIO * rotated):
+        if (step.offset <= distance_limit + JUMP_RATIO * travelled
+                and step.rotation <= rotation_limit + JUMP_RATIO * rotated):
             return None
-        return SafetyReason.ODOMETRY_JUMPED.report(distance=offset,
-                                                   rotation=math.degrees(rotation))
+        return SafetyReason.ODOMETRY_JUMPED.report(distance=step.offset,
+                                                   rotation=math.degrees(step.rotation))
 
     def _explains(self, moved: Pose) -> bool:
         """Tell whether the commands since odometry has stood still may have moved the robot so."""
@@ -232,29 +212,32 @@ class OdometryCheck:
                 <= JUMP_ROTATION + COMMAND_RATIO * self._commanded_rotation)
 
     def _contradiction(self) -> SafetyReport | None:
-        first, last = self._samples[0], self._samples[-1]
-        moved = first.pose.inverse() @ last.pose
-        expected = first.integrated.inverse() @ last.integrated
-        offset, rotation = _difference(moved, expected)
-        distances = math.hypot(moved.x, moved.y), math.hypot(expected.x, expected.y)
-        rotations = abs(wrap_angle(moved.theta)), abs(wrap_angle(expected.theta))
-        if (offset <= WINDOW_DISTANCE + WINDOW_RATIO * max(distances)
-                and rotation <= WINDOW_ROTATION + WINDOW_RATIO * max(rotations)):
+        first, last = self._window[0], self._window[-1]
+        found = compare_motions(first, last)
+        if (found.offset <= WINDOW_DISTANCE
+                + WINDOW_RATIO * max(found.moved, found.expected_distance)
+                and found.rotation <= WINDOW_ROTATION
+                + WINDOW_RATIO * max(found.rotated, found.expected_rotation)):
             return None
         return SafetyReason.ODOMETRY_CONTRADICTORY.report(
-            moved=distances[0], rotated=math.degrees(rotations[0]), expected=distances[1],
-            rotation=math.degrees(rotations[1]), duration=last.time - first.time)
+            moved=found.moved, rotated=math.degrees(found.rotated),
+            expected=found.expected_distance, rotation=math.degrees(found.expected_rotation),
+            duration=float(last[TIME] - first[TIME]))
 
-    def _extend_course(self, last: Odometry, odometry: Odometry) -> None:
-        before, here, duration = self._course[-1], odometry.pose, odometry.time - last.time
-        rotation = wrap_angle(here.theta - last.pose.theta)
-        middle = Pose(*before.expected, last.pose.theta + 0.5 * rotation)
-        v_x, v_y = (0.5 * duration * (a + b) for a, b in zip(last.twist[:2], odometry.twist[:2]))
-        self._course.append(_Course(before.travelled + distance(last.pose, here), here[:2],
-                                    middle.transform((v_x, v_y))))
-        while (len(self._course) > 2 and self._course[-1].travelled - self._course[1].travelled
-               >= DIRECTION_DISTANCE):
-            self._course.popleft()
+    def _extend(self, row: FloatArray) -> None:
+        """Add a row to both windows, and drop what is too old, or too far back."""
+        window, course = self._window, self._course
+        window.append(row)
+        begin = row[TIME] - WINDOW
+        while len(window) > 2 and window[1][TIME] <= begin:
+            window.popleft()
+        travelled = row[TRAVELLED]
+        if len(course) > 1 and course[-1][TRAVELLED] == travelled:
+            # A robot that stands adds nothing to its course.
+            course.pop()
+        course.append(row)
+        while len(course) > 2 and travelled - course[1][TRAVELLED] >= DIRECTION_DISTANCE:
+            course.popleft()
 
     def early_contradiction(self) -> SafetyReport | None:
         """
@@ -263,18 +246,20 @@ class OdometryCheck:
         :return: ``SafetyReport`` where its pose moves quite otherwise than its twist, over
             however short a distance; else None.
         """
-        last = self._course[-1].travelled
+        last = self._course[-1][TRAVELLED]
         for least_distance, ratio in EARLY_RATIOS.items():
             first = next((course for course in reversed(self._course)
-                          if last - course.travelled >= least_distance), None)
-            fault = first and self._direction_error(first, EARLY_TOLERANCE, ratio)
+                          if last - course[TRAVELLED] >= least_distance), None)
+            if first is None:
+                continue
+            fault = self._direction_error(first, EARLY_TOLERANCE, ratio)
             if fault and self._last is not None:
                 self.restart(self._last)
                 return fault
         return None
 
     def _check_direction(self, odometry: Odometry) -> SafetyReport | None:
-        if self._course[-1].travelled - self._course[0].travelled < DIRECTION_DISTANCE:
+        if self._course[-1][TRAVELLED] - self._course[0][TRAVELLED] < DIRECTION_DISTANCE:
             return None
         constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_TOLERANCE
         fault = (self._direction_error(self._course[0], constant, DIRECTION_RATIO)
@@ -286,23 +271,18 @@ class OdometryCheck:
 
     def _lateral_error(self, constant: float) -> SafetyReport | None:
         """Compare the course with its twists, across the direction of these."""
-        first, last = self._course[0], self._course[-1]
-        (x, y), expected = ((b[0] - a[0], b[1] - a[1]) for a, b in (
-            (first.position, last.position), (first.expected, last.expected)))
+        travelled, (x, y), expected = _along_course(self._course[0], self._course[-1])
         heading = math.atan2(expected[1], expected[0])
         along, lateral = Pose(0.0, 0.0, -heading).rotate((x, y))
-        if abs(lateral) <= constant + LATERAL_RATIO * (last.travelled - first.travelled):
+        if abs(lateral) <= constant + LATERAL_RATIO * travelled:
             return None
         return SafetyReason.ODOMETRY_DIRECTION.report(
             moved=math.hypot(x, y), angle=math.degrees(math.atan2(lateral, along)))
 
-    def _direction_error(self, first: _Course, constant: float,
+    def _direction_error(self, first: FloatArray, constant: float,
                          ratio: float) -> SafetyReport | None:
         """Compare the course since one of its places with its twists, to a tolerance."""
-        last = self._course[-1]
-        travelled = last.travelled - first.travelled
-        moved, expected = ((b[0] - a[0], b[1] - a[1]) for a, b in (
-            (first.position, last.position), (first.expected, last.expected)))
+        travelled, moved, expected = _along_course(first, self._course[-1])
         if distance(moved, expected) <= constant + ratio * travelled:
             return None
         angle = wrap_angle(math.atan2(moved[1], moved[0]) - math.atan2(expected[1], expected[0]))
@@ -330,6 +310,10 @@ def integrated_step(last: Odometry, odometry: Odometry) -> Pose:
     return Pose(x, y, rotation)
 
 
-def _difference(pose: Pose, other: Pose) -> tuple[float, float]:
-    return (math.hypot(pose.x - other.x, pose.y - other.y),
-            abs(wrap_angle(pose.theta - other.theta)))
+def _along_course(first: FloatArray, last: FloatArray,
+                  ) -> tuple[float, tuple[float, float], tuple[float, float]]:
+    """Path length between two rows [m], and motion by poses and by twists, in the world [m]."""
+    difference: list[float] = (last - first).tolist()
+    x, y = difference[X:X + 2]
+    expected_x, expected_y = difference[EXPECTED_X:EXPECTED_X + 2]
+    return difference[TRAVELLED], (x, y), (expected_x, expected_y)
