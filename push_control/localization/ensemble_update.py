@@ -16,9 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from push_dynamics.compiled import compiled
-from push_dynamics.contact_law import nearest_points
 from push_dynamics.layout import (
-    COM_X, COM_Y, DISC_RADIUS, ROBOT_RADIUS, ROBOT_THETA, ROBOT_X, ROBOT_Y, THETA, X, Y,
+    COM_X, COM_Y, ROBOT_THETA, ROBOT_X, ROBOT_Y, THETA, X, Y,
 )
 from push_model.geometry import FloatArray
 
@@ -133,22 +132,6 @@ def write_poses(states: Any, bodies: Any, poses: Any, first: int) -> None:
         states[i, X] = poses[i, 3] + (c * com_x - s * com_y)
         states[i, Y] = poses[i, 4] + (s * com_x + c * com_y)
         states[i, THETA] = theta
-
-
-@compiled
-def gap_between(body: Any, outline: Any, object_pose: Any, robot_pose: Any) -> float:
-    """
-    Compute the gap between robot and object.
-
-    :param body: of any member.
-    :param outline: vertices in the object frame [m].
-    :param object_pose: (x, y, theta) of the object frame.
-    :param robot_pose: (x, y, theta).
-    :return: gap [m], negative on overlap.
-    """
-    return nearest_points(
-        outline, body[DISC_RADIUS], body[ROBOT_RADIUS], object_pose[0], object_pose[1],
-        object_pose[2], robot_pose[0], robot_pose[1], robot_pose[2]).gap
 
 
 @compiled

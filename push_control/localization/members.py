@@ -7,13 +7,15 @@ so that contact, rolling and sliding need no model of their own here.
 """
 
 import dataclasses
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_control.localization.ensemble_update import gap_between, read_poses, write_poses
+from push_control.localization.ensemble_update import read_poses, write_poses
 from push_dynamics import layout
-from push_dynamics.compiled import kernel_array
+from push_dynamics.compiled import closest_on_polygon, kernel_array
 from push_dynamics.encoding import body_numbers, initial_state, NO_OUTLINE, support_rows
+from push_model.contact import robot_gap
 from push_model.geometry import BoolArray, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives.member_motion import close_gaps, IDEAL_DRIVE, move_members
@@ -79,6 +81,7 @@ class Members:
         :param count: number of members.
         """
         self.obj = obj
+        self.robot_radius = robot.radius
         state = initial_state(obj, Pose(0.0, 0.0, 0.0), Pose(1.0e3, 0.0, 0.0))
         self.states: FloatArray = np.tile(np.array(state), (count, 1))
         self.bodies: FloatArray = np.tile(
@@ -150,7 +153,12 @@ class Members:
         :param robot_pose: ``Pose`` of the robot.
         :return: gap [m], negative on overlap.
         """
-        return gap_between(self.bodies[0], self.scratch.outline, object_pose, robot_pose)
+        obj, radius = self.obj, self.robot_radius
+        if not obj.outline or math.isinf(radius):
+            return robot_gap(obj, object_pose, robot_pose, radius)
+        # The same, compiled.
+        x, y = object_pose.inverse().transform(robot_pose[:2])
+        return closest_on_polygon(self.scratch.outline, x, y)[4] - radius
 
     def set_robot_poses(self, poses: FloatArray) -> None:
         """
