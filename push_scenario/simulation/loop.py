@@ -79,17 +79,18 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     """
     scenario = place_robot(dataclasses.replace(
         scenario, control=control_settings(scenario, control_law)))
-    report = progress or _ignore
     simulation = make_simulation(scenario, plant_type)
-    report(Progress('planning', 0.0, distance(scenario.start.object.pose, scenario.goal.pose)))
+    if progress is not None:
+        progress(Progress('planning', 0.0,
+                          distance(scenario.start.object.pose, scenario.goal.pose)))
     observation = first_observation(simulation)
     try:
         robot = make_robot_control(scenario, observation,
                                    _planning_time(scenario, planning_time))
     except PlanningFailed as failure:
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason)
-    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, report)
-    ending = loop.run(scenario.time_limit, intervene or _ignore)
+    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, progress)
+    ending = loop.run(scenario.time_limit, intervene)
     duration = simulation.time
     record = robot.record(ending, duration)
     loop.settle()
@@ -172,7 +173,7 @@ class ClosedLoop:
     """Plant and robot: one command for every measurement."""
 
     def __init__(self, simulation: Simulation, robot: RobotControl, safety: SafetyLayer,
-                 observation: Observation, report: ProgressCallback) -> None:
+                 observation: Observation, report: ProgressCallback | None = None) -> None:
         """
         Answer the first measurements.
 
@@ -180,7 +181,7 @@ class ClosedLoop:
         :param robot: what runs on the robot.
         :param safety: ``SafetyLayer`` between the two.
         :param observation: the first measurements.
-        :param report: called with a ``Progress`` at every measurement.
+        :param report: called with a ``Progress`` at every measurement; None for nobody.
         """
         self._simulation = simulation
         self._robot = robot
@@ -194,18 +195,19 @@ class ClosedLoop:
         """The newest ``Observation``."""
         return self._observation
 
-    def run(self, time_limit: float, intervene: Intervention) -> Ending:
+    def run(self, time_limit: float, intervene: Intervention | None = None) -> Ending:
         """
         Go on until the robot ends the run, or time is up.
 
         :param time_limit: simulated time after which it is [s].
-        :param intervene: called before every measurement.
+        :param intervene: called before every measurement; None for nobody.
         """
         while self._simulation.time < time_limit:
             ending = self._robot.update_plan(self._observation)
             if ending is not None:
                 return ending
-            intervene(self._simulation, self._robot.controller)
+            if intervene is not None:
+                intervene(self._simulation, self._robot.controller)
             self.advance()
         return Ending(Outcome.TIME_LIMIT, f'not done after {time_limit:g} s')
 
@@ -232,9 +234,10 @@ class ClosedLoop:
         else:
             self._observation = Observation(now, before.odometry, measurement)
         self._step(now - before.time)
-        object_pose = self._simulation.plant.object_pose
-        self._report(Progress(stage or self._robot.stage, now,
-                              distance(object_pose, self._robot.goal)))
+        if self._report is not None:
+            object_pose = self._simulation.plant.object_pose
+            self._report(Progress(stage or self._robot.stage, now,
+                                  distance(object_pose, self._robot.goal)))
 
     def _step(self, dt: float) -> None:
         """Command the robot, through the safety layer."""
@@ -243,7 +246,3 @@ class ClosedLoop:
         self._robot.on_safety_report(fault, safety.report)
         command = self._robot.step(observation, dt)
         self._simulation.command(safety.filter(command, observation.time))
-
-
-def _ignore(*_: object) -> None:
-    pass

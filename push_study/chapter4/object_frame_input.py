@@ -16,7 +16,7 @@ from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.loop import (
-    ClosedLoop, first_observation, make_safety_layer, make_simulation, Progress,
+    ClosedLoop, first_observation, make_safety_layer, make_simulation,
 )
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.robot_control import Ending, SinglePushControl
@@ -85,8 +85,8 @@ def simulate_in_object_frame(scenario: Scenario) -> RunResult:
     simulation = make_simulation(scenario)
     observation = first_observation(simulation)
     robot = ObjectFrameInput(scenario, observation, simulation)
-    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, _ignore)
-    ending = loop.run(scenario.time_limit, _ignore)
+    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation)
+    ending = loop.run(scenario.time_limit)
     duration = simulation.time
     record = robot.record(ending, duration)
     loop.settle()
@@ -116,7 +116,3 @@ def travelled_distances(planned: PushTrajectory) -> FloatArray:
     speeds = np.hypot(*planned.contact_twists[:, :2].T)
     steps = 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(planned.times)
     return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _ignore(*_: Progress | object) -> None:
-    pass

@@ -55,8 +55,7 @@ class LiveRun:
                                   PLANNING_TIMES[setup.task.planning.method])
         self._robot.set_map(occupancy_map)
         safety: SafetyLayer = make_safety_layer(scenario)
-        self._loop = ClosedLoop(self._simulation, self._robot, safety, observation,
-                                lambda _: None)
+        self._loop = ClosedLoop(self._simulation, self._robot, safety, observation)
         self._display = RunDisplay(log, self._simulation, self._robot,
                                    len(scenario.object.supports))
         self._show_start(setup)
