@@ -13,6 +13,9 @@ from push_model.geometry import Coordinates, Pose
 
 SIDES = {'L': 1.0, 'S': 0.0, 'R': -1.0}
 WORDS = ('LSL', 'RSR', 'LSR', 'RSL', 'LRL', 'RLR')
+# Distance of two centres that are apart by rounding only [m]; chosen: maps are kilometres wide at
+# most, in which coordinates are rounded to 1e-12 m.
+SAME_CENTER = 1e-9
 # Lengths of the three segments of a path [m].
 Lengths = tuple[float, float, float]
 
@@ -117,7 +120,8 @@ def _arc_line_arc(start: Coordinates, goal: Coordinates, word: str,
     if between < abs(cross):
         return []
     heading = bearing + (math.asin(cross / between) if between > 0.0 else 0.0)
-    if between == 0.0:
+    if between < SAME_CENTER:
+        # The bearing from one to the other says nothing; to follow it would take a full circle.
         heading = start[2]
     line = math.sqrt(between * between - cross * cross)
     return [(_arc_length(first, start[2], heading, radii), line,

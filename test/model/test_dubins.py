@@ -30,3 +30,13 @@ def test_dubins_known_lengths():
     assert u_turn.length == pytest.approx(math.pi)
     with pytest.raises(ValueError, match='radius R'):
         dubins_paths(Pose(0, 0, 0), Pose(1, 0, 0), 1.0, 0.0)
+
+
+def test_rounding_makes_no_circle_of_a_path_to_where_it_starts():
+    """Only what is further off than any rounding is reached by a detour."""
+    start = Pose(3.0, -2.0, 0.7)
+    for bearing in np.linspace(0.0, 2.0 * math.pi, 13):
+        goal = Pose(start.x + 1e-12 * math.cos(bearing), start.y + 1e-12 * math.sin(bearing), 0.7)
+        assert dubins_paths(start, goal, 1.0, 0.5)[0].length < 1e-9
+    aside = start @ Pose(0.0, 1e-3, 0.0)
+    assert dubins_paths(start, aside, 1.0, 0.5)[0].length > math.pi
