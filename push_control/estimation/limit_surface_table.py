@@ -113,6 +113,25 @@ def curvature_of_force(values: Any, forces: Any, arm: float, c_squared: float,
     return -math.tan(alpha) / wheelbase_at(values, arm, c_squared, alpha)
 
 
+@compiled
+def curvatures_of_forces(values: Any, forces: Any, arm: float, c_squared: float, low: float,
+                         high: float) -> tuple[float, float]:
+    """
+    Curvatures for which the force stays between two directions.
+
+    :param values: ``LimitSurfaceTable.values`` [m^2].
+    :param forces: ``LimitSurfaceTable.forces`` [rad].
+    :param arm: r of the ``Vehicle`` [m].
+    :param c_squared: c^2 of the ``Vehicle`` [m^2].
+    :param low: least angle of the force from C->F [rad].
+    :param high: greatest angle [rad].
+    :return: (lowest, highest) curvature [1/m].
+    """
+    # A force to one side turns the object to the other one.
+    return (curvature_of_force(values, forces, arm, c_squared, high),
+            curvature_of_force(values, forces, arm, c_squared, low))
+
+
 class LimitSurfaceTable:
     """
     Turning and force of the supports themselves, over the angle alpha of the push from C->F.
@@ -178,10 +197,8 @@ class LimitSurfaceTable:
         :param high: greatest angle [rad].
         :return: (lowest, highest) curvature [1/m].
         """
-        # A force to one side turns the object to the other one.
-        arm, c_squared = vehicle.arm, vehicle.c_squared
-        return (curvature_of_force(self.values, self.forces, arm, c_squared, high),
-                curvature_of_force(self.values, self.forces, arm, c_squared, low))
+        return curvatures_of_forces(self.values, self.forces, vehicle.arm, vehicle.c_squared, low,
+                                    high)
 
 
 def _force_angle(obj: PushedObject, point: Coordinates, push: tuple[float, float],

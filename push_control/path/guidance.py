@@ -41,6 +41,10 @@ class Guidance:
         self.planned_length = path.length
         self.path_replans = 0
         self.reapproaches = 0
+        # Changes nothing; but loads machine code before the robot moves.
+        project_on_path(path, path.at(0.0).pose, 0.0)
+        path.curvature_range(0.0, LOOK_AHEAD_DISTANCES, path.length)
+        path.curvatures(0.0, LOOK_AHEAD_DISTANCES)
 
     def project(self, pose: Pose) -> PathProjection:
         """
@@ -60,7 +64,7 @@ class Guidance:
         :param distances: beyond the last projection [m], shape (n,).
         :return: curvatures [1/m], shape (n,).
         """
-        return self._path.curvatures(self._s + distances)
+        return self._path.curvatures(self._s, distances)
 
     def update(self, pose: Pose, projection: PathProjection, *, replan_limits: CurvatureLimits,
                hard_limits: CurvatureLimits, travelled_distance: float,
@@ -136,8 +140,9 @@ class Guidance:
                    and abs(projection.heading_error) <= settings.replan_heading_error)
         if not is_near:
             return True
-        ahead = self.preview(np.minimum(LOOK_AHEAD_DISTANCES, projection.remaining_distance))
-        return bool(ahead.max() > hard_limits.high or ahead.min() < hard_limits.low)
+        low, high = self._path.curvature_range(self._s, LOOK_AHEAD_DISTANCES,
+                                               projection.remaining_distance)
+        return high > hard_limits.high or low < hard_limits.low
 
     def _reapproach_in_time(self, pose: Pose, projection: PathProjection,
                             limits: CurvatureLimits) -> PathProjection:

@@ -5,7 +5,6 @@ Anchored there, a path keeps its end where the object's goal is, whatever the ce
 turns out to be.
 """
 
-import abc
 import math
 from typing import Any, NamedTuple
 
@@ -118,7 +117,55 @@ def path_point(path: PathNumbers, s: float) -> PathPoint:
                           a[2] + ratio * (b[2] - a[2])), a[3] + ratio * (b[3] - a[3]))
 
 
-class FlatOutputPath(abc.ABC):
+@compiled
+def path_curvature(path: PathNumbers, s: float) -> float:
+    """
+    Evaluate the curvature of a path; 0 beyond its ends.
+
+    :param path: ``PathNumbers``.
+    :param s: arc length from the start [m].
+    :return: curvature [1/m].
+    """
+    last = len(path.begins) - 1
+    if path.is_sampled and not 0.0 <= s <= path.begins[last]:
+        return 0.0
+    return path_point(path, s).curvature
+
+
+@compiled
+def read_curvatures(path: PathNumbers, start: float, distances: Any, curvatures: Any) -> None:
+    """
+    Evaluate the curvatures of a path; 0 beyond its ends.
+
+    :param path: ``PathNumbers``.
+    :param start: arc length [m].
+    :param distances: beyond it [m], shape (n,).
+    :param curvatures: is written [1/m], shape (n,).
+    """
+    for i in range(len(distances)):
+        curvatures[i] = path_curvature(path, start + distances[i])
+
+
+@compiled
+def curvature_range(path: PathNumbers, start: float, distances: Any,
+                    longest: float) -> CurvatureLimits:
+    """
+    Find the least and the greatest curvature of a path ahead.
+
+    :param path: ``PathNumbers``.
+    :param start: arc length [m].
+    :param distances: beyond it [m], shape (n,).
+    :param longest: to which they are shortened [m].
+    :return: ``CurvatureLimits``.
+    """
+    low, high = math.inf, -math.inf
+    for i in range(len(distances)):
+        curvature = path_curvature(path, start + min(distances[i], longest))
+        low, high = min(low, curvature), max(high, curvature)
+    return CurvatureLimits(low, high)
+
+
+class FlatOutputPath:
     """
     A path of z that ends at the origin of its frame, along x.
 
@@ -137,14 +184,29 @@ class FlatOutputPath(abc.ABC):
         """
         return interpreted(path_point)(self.numbers, s)
 
-    @abc.abstractmethod
-    def curvatures(self, s: FloatArray) -> FloatArray:
+    def curvatures(self, start: float, distances: FloatArray) -> FloatArray:
         """
         Evaluate curvatures; 0 beyond the end.
 
-        :param s: arc lengths from the start [m], shape (n,).
+        :param start: arc length from the start [m].
+        :param distances: beyond that [m], shape (n,).
         :return: curvatures [1/m], shape (n,).
         """
+        curvatures: FloatArray = np.empty(len(distances))
+        read_curvatures(self.numbers, start, distances, curvatures)
+        return curvatures
+
+    def curvature_range(self, start: float, distances: FloatArray,
+                        longest: float) -> CurvatureLimits:
+        """
+        Find the least and the greatest curvature ahead.
+
+        :param start: arc length from the start [m].
+        :param distances: beyond that [m], shape (n,).
+        :param longest: to which they are shortened [m].
+        :return: ``CurvatureLimits``.
+        """
+        return curvature_range(self.numbers, start, distances, longest)
 
 
 class SampledPath(FlatOutputPath):
@@ -164,21 +226,11 @@ class SampledPath(FlatOutputPath):
             raise ValueError(f'trajectory: got a path of {length:.3f} m of the flat output, '
                              f'expected at least {SPACING} m')
         count = max(3, math.ceil(length / SPACING) + 1)
-        self._arc_lengths = np.linspace(0.0, length, count)
-        x, y, psi = (np.interp(self._arc_lengths, arc_lengths, column) for column in dense_poses)
-        self._curvature: FloatArray = np.gradient(psi, self._arc_lengths)
-        rows = np.column_stack((x, y, psi, self._curvature))
-        self.numbers = PathNumbers(rows, self._arc_lengths, True)
+        begins = np.linspace(0.0, length, count)
+        x, y, psi = (np.interp(begins, arc_lengths, column) for column in dense_poses)
+        rows = np.column_stack((x, y, psi, np.gradient(psi, begins)))
+        self.numbers = PathNumbers(rows, begins, True)
         self.length = float(length)
-
-    def curvatures(self, s: FloatArray) -> FloatArray:
-        """
-        Evaluate curvatures; 0 beyond the ends.
-
-        :param s: arc lengths from the start [m], shape (n,).
-        :return: curvatures [1/m], shape (n,).
-        """
-        return np.interp(s, self._arc_lengths, self._curvature, 0.0, 0.0)
 
 
 class FinalStraightPath(FlatOutputPath):
@@ -193,25 +245,14 @@ class FinalStraightPath(FlatOutputPath):
         """
         self.length = route.length + final_straight
         # Before the start, on each of the three segments, and beyond them.
-        ends: FloatArray = np.cumsum((0.0, *route.lengths))
-        self._segment_ends = ends
-        self._segment_curvatures = np.array((0.0, *route.curvatures, 0.0))
+        begins = np.cumsum((0.0, 0.0, *route.lengths))
+        curvatures = np.array((0.0, *route.curvatures, 0.0))
         pose = route.start
         poses = [pose, pose]
         for distance, curvature in zip(route.lengths, route.curvatures):
             pose = dubins.advance_along_arc(pose, distance, curvature)
             poses.append(pose)
-        self.numbers = PathNumbers(np.column_stack((poses, self._segment_curvatures)),
-                                   np.concatenate(((0.0,), ends)), False)
-
-    def curvatures(self, s: FloatArray) -> FloatArray:
-        """
-        Evaluate curvatures; 0 beyond the ends.
-
-        :param s: arc lengths from the start [m], shape (n,).
-        :return: curvatures [1/m], shape (n,).
-        """
-        return self._segment_curvatures[np.searchsorted(self._segment_ends, s)]
+        self.numbers = PathNumbers(np.column_stack((poses, curvatures)), begins, False)
 
 
 class PathProjection(NamedTuple):

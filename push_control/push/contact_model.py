@@ -8,7 +8,7 @@ from push_control.estimation.contact_site import ContactSite, initial_contact_si
 from push_control.estimation.limit_surface_table import LimitSurfaceTable
 from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.laws.contact_steering import ContactSteering, SteeringCommand
-from push_control.path.path import CurvatureLimits, flat_output_pose
+from push_control.path.path import CurvatureLimits
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -52,8 +52,10 @@ class PushStep(NamedTuple):
         :param goal: ``Pose`` of the object at its goal, in the world.
         :return: ``Pose``.
         """
-        local = flat_output_pose(self.vehicle)
-        return local.inverse() @ goal.inverse() @ state.pose @ local
+        x, y = state.pose.transform(self.vehicle.flat_output)
+        goal_x, goal_y = goal.transform(self.vehicle.flat_output)
+        to_goal = Pose(0.0, 0.0, -goal.theta - self.vehicle.angle)
+        return Pose(*to_goal.rotate((x - goal_x, y - goal_y)), state.theta - goal.theta)
 
 
 class ContactModel:
