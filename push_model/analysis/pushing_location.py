@@ -13,6 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from push_model.analysis.planar import rotated
 from push_model.contact import (
     contact_point, curvature_radius, face_length, normal_range, rolling_constants,
     RollingConstants,
@@ -78,12 +79,12 @@ class PushingLocation(NamedTuple):
         normal_ratio, effective_radius = self.rolling
         normal = normal_ratio * rotation - self.pushing_angle
         if math.isinf(self.object_radius):
-            return _rotated(normal, self.normal_distance,
-                            self.tangential_distance - effective_radius * rotation)
+            return rotated(normal, self.normal_distance,
+                           self.tangential_distance - effective_radius * rotation)
         # The centre of curvature is fixed in the object: R_s from C along the normal.
         radius = self.object_radius
-        x, y = _rotated(rotation - self.pushing_angle, self.normal_distance - radius,
-                        self.tangential_distance)
+        x, y = rotated(rotation - self.pushing_angle, self.normal_distance - radius,
+                       self.tangential_distance)
         return x + radius * np.cos(normal), y + radius * np.sin(normal)
 
     def alpha(self, rotation: Any) -> Any:
@@ -113,7 +114,7 @@ def pushing_location(obj: PushedObject, contact: Contact, robot_radius: float,
     normal = 0.5 * (low + high) if normal is None else normal
     x_f, y_f = friction_center(obj)
     x_c, y_c = contact_point(obj, contact)
-    normal_distance, tangential_distance = _rotated(-normal, x_f - x_c, y_f - y_c)
+    normal_distance, tangential_distance = rotated(-normal, x_f - x_c, y_f - y_c)
     rotation_range = -math.inf, math.inf
     if contact.kind == 'vertex':
         rotation_range = normal - high, normal - low
@@ -124,7 +125,3 @@ def pushing_location(obj: PushedObject, contact: Contact, robot_radius: float,
     return PushingLocation(robot_radius, curvature_radius(obj, contact), float(normal_distance),
                            float(tangential_distance), pushing_angle, rotation_range,
                            normal + pushing_angle)
-
-
-def _rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
-    return np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y

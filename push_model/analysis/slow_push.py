@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from push_model.analysis.planar import rotated
 from push_model.analysis.sliding_contact import contact_motion, SupportArrays
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject
@@ -96,7 +97,7 @@ def integrate_slow_pushes(shape: Shape, supports: SupportArrays, contact_frictio
             motion = contact_motion(_rows(supports, rows), step.points[rows], step.normals[rows],
                                     step.displacements[rows], friction[rows])
             moved = _moved(poses[rows], step.points[rows], motion.velocities, motion.yaw_rates)
-            found.forces[rows, index] = _rotated(poses[rows, 2], motion.forces)
+            found.forces[rows, index] = _rotated_rows(poses[rows, 2], motion.forces)
             found.slides[rows, index] = motion.slides
             poses[rows] = moved
         found.poses[:, index] = poses
@@ -121,14 +122,14 @@ class _Step(NamedTuple):
     @classmethod
     def of(cls, shape: Shape, robot_radius: float, poses: FloatArray, before: FloatArray,
            after: FloatArray) -> '_Step':
-        centers = _rotated(-poses[:, 2], before[:, :2] - poses[:, :2])
+        centers = _rotated_rows(-poses[:, 2], before[:, :2] - poses[:, :2])
         points, distances = shape.nearest(centers)
         inward = points - centers
         normals = np.arctan2(inward[:, 1], inward[:, 0])
         along = np.column_stack([np.cos(normals), np.sin(normals)])
         aside = np.column_stack([-along[:, 1], along[:, 0]])
         spin = robot_radius * (after[:, 2] - before[:, 2])
-        steps = _rotated(-poses[:, 2], after[:, :2] - before[:, :2]) + spin[:, None] * aside
+        steps = _rotated_rows(-poses[:, 2], after[:, :2] - before[:, :2]) + spin[:, None] * aside
         # What is left of the gap is not pushed.
         steps = steps - (distances - robot_radius)[:, None] * along
         return cls(points, normals, steps, (steps * along).sum(axis=1) > 0.0)
@@ -145,10 +146,8 @@ def _moved(poses: FloatArray, points: FloatArray, displacements: FloatArray,
     """Move poses so that their material points are displaced, rotating at the middle heading."""
     middle = poses[:, 2] + 0.5 * rotations
     origin = displacements + rotations[:, None] * np.column_stack([points[:, 1], -points[:, 0]])
-    return np.column_stack([poses[:, :2] + _rotated(middle, origin), poses[:, 2] + rotations])
+    return np.column_stack([poses[:, :2] + _rotated_rows(middle, origin), poses[:, 2] + rotations])
 
 
-def _rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
-    cosine, sine = np.cos(angles), np.sin(angles)
-    x, y = vectors[:, 0], vectors[:, 1]
-    return np.column_stack([cosine * x - sine * y, sine * x + cosine * y])
+def _rotated_rows(angles: FloatArray, vectors: FloatArray) -> FloatArray:
+    return np.column_stack(rotated(angles, vectors[:, 0], vectors[:, 1]))

@@ -6,6 +6,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from push_control.identification.identification import Identification, identify
 from push_control.identification.recorded_push import stacked
+from push_model.analysis.planar import wrapped
 from push_model.analysis.sliding_contact import SupportArrays
 from push_model.analysis.slow_push import integrate_slow_pushes, Shape
 from push_model.geometry import FloatArray, Pose
@@ -104,7 +105,7 @@ def _quasi_static(name: str, parameters: str, obj: PushedObject, force_scale: fl
     measured = np.array([push.force for push in pushes])
     angles = np.arctan2(forces[:, 1], forces[:, 0]) - np.arctan2(measured[:, 1], measured[:, 0])
     return Errors(name, QUASI_STATIC, parameters, *_pose_errors(ends, pushes),
-                  np.abs(_wrapped(angles)),
+                  np.abs(wrapped(angles)),
                   force_scale * np.hypot(*forces.T) / np.hypot(*measured.T))
 
 
@@ -129,8 +130,4 @@ def _plant_end(obj: PushedObject, robot: RoundRobot, push: BlockPush) -> Pose:
 
 def _pose_errors(ends: FloatArray, pushes: Sequence[BlockPush]) -> tuple[FloatArray, FloatArray]:
     off = ends - np.array([push.motion.end for push in pushes])
-    return np.hypot(off[:, 0], off[:, 1]), np.abs(_wrapped(off[:, 2]))
-
-
-def _wrapped(angles: FloatArray) -> FloatArray:
-    return np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
+    return np.hypot(off[:, 0], off[:, 1]), np.abs(wrapped(off[:, 2]))

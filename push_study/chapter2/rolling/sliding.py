@@ -4,6 +4,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from push_model.analysis.planar import rotated
 from push_model.analysis.pushing_location import PushingLocation
 from push_model.analysis.sliding_contact import contact_motion, ContactMotion, SupportArrays
 from push_model.geometry import FloatArray
@@ -41,12 +42,12 @@ def slow_motion(location: PushingLocation, spread: float, contact_friction: floa
     :return: motion at pushing speed 1, in axes along the push and to its left.
     """
     center = _center_from_contact(location, rotations, rho)
-    points = -_rotated(-rotations, *center)
-    pushes = _rotated(-rotations, np.ones_like(rotations), np.zeros_like(rotations))
+    points = -_rotated_rows(-rotations, *center)
+    pushes = _rotated_rows(-rotations, np.ones_like(rotations), np.zeros_like(rotations))
     motion = contact_motion(cross(spread), points, -rho - rotations, pushes,
                             contact_friction)
-    return motion._replace(velocities=_rotated(rotations, *motion.velocities.T),
-                           forces=_rotated(rotations, *motion.forces.T))
+    return motion._replace(velocities=_rotated_rows(rotations, *motion.velocities.T),
+                           forces=_rotated_rows(rotations, *motion.forces.T))
 
 
 class RollingRange(NamedTuple):
@@ -137,11 +138,9 @@ def _center_from_contact(location: PushingLocation, rotations: FloatArray,
         x, y = location.friction_center(rotations)
         return np.asarray(x), np.asarray(y)
     radius = location.object_radius
-    x, y = _rotated(rotations, np.full_like(rotations, location.normal_distance - radius),
-                    np.full_like(rotations, location.tangential_distance)).T
+    x, y = rotated(rotations, location.normal_distance - radius, location.tangential_distance)
     return x + radius * np.cos(rho), y - radius * np.sin(rho)
 
 
-def _rotated(angles: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-    return np.column_stack([np.cos(angles) * x - np.sin(angles) * y,
-                            np.sin(angles) * x + np.cos(angles) * y])
+def _rotated_rows(angles: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+    return np.column_stack(rotated(angles, x, y))
