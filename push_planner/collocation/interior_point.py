@@ -12,7 +12,7 @@ the last barrier parameter: then a step or two of Newton's method are enough.
 """
 
 import collections
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 import functools
 import math
 import threading
@@ -21,7 +21,9 @@ from typing import NamedTuple, Optional
 import numpy as np
 from push_model.geometry import FloatArray
 from push_planner.collocation.dimensions import Dimensions
-from push_planner.collocation.newton_step import Bounds, newton_functions, Tuning
+from push_planner.collocation.newton_step import (
+    Bounds, newton_functions, NewtonFunctions, Tuning,
+)
 
 # Barrier parameter at first, at first in a second attempt, and at the end [m], and of each step
 # over that before. Chosen: the first leads to most solutions soonest, the second to others; the
@@ -56,6 +58,9 @@ REGULARIZATION_FACTOR = 10.0
 MAX_REGULARIZATION = 1e4
 # Least improvement that the filter asks for, of either value.
 FILTER_MARGIN = 1e-5
+
+
+Evaluation = Callable[[], None]
 
 
 class _Beginning(NamedTuple):
@@ -250,6 +255,51 @@ def _search(memory: '_Memory', entries: list[_Judgement]) -> Optional[_Judgement
     return None
 
 
+class _Views(NamedTuple):
+    """
+    Parts of an iterate and of a step of it by name, and the rows of the inequalities.
+
+    :param primal: variables and slacks.
+    :param primal_step: their changes.
+    :param dual: multipliers.
+    :param dual_step: their changes.
+    :param rows: values of the inequalities.
+    """
+
+    primal: dict[str, FloatArray]
+    primal_step: dict[str, FloatArray]
+    dual: dict[str, FloatArray]
+    dual_step: dict[str, FloatArray]
+    rows: dict[str, FloatArray]
+
+
+class _Recursion(NamedTuple):
+    """
+    What the evaluation of the steps leaves, and the recursion of Riccati over them; n steps.
+
+    :param record: of each step for the recursion, shape (n, r).
+    :param expansion: of each step for what was eliminated, shape (n, e).
+    :param values: P_k, lower triangles, shape (n + 1, v).
+    :param linear: p_k, shape (n + 1, states).
+    :param gains: K_k, shape (n, states).
+    :param leads: k_k, shape (n, 1).
+    """
+
+    record: FloatArray
+    expansion: FloatArray
+    values: FloatArray
+    linear: FloatArray
+    gains: FloatArray
+    leads: FloatArray
+
+    @classmethod
+    def allocate(cls, functions: NewtonFunctions, n: int, states: int) -> '_Recursion':
+        step, end = functions.evaluate.sizes, functions.evaluate_end.sizes
+        return cls(np.zeros((n, step['record'])), np.zeros((n, step['expansion'])),
+                   np.zeros((n + 1, end['values'])), np.zeros((n + 1, states)),
+                   np.zeros((n, states)), np.zeros((n, 1)))
+
+
 class _Memory:
     """
     Arrays of the method, and its functions bound to them.
@@ -261,60 +311,89 @@ class _Memory:
     def __init__(self, dimensions: Dimensions) -> None:
         n, states = dimensions.step_count, dimensions.state_count
         functions = newton_functions(dimensions._replace(step_count=1))
-        step, end = functions.evaluate.sizes, functions.evaluate_end.sizes
-        shapes = iterate_shapes(dimensions)
-        self.primal, of_primal = _allocate(shapes.primal)
-        self.primal_step, primal_steps = _allocate(shapes.primal)
-        self.dual, of_dual = _allocate(shapes.dual)
-        self.dual_step, dual_steps = _allocate(shapes.dual)
+        step, shapes = functions.evaluate.sizes, iterate_shapes(dimensions)
+        self.primal, primal = _allocate(shapes.primal)
+        self.primal_step, primal_step = _allocate(shapes.primal)
+        self.dual, dual = _allocate(shapes.dual)
+        self.dual_step, dual_step = _allocate(shapes.dual)
+        self._rows, rows = _allocate(shapes.slacks)
         self._slacks = slice((n + 1) * dimensions.step_size, None)
         self._multipliers = slice(-_size(shapes.slacks), None)
-        self._rows, rows = _allocate(shapes.slacks)
         self.common, self.data = np.zeros(step['common']), np.zeros((n, step['data']))
         self.bounds, self.tuning = np.zeros(len(Bounds._fields)), np.zeros(len(Tuning._fields))
-        self._measures = np.zeros((n + 2, step['measures']))
-        self._limits, self._pivots = np.zeros((n + 2, 2)), np.zeros(n + 2)
-        given = {'common': self.common, 'bounds': self.bounds, 'tuning': self.tuning}
-        record, expansion = np.zeros((n, step['record'])), np.zeros((n, step['expansion']))
-        values, linear = np.zeros((n + 1, end['values'])), np.zeros((n + 1, states))
-        gains, leads = np.zeros((n, states)), np.zeros((n, 1))
-        z, dz = of_primal['z'], primal_steps['z']
-        costates, nu = of_dual['costates'], of_dual['nu']
-        at_first = {'z': z[0], 'y': of_dual['first'], 's': of_primal['first'],
-                    'eta': of_dual['eta'], 'data': self.data[0], **given}
-        at_step = {'y': of_dual['step'], 's': of_primal['step'], 'following': costates[1:],
-                   'nu': nu, 'record': record, 'expansion': expansion}
-        at_end = {'x': z[n, :states], 'y': of_dual['end'], 's': of_primal['end'],
-                  'goal': of_dual['goal'], **given}
-        self._evaluations = (
+        # Of all steps, the start, and the end; pivots of all steps, and two of the start.
+        self._measures, self._limits = np.zeros((n + 2, step['measures'])), np.zeros((n + 2, 2))
+        self._pivots = np.zeros(n + 2)
+        views = _Views(primal, primal_step, dual, dual_step, rows)
+        recursion = _Recursion.allocate(functions, n, states)
+        evaluate_first, self._start = self._bind_start(functions, views, recursion)
+        evaluate, expand, self._recur = self._bind_steps(functions, views, recursion)
+        evaluate_end, expand_end = self._bind_end(functions, views, recursion)
+        self._evaluations = evaluate_first, evaluate, evaluate_end
+        self._expansions = expand, expand_end
+
+    @property
+    def _given(self) -> dict[str, FloatArray]:
+        return {'common': self.common, 'bounds': self.bounds, 'tuning': self.tuning}
+
+    def _bind_start(self, functions: NewtonFunctions, views: _Views,
+                    recursion: _Recursion) -> tuple[Evaluation, Evaluation]:
+        """Bind the evaluation and the step of the start."""
+        primal, primal_step, dual, dual_step, rows = views
+        n, states = recursion.gains.shape
+        given = {'z': primal['z'][0], 'y': dual['first'], 's': primal['first'],
+                 'eta': dual['eta'], 'data': self.data[0], **self._given}
+        return (
             functions.evaluate_first.bind({
-                **at_first, 'present': costates[0], 'rows': rows['first'],
+                **given, 'present': dual['costates'][0], 'rows': rows['first'],
                 'measures': self._measures[n]}),
+            functions.start.bind({
+                **given, 'values': recursion.values[0], 'linear': recursion.linear[0],
+                'dx': primal_step['z'][0, :states], 'ds': primal_step['first'],
+                'dy': dual_step['first'], 'deta': dual_step['eta'], 'limits': self._limits[n],
+                'pivots': self._pivots[n:]}))
+
+    def _bind_steps(self, functions: NewtonFunctions, views: _Views, recursion: _Recursion
+                    ) -> tuple[Evaluation, Evaluation, Evaluation]:
+        """Bind the evaluation, the step and the recursion of all steps."""
+        primal, primal_step, dual, dual_step, rows = views
+        record, expansion, values, linear, gains, leads = recursion
+        n, states = gains.shape
+        z, dz, costates = primal['z'], primal_step['z'], dual['costates']
+        given = {'y': dual['step'], 's': primal['step'], 'following': costates[1:],
+                 'nu': dual['nu'], 'record': record, 'expansion': expansion}
+        return (
             functions.evaluate.bind({
-                **at_step, **given, 'z': z[:n], 'x_next': z[1:, :states], 'data': self.data,
+                **given, **self._given, 'z': z[:n], 'x_next': z[1:, :states], 'data': self.data,
                 'present': costates[:-1], 'rows': rows['step'], 'measures': self._measures[:n]}),
-            functions.evaluate_end.bind({
-                **at_end, 'present': costates[n], 'values': values[n], 'linear': linear[n],
-                'rows': rows['end'], 'measures': self._measures[n + 1]}))
-        self._recur = functions.recur.bind({
-            'record': record[::-1], 'values_next': values[:0:-1], 'linear_next': linear[:0:-1],
-            'tuning': self.tuning, 'values': values[-2::-1], 'linear': linear[-2::-1],
-            'gain': gains[::-1], 'lead': leads[::-1], 'pivot': self._pivots[:n, None][::-1]})
-        self._start = functions.start.bind({
-            **at_first, 'values': values[0], 'linear': linear[0], 'dx': dz[0, :states],
-            'ds': primal_steps['first'], 'dy': dual_steps['first'], 'deta': dual_steps['eta'],
-            'limits': self._limits[n], 'pivots': self._pivots[n:]})
-        self._expansions = (
             functions.expand.bind({
-                **at_step, 'tuning': self.tuning, 'dx': dz[:n, :states], 'gain': gains,
+                **given, 'tuning': self.tuning, 'dx': dz[:n, :states], 'gain': gains,
                 'lead': leads, 'values_next': values[1:], 'linear_next': linear[1:],
                 'dx_next': dz[1:, :states], 'dcontrols': dz[:n, states:],
-                'ds': primal_steps['step'], 'dy': dual_steps['step'],
-                'dfollowing': dual_steps['costates'][1:], 'dnu': dual_steps['nu'],
+                'ds': primal_step['step'], 'dy': dual_step['step'],
+                'dfollowing': dual_step['costates'][1:], 'dnu': dual_step['nu'],
                 'limits': self._limits[:n]}),
+            functions.recur.bind({
+                'record': record[::-1], 'values_next': values[:0:-1],
+                'linear_next': linear[:0:-1], 'tuning': self.tuning, 'values': values[-2::-1],
+                'linear': linear[-2::-1], 'gain': gains[::-1], 'lead': leads[::-1],
+                'pivot': self._pivots[:n, None][::-1]}))
+
+    def _bind_end(self, functions: NewtonFunctions, views: _Views,
+                  recursion: _Recursion) -> tuple[Evaluation, Evaluation]:
+        """Bind the evaluation and the step of the end."""
+        primal, primal_step, dual, dual_step, rows = views
+        n, states = recursion.gains.shape
+        given = {'x': primal['z'][n, :states], 'y': dual['end'], 's': primal['end'],
+                 'goal': dual['goal'], **self._given}
+        return (
+            functions.evaluate_end.bind({
+                **given, 'present': dual['costates'][n], 'values': recursion.values[n],
+                'linear': recursion.linear[n], 'rows': rows['end'],
+                'measures': self._measures[n + 1]}),
             functions.expand_end.bind({
-                **at_end, 'dx': dz[n, :states], 'ds': primal_steps['end'],
-                'dy': dual_steps['end'], 'dgoal': dual_steps['goal'],
+                **given, 'dx': primal_step['z'][n, :states], 'ds': primal_step['end'],
+                'dy': dual_step['end'], 'dgoal': dual_step['goal'],
                 'limits': self._limits[n + 1]}))
 
     def set_program(self, common: FloatArray, data: FloatArray, bounds: Bounds) -> None:

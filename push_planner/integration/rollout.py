@@ -150,8 +150,6 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     is_begin, restarts = ca.SX.sym('is_begin'), ca.SX.sym('restarts')
     length, fraction, v_squared, v_squared_slope, smoothing = ca.vertsplit(scalars)
     present = ca.if_else(restarts, reference, state[:NODE_SIZE])
-    # Within a step w goes on smoothly, and so does the guess.
-    w_slope = (1.0 - is_begin) * state[NODE_SIZE]
     corrected = ca.if_else(is_begin, change - ca.dot(gains, present - reference),
                            state[NODE_SIZE + 1])
     node, along = Node(*ca.vertsplit(present)), corrected * fraction
@@ -164,17 +162,12 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     if kind == 'held':
         node = node._replace(phi=node.theta)
     step = Step(length, along, v_squared, v_squared_slope, False, smoothing)
-    scheme = radau(POINTS)
-    unknowns = ca.SX.sym('rates', POINTS)
-    residual = ca.vertcat(*collocate(kind, parameters, node, step,
-                                     ca.vertsplit(unknowns)).residuals)
-    improved = unknowns - ca.solve(ca.jacobian(residual, unknowns), residual)
-    rates = node.w + w_slope * length * ca.DM(scheme.points)
-    for _ in range(NEWTON_STEPS):
-        rates = ca.substitute(improved, unknowns, rates)
+    # Within a step w goes on smoothly, and so does the guess.
+    w_slope = (1.0 - is_begin) * state[NODE_SIZE]
+    rates = _solved_rates(kind, parameters, node, step, w_slope)
     result = collocate(kind, parameters, node, step, ca.vertsplit(rates))
     first_force = _force_at_begin(kind, parameters, node, step)
-    end_slope = ca.dot(ca.DM(scheme.inverse[-1]), rates - node.w) / length
+    end_slope = ca.dot(ca.DM(radau(POINTS).inverse[-1]), rates - node.w) / length
     given = {'state': state, 'reference': reference, 'gains': gains, 'change': change,
              'scalars': scalars, 'is_begin': is_begin, 'restarts': restarts, 'column': column}
     found: Any = ca.cse([ca.vertcat(*result.end, end_slope, corrected), begin,
@@ -183,6 +176,19 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
                          ca.vertcat(*first_force)])
     return RowFunction(ca.Function('part', list(given.values()), found, list(given),
                                    ['next_state', 'begin', 'samples', 'forces', 'first_force']))
+
+
+def _solved_rates(kind: PushKind, parameters: PushParameters, node: Node, step: Step,
+                  w_slope: Any) -> Any:
+    """Solve the moment balance for w at the points by Newton's method, guessed by a slope."""
+    unknowns = ca.SX.sym('rates', POINTS)
+    residual = ca.vertcat(*collocate(kind, parameters, node, step,
+                                     ca.vertsplit(unknowns)).residuals)
+    improved = unknowns - ca.solve(ca.jacobian(residual, unknowns), residual)
+    rates = node.w + w_slope * step.length * ca.DM(radau(POINTS).points)
+    for _ in range(NEWTON_STEPS):
+        rates = ca.substitute(improved, unknowns, rates)
+    return rates
 
 
 def _force_at_begin(kind: PushKind, parameters: PushParameters, node: Node,
