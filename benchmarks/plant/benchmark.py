@@ -159,16 +159,19 @@ def ratio_table(ours: Sequence[Run], theirs: dict[str, list[Run]]) -> str:
             raise RuntimeError(f'{title}: got no run of the plant with an error below '
                                f'{ALLOWED:g} m, expected one')
         for name, runs in theirs.items():
-            run = cheapest(runs, choose)
             at_1_ms = next(run for run in runs if run.step == 1e-3)
-            ratio = f'above {best.speed / min(slow.speed for slow in runs):.0f}'
-            if run is not None:
-                ratio = f'{best.speed / run.speed:.0f}'
             rows.append([name, f'{at_1_ms.step_cost / ours_at_1_ms.step_cost:.0f}', title,
-                         f'{1e3 * best.step:g} ms',
-                         'none' if run is None else f'{1e3 * run.step:g} ms', ratio])
+                         f'{1e3 * best.step:g} ms', *_accurate_run(best, runs, choose)])
     return table(['MuJoCo', 'times faster per 1 ms step', 'error below 1 mm', 'plant at',
                   'MuJoCo at', 'times faster then'], rows)
+
+
+def _accurate_run(best: Run, runs: Sequence[Run], choose: Choice) -> tuple[str, str]:
+    """Write the step at which an engine is accurate, and how much faster the best run is."""
+    run = cheapest(runs, choose)
+    if run is None:
+        return 'none', f'above {best.speed / min(slow.speed for slow in runs):.0f}'
+    return f'{1e3 * run.step:g} ms', f'{best.speed / run.speed:.0f}'
 
 
 def picture(path: Path, ours: list[Run], theirs: dict[str, list[Run]]) -> None:

@@ -16,6 +16,8 @@ from push_model.quantity import expectation, field_types
 
 # Types of values that are parameters by themselves.
 SCALARS = (bool, int, float, str)
+# Stands for a value that is not given; None is one that may be.
+_MISSING = object()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -102,20 +104,28 @@ def from_parameter_values(cls: Any, values: Mapping[str, Any], prefix: str = '')
     arguments: dict[str, Any] = {}
     for field in dataclasses.fields(cls):
         kind, name = hints[field.name], prefix + field.name
-        item = _item_type(kind)
-        if dataclasses.is_dataclass(kind):
-            arguments[field.name] = from_parameter_values(kind, values, f'{name}.')
-        elif item is not None and dataclasses.is_dataclass(item):
-            arguments[field.name] = _items(item, values, f'{name}.')
-        elif name in values:
-            holds_pairs = kind is tuple or get_origin(item) is tuple
-            arguments[field.name] = _pairs(name, values[name]) if holds_pairs else values[name]
+        value = _field_value(kind, values, name)
+        if value is not _MISSING:
+            arguments[field.name] = value
         elif _default(field) is None:
             raise ValueError(f'{name}: got nothing, expected {expectation(kind, field.metadata)}')
     try:
         return cls(**arguments)
     except ValueError as error:
         raise ValueError(_with_parameter_name(str(error), cls, prefix)) from error
+
+
+def _field_value(kind: Any, values: Mapping[str, Any], name: str) -> Any:
+    """Make the value of a field of some type; ``_MISSING`` where it has none."""
+    item = _item_type(kind)
+    if dataclasses.is_dataclass(kind):
+        return from_parameter_values(kind, values, f'{name}.')
+    if item is not None and dataclasses.is_dataclass(item):
+        return _items(item, values, f'{name}.')
+    if name not in values:
+        return _MISSING
+    holds_pairs = kind is tuple or get_origin(item) is tuple
+    return _pairs(name, values[name]) if holds_pairs else values[name]
 
 
 def _as_list(spec: ParameterSpec, is_optional: bool) -> ParameterSpec:

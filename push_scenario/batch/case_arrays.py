@@ -257,9 +257,8 @@ class CaseEncoder:
             robot_poses[case] = resolve_overlap(push.object, robot, _pose(object_poses[case]),
                                                 _pose(robot_poses[case]))
         states = np.zeros((self._count, layout.STATE_SIZE))
-        cosine, sine = _rotation(object_poses[:, 2])
-        states[:, layout.X] = object_poses[:, 0] + (cosine * centers[:, 0] - sine * centers[:, 1])
-        states[:, layout.Y] = object_poses[:, 1] + (sine * centers[:, 0] + cosine * centers[:, 1])
+        states[:, [layout.X, layout.Y]] = object_poses[:, :2] + _rotated(object_poses[:, 2],
+                                                                         centers)
         states[:, layout.THETA] = object_poses[:, 2]
         states[:, layout.ROBOT_X:layout.ROBOT_THETA + 1] = robot_poses
         return states
@@ -291,7 +290,7 @@ def object_poses_of(states: FloatArray, centers: FloatArray) -> FloatArray:
     :param centers: mass centres in the object frame, shape (n, 2) [m].
     :return: shape (n, 3) [m, m, rad].
     """
-    back = _arms(states, centers)
+    back = _rotated(states[:, layout.THETA], centers)
     return np.column_stack([states[:, [layout.X, layout.Y]] - back, states[:, layout.THETA]])
 
 
@@ -303,17 +302,17 @@ def object_twists_of(states: FloatArray, centers: FloatArray) -> FloatArray:
     :param centers: mass centres in the object frame, shape (n, 2) [m].
     :return: shape (n, 3) [m/s, m/s, rad/s].
     """
-    x, y = _arms(states, centers).T
+    x, y = _rotated(states[:, layout.THETA], centers).T
     omega = states[:, layout.OMEGA]
     return np.column_stack([states[:, layout.V_X] + omega * y, states[:, layout.V_Y] - omega * x,
                             omega])
 
 
-def _arms(states: FloatArray, centers: FloatArray) -> FloatArray:
-    """Rotate mass centres to world axes, shape (n, 2) [m]."""
-    cosine, sine = _rotation(states[:, layout.THETA])
-    return np.column_stack([cosine * centers[:, 0] - sine * centers[:, 1],
-                            sine * centers[:, 0] + cosine * centers[:, 1]])
+def _rotated(angles: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Rotate vectors, shape (n, 2)."""
+    cosine, sine = _rotation(angles)
+    return np.column_stack([cosine * vectors[:, 0] - sine * vectors[:, 1],
+                            sine * vectors[:, 0] + cosine * vectors[:, 1]])
 
 
 def _rotation(angles: FloatArray) -> tuple[FloatArray, FloatArray]:
