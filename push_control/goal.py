@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from push_model.geometry import Pose
+from push_model.plan_request import LARGEST_TOLERANCE, LEAST_TOLERANCE
 
 
 class PushState(enum.Enum):
@@ -63,9 +64,9 @@ class PushGoal:
             raise ValueError(f'goal: got {self.pose}, expected three finite numbers')
         for name in ('position_tolerance', 'heading_tolerance'):
             value = getattr(self, name)
-            if value is not None and not 0.0 < value <= 1.0:
-                raise ValueError(f'goal: {name}: got {value:g}, expected a number above 0, at '
-                                 'most 1')
+            if value is not None and not LEAST_TOLERANCE <= value <= LARGEST_TOLERANCE:
+                raise ValueError(f'goal: {name}: got {value:g}, expected a number from '
+                                 f'{LEAST_TOLERANCE:g} to {LARGEST_TOLERANCE:g}')
         if not self.time_limit > 0.0:
             raise ValueError(f'goal: time_limit: got {self.time_limit:g}, expected a number '
                              'above 0 [s]')

@@ -7,6 +7,10 @@ from typing import NamedTuple
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 
+# Range of tolerances of a goal [m], [rad]; chosen: below it no sensor measures, and what the
+# planner lays about the goal grows without end; above it there is nothing to plan.
+LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-4, 1.0
+
 
 class PlanRequest(NamedTuple):
     """

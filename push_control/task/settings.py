@@ -4,6 +4,7 @@ import dataclasses
 from typing import get_args
 
 from push_control.settings import ControlSettings
+from push_model.plan_request import LARGEST_TOLERANCE, LEAST_TOLERANCE
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, OdometryReference, PoseCovariance
 
@@ -23,9 +24,11 @@ class SupervisionSettings:
     """Tolerances, time-outs and attempt limits of the supervisor."""
 
     position_tolerance: float = quantity(
-        'distance from the goal at which a task is done', 'm', above=0.0, high=1.0, default=0.01)
+        'distance from the goal at which a task is done', 'm', LEAST_TOLERANCE, LARGEST_TOLERANCE,
+        default=0.01)
     heading_tolerance: float = quantity(
-        'heading error at which a task is done', 'rad', above=0.0, high=1.0, default=0.0175)
+        'heading error at which a task is done', 'rad', LEAST_TOLERANCE, LARGEST_TOLERANCE,
+        default=0.0175)
     confidence_sigmas: float = quantity(
         'standard errors of the averaged object pose by which it must be within the tolerances; '
         'at most 2 where poses are biased', '', 0.0, 10.0, default=3.0)
@@ -115,5 +118,5 @@ def aimed_tolerances(control: ControlSettings,
     """
     margin = min(BIASED_SIGMAS, supervision.confidence_sigmas) * REMAINING_BIAS
     position, heading = supervision.position_tolerance, supervision.heading_tolerance
-    return (max(LEAST_AIM * position, position - margin * control.pose_bias),
-            max(LEAST_AIM * heading, heading - margin * control.heading_bias))
+    return (max(LEAST_TOLERANCE, LEAST_AIM * position, position - margin * control.pose_bias),
+            max(LEAST_TOLERANCE, LEAST_AIM * heading, heading - margin * control.heading_bias))

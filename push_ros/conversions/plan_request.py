@@ -7,7 +7,6 @@ object with friction as identified, the fraction of the friction cone that the p
 tolerances, and standard deviations of what was identified. The planner need not know the object.
 """
 
-import math
 from typing import Any, Sequence
 
 from push_model.files.flat_values import (
@@ -15,15 +14,18 @@ from push_model.files.flat_values import (
 )
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
-from push_model.plan_request import PlanRequest
+from push_model.plan_request import LARGEST_TOLERANCE, LEAST_TOLERANCE, PlanRequest
 from push_ros.conversions.primitives import check_frame, MessageRefused, to_quaternion, to_yaw
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 POSES = ('object', 'robot', 'goal')
+# Largest number of a request, in its unit; chosen: as the largest position of other messages, far
+# below where products of such numbers overflow.
+LARGEST_NUMBER = 1e7
 # Prefix of the parameters of the object; numbers of a list follow, from 0 on: outline.0, ...
 PARAMETERS = 'object.'
 CONE_FRACTION = 'cone_fraction'
-# Numbers above 0, and of at least 0, that are fields of the request under the same name.
+# Tolerances, and numbers of at least 0, that are fields of the request under the same name.
 TOLERANCES = ('position_tolerance', 'heading_tolerance')
 DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation',
               'odometry_slope', 'odometry_drift')
@@ -73,23 +75,34 @@ def from_request_message(message: JointTrajectory, frame: str,
     """
     check_frame(message.header.frame_id, frame, topic)
     values = _values(message, topic)
+    _check_ranges(values, topic)
+    object_pose, robot_pose, goal = (
+        Pose(values[f'{pose}.x'], values[f'{pose}.y'], values[f'{pose}.heading'])
+        for pose in POSES)
+    return PlanRequest(object_pose, robot_pose, goal, _object(values, topic),
+                       values[CONE_FRACTION],
+                       *(values[name] for name in (*TOLERANCES, *DEVIATIONS)))
+
+
+def _check_ranges(values: dict[str, float], topic: str) -> None:
+    """Refuse numbers with which nobody can compute."""
     for name, value in values.items():
-        if not math.isfinite(value):
-            raise MessageRefused(f'{topic}: {name}: got {value:g}, expected a finite number')
+        # False for what is not a number as well.
+        if not abs(value) <= LARGEST_NUMBER:
+            raise MessageRefused(f'{topic}: {name}: got {value:g}, expected a finite number of at '
+                                 f'most {LARGEST_NUMBER:g}')
     fraction = values[CONE_FRACTION]
     if not 0.0 < fraction <= 1.0:
         raise MessageRefused(f'{topic}: {CONE_FRACTION}: got {fraction:g}, expected a number '
                              'above 0, at most 1')
-    for name in (*TOLERANCES, *DEVIATIONS):
-        if values[name] < 0.0 or (name in TOLERANCES and values[name] == 0.0):
-            expected = 'above 0' if name in TOLERANCES else 'of at least 0'
-            raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number '
-                                 f'{expected}')
-    object_pose, robot_pose, goal = (
-        Pose(values[f'{pose}.x'], values[f'{pose}.y'], values[f'{pose}.heading'])
-        for pose in POSES)
-    return PlanRequest(object_pose, robot_pose, goal, _object(values, topic), fraction,
-                       *(values[name] for name in (*TOLERANCES, *DEVIATIONS)))
+    for name in TOLERANCES:
+        if not LEAST_TOLERANCE <= values[name] <= LARGEST_TOLERANCE:
+            raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number from '
+                                 f'{LEAST_TOLERANCE:g} to {LARGEST_TOLERANCE:g}')
+    for name in DEVIATIONS:
+        if values[name] < 0.0:
+            raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number of at '
+                                 'least 0')
 
 
 def _object_values(obj: PushedObject) -> dict[str, float]:

@@ -155,7 +155,11 @@ def _no_point(message):
      'cone_fraction: got 1.5, expected a number above 0, at most 1'),
     (lambda m: set_field(m, 'cone_fraction', 0.0), 'cone_fraction: got 0, expected'),
     (lambda m: set_field(m, 'heading_tolerance', 0.0),
-     'heading_tolerance: got 0, expected a number above 0'),
+     'heading_tolerance: got 0, expected a number from 0.0001 to 1'),
+    (lambda m: set_field(m, 'position_tolerance', 5e-324),
+     'position_tolerance: got 4.94066e-324, expected a number from 0.0001 to 1'),
+    (lambda m: set_field(m, 'center_deviation', 1e308),
+     'center_deviation: got 1e\\+308, expected a finite number of at most 1e\\+07'),
     (lambda m: set_field(m, 'robot_deviation', -0.1),
      'robot_deviation: got -0.1, expected a number of at least 0')])
 def test_a_malformed_request_is_refused(spoil, text):
