@@ -21,11 +21,12 @@ from push_model.signals import STOP, Twist
 RESPONSE_TIME = 0.3
 DELAY_STEP = 0.05
 # How a drive may follow then: (ratio, margin [s]) of its lag over the nominal one, and
-# acceleration over its limit; chosen: loaded bases are slower than stated, empty ones quicker.
+# acceleration over its limit; chosen: loaded bases are slower than stated, empty ones quicker; in
+# steps by which a change of the speed by 0.3 m/s takes a fifth more or less of its time.
 LAGS = ((0.3, 0.0), (1.0, 0.0), (2.0, 0.05))
-ACCELERATION_RATIOS = (0.5, 1.0, 2.0)
+ACCELERATION_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0)
 # Lag and acceleration of the nominal model, which has no delay.
-NOMINAL_LAG, NOMINAL_ACCELERATION = LAGS[1], ACCELERATION_RATIOS[1]
+NOMINAL_LAG, NOMINAL_ACCELERATION = LAGS[1], ACCELERATION_RATIOS[2]
 # Error in place of none [m/s, rad/s]; chosen: it decays at once.
 LEAST_ERROR = 1e-9
 # Time constant in place of none [s]; chosen: far below any period.
@@ -184,6 +185,12 @@ class DriveModels:
     def nominal_velocity(self) -> Twist:
         """Velocity of a drive that follows without a delay, and as stated."""
         return Twist(*self.velocities[self._nominal].tolist())
+
+    @property
+    def nominal_error(self) -> list[float]:
+        """What the velocity of that drive differs by from its command [m/s, m/s, rad/s]."""
+        commands, velocities = self.commands[self._nominal], self.velocities[self._nominal]
+        return [a - b for a, b in zip(commands.tolist(), velocities.tolist())]
 
     def add_command(self, command: Twist, time: float) -> None:
         """

@@ -8,7 +8,8 @@ velocity, over its tolerance s, is summed up for every model by a one-sided CUSU
 
 A base follows as long as one model explains its motion. It does not where g is above a threshold
 for all those that have explained it until then: a model that fails while another one holds counts
-no more for a while, so that delay and lag of the base are soon known.
+no more for a while, so that delay and lag of the base are soon known. A base that is known to
+follow more closely (``CloseFollowing``) is held to a closer tolerance, with a second g.
 
 White noise leaves between two false alarms about exp(2 k h / q^2) samples (Siegmund 1985), where
 -k and q are mean and deviation of the summands in steps, and h is the threshold in steps, 15 of
@@ -20,6 +21,7 @@ import math
 from typing import Any
 
 import numpy as np
+from push_control.safety.close_following import CloseFollowing, LEVER
 from push_control.safety.drive_models import DriveModels
 from push_control.safety.response_delay import ResponseDelay
 from push_control.safety.status import SafetyReason, SafetyReport
@@ -35,8 +37,12 @@ SPEED_TOLERANCE = 0.012
 AXIS_TOLERANCE = 0.08
 WHEEL_TOLERANCE = 0.03
 TIME_TOLERANCE = 0.035
-# Lever by which a rotation counts as a distance [m]; chosen: a radius of the robots.
-LEVER = 0.2
+# The same of a base that is known to follow closely: constant part [m/s], and over the parts by
+# velocity above; chosen: noise of odometry, and half of the error of wheels.
+CLOSE_SPEED_TOLERANCE = 0.009
+CLOSE_RATIO = 0.5
+# Rows of the sums, for the two tolerances.
+STATED, CLOSE = 0, 1
 # Sum at which a model does not explain the motion [s]; chosen: a base that fails is stopped within
 # 0.3 s, and none that follows in hours of simulated drives, with other lags and delays.
 THRESHOLD = 0.3
@@ -65,61 +71,81 @@ def sum_residuals(velocities: Any, rates: Any, measured: Any, ratios: Any, sums:
     :param rates: how fast they change, shape (m, 3) [m/s^2, m/s^2, rad/s^2].
     :param measured: shape (3,).
     :param ratios: residuals over their tolerances, shape (m, 3), is written.
-    :param sums: g of each model, shape (m,), is written [s].
+    :param sums: g of each model, with the stated tolerance and with the close one, shape (2, m),
+        is written [s].
     :param dt: time since the last measurement [s].
     """
     for i in range(len(velocities)):
         wheels = (abs(velocities[i, 0]) + abs(velocities[i, 1])
                   + LEVER * abs(velocities[i, 2]))
-        greatest = 0.0
+        greatest = close = 0.0
         for j in range(3):
             unit = LEVER if j == 2 else 1.0
-            tolerance = (SPEED_TOLERANCE + AXIS_TOLERANCE * unit * abs(velocities[i, j])
-                         + WHEEL_TOLERANCE * wheels + TIME_TOLERANCE * unit * rates[i, j])
-            ratios[i, j] = unit * abs(velocities[i, j] - measured[j]) / tolerance
+            steady = AXIS_TOLERANCE * unit * abs(velocities[i, j]) + WHEEL_TOLERANCE * wheels
+            transient = TIME_TOLERANCE * unit * rates[i, j]
+            residual = unit * abs(velocities[i, j] - measured[j])
+            ratios[i, j] = residual / (SPEED_TOLERANCE + steady + transient)
             greatest = max(greatest, ratios[i, j])
-        sums[i] = min(MAX_SUM, max(0.0, sums[i] + (min(greatest, MAX_RATIO) - 1.0) * dt))
+            close = max(close, residual / (CLOSE_SPEED_TOLERANCE + CLOSE_RATIO * steady
+                                           + transient))
+        sums[STATED, i] = min(MAX_SUM, max(0.0, sums[STATED, i]
+                                           + (min(greatest, MAX_RATIO) - 1.0) * dt))
+        sums[CLOSE, i] = min(MAX_SUM, max(0.0, sums[CLOSE, i]
+                                          + (min(close, MAX_RATIO) - 1.0) * dt))
 
 
 @compiled
-def is_unexplained(sums: Any, excluded_until: Any, time: float) -> bool:
+def find_nearest(sums: Any, excluded_until: Any, time: float, least: Any) -> int:
     """
-    Tell whether no model explains the motion, and note which do not while another does.
+    Find how well the motion is explained, and note which models do not while another does.
 
-    :param sums: g of each model, shape (m,) [s].
+    :param sums: g of each model, with both tolerances, shape (2, m) [s].
     :param excluded_until: until when each does not count, shape (m,), is written [s].
     :param time: now [s].
+    :param least: g of the best models, shape (2,), is written; above ``THRESHOLD`` none explains
+        the motion [s].
+    :return: number of the model that is nearest by the close tolerance.
     """
-    least = math.inf
-    for i in range(len(sums)):
+    least[:] = math.inf
+    nearest = 0
+    for i in range(len(excluded_until)):
         if excluded_until[i] <= time:
-            least = min(least, sums[i])
-    for i in range(len(sums)):
-        if least > THRESHOLD:
+            least[STATED] = min(least[STATED], sums[STATED, i])
+            if sums[CLOSE, i] < least[CLOSE]:
+                least[CLOSE] = sums[CLOSE, i]
+                nearest = i
+    for i in range(len(excluded_until)):
+        if least[STATED] > THRESHOLD:
             # The base may have changed, as one that has started again.
             excluded_until[i] = -math.inf
-        elif least < HOLDING_SUM and sums[i] > THRESHOLD:
+        elif least[STATED] < HOLDING_SUM and sums[STATED, i] > THRESHOLD:
             excluded_until[i] = time + MEMORY
-    return least > THRESHOLD
+    return nearest
 
 
 @compiled
-def is_motion_unexplained(velocities: Any, rates: Any, measured: Any, ratios: Any, sums: Any,
-                          excluded_until: Any, time: float, dt: float) -> bool:
+def compare_motion(velocities: Any, rates: Any, measured: Any, ratios: Any, sums: Any,
+                   excluded_until: Any, is_settled: bool, least: Any, time: float,
+                   dt: float) -> int:
     """
-    Compare a measured velocity with those of the models, and tell whether none explains it.
+    Compare a measured velocity with those of the models, and find how well they explain it.
 
     :param velocities: as of ``sum_residuals``.
     :param rates: as of ``sum_residuals``.
     :param measured: as of ``sum_residuals``.
     :param ratios: as of ``sum_residuals``.
     :param sums: as of ``sum_residuals``.
-    :param excluded_until: as of ``is_unexplained``.
+    :param excluded_until: as of ``find_nearest``.
+    :param is_settled: whether the close tolerance counts.
+    :param least: as of ``find_nearest``.
     :param time: now [s].
     :param dt: time since the last measurement [s].
+    :return: as of ``find_nearest``.
     """
     sum_residuals(velocities, rates, measured, ratios, sums, dt)
-    return is_unexplained(sums, excluded_until, time)
+    if not is_settled:
+        sums[CLOSE] = 0.0
+    return find_nearest(sums, excluded_until, time, least)
 
 
 class MotionMonitor:
@@ -134,16 +160,18 @@ class MotionMonitor:
         self._models = DriveModels(robot)
         self._delay = ResponseDelay(LEVER, LATE_TIME)
         count = len(self._models.velocities)
-        # Of each model: residuals over their tolerances, their sum g [s], and until when it does
-        # not count [s].
+        # Of each model: residuals over their tolerances, their sums g [s], and until when it does
+        # not count [s]; the least sums [s].
         self._ratios: FloatArray = np.zeros((count, 3))
-        self._sums: FloatArray = np.zeros(count)
+        self._sums: FloatArray = np.zeros((2, count))
         self._excluded_until: FloatArray = np.full(count, -math.inf)
+        self._least: FloatArray = np.zeros(2)
+        self._following = CloseFollowing()
         self._time: float | None = None
         # Changes nothing; but loads machine code before the robot moves.
-        is_motion_unexplained(
+        compare_motion(
             self._models.velocities, self._models.rates, np.zeros(3), self._ratios, self._sums,
-            self._excluded_until, 0.0, 0.0)
+            self._excluded_until, True, self._least, 0.0, 0.0)
 
     def reset(self) -> None:
         """Begin anew, at whatever velocity the robot has: somebody else has commanded it."""
@@ -183,17 +211,25 @@ class MotionMonitor:
         self._models.update(time, time - last)
         self._delay.add(time, twist, self._models.nominal_velocity)
         measured = np.array(twist, dtype=np.float64)
-        is_fault = is_motion_unexplained(
+        is_settled = self._following.is_settled(self._models.nominal_error, time)
+        nearest = compare_motion(
             self._models.velocities, self._models.rates, measured, self._ratios, self._sums,
-            self._excluded_until, time, time - last)
+            self._excluded_until, is_settled, self._least, time, time - last)
+        is_fault = self._is_unexplained(nearest, time - last)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
-        return self._report(twist) if is_fault else None
+        return self._report(nearest, twist) if is_fault else None
 
-    def _report(self, twist: Twist) -> SafetyReport:
+    def _is_unexplained(self, nearest: int, dt: float) -> bool:
+        """Tell whether no model explains the motion as closely as this base is known to follow."""
+        stated, close = self._least.tolist()
+        velocity = Twist(*self._models.velocities[nearest].tolist())
+        self._following.add(velocity, dt, is_close=close <= HOLDING_SUM)
+        return stated > THRESHOLD or close > THRESHOLD and self._following.is_known(velocity)
+
+    def _report(self, nearest: int, twist: Twist) -> SafetyReport:
         """Say what the robot does in place of what it should, by the model that is nearest."""
-        nearest = int(self._sums.argmin())
         axis = int(self._ratios[nearest].argmax())
         expected, measured = float(self._models.velocities[nearest, axis]), twist[axis]
         unit = LEVER if axis == 2 else 1.0

@@ -154,6 +154,21 @@ def test_a_base_at_speed_that_fails_is_stopped_within_centimetres(heed, speed):
     assert distance(start, base.odometry.pose) < 0.05
 
 
+def test_a_base_that_has_followed_closely_is_held_to_that():
+    """What begins at once is noticed later; with another load for good it is no fault."""
+    times = []
+    for seconds in (1.0, 6.0):
+        layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+        command = Twist(0.2, 0.0, 0.2)
+        assert driven(layer, base, command, seconds)[1] is None
+        times.append(driven(layer, base, command, 3.0,
+                            heed=lambda sent: Twist(0.75 * sent.v_x, 0.0, sent.omega))[0])
+    assert times[1] < 0.4 < 0.5 < times[0]
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+    assert driven(layer, base, Twist(0.2, 0.0, 0.2), 10.0,
+                  heed=lambda sent: Twist(0.92 * sent.v_x, 0.0, sent.omega))[1] is None
+
+
 def test_a_base_that_moves_while_it_is_commanded_to_stand_is_named_at_once():
     """As one that keeps its last command."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
