@@ -28,8 +28,8 @@ from push_scenario import load_scenario, run_pushes, simulate, simulate_cases
 from push_scenario.batch.case_arrays import CaseEncoder
 
 # Pushes whose controller steps are timed, kind and seed of ``benchmarks.controller.cases``;
-# chosen: of either drive.
-PUSHES = (('box, differential', 1), ('box, holonomic', 1))
+# chosen: of either drive, planned to take less than ``LONGEST_TIMED``.
+PUSHES = (('box, differential', 2), ('box, holonomic', 1))
 # Duration over which steps of MuJoCo are timed [s]; chosen: a push.
 MUJOCO_TIME = 2.0
 DEMO = 'task_demo'
