@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Callable
+from typing import Callable, NamedTuple
 
 from matplotlib.figure import Figure
 import numpy as np
@@ -36,6 +36,24 @@ INERTIAS = Parameter('inertias', 'kg m^2', 'moments of inertia, one per curve')
 
 # Label of a curve -> the box that it belongs to.
 Boxes = dict[str, PushedObject]
+
+
+class _BoxRates(NamedTuple):
+    """
+    How one box rotates.
+
+    :param curve: steady yaw rates at the speeds that are drawn [rad/s], shape (n,).
+    :param steady: the same at the checked speeds, shape (k,).
+    :param ends: yaw rates at the end of motions that are integrated at these [rad/s], shape (k,).
+    :param rises: when these first reach ``RISE_FRACTION`` of the steady rate [s], shape (k,).
+    :param forces: steady contact forces at these [N], shape (k,).
+    """
+
+    curve: FloatArray
+    steady: FloatArray
+    ends: FloatArray
+    rises: FloatArray
+    forces: FloatArray
 
 
 def masses(values: Values) -> list[float]:
@@ -84,17 +102,10 @@ def boxes_by_friction(values: Values) -> Boxes:
 
 def _compute(make_boxes: Callable[[Values], Boxes], values: Values, _: RunJobs) -> Outcome:
     """Compute steady yaw rates and forces of several boxes, and integrate some motions."""
-    objects, direction = list(make_boxes(values).values()), push_direction(values)
     speeds, checked = speed_samples(values), speed_samples(values, CHECKED_SPEEDS)
-    curves = np.array([steady_yaw_rates(obj, direction, speeds) for obj in objects])
-    forces = np.array([[math.hypot(*steady_force(obj, obj.outline[0], direction, speed, direction))
-                        for speed in checked] for obj in objects])
-    motions = np.array([[integrated_push(obj, direction, speed, TIMES)[:, 3] for speed in checked]
-                        for obj in objects])
-    expected = np.array([steady_yaw_rates(obj, direction, checked) for obj in objects])
-    ends = motions[:, :, -1]
-    rises = np.array([[rise_time(rates, steady) for rates, steady in zip(*rows)]
-                      for rows in zip(motions, expected)])
+    boxes = [_box_rates(obj, push_direction(values), speeds, checked)
+             for obj in make_boxes(values).values()]
+    curves, expected, ends, rises, forces = (np.array(column) for column in zip(*boxes))
     findings = {
         'spread': Finding(relative_spread(curves), '',
                           'largest relative difference between the curves'),
@@ -110,6 +121,18 @@ def _compute(make_boxes: Callable[[Values], Boxes], values: Values, _: RunJobs) 
     return Outcome({'steady': _table(speeds, curves), 'integrated': _table(checked, ends),
                     'force': _table(checked, forces, 'force_{}_n'),
                     'rise': _table(checked, rises, 'rise_{}_s')}, findings)
+
+
+def _box_rates(obj: PushedObject, direction: float, speeds: FloatArray,
+               checked: FloatArray) -> _BoxRates:
+    """Compute and integrate the motion of one box, pushed in a direction [rad]."""
+    steady = steady_yaw_rates(obj, direction, checked)
+    motions = [integrated_push(obj, direction, speed, TIMES)[:, 3] for speed in checked]
+    forces = [math.hypot(*steady_force(obj, obj.outline[0], direction, speed, direction))
+              for speed in checked]
+    return _BoxRates(steady_yaw_rates(obj, direction, speeds), steady,
+                     np.array([rates[-1] for rates in motions]),
+                     np.array(list(map(rise_time, motions, steady))), np.array(forces))
 
 
 def rise_time(rates: FloatArray, steady: float) -> float:
