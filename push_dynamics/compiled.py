@@ -24,6 +24,7 @@ from typing import Any, Callable, cast, TypeVar
 
 import numpy as np
 from push_dynamics.reservation import reserved
+from push_dynamics.user_cache import user_cache
 from push_model import friction, geometry
 
 # Environment variable that keeps the kernel in plain Python, to debug it.
@@ -153,26 +154,6 @@ def cache_directory(folder: pathlib.Path = HERE,
     """
     outside = frozenset(path for path in files if pathlib.Path(path).parent not in (HERE, folder))
     return user_cache(_source_digest(folder, outside))
-
-
-def user_cache(name: str) -> str | None:
-    """
-    Return a directory for machine code, made if need be; None where it cannot be written to.
-
-    It lies in ``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``.
-
-    :param name: of the directory.
-    """
-    root = os.environ.get('NUMBA_CACHE_DIR') or os.environ.get('XDG_CACHE_HOME')
-    if not root:
-        home = os.path.expanduser('~')
-        root = os.path.join(home, '.cache')
-    path = pathlib.Path(root) / 'push_control' / name
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    return str(path) if os.access(path, os.W_OK) else None
 
 
 def _options(numba: Any) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
-from push_dynamics.compiled import user_cache
+from push_dynamics.user_cache import user_cache
 from push_model.geometry import FloatArray
 
 # From this version of LLVM on, pointers have no type.
