@@ -173,7 +173,8 @@ class Controller:
             self._state = _State(Phase.FAILED, fault)
             return STOP
         self._push.observe(observation)
-        command = self._push.advance(observation.time, dt)
+        # After a gap, as while code is compiled, the robot speeds up from where it was.
+        command = self._push.advance(observation.time, min(dt, self._settings.odometry_timeout))
         if self._push.failure is not None:
             self._state = _State(Phase.FAILED, self._push.failure)
         elif self._push.finished and (self._law is None

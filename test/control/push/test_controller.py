@@ -273,6 +273,16 @@ def test_a_negative_interval_is_refused(recorded):
         controller.step(case.target, steps[0][0], -0.1)
 
 
+def test_after_a_gap_the_robot_speeds_up_from_where_it_was(recorded):
+    """As while code is compiled: no more than in the longest time without odometry."""
+    case, steps, _ = recorded
+    start, gap = steps[:3], SETTINGS.odometry_timeout
+    commands = [answers(case.nominal, case.target, [*start[:2], (start[2][0], dt)])[-1]
+                for dt in (gap, 10.0, start[2][1])]
+    assert commands[0] == pytest.approx(commands[1], abs=0.0)
+    assert commands[2][0] < commands[0][0] < 0.5 * case.target.contact_twists[:, 0].max()
+
+
 def test_an_object_that_does_not_follow_is_given_up():
     """The robot drives on for some centimetres, no further than half a metre."""
     case = random_case(3)
