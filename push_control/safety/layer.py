@@ -12,7 +12,7 @@ from push_control.observation import Observation
 from push_control.safety.drive_models import RESPONSE_TIME
 from push_control.safety.heading_check import HeadingCheck
 from push_control.safety.motion_monitor import MotionMonitor
-from push_control.safety.odometry_check import OdometryCheck
+from push_control.safety.odometry_check import LONG_STEP, OdometryCheck
 from push_control.safety.pose_check import PoseCheck
 from push_control.safety.stamp_check import AGREEING_COUNT
 from push_control.safety.status import SafetyReason, SafetyReport, SafetyState
@@ -24,6 +24,15 @@ STANDING_SPEED = 0.02
 STANDING_YAW_RATE = 0.1
 # Time for which it stands before it may go on [s]; chosen: longer than a drive takes to react.
 STANDING_TIME = 0.5
+# Time without odometry after which a robot slows down, at least, and over the longest between two
+# messages of late; and in which it then comes to stand [s]; chosen: three messages at 50 Hz, and
+# before the time-out of odometry. What was the longest fades with every message by a factor.
+SILENCE = 0.06
+SILENCE_RATIO = 1.5
+SLOWING_TIME = 0.15
+FADING = 0.99
+# The longest gap as long as none is known [s]; chosen: odometry at 10 Hz.
+FIRST_GAP = 0.1
 # Ratio beyond a limit that is only rounding; chosen: far above that of double precision.
 ROUNDING = 1.0 + 1e-9
 
@@ -57,6 +66,10 @@ class SafetyLayer:
     def reset(self) -> None:
         """Forget everything measured, as where time went back."""
         self._odometry: Odometry | None = None
+        # Longest time between two messages of late [s]; the odometry at the last command, and when
+        # the first one was sent that rests on it [s].
+        self._longest_gap = FIRST_GAP
+        self._answered: tuple[Odometry | None, float] = None, 0.0
         self._odometry_check = OdometryCheck(self._robot,
                                              is_absolute=self._is_odometry_absolute)
         self._standing_since: float | None = None
@@ -104,6 +117,7 @@ class SafetyLayer:
             return None
         if self._odometry is not None and odometry.time <= self._odometry.time:
             return self._observe_late(odometry, self._odometry.time - odometry.time)
+        self._note_gap(odometry)
         self._odometry = odometry
         self._late_stamp, self._late_count = -math.inf, 0
         fault = self._odometry_check.check(odometry) or self._motion_fault(odometry)
@@ -111,6 +125,13 @@ class SafetyLayer:
         if fault is not None and self._is_news(fault):
             self.report = fault
         return fault
+
+    def _note_gap(self, odometry: Odometry) -> None:
+        """Learn how long it may take until the next odometry."""
+        gap = math.inf if self._odometry is None else odometry.time - self._odometry.time
+        self._longest_gap *= FADING
+        if gap < LONG_STEP:
+            self._longest_gap = max(self._longest_gap, gap)
 
     def _is_news(self, fault: SafetyReport) -> bool:
         """Tell whether a fault is the first, or says more of a base that does not follow."""
@@ -169,9 +190,21 @@ class SafetyLayer:
         if not all(map(math.isfinite, command)):
             self.report = SafetyReason.COMMAND_NOT_FINITE.report(command=tuple(command))
         sent = STOP if self.report is not None else self._limited(command)
+        ratio = self._speed_ratio(time)
+        if ratio < 1.0:
+            sent = Twist(*(ratio * value for value in sent))
         self._monitor.add_command(sent, time)
         self._odometry_check.add_command(sent, time)
         return sent
+
+    def _speed_ratio(self, time: float) -> float:
+        """Part of its speed that a robot keeps whose odometry has not come for a while."""
+        known, since = self._answered
+        if self._odometry is None or self._odometry is not known or time < since:
+            self._answered = self._odometry, time
+            return 1.0
+        silence = max(SILENCE, SILENCE_RATIO * self._longest_gap)
+        return min(1.0, max(0.0, 1.0 - (time - since - silence) / SLOWING_TIME))
 
     def stop(self, report: SafetyReport) -> None:
         """

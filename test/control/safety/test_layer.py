@@ -293,6 +293,25 @@ def test_axes_of_a_twist_that_are_right_again_let_the_robot_go_on(angle):
     assert driven(layer, base, Twist(0.15, 0.0, 0.0), 5.0)[1] is None
 
 
+@pytest.mark.parametrize('period', [0.02, 0.1])
+def test_a_robot_whose_odometry_ends_slows_down_before_the_time_out(period):
+    """Where it is silent for longer than it has been of late; up to then nothing changes."""
+    layer, command = SafetyLayer(ROBOTS['holonomic'], BOX), Twist(0.3, 0.1, 0.0)
+    for i in range(round(3.0 / period)):
+        place = Pose(0.3 * i * period, 0.1 * i * period, 0.0)
+        layer.observe(Odometry(i * period, place, command))
+        sent = [layer.filter(command, (i + part) * period) for part in (0.0, 0.5, 0.99)]
+        layer.release()
+        assert sent == [command] * 3
+    later = [layer.filter(command, i * period + 0.01 * j) for j in range(32)]
+    assert later[5] == command and later[31] == STOP
+    assert all(a.v_x >= b.v_x for a, b in zip(later, later[1:]))
+    assert later[20].v_y / 0.1 == pytest.approx(later[20].v_x / 0.3)
+    assert period == 0.1 or later[15].v_x < 0.5 * 0.3 and later[22] == STOP
+    layer.observe(Odometry(10.0, place, STOP))
+    assert layer.filter(Twist(0.1, 0.0, 0.0), 10.0) == Twist(0.1, 0.0, 0.0)
+
+
 def test_who_else_commands_the_base_is_named():
     """Where it moves otherwise; while it follows nothing is wrong."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
