@@ -65,7 +65,6 @@ class _KernelArrays:
     forces: Any
     command: Any
     drive: Any
-    loads: Any
 
     def copy(self) -> '_KernelArrays':
         """Copy what the kernel writes to."""
@@ -126,8 +125,7 @@ class Plant:
             floor=array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),
             forces=array([0.0] * (2 * len(obj.supports))),
             command=array(STOP),
-            drive=array(drive_numbers(robot)),
-            loads=array(obj.loads if has_heights(obj) else []))
+            drive=array(drive_numbers(robot)))
         self._row_size = len(columns_of(obj))
         self.set_friction_factors([1.0] * len(obj.supports))
         self._compile()
@@ -253,9 +251,11 @@ class Plant:
         """
         arrays = self._arrays
         row = self._kernel.empty(self._row_size)
-        self._kernel.write_row(row, time, arrays.state, arrays.body, arrays.supports,
-                               arrays.outline, arrays.forces, arrays.loads)
+        self._kernel.write_row(row, arrays.state, arrays.body, arrays.outline, arrays.forces)
+        row[0] = time
         row[COMMAND:COMMAND + 3] = command
+        if has_heights(self.obj):
+            row[-len(self.obj.supports):] = self._support_loads
         return row
 
     def truth(self, time: float) -> Truth:
@@ -283,10 +283,14 @@ class Plant:
             force_n=force_n,
             force_t=force_t,
             support_forces=tuple(zip(forces[::2], forces[1::2])),
-            support_loads=tuple(
-                load * float(support[layout.LOAD_RATIO])
-                for load, support in zip(self.obj.loads, self._arrays.supports)),
+            support_loads=self._support_loads,
             energy=Energy(*row[ENERGY:SUPPORTS]))
+
+    @property
+    def _support_loads(self) -> tuple[float, ...]:
+        """Loads on all supports [N]."""
+        return tuple(load * float(support[layout.LOAD_RATIO])
+                     for load, support in zip(self.obj.loads, self._arrays.supports))
 
     def _compile(self) -> None:
         # Seconds where no machine code is kept on disk: better here than while time runs.

@@ -12,7 +12,7 @@ from push_dynamics import layout
 from push_dynamics.compiled import compiled
 from push_dynamics.contact_law import nearest_points, surface_velocity
 from push_dynamics.layout import (
-    COM_X, COM_Y, DISC_RADIUS, INERTIA, LOAD_RATIO, MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA,
+    COM_X, COM_Y, DISC_RADIUS, INERTIA, MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA,
     ROBOT_RADIUS, ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y, ROBOT_X, ROBOT_Y, SEPARATE, TANGENTIAL_FORCE,
     THETA, V_X, V_Y, X, Y,
 )
@@ -49,21 +49,16 @@ def columns_of(obj: PushedObject) -> tuple[str, ...]:
 
 
 @compiled
-def write_row(row: Any, time: float, state: Any, body: Any, supports: Any, outline: Any,
-              forces: Any, loads: Any) -> None:
+def write_row(row: Any, state: Any, body: Any, outline: Any, forces: Any) -> None:
     """
-    Write a row of a tape, but for the command.
+    Write a row of a tape, but for time, command and loads of the supports.
 
     :param row: numbers by the columns, is written.
-    :param time: of the row [s].
     :param state: of the kernel, see ``push_dynamics.step``, as are the following.
     :param body: object and robot.
-    :param supports: of the object.
     :param outline: of the object [m].
     :param forces: friction on each support [N].
-    :param loads: of the supports at rest, as many as the row has a column for [N].
     """
-    row[0] = time
     write_object(row, state, body)
     for i in range(3):
         row[ROBOT + i] = state[ROBOT_X + i]
@@ -72,8 +67,6 @@ def write_row(row: Any, time: float, state: Any, body: Any, supports: Any, outli
     write_energies(row, state, body)
     for i in range(len(forces)):
         row[SUPPORTS + i] = forces[i]
-    for i in range(len(loads)):
-        row[SUPPORTS + len(forces) + i] = loads[i] * supports[i][LOAD_RATIO]
 
 
 @compiled

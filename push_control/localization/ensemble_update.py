@@ -52,8 +52,7 @@ def center(numbers: Any, means: Any) -> None:
 
 
 @compiled
-def add_odometry(increments: Any, means: Any, parameters: Any, walks: Any, x: float, y: float,
-                 rotation: float) -> None:
+def add_odometry(increments: Any, means: Any, parameters: Any, walks: Any, step: Any) -> None:
     """
     Turn random numbers into the motion of each robot, by odometry and its errors.
 
@@ -63,11 +62,10 @@ def add_odometry(increments: Any, means: Any, parameters: Any, walks: Any, x: fl
     :param parameters: of all members; first the relative errors of distances and of rotations, and
         the heading error per distance.
     :param walks: random walks per root of the distance, (x, y, theta).
-    :param x: motion by odometry, x [m].
-    :param y: the same, y [m].
-    :param rotation: the same [rad].
+    :param step: motion by odometry (x, y, theta) [m, m, rad].
     """
     center(increments, means)
+    x, y, rotation = step
     length = math.sqrt(x * x + y * y)
     root = math.sqrt(length)
     for i in range(len(increments)):

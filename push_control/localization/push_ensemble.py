@@ -178,7 +178,7 @@ class PushEnsemble:
         members.close_gaps()
         disturb_objects(poses, poses.copy(), none, self._means, OBJECT_WALKS)
         members.set_poses(poses)
-        add_odometry(none, self._means, members.parameters, self._odometry_walks, 0.0, 0.0, 0.0)
+        add_odometry(none, self._means, members.parameters, self._odometry_walks, (0.0, 0.0, 0.0))
 
     # Estimates.
 
@@ -351,8 +351,8 @@ class PushEnsemble:
         if is_at_rest and not members.in_contact.any():
             return
         increments = self._rng.standard_normal((members.count, POSE))
-        add_odometry(increments, self._means, members.parameters, self._odometry_walks, step.x,
-                     step.y, rotation)
+        add_odometry(increments, self._means, members.parameters, self._odometry_walks,
+                     (step.x, step.y, rotation))
         before = members.poses if self.has_object else None
         if members.move(increments, duration):
             self._last_contact = time

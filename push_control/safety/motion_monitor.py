@@ -123,31 +123,6 @@ def find_nearest(sums: Any, excluded_until: Any, time: float, least: Any) -> int
     return nearest
 
 
-@compiled
-def compare_motion(velocities: Any, rates: Any, measured: Any, ratios: Any, sums: Any,
-                   excluded_until: Any, is_settled: bool, least: Any, time: float,
-                   dt: float) -> int:
-    """
-    Compare a measured velocity with those of the models, and find how well they explain it.
-
-    :param velocities: as of ``sum_residuals``.
-    :param rates: as of ``sum_residuals``.
-    :param measured: as of ``sum_residuals``.
-    :param ratios: as of ``sum_residuals``.
-    :param sums: as of ``sum_residuals``.
-    :param excluded_until: as of ``find_nearest``.
-    :param is_settled: whether the close tolerance counts.
-    :param least: as of ``find_nearest``.
-    :param time: now [s].
-    :param dt: time since the last measurement [s].
-    :return: as of ``find_nearest``.
-    """
-    sum_residuals(velocities, rates, measured, ratios, sums, dt)
-    if not is_settled:
-        sums[CLOSE] = 0.0
-    return find_nearest(sums, excluded_until, time, least)
-
-
 class MotionMonitor:
     """Compares the velocity of the robot with its commands."""
 
@@ -169,9 +144,23 @@ class MotionMonitor:
         self._following = CloseFollowing()
         self._time: float | None = None
         # Changes nothing; but loads machine code before the robot moves.
-        compare_motion(
-            self._models.velocities, self._models.rates, np.zeros(3), self._ratios, self._sums,
-            self._excluded_until, True, self._least, 0.0, 0.0)
+        self._compare(np.zeros(3), True, 0.0, 0.0)
+
+    def _compare(self, measured: FloatArray, is_settled: bool, time: float, dt: float) -> int:
+        """
+        Compare a measured velocity with those of the models, and find how well they explain it.
+
+        :param measured: (v_x, v_y, omega), shape (3,) [m/s, m/s, rad/s].
+        :param is_settled: whether the close tolerance counts.
+        :param time: now [s].
+        :param dt: time since the last measurement [s].
+        :return: as of ``find_nearest``.
+        """
+        sum_residuals(self._models.velocities, self._models.rates, measured, self._ratios,
+                      self._sums, dt)
+        if not is_settled:
+            self._sums[CLOSE] = 0.0
+        return find_nearest(self._sums, self._excluded_until, time, self._least)
 
     def reset(self) -> None:
         """Begin anew, at whatever velocity the robot has: somebody else has commanded it."""
@@ -212,9 +201,7 @@ class MotionMonitor:
         self._delay.add(time, twist, self._models.nominal_velocity)
         measured = np.array(twist, dtype=np.float64)
         is_settled = self._following.is_settled(self._models.nominal_error, time)
-        nearest = compare_motion(
-            self._models.velocities, self._models.rates, measured, self._ratios, self._sums,
-            self._excluded_until, is_settled, self._least, time, time - last)
+        nearest = self._compare(measured, is_settled, time, time - last)
         is_fault = self._is_unexplained(nearest, time - last)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
