@@ -16,7 +16,7 @@ ARRIVAL_TOLERANCE_RATIO = 0.85
 MIN_CAUTION = 0.5
 CAUTION_FACTOR = 0.8
 # Distances ahead at which a path must keep to the limits [m]. Chosen: one metre, every 0.1 m.
-LOOK_AHEAD_DISTANCES = np.linspace(0.0, 1.0, 11)
+LOOK_AHEAD_DISTANCES: FloatArray = np.linspace(0.0, 1.0, 11, dtype=np.float64)
 
 
 class Guidance:
