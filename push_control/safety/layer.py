@@ -24,6 +24,10 @@ STANDING_SPEED = 0.02
 STANDING_YAW_RATE = 0.1
 # Time for which it stands before it may go on [s]; chosen: longer than a drive takes to react.
 STANDING_TIME = 0.5
+# The same where it was stopped again so soon after it had been let go on [s]; chosen: beyond the
+# drop-outs and restarts of most parts, so that one of them is not counted as many.
+RELAPSE_TIME = 5.0
+RELAPSE_STANDING_TIME = 5.0
 # Time without odometry after which a robot slows down, at least, and over the longest between two
 # messages of late; and in which it then comes to stand [s]; chosen: three messages at 50 Hz, and
 # before the time-out of odometry. What was the longest fades with every message by a factor.
@@ -73,6 +77,8 @@ class SafetyLayer:
         self._odometry_check = OdometryCheck(self._robot,
                                              is_absolute=self._is_odometry_absolute)
         self._standing_since: float | None = None
+        # When the robot was last let go on after a stop [s].
+        self._released_at = -math.inf
         # Stamp of odometry that was not newer and came last [s], and how many in a row agree.
         self._late_stamp = -math.inf
         self._late_count = 0
@@ -117,7 +123,6 @@ class SafetyLayer:
             return None
         if self._odometry is not None and odometry.time <= self._odometry.time:
             return self._observe_late(odometry, self._odometry.time - odometry.time)
-        self._note_gap(odometry)
         self._odometry = odometry
         self._late_stamp, self._late_count = -math.inf, 0
         fault = self._odometry_check.check(odometry) or self._motion_fault(odometry)
@@ -125,13 +130,6 @@ class SafetyLayer:
         if fault is not None and self._is_news(fault):
             self.report = fault
         return fault
-
-    def _note_gap(self, odometry: Odometry) -> None:
-        """Learn how long it may take until the next odometry."""
-        gap = math.inf if self._odometry is None else odometry.time - self._odometry.time
-        self._longest_gap *= FADING
-        if gap < LONG_STEP:
-            self._longest_gap = max(self._longest_gap, gap)
 
     def _is_news(self, fault: SafetyReport) -> bool:
         """Tell whether a fault is the first, or says more of a base that does not follow."""
@@ -201,10 +199,17 @@ class SafetyLayer:
         """Part of its speed that a robot keeps whose odometry has not come for a while."""
         known, since = self._answered
         if self._odometry is None or self._odometry is not known or time < since:
+            self._note_gap(math.inf if known is None else time - since)
             self._answered = self._odometry, time
             return 1.0
         silence = max(SILENCE, SILENCE_RATIO * self._longest_gap)
         return min(1.0, max(0.0, 1.0 - (time - since - silence) / SLOWING_TIME))
+
+    def _note_gap(self, gap: float) -> None:
+        """Learn how long it may take until the next odometry, lost or late on its way."""
+        self._longest_gap *= FADING
+        if gap < LONG_STEP:
+            self._longest_gap = max(self._longest_gap, gap)
 
     def stop(self, report: SafetyReport) -> None:
         """
@@ -221,10 +226,16 @@ class SafetyLayer:
             self._standing_since = None
         elif self._standing_since is None:
             self._standing_since = odometry.time
-        elif self.report and odometry.time - self._standing_since > STANDING_TIME:
+        elif self.report and self._has_stood(self._standing_since, odometry.time):
             self._odometry_check.restart(odometry)
             self._monitor.forgive()
             self.report = None
+            self._released_at = odometry.time
+
+    def _has_stood(self, since: float, time: float) -> bool:
+        """Tell whether a robot that was stopped has stood for long enough."""
+        has_relapsed = since - self._released_at < RELAPSE_TIME
+        return time - since > (RELAPSE_STANDING_TIME if has_relapsed else STANDING_TIME)
 
     def _limited(self, command: Twist) -> Twist:
         """Shorten a command that is beyond the limits of speed and acceleration."""

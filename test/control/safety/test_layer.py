@@ -312,6 +312,18 @@ def test_a_robot_whose_odometry_ends_slows_down_before_the_time_out(period):
     assert layer.filter(Twist(0.1, 0.0, 0.0), 10.0) == Twist(0.1, 0.0, 0.0)
 
 
+def test_a_network_that_is_late_at_times_slows_the_robot_once():
+    """Stamps come as regularly as ever; how long they take is learned from when they come."""
+    layer, command, slowed = SafetyLayer(ROBOTS['holonomic'], BOX), Twist(0.3, 0.0, 0.0), []
+    for i in range(800):
+        # Later on odometry is late twice a second by up to 0.15 s, while poses come on time.
+        stamp = 0.02 * (i - i % 25) if i > 400 and i % 25 < 8 else 0.02 * i
+        layer.observe(Odometry(stamp, Pose(0.3 * stamp, 0.0, 0.0), command))
+        if layer.filter(command, 0.02 * i) != command:
+            slowed.append(i)
+    assert slowed and max(slowed) < 425
+
+
 def test_who_else_commands_the_base_is_named():
     """Where it moves otherwise; while it follows nothing is wrong."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
@@ -350,6 +362,37 @@ def test_frozen_odometry_stops_the_robot():
     time, report = driven(layer, base, Twist(0.3, 0.0, 0.0), 2.0,
                           lambda odometry: frozen._replace(time=odometry.time))
     assert time < RESPONSE_TIME and report.reason is SafetyReason.ODOMETRY_FROZEN
+
+
+@pytest.mark.parametrize('speed', [0.03, 0.06, 0.2])
+def test_odometry_that_is_rounded_does_not_repeat_a_pose(speed):
+    """To a centimetre and a degree, from the first step on."""
+    def rounded(odometry):
+        x, y, theta = odometry.pose
+        return odometry._replace(pose=Pose(round(x, 2), round(y, 2), round(theta / 0.02) * 0.02))
+
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+    for command in (Twist(speed, 0.0, 0.0), Twist(speed, 0.0, 0.08), Twist(-speed, 0.0, 0.0)):
+        assert driven(layer, base, command, 4.0, spoil=rounded)[1] is None
+    frozen = base.odometry.pose
+    time, report = driven(layer, base, Twist(-speed, 0.0, 0.0), 2.0,
+                          spoil=lambda odometry: odometry._replace(pose=frozen))
+    assert report.reason is SafetyReason.ODOMETRY_FROZEN and time * speed < 0.041
+
+
+def test_a_base_that_fails_again_soon_stands_for_longer():
+    """So that a fault of some seconds stops the robot twice, and no third time."""
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+    stops = []
+    while base.odometry.time < 10.0:
+        held = layer.report is not None
+        layer.observe(base.odometry)
+        sent = layer.filter(Twist(0.2, 0.0, 0.0), base.odometry.time)
+        if layer.report is not None and not held:
+            stops.append(base.odometry.time)
+        base.drive(STOP if base.odometry.time < 4.0 else sent)
+    assert len(stops) == 2 and stops[1] < 2.5
+    assert layer.report is None and base.odometry.twist.v_x > 0.19
 
 
 def test_a_robot_that_nobody_commands_may_be_driven_by_others():
