@@ -26,7 +26,10 @@ class PushEvent(enum.Enum):
         'agree')
     OBJECT_POSE_FROZEN = (
         'object pose repeats itself more than {count} times: the tracker is frozen')
-    ODOMETRY_STALE = 'odometry is stale: {age:.2f} s old, at most {limit:g} s'
+    # Stamps alone do not tell which of the two is off.
+    ODOMETRY_STALE = (
+        'odometry is stale: {age:.2f} s old, at most {limit:g} s; or object poses are stamped '
+        'ahead of it')
 
     # The push has failed: it has waited long enough.
     GAVE_UP_WAITING = 'gave up after {limit:g} s: {reason}'

@@ -10,6 +10,7 @@ from typing import Any, Callable, Mapping
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from push_model.geometry import Pose
+from push_ros.conversions.primitives import seconds
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
@@ -24,6 +25,10 @@ PERIOD = 1.0
 REPEAT_PERIOD = 1.0
 MOST_KINDS = 100
 LONGEST_TEXT = 1000
+# Lines of a log that may come at once, and per second from then on [1/s]; chosen: several tasks in
+# a row, of which each begins and ends with a dozen lines in some twenty seconds.
+BURST = 40.0
+LINE_RATE = 2.0
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*')
 # Keys of values that programs read: whether a node has a map, and the ``PlanFailure`` for which
 # there is no plan.
@@ -39,8 +44,63 @@ UNITS = {
     **dict.fromkeys(('pushing_speed', 'highest_speed', 'present_speed'), 'm/s')}
 
 
+class LogThrottle:
+    """
+    Lets lines into a log, many at once, but few per second for ever.
+
+    Where there are more, the newest of them is kept until there is room, and the others counted.
+    """
+
+    def __init__(self) -> None:
+        """Start with all lines of a burst."""
+        self._room = BURST
+        self._times: tuple[float, ...] = ()
+        self._kept: tuple[bytes, str] | None = None
+        self._left_out = 0
+
+    def admits(self, level: bytes, text: str, times: tuple[float, ...]) -> bool:
+        """
+        Tell whether a line may be logged now; otherwise keep it, in place of a former one.
+
+        :param level: ``OK``, ``WARN`` or ``ERROR``.
+        :param text: the line.
+        :param times: the present on several clocks [s], of which the fastest counts: simulated
+            time may stand still, or pass ten times as fast.
+        """
+        if self._kept is None and self._takes_room(times):
+            return True
+        self._left_out += self._kept is not None
+        self._kept = level, text
+        return False
+
+    def release(self, times: tuple[float, ...]) -> tuple[bytes, str] | None:
+        """
+        Return level and text of the line that is kept, once there is room for it.
+
+        :param times: as of ``admits``.
+        """
+        if self._kept is None or not self._takes_room(times):
+            return None
+        (level, text), self._kept = self._kept, None
+        count, self._left_out = self._left_out, 0
+        return level, f'{text} ({count} lines before it are left out)' if count else text
+
+    def _takes_room(self, times: tuple[float, ...]) -> bool:
+        passed = max((now - before for now, before in zip(times, self._times)), default=0.0)
+        self._times = times
+        self._room = min(BURST, self._room + LINE_RATE * max(0.0, passed))
+        if self._room < 1.0:
+            return False
+        self._room -= 1.0
+        return True
+
+
 class Reporter:
-    """Publishes the status of a node on ``/diagnostics``, and logs its changes."""
+    """
+    Publishes the status of a node on ``/diagnostics``, and logs its changes.
+
+    Where these never end, as with a hundred goals a second, the log has the newest of each second.
+    """
 
     def __init__(self, node: Node, publisher: Any, now: Callable[[], Time]) -> None:
         """
@@ -59,8 +119,10 @@ class Reporter:
         self._status: DiagnosticStatus | None = None
         # Kinds of faults that were reported lately, and when, in monotonic time [s].
         self._reported: dict[str, float] = {}
+        # Errors have a throttle of their own: nothing else keeps them out.
+        self._throttles = {is_error: LogThrottle() for is_error in (False, True)}
         # On the wall clock, so that late subscribers receive it, even while time is held.
-        node.create_timer(PERIOD, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        node.create_timer(PERIOD, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def report(self, level: bytes, text: str, values: Mapping[str, Any] | None = None,
                always: bool = False) -> None:
@@ -101,13 +163,29 @@ class Reporter:
             message.header.stamp = self._now()
             self._publisher.publish(message)
 
+    def _repeat(self) -> None:
+        self.publish()
+        for throttle in self._throttles.values():
+            line = throttle.release(self._times)
+            if line is not None:
+                self._write(*line)
+
     def log(self, level: bytes, text: str) -> None:
         """
-        Log a sentence that is no status.
+        Log a sentence that is no status, at once or when there is room for it.
 
         :param level: ``OK``, ``WARN`` or ``ERROR``.
         :param text: one sentence.
         """
+        if self._throttles[level == ERROR].admits(level, text, self._times):
+            self._write(level, text)
+
+    @property
+    def _times(self) -> tuple[float, float]:
+        """The present on a steady clock and on the clock of the node [s]."""
+        return time.monotonic(), seconds(self._now())
+
+    def _write(self, level: bytes, text: str) -> None:
         # One call site each: rclpy ties a severity to the line that logs.
         if level == ERROR:
             self._logger.error(text)

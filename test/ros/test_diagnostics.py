@@ -6,7 +6,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
-from push_ros.diagnostics import status_values, value_text
+from push_ros.diagnostics import BURST, LINE_RATE, LogThrottle, OK, status_values, value_text
 import pytest
 
 
@@ -33,3 +33,31 @@ def test_values_are_found_by_their_names():
     status = DiagnosticStatus(values=[KeyValue(key='since [s]', value='2.5'),
                                       KeyValue(key='state', value='push')])
     assert status_values(status) == {'since': '2.5', 'state': 'push'}
+
+
+def logged_lines(count, duration, clock_rate):
+    """Return the lines of a log to which so many come within a while, and of 10 s more."""
+    throttle, lines = LogThrottle(), []
+    for index in range(count):
+        now = index * duration / count
+        if throttle.admits(OK, f'line {index}', (now, clock_rate * now)):
+            lines.append(f'line {index}')
+        if int(now) > int(now - duration / count):
+            lines.append(throttle.release((now, clock_rate * now)))
+    for index in range(10):
+        now = duration + index
+        lines.append(throttle.release((now, clock_rate * now)))
+    return [line if isinstance(line, str) else line[1] for line in lines if line is not None]
+
+
+@pytest.mark.parametrize('clock_rate', [0.0, 1.0])
+def test_a_flood_of_lines_leaves_the_newest_of_each_second_and_the_last(clock_rate):
+    """Also where simulated time stands still."""
+    lines = logged_lines(3000, 30.0, clock_rate)
+    assert len(lines) <= BURST + LINE_RATE * 31.0
+    assert lines[-1].startswith('line 2999 (')
+
+
+def test_lines_of_a_simulation_are_logged_as_often_as_its_own_time_allows():
+    """Ten times as fast as on the wall."""
+    assert len(logged_lines(190, 10.0, 10.0)) == 190
