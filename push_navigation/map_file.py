@@ -25,6 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 from push_model.files.strict_yaml import load_yaml, ParameterFileError
 from push_model.geometry import FloatArray, Pose
+from push_navigation.occupancy_map import (
+    LARGEST_RESOLUTION, LEAST_RESOLUTION, RESOLUTION_RANGE,
+)
 
 UNKNOWN = -1
 FREE = 0
@@ -123,8 +126,8 @@ def read_map(path: str | Path) -> GridMap:
     """
     path = Path(path)
     fields = _Fields(path)
-    resolution = fields.number('resolution', math.ulp(0.0), math.inf, 'a finite length above 0 '
-                               '[m]')
+    resolution = fields.number('resolution', LEAST_RESOLUTION, LARGEST_RESOLUTION,
+                               RESOLUTION_RANGE)
     occupied = fields.number('occupied_thresh', 0.0, 1.0, 'a number from 0 to 1')
     free = fields.number('free_thresh', 0.0, occupied,
                          f'a number from 0 to occupied_thresh, {occupied:g}')

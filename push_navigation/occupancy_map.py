@@ -12,6 +12,10 @@ from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.distance_field import distance_field, INTERPOLATION_ERROR
 from push_navigation.obstacle import inflate
 
+# Range of the sides of cells [m]; chosen: below it no sensor measures, and points on the rim of an
+# object, a few per cell, take all memory; above it a cell is a room.
+LEAST_RESOLUTION, LARGEST_RESOLUTION = 1e-3, 10.0
+RESOLUTION_RANGE = f'a length from {LEAST_RESOLUTION:g} to {LARGEST_RESOLUTION:g} m'
 # Points on the rim of an object, per cell; chosen: a corner of an obstacle that pokes between two
 # of them is an eighth of a cell nearer than it seems.
 RIM_POINTS_PER_CELL = 4
@@ -24,7 +28,7 @@ class OccupancyMap:
     """
     An occupancy map; everything outside it is an obstacle.
 
-    :param resolution: side of a cell [m].
+    :param resolution: side of a cell [m], from ``LEAST_RESOLUTION`` to ``LARGEST_RESOLUTION``.
     :param origin: ``Pose`` in the world of the outer corner of the first cell; columns go along
         its x axis, rows along its y axis.
     :param occupied: whether each cell is an obstacle or unknown, shape (rows, columns).
@@ -32,9 +36,8 @@ class OccupancyMap:
     """
 
     def __init__(self, resolution: float, origin: Coordinates, occupied: ArrayLike) -> None:
-        if not (math.isfinite(resolution) and resolution > 0.0):
-            raise ValueError(f'resolution: got {resolution!r}, expected a finite length above 0 '
-                             '[m]')
+        if not LEAST_RESOLUTION <= resolution <= LARGEST_RESOLUTION:
+            raise ValueError(f'resolution: got {resolution!r}, expected {RESOLUTION_RANGE}')
         if not Pose(*origin).is_finite():
             raise ValueError(f'origin: got {tuple(origin)}, expected finite numbers')
         cells = np.array(occupied)

@@ -1,13 +1,14 @@
 """Occupancy maps to messages and back."""
 
 import array
-import math
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_model.geometry import Pose
-from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.occupancy_map import (
+    LARGEST_RESOLUTION, LEAST_RESOLUTION, OccupancyMap, RESOLUTION_RANGE,
+)
 from push_navigation.settings import MapSettings
 from push_ros.conversions.primitives import (
     check_frame, check_upright, from_pose_message, MessageRefused, to_pose_message,
@@ -52,9 +53,9 @@ def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map', *,
     """
     check_frame(message.header.frame_id, frame, topic)
     info, cells = message.info, np.asarray(message.data)
-    if not (math.isfinite(info.resolution) and info.resolution > 0.0):
-        raise MessageRefused(f'{topic}: got the resolution {info.resolution:g}, expected a finite '
-                             'length above 0 [m]')
+    if not LEAST_RESOLUTION <= info.resolution <= LARGEST_RESOLUTION:
+        raise MessageRefused(f'{topic}: got the resolution {info.resolution:g}, expected '
+                             f'{RESOLUTION_RANGE}')
     if not len(cells) or len(cells) != info.width * info.height:
         raise MessageRefused(f'{topic}: got {len(cells)} cells, expected {info.width} times '
                              f'{info.height}, at least one')

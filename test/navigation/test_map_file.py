@@ -84,7 +84,7 @@ def test_a_png_holds_the_same_and_what_is_transparent_is_unknown_in_mode_scale(t
     ({'image': None}, 'image: got None, expected the name'),
     ({'image': 'none.pgm'}, 'none.pgm: No such file'),
     ({'image': 'floor.yaml'}, "begins with b'imag', expected an image: PGM"),
-    ({'resolution': 0}, 'resolution: got 0, expected a finite length above 0'),
+    ({'resolution': 0}, 'resolution: got 0, expected a length from 0.001 to 10 m'),
     ({'resolution': '.inf'}, 'resolution: got inf'),
     ({'origin': '[0, 0]'}, r'origin: got \[0, 0\], expected three finite numbers'),
     ({'mode': 'grey'}, "mode: got 'grey', expected trinary, scale or raw"),

@@ -81,7 +81,7 @@ def test_the_first_collision_is_found():
 def test_what_is_no_map_is_refused_by_name():
     """Resolution, origin and cells."""
     cells, origin = np.zeros((3, 4), dtype=bool), Pose(0.0, 0.0, 0.0)
-    for wrong in (0.0, -1.0, math.nan):
+    for wrong in (0.0, -1.0, 1e-9, 1e30, math.nan):
         with pytest.raises(ValueError, match='resolution: got'):
             OccupancyMap(wrong, origin, cells)
     with pytest.raises(ValueError, match='origin: got'):

@@ -6,7 +6,9 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
-from push_ros.diagnostics import BURST, LINE_RATE, LogThrottle, OK, status_values, value_text
+from push_ros.diagnostics import (
+    BURST, LINE_RATE, LogThrottle, OK, status_values, value_text,
+)
 import pytest
 
 

@@ -215,7 +215,7 @@ def _odd(message):
 @pytest.mark.parametrize('spoil, text', [
     (_frame, "got frame 'map', expected 'odom'"), (_few_cells, 'got 34 cells, expected 7 times 5'),
     (_empty, 'got 0 cells, expected 0 times 0, at least one'),
-    (_coarse, 'got the resolution 0, expected a finite length above 0'),
+    (_coarse, 'got the resolution 0, expected a length from 0.001 to 10 m'),
     (_endless, 'got the resolution inf'), (_lost, 'origin: got the position .*nan'),
     (_odd, 'got 101 in cell 3, expected -1 to 100')])
 def test_a_bad_map_is_refused(spoil, text):
