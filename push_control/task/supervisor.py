@@ -130,6 +130,8 @@ class Supervisor:
         self._stopped_since = 0.0
         # Since when the object has not been at rest where it should be [s], or None.
         self._moving_since: float | None = None
+        # Long waits for that, in all, since the last push [s].
+        self._unrest_time = 0.0
         # Why the robot has to stand besides, one sentence, or empty.
         self._hold_reason = ''
         self._watch = MeasurementWatch()
@@ -236,6 +238,7 @@ class Supervisor:
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal = Pose(*pose)
         self._progress = ProgressMonitor(self._settings, self._aim)
+        self._unrest_time = 0.0
         self._entered = dataclasses.replace(self._entered, pushes=0, recoveries=0, history=())
         if self._entered.state is not TaskState.PAUSED:
             self._restart(self._entered.state, 'new goal')
@@ -473,7 +476,7 @@ class Supervisor:
                 or perception.object_at_rest.duration < settings.min_averaging_time):
             self._await_rest()
             return
-        self._moving_since = None
+        self._note_unrest()
         if self._pending is not None:
             if now - self._pending.since > settings.plan_timeout:
                 self._recover(f'no plan within {settings.plan_timeout:g} s')
@@ -525,10 +528,17 @@ class Supervisor:
         if waited <= REST_REPORT_TIME:
             return
         reason = self._perception.unrest
-        if waited <= REST_TIME_LIMIT:
+        if self._unrest_time + waited <= REST_TIME_LIMIT:
             self._entered = dataclasses.replace(self._entered, reason=reason, is_requested=False)
             return
         self._fail(TaskFailure.NOT_AT_REST, reason)
+
+    def _note_unrest(self) -> None:
+        """End a wait for the object to rest; what only seemed to be rest begins no new one."""
+        if self._moving_since is not None:
+            waited = self._perception.time - self._moving_since
+            self._unrest_time += waited if waited > REST_REPORT_TIME else 0.0
+        self._moving_since = None
 
     def _inspect(self, object_at_rest: ObjectAtRest) -> None:
         """See an object that may be at its goal from another side, then check it again."""
@@ -584,7 +594,7 @@ class Supervisor:
         if self._entered.state is TaskState.PUSH:
             self._progress.count_push(self._perception.repeats_pose)
         self._pending = None
-        self._moving_since = None
+        self._note_unrest()
         self._behavior = self._behaviors.create(state, self._plan, self._goal, self._perception)
         if state is TaskState.RETREAT:
             # An unsteered push ends at rest.
@@ -593,6 +603,7 @@ class Supervisor:
         pushes = self._entered.pushes
         if state is TaskState.PUSH:
             pushes += 1
+            self._unrest_time = 0.0
         self._entered = dataclasses.replace(
             self._entered, state=state, reason=reason, since=now, push=push, pushes=pushes,
             is_requested=is_requested, failure=None,
