@@ -57,9 +57,9 @@ LEAST_EXPECTED_RATIO = 0.2
 REPETITION_TIME = 0.15
 MOVING_SPEED = 0.01
 MOVING_YAW_RATE = 0.05
-# How far it has to have moved meanwhile by its twist, over the least step that was seen, and that
-# step at first [m], [rad]; chosen: half a diagonal more than poses that are rounded need, and the
-# coarsest rounding that is common.
+# How far it has to have moved meanwhile by its twist, over the last step of the pose, and the
+# greatest that counts [m], [rad]; chosen: half a diagonal more than poses that are rounded need,
+# and the coarsest rounding that is common.
 REPETITION_RATIO = 2.0
 COARSEST_STEP = 0.01, 0.02
 # A step longer than this may begin and end at any velocity [s]; chosen: some lost messages.
@@ -89,8 +89,8 @@ class OdometryCheck:
         self._course: deque[FloatArray] = deque()
         # Time at which the present pose came first [s].
         self._pose_since = 0.0
-        # Least steps of the pose that were seen [m], [rad].
-        self._least_step = COARSEST_STEP
+        # Step of the pose when it last changed [m], [rad], no more than the coarsest.
+        self._last_step = COARSEST_STEP
         # Command that was sent last, and when [s]; and what commands add up to since the pose of
         # odometry has last changed [m], [rad].
         self._commanded = STOP, 0.0
@@ -190,9 +190,9 @@ class OdometryCheck:
         if speed <= MOVING_SPEED and yaw_rate <= MOVING_YAW_RATE:
             self._pose_since = odometry.time
         duration = odometry.time - self._pose_since
-        least_distance, least_rotation = self._least_step
-        has_moved = (speed * duration > REPETITION_RATIO * least_distance
-                     or yaw_rate * duration > REPETITION_RATIO * least_rotation)
+        last_distance, last_rotation = self._last_step
+        has_moved = (speed * duration > REPETITION_RATIO * last_distance
+                     or yaw_rate * duration > REPETITION_RATIO * last_rotation)
         if duration <= REPETITION_TIME or not has_moved:
             return None
         return SafetyReason.ODOMETRY_FROZEN.report(duration=duration)
@@ -200,9 +200,9 @@ class OdometryCheck:
     def _note_step(self, before: Pose, pose: Pose) -> None:
         """Learn to what poses are rounded, from a step between two that differ."""
         step, rotation = distance(before, pose), abs(wrap_angle(pose.theta - before.theta))
-        least_distance, least_rotation = self._least_step
-        self._least_step = (min(least_distance, step or math.inf),
-                            min(least_rotation, rotation or math.inf))
+        last_distance, last_rotation = self._last_step
+        self._last_step = (min(COARSEST_STEP[0], step or last_distance),
+                           min(COARSEST_STEP[1], rotation or last_rotation))
 
     def _jump(self, last: Odometry, odometry: Odometry) -> SafetyReport | None:
         """Judge the step from one message to another."""

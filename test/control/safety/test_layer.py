@@ -366,7 +366,7 @@ def test_frozen_odometry_stops_the_robot():
 
 @pytest.mark.parametrize('speed', [0.03, 0.06, 0.2])
 def test_odometry_that_is_rounded_does_not_repeat_a_pose(speed):
-    """To a centimetre and a degree, from the first step on."""
+    """To a centimetre and a degree, from the first step on or later."""
     def rounded(odometry):
         x, y, theta = odometry.pose
         return odometry._replace(pose=Pose(round(x, 2), round(y, 2), round(theta / 0.02) * 0.02))
@@ -374,6 +374,12 @@ def test_odometry_that_is_rounded_does_not_repeat_a_pose(speed):
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     for command in (Twist(speed, 0.0, 0.0), Twist(speed, 0.0, 0.08), Twist(-speed, 0.0, 0.0)):
         assert driven(layer, base, command, 4.0, spoil=rounded)[1] is None
+    # Rounded later on, it is stopped once at most.
+    assert driven(layer, base, Twist(-speed, 0.0, 0.0), 2.0)[1] is None
+    driven(layer, base, Twist(-speed, 0.0, 0.0), 1.0, spoil=rounded)
+    for _ in range(100):
+        layer.observe(rounded(base.drive(layer.filter(STOP, base.odometry.time))))
+    assert driven(layer, base, Twist(-speed, 0.0, 0.0), 4.0, spoil=rounded)[1] is None
     frozen = base.odometry.pose
     time, report = driven(layer, base, Twist(-speed, 0.0, 0.0), 2.0,
                           spoil=lambda odometry: odometry._replace(pose=frozen))
