@@ -4,7 +4,8 @@ How closely a base is known to follow its commands.
 What is tolerated of any base is more than most bases need. One that has kept a closer tolerance
 for some seconds, along every axis that moves, is held to it from then on. Where it leaves that
 tolerance, as under another load or with noise, it is known less well, and must keep it twice as
-long before it is held to it again.
+long before it is held to it again. A base that has been stopped for it alone may be a good one
+under another load, or on a busy computer: that happens once, and then what any base may do counts.
 """
 
 import math
@@ -65,6 +66,10 @@ class CloseFollowing:
         for axis, moves in enumerate(_moving_axes(velocity)):
             if moves:
                 self._durations[axis] += dt
+
+    def give_up(self) -> None:
+        """Never hold the base to the close tolerance again."""
+        self._learning_time = math.inf
 
     def is_known(self, velocity: Twist) -> bool:
         """

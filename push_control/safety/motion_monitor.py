@@ -213,7 +213,12 @@ class MotionMonitor:
         stated, close = self._least.tolist()
         velocity = Twist(*self._models.velocities[nearest].tolist())
         self._following.add(velocity, dt, is_close=close <= HOLDING_SUM)
-        return stated > THRESHOLD or close > THRESHOLD and self._following.is_known(velocity)
+        if stated > THRESHOLD:
+            return True
+        if close <= THRESHOLD or not self._following.is_known(velocity):
+            return False
+        self._following.give_up()
+        return True
 
     def _report(self, nearest: int, twist: Twist) -> SafetyReport:
         """Say what the robot does in place of what it should, by the model that is nearest."""

@@ -169,6 +169,25 @@ def test_a_base_that_has_followed_closely_is_held_to_that():
                   heed=lambda sent: Twist(0.92 * sent.v_x, 0.0, sent.omega))[1] is None
 
 
+def test_a_base_that_now_and_then_follows_less_closely_is_stopped_once():
+    """Under another load or on a slope, within what any base may do."""
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+    command = Twist(0.2, 0.0, 0.2)
+    assert driven(layer, base, command, 6.0)[1] is None
+
+    def loaded(sent):
+        return Twist(0.86 * sent.v_x, 0.0, sent.omega)
+    time, report = driven(layer, base, command, 3.0, heed=loaded)
+    assert time < 3.0 and report.reason is SafetyReason.NOT_MOVING
+    for _ in range(100):
+        layer.observe(base.odometry)
+        base.drive(STOP)
+    assert layer.state is SafetyState.CLEAR
+    for _ in range(2):
+        assert driven(layer, base, command, 10.0)[1] is None
+        assert driven(layer, base, command, 3.0, heed=loaded)[1] is None
+
+
 def test_a_base_that_moves_while_it_is_commanded_to_stand_is_named_at_once():
     """As one that keeps its last command."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
