@@ -218,7 +218,7 @@ def advance_step(memory: FilterMemory, twist: Any, duration: float, motion: Any)
     transition, product = memory.scratch[0], memory.scratch[1]
     distance = linearize_step(state, rates, duration, transition)
     multiply(transition, memory.covariance, product)
-    multiply_transposed(product, transition, memory.covariance)
+    multiply(product, transition.T, memory.covariance)
     after = propagated_state(model, state, rates, twist, duration)
     for i in range(SIZE):
         memory.covariance[i, i] += distance * memory.walk[i]
@@ -392,23 +392,6 @@ def multiply(a: Any, b: Any, product: Any) -> None:
             total = 0.0
             for k in range(SIZE):
                 total += a[i, k] * b[k, j]
-            product[i, j] = total
-
-
-@compiled
-def multiply_transposed(a: Any, b: Any, product: Any) -> None:
-    """
-    Multiply a matrix with the transpose of another, ``A B'``.
-
-    :param a: shape (7, 7).
-    :param b: shape (7, 7).
-    :param product: shape (7, 7), is written.
-    """
-    for i in range(SIZE):
-        for j in range(SIZE):
-            total = 0.0
-            for k in range(SIZE):
-                total += a[i, k] * b[j, k]
             product[i, j] = total
 
 

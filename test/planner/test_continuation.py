@@ -60,7 +60,7 @@ def test_a_goal_that_moved_takes_few_iterations(former, moved):
 @pytest.mark.parametrize('off', [(0.0, 0.0, 0.0), (0.002, -0.001, 0.003)], ids=['on it', 'beside'])
 @pytest.mark.parametrize('fraction', [0.1, 0.4, 0.6])
 @pytest.mark.parametrize('which', ['former', 'of_drive'])
-def test_a_push_under_way_goes_on_in_few_iterations(which, fraction, off, request):
+def test_a_push_in_motion_is_continued_in_few_iterations(which, fraction, off, request):
     """In the present motion, and it takes what is left of the time."""
     former = request.getfixturevalue(which)
     again = plan_on(pushed_on(former, fraction, off), former)
