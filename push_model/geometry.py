@@ -7,7 +7,7 @@ stands.
 
 from collections.abc import Sequence
 import math
-from typing import NamedTuple, TypeAlias, Union
+from typing import Any, NamedTuple, TypeAlias, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 IntArray: TypeAlias = NDArray[np.int_]
 # The coordinates (x, y) of a point, or of a pose, which has a third one.
 Coordinates: TypeAlias = Union[Sequence[float], FloatArray]
+# Angles, a number or an array of any shape [rad].
+Angles = TypeVar('Angles', float, FloatArray)
 Polygon: TypeAlias = Sequence[tuple[float, float]]
 
 
@@ -74,6 +76,16 @@ def wrap_angle(angle: float) -> float:
     :param angle: any finite angle [rad].
     """
     return math.remainder(angle, 2 * math.pi)
+
+
+def wrap_angles(angles: Angles) -> Angles:
+    """
+    Wrap a number or an array of them to [-pi, pi), in arithmetic that can be compiled.
+
+    :param angles: any finite angles [rad].
+    """
+    wrapped: Any = angles - 2.0 * math.pi * np.floor((angles + math.pi) / (2.0 * math.pi))
+    return wrapped
 
 
 def distance(a: Coordinates, b: Coordinates) -> float:

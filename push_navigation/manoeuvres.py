@@ -19,7 +19,7 @@ at most; for a holonomic base only directions of motion count. Frame of the obje
 import math
 from typing import Any, NamedTuple
 
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_navigation.path import MIN_ROTATION
 from push_navigation.speed_profile import (
     CORNER_CUT_AT_REST, FADE_TIME, LATERAL_FRACTION, MAX_CORNER_CUT, MIN_WINDOW, PASSING_ROOM,
@@ -170,16 +170,6 @@ class Tour(NamedTuple):
 
 
 @compiled
-def wrapped(angle: float) -> float:
-    """
-    Wrap an angle to [-pi, pi).
-
-    :param angle: any finite angle [rad].
-    """
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
-
-
-@compiled
 def moved(begin: tuple[float, float, float], length: float,
           angle: float) -> tuple[float, float, float]:
     """
@@ -323,7 +313,7 @@ def first_corner(given: Manoeuvring, circle: Circle, side: float) -> int:
         direction = math.atan2(to_y, to_x) - math.asin(growth / away)
         if i == 0:
             reference = direction
-        angle = side * wrapped(direction - reference)
+        angle = side * wrap_angles(direction - reference)
         if angle < least_angle:
             found, least_angle = i, angle
     return found
@@ -360,7 +350,7 @@ def curve_angle(before: float, after: float, radius: float) -> float:
     :param after: direction of motion [rad].
     :param radius: of the curve, signed; 0 for a turn in place, the short way round [m].
     """
-    angle = wrapped(after - before)
+    angle = wrap_angles(after - before)
     if radius > 0.0 and angle < -NO_ANGLE:
         return angle + 2.0 * math.pi
     if radius < 0.0 and angle > NO_ANGLE:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_model.geometry import FloatArray, IntArray, Pose
 from push_model.parameters import Drive, DRIVES
 from push_model.quantity import check, quantity
@@ -203,20 +203,10 @@ def interpolate_cost(values: Any, distances: Any, headings: Any, x: float, y: fl
     """
     distance = math.sqrt(x * x + y * y)
     i, u = locate(distances, distance)
-    k, w = locate(headings, wrapped(theta))
+    k, w = locate(headings, wrap_angles(theta))
     beyond = max(0.0, distance - distances[distances.shape[0] - 1])
     return (interpolate_cell(values, i, u, math.atan2(y, x), k, w, face)
             + OUTER_SLOPE * beyond)
-
-
-@compiled
-def wrapped(angle: float) -> float:
-    """
-    Wrap an angle to [-pi, pi).
-
-    :param angle: any finite angle [rad].
-    """
-    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
 @compiled
@@ -403,7 +393,7 @@ def _keep_best_actions(values: Any, distances: Any, headings: Any, actions: Any,
     """Write the best actions of some states, by face, judged by their mean effect."""
     for k in range(0, values.shape[3], SELECTION_STRIDE):
         for action in range(actions.times.shape[0]):
-            heading = wrapped(headings[k] - actions.means[action, 2])
+            heading = wrap_angles(headings[k] - actions.means[action, 2])
             position = locate(headings, heading)
             memory.heading_indices[action] = position.cell
             memory.heading_fractions[action] = position.fraction

@@ -15,7 +15,7 @@ from typing import Any, Callable, NamedTuple
 
 import numpy as np
 from push_dynamics.compiled import compiled
-from push_model.geometry import FloatArray, IntArray, Pose
+from push_model.geometry import FloatArray, IntArray, Pose, wrap_angles
 from push_primitives.cost_to_go import ARC_CLEARANCE, cost_after
 from push_primitives.store import PushPrimitives
 from push_primitives.weights import draw_weights, FrictionBelief
@@ -167,7 +167,7 @@ def estimate_travel_times(primitives: PushPrimitives, robot_pose: Pose) -> Float
     away = math.hypot(robot_pose.x, robot_pose.y)
     straight = np.hypot(starts[:, 0] - robot_pose.x, starts[:, 1] - robot_pose.y)
     bearing = math.atan2(robot_pose.y, robot_pose.x)
-    turns = np.abs(_wrapped(np.arctan2(starts[:, 1], starts[:, 0]) - bearing))
+    turns = np.abs(wrap_angles(np.arctan2(starts[:, 1], starts[:, 0]) - bearing))
     ring = float(np.hypot(starts[:, 0], starts[:, 1]).mean()) + ARC_CLEARANCE
     hidden = HIDING_FRACTION * ring
     is_visible = turns < math.acos(min(1.0, hidden / max(away, hidden))) + HIDING_MARGIN
@@ -175,7 +175,7 @@ def estimate_travel_times(primitives: PushPrimitives, robot_pose: Pose) -> Float
     is_near = straight < NEAR
     times = paths / settings.robot_speed + FIXED_TIME[settings.drive] - NEAR_REDUCTION * is_near
     if settings.drive == 'differential':
-        times += NEAR_TURN_TIME * np.abs(_wrapped(starts[:, 2] - robot_pose.theta)) * is_near
+        times += NEAR_TURN_TIME * np.abs(wrap_angles(starts[:, 2] - robot_pose.theta)) * is_near
     return times
 
 
@@ -245,10 +245,6 @@ def _is_long_enough(lengths: FloatArray, goal: Pose) -> Any:
     error = math.hypot(goal.x, goal.y) + HEADING_ARM * abs(math.remainder(goal.theta, math.tau))
     least = LENGTH_FRACTION * error - LENGTH_MARGIN
     return (lengths > 0.0) & (lengths >= min(least, MAX_LENGTH)) & (lengths <= MAX_LENGTH)
-
-
-def _wrapped(angles: FloatArray) -> FloatArray:
-    return (angles + math.pi) % (2.0 * math.pi) - math.pi
 
 
 @compiled

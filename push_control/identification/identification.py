@@ -41,7 +41,7 @@ from push_control.identification.recorded_push import RecordedPush, stacked
 from push_model.analysis.sliding_contact import SupportArrays
 from push_model.analysis.slow_push import integrate_slow_pushes, Shape
 from push_model.friction import friction_center
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, wrap_angles
 from push_model.parameters import PushedObject, Support
 from scipy.linalg import null_space
 from scipy.stats import norm, t as student
@@ -167,8 +167,7 @@ class _Problem(NamedTuple):
             Shape.of(self.obj), supports, np.repeat(np.exp(unknowns[:, 3]), count),
             self.robot_radius, np.tile(self.starts, (sets, 1)), np.tile(self.paths, (sets, 1, 1)))
         left = pushes.poses[:, -1] - np.tile(self.ends, (sets, 1))
-        left[:, 2] = self.length * np.remainder(left[:, 2] + math.pi, 2.0 * math.pi)
-        left[:, 2] -= self.length * math.pi
+        left[:, 2] = self.length * wrap_angles(left[:, 2])
         slides = (pushes.slides != 0).any(axis=1).reshape(sets, count)
         return left.reshape(sets, 3 * count), slides
 

@@ -10,10 +10,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_model.geometry import FloatArray
 from push_model.signals import Odometry
-from push_primitives.cost_to_go import wrapped
 
 # Columns of a row: time [s]; pose (x, y, theta) [m, m, rad]; twist in the robot's axes [m/s, m/s,
 # rad/s]; sum of the twists as a pose; path length of the poses [m]; sum of the twists along the
@@ -71,7 +70,7 @@ def add_step(last: Any, row: Any) -> None:
     row[SUM_THETA] = last[SUM_THETA] + rotation
     d_x, d_y = row[X] - last[X], row[Y] - last[Y]
     row[TRAVELLED] = last[TRAVELLED] + math.sqrt(d_x * d_x + d_y * d_y)
-    heading = last[THETA] + 0.5 * wrapped(row[THETA] - last[THETA])
+    heading = last[THETA] + 0.5 * wrap_angles(row[THETA] - last[THETA])
     c, s = duration * math.cos(heading), duration * math.sin(heading)
     row[EXPECTED_X] = last[EXPECTED_X] + c * v_x - s * v_y
     row[EXPECTED_Y] = last[EXPECTED_Y] + s * v_x + c * v_y
@@ -93,9 +92,9 @@ def compare_motions(first: Any, row: Any) -> Motions:
     d_x, d_y = row[SUM_X] - first[SUM_X], row[SUM_Y] - first[SUM_Y]
     e_x, e_y = c * d_x + s * d_y, c * d_y - s * d_x
     rotated, turned = row[THETA] - first[THETA], row[SUM_THETA] - first[SUM_THETA]
-    return Motions(math.sqrt((x - e_x) ** 2 + (y - e_y) ** 2), abs(wrapped(rotated - turned)),
-                   math.sqrt(x * x + y * y), abs(wrapped(rotated)),
-                   math.sqrt(e_x * e_x + e_y * e_y), abs(wrapped(turned)))
+    return Motions(math.sqrt((x - e_x) ** 2 + (y - e_y) ** 2), abs(wrap_angles(rotated - turned)),
+                   math.sqrt(x * x + y * y), abs(wrap_angles(rotated)),
+                   math.sqrt(e_x * e_x + e_y * e_y), abs(wrap_angles(turned)))
 
 
 @compiled

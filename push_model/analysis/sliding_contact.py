@@ -23,8 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from push_model.analysis.planar import wrapped
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, wrap_angles
 from push_model.parameters import PushedObject
 
 # Friction is smoothed below this fraction of the velocity along the force. Chosen: below all that
@@ -129,7 +128,7 @@ def contact_motion(supports: SupportArrays, points: ArrayLike, normals: ArrayLik
     yaw_rates = _sticking_yaw_rates(arms, velocities)
     speeds = np.hypot(*velocities.T)
     forces, _ = arms.friction(velocities, yaw_rates, SMOOTHING * speeds[:, None])
-    angles = wrapped(np.arctan2(forces[:, 1], forces[:, 0]) - normals)
+    angles = wrap_angles(np.arctan2(forces[:, 1], forces[:, 0]) - normals)
     cone = np.broadcast_to(np.arctan(contact_friction), angles.shape)
     slides = np.where(np.abs(angles) > cone + ROUNDING, np.sign(angles), 0.0).astype(int)
     sliding = slides != 0
@@ -161,7 +160,7 @@ def motion_cone(supports: SupportArrays, points: ArrayLike, normals: ArrayLike,
     points, normals = np.asarray(points, dtype=float), np.asarray(normals, dtype=float)
     arms, cone = _Arms.of(supports, points), math.atan(contact_friction)
     edges = [_cone_edge(arms, normals + side * cone).velocities for side in (-1.0, 1.0)]
-    return np.column_stack([wrapped(np.arctan2(edge[:, 1], edge[:, 0]) - normals)
+    return np.column_stack([wrap_angles(np.arctan2(edge[:, 1], edge[:, 0]) - normals)
                             for edge in edges])
 
 

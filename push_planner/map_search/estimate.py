@@ -12,10 +12,10 @@ that is more; V_1 is what that has in excess there. Farther off V misleads: it s
 import math
 from typing import Any
 
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_planner.map_search.object_distance import length_at, UNREACHED
 from push_planner.map_search.scene import clearance
-from push_primitives.cost_to_go import interpolate_cost, wrapped
+from push_primitives.cost_to_go import interpolate_cost
 
 # Distance and rotation after which the estimate charges another contact [m, rad]; fitted to
 # plans: without the charge ten times as many nodes are expanded.
@@ -45,7 +45,7 @@ def estimate(guide: Any, query: Any, x: float, y: float, theta: float, face: int
     if length >= UNREACHED:
         return UNREACHED
     open_floor = guide.open_floor
-    rotation = wrapped(query.goal.theta - theta)
+    rotation = wrap_angles(query.goal.theta - theta)
     passing = min(1.0, max(LEAST_PASSING, PASSING_DISTANCE - length))
     time = (length * (1.0 / query.pushing_speed + query.contact_time / CONTACT_DISTANCE)
             + abs(rotation) * passing * (query.contact_time / CONTACT_ROTATION + ROTATION_TIME))

@@ -3,9 +3,8 @@
 import math
 from typing import Any
 
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_planner.map_search.problem import CELL
-from push_primitives.cost_to_go import wrapped
 
 # Cells near the goal, where otherwise all corrections would fall into one: side [m], headings of a
 # turn; chosen.
@@ -25,7 +24,7 @@ def cell_number(query: Any, pose: Any, face: int, is_disc: bool) -> int:
     """
     goal, cell, headings, kind = query.goal, query.cell, query.headings, 0
     if (abs(goal.x - pose[0]) < FINE_DISTANCE and abs(goal.y - pose[1]) < FINE_DISTANCE
-            and abs(wrapped(goal.theta - pose[2])) < FINE_ANGLE):
+            and abs(wrap_angles(goal.theta - pose[2])) < FINE_ANGLE):
         cell, headings, kind = FINE_CELL, FINE_HEADINGS, 1
     elif is_disc:
         # How a disc is turned, and where it was pushed, matters at its goal only.

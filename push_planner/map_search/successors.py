@@ -7,7 +7,7 @@ A push ends after one of several lengths, or at the goal itself.
 import math
 from typing import Any
 
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_planner.map_search.dead_ends import is_dead_end, STANDOFF
 from push_planner.map_search.estimate import estimate
 from push_planner.map_search.lattice import cell_number, find_slot
@@ -19,7 +19,6 @@ from push_planner.map_search.problem import (
 )
 from push_planner.map_search.robot_reach import fill_reach, needed_gap, path_length
 from push_planner.map_search.scene import clearance, object_clearance
-from push_primitives.cost_to_go import wrapped
 
 # Distance from the start along either axis within which the object may keep the clearance that it
 # has [m]; chosen: along a wall until there is room behind it.
@@ -96,7 +95,7 @@ def _find_final_length(query: Any, means: Any, lengths: Any, last_step: int, nod
     """Write after which length a push ends at the goal, 0 where it passes it by, and its miss."""
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
     d_x, d_y = query.goal.x - node[X], query.goal.y - node[Y]
-    x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, wrapped(query.goal.theta - node[THETA])
+    x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, wrap_angles(query.goal.theta - node[THETA])
     before = _squared_miss(query, x, y, theta)
     least = min(LARGEST_MISS * LARGEST_MISS, max(1.0, MISS_RATIO * MISS_RATIO * before))
     found = 0.0

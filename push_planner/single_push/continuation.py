@@ -7,12 +7,11 @@ From there a few steps of Newton's method lead to the optimum, where that keeps 
 route. The push is then refined and checked as any other.
 """
 
-import math
 from typing import NamedTuple, Optional
 
 import numpy as np
 from push_model.friction import has_heights
-from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_model.geometry import Pose, wrap_angle, wrap_angles
 from push_planner.collocation.formulation import formulate_on, Formulation
 from push_planner.collocation.interior_point import Iterate
 from push_planner.collocation.mesh import build_mesh
@@ -130,12 +129,7 @@ def _path_done(previous: Plan, start: Pose) -> float:
     motion = previous.trajectory
     rotation = motion.object_poses[:, 2] - start.theta
     distance = np.hypot(*(motion.object_poses[:, :2] - np.array(start[:2])).T)
-    nearest = int(np.argmin(distance + HEADING_WEIGHT * np.abs(_wrapped(rotation))))
+    nearest = int(np.argmin(distance + HEADING_WEIGHT * np.abs(wrap_angles(rotation))))
     speed = np.hypot(*motion.contact_twists[:nearest + 1, :2].T)
     steps = 0.5 * np.diff(motion.times[:nearest + 1]) * (speed[1:] + speed[:-1])
     return float(steps.sum())
-
-
-def _wrapped(angles: FloatArray) -> FloatArray:
-    """Wrap angles into [-pi, pi) [rad]."""
-    return (angles + math.pi) % (2.0 * math.pi) - math.pi

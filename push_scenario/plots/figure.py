@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D
 import numpy as np
 from numpy.typing import NDArray
 from push_model.friction import friction_center
+from push_model.geometry import wrap_angles
 from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import force_angle, is_as_expected
@@ -221,7 +222,7 @@ def _position_error(axes: Axes, result: RunResult) -> None:
 
 
 def _heading_error(axes: Axes, result: RunResult) -> None:
-    error = np.abs(np.remainder(_pose_errors(result)[:, 2] + np.pi, 2.0 * np.pi) - np.pi)
+    error = np.abs(wrap_angles(_pose_errors(result)[:, 2]))
     _log_error(axes, result, np.maximum(np.degrees(error), MIN_HEADING_ERROR),
                math.degrees(result.scenario.bounds.heading_error))
     axes.set_ylabel('heading\nerror [°]')

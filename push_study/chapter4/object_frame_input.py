@@ -6,12 +6,11 @@ nothing is done about where the object is; but as the object rotates, so does th
 needs to know how the object lies on it, which an ideal sensor in its bumper reports here.
 """
 
-import math
 
 import numpy as np
 from push_control.laws.command import contact_speed, holonomic_command
 from push_control.observation import Observation
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, wrap_angles
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_scenario.definition.scenario import Scenario
@@ -103,7 +102,7 @@ def pushing_angles(planned: PushTrajectory) -> FloatArray:
     """
     v_x, v_y, _ = planned.contact_twists.T
     angles = np.arctan2(v_y, v_x) - planned.contact_poses[:, 2]
-    return np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
+    return wrap_angles(angles)
 
 
 def travelled_distances(planned: PushTrajectory) -> FloatArray:

@@ -1,13 +1,12 @@
 """Friction at the four support points that changes with time: generated, tabulated and drawn."""
 
 import dataclasses
-import math
 from typing import Sequence
 
 from matplotlib.figure import Figure
 import numpy as np
 from push_model.friction import friction_center
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, wrap_angles
 from push_model.parameters import PushedObject
 from push_sim_node.disturbance import friction_factors, FrictionChange
 from push_study.framework import plot_style
@@ -108,7 +107,7 @@ def angle_to_friction_center(path: Table, friction: Table) -> FloatArray:
     line_x = path['x_m'] + cosine * c_x - sine * c_y - path['contact_x_m']
     line_y = path['y_m'] + sine * c_x + cosine * c_y - path['contact_y_m']
     angles = np.arctan2(line_y, line_x) - path['normal_rad']
-    return np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
+    return wrap_angles(angles)
 
 
 def draw_coefficients(figure: Figure, outcome: Outcome, _: Values) -> None:

@@ -6,10 +6,9 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from push_control.identification.identification import Identification, identify
 from push_control.identification.recorded_push import stacked
-from push_model.analysis.planar import wrapped
 from push_model.analysis.sliding_contact import SupportArrays
 from push_model.analysis.slow_push import integrate_slow_pushes, Shape
-from push_model.geometry import FloatArray, Pose
+from push_model.geometry import FloatArray, Pose, wrap_angles
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
 from push_sim_node.plant import Plant
@@ -105,7 +104,7 @@ def _quasi_static(name: str, parameters: str, obj: PushedObject, force_scale: fl
     measured = np.array([push.force for push in pushes])
     angles = np.arctan2(forces[:, 1], forces[:, 0]) - np.arctan2(measured[:, 1], measured[:, 0])
     return Errors(name, QUASI_STATIC, parameters, *_pose_errors(ends, pushes),
-                  np.abs(wrapped(angles)),
+                  np.abs(wrap_angles(angles)),
                   force_scale * np.hypot(*forces.T) / np.hypot(*measured.T))
 
 
@@ -130,4 +129,4 @@ def _plant_end(obj: PushedObject, robot: RoundRobot, push: BlockPush) -> Pose:
 
 def _pose_errors(ends: FloatArray, pushes: Sequence[BlockPush]) -> tuple[FloatArray, FloatArray]:
     off = ends - np.array([push.motion.end for push in pushes])
-    return np.hypot(off[:, 0], off[:, 1]), np.abs(wrapped(off[:, 2]))
+    return np.hypot(off[:, 0], off[:, 1]), np.abs(wrap_angles(off[:, 2]))

@@ -4,7 +4,9 @@ import math
 
 from helpers.objects import square_outline
 import numpy as np
-from push_model.geometry import boundary_point, distance, lowest_vertex, Pose, wrap_angle
+from push_model.geometry import (
+    boundary_point, distance, lowest_vertex, Pose, wrap_angle, wrap_angles,
+)
 import pytest
 
 TRIANGLE = ((0.0, 0.0), (0.6, 0.1), (0.2, 0.5))
@@ -38,6 +40,14 @@ def test_wrapped_angles_are_the_same_direction(angle):
     assert abs(wrapped) <= math.pi
     assert math.sin(wrapped) == pytest.approx(math.sin(angle), abs=1e-12)
     assert math.cos(wrapped) == pytest.approx(math.cos(angle), abs=1e-12)
+
+
+def test_many_angles_wrap_as_one_does():
+    """At half a turn alone, where both signs mean the same, the conventions differ."""
+    angles = np.random.default_rng(1).uniform(-20.0, 20.0, 200)
+    assert wrap_angles(angles) == pytest.approx([wrap_angle(angle) for angle in angles],
+                                                abs=1e-12)
+    assert wrap_angles(math.pi) == wrap_angles(-math.pi) == -math.pi
 
 
 @pytest.mark.parametrize('outline', [TRIANGLE, square_outline()])
