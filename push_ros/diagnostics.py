@@ -81,6 +81,12 @@ class LogThrottle:
         """
         if self._kept is None or not self._takes_room(times):
             return None
+        return self.release_last()
+
+    def release_last(self) -> tuple[bytes, str] | None:
+        """Return level and text of the line that is kept, whether there is room for it or not."""
+        if self._kept is None:
+            return None
         (level, text), self._kept = self._kept, None
         count, self._left_out = self._left_out, 0
         return level, f'{text} ({count} lines before it are left out)' if count else text
@@ -167,6 +173,13 @@ class Reporter:
         self.publish()
         for throttle in self._throttles.values():
             line = throttle.release(self._times)
+            if line is not None:
+                self._write(*line)
+
+    def close(self) -> None:
+        """Log what was kept for want of room: nothing follows it."""
+        for throttle in self._throttles.values():
+            line = throttle.release_last()
             if line is not None:
                 self._write(*line)
 

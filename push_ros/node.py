@@ -324,6 +324,11 @@ class PushNode(PolledNode):
     def close(self) -> None:
         """Shut down: called once, while publishers are still valid."""
 
+    def destroy_node(self) -> None:
+        """End, with a log that has everything."""
+        self.reporter.close()
+        super().destroy_node()
+
 
 class RateLimiter:
     """

@@ -1,6 +1,10 @@
 """Values of diagnostics as people read them, and as programs read them back."""
 
 import math
+import os
+import re
+import subprocess
+import sys
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 import numpy as np
@@ -9,8 +13,32 @@ from push_model.geometry import Pose
 from push_ros.diagnostics import (
     BURST, LINE_RATE, LogThrottle, OK, status_values, value_text,
 )
+from push_scenario.dds.processes import private_domain
 import pytest
 
+# A node that logs a hundred lines of each kind at once, and ends.
+FLOOD = """
+import os
+import signal
+import sys
+from push_ros.diagnostics import ERROR, OK
+from push_ros.executor import run
+from push_ros.node import PushNode
+
+
+class Flood(PushNode):
+    def __init__(self):
+        super().__init__('flood', ())
+
+    def start(self):
+        for index in range(100):
+            self.reporter.log(OK, f'line {index}')
+            self.reporter.log(ERROR, f'fault {index}')
+        self.create_timer(0.01, lambda: os.kill(os.getpid(), signal.SIGINT))
+
+
+sys.exit(run(Flood, []))
+"""
 
 @pytest.mark.parametrize('value, text', [
     (None, 'none'), ('', ''), (True, 'true'), (3, '3'), (120.0, '120'), (0.1 + 0.2, '0.3'),
@@ -63,3 +91,17 @@ def test_a_flood_of_lines_leaves_the_newest_of_each_second_and_the_last(clock_ra
 def test_lines_of_a_simulation_are_logged_as_often_as_its_own_time_allows():
     """Ten times as fast as on the wall."""
     assert len(logged_lines(190, 10.0, 10.0)) == 190
+
+
+@pytest.mark.dds
+def test_a_node_that_ends_logs_what_it_has_held_back():
+    """The newest line of either kind, with the number of those before it, and none twice."""
+    with private_domain() as domain:
+        done = subprocess.run([sys.executable, '-c', FLOOD], text=True, stderr=subprocess.PIPE,
+                              env={**os.environ, 'ROS_DOMAIN_ID': str(domain)})
+    assert done.returncode == 0, done.stderr
+    for kind in ('line', 'fault'):
+        lines = re.findall(rf'{kind} \d+.*', done.stderr)
+        count = int(re.fullmatch(rf'{kind} 99 \((\d+) lines before it are left out\)',
+                                 lines[-1])[1])
+        assert len(lines) + count == 100
