@@ -2,7 +2,6 @@
 
 import contextlib
 import sys
-import time
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from builtin_interfaces.msg import Time
@@ -25,8 +24,8 @@ from push_ros.conversions.measurements import from_object_pose_message, from_odo
 from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
 from push_ros.conversions.primitives import MessageRefused, nanoseconds, seconds
 from push_ros.diagnostics import ERROR, FAILURE, HAS_MAP, OK, WARN
-from push_ros.executor import run
-from push_ros.lifecycle import ManagedNode
+from push_ros.executor import BackgroundGroup, run
+from push_ros.lifecycle import INACTIVE, ManagedNode
 from push_ros.node import NewestMessage, ServiceAnswer
 from push_ros.node_settings import Frames, PlannerOptions
 from push_ros.parameters import DYNAMIC
@@ -43,8 +42,8 @@ SETTABLE = {spec.name: DYNAMIC for prefix, cls in SECTIONS if prefix in DYNAMIC_
             for spec in parameter_specs(cls, prefix)}
 # Period at which a request waits for measurements [s]; chosen: that of slow object poses.
 MEASUREMENT_WAIT = 0.05
-# Longest wait for measurements that are subscribed for one plan [s]; chosen: on a busy machine it
-# takes some tenths of a second until publishers have been met.
+# Longest wait of ``planner/replan`` for measurements [s]; chosen: on a busy machine it takes some
+# tenths of a second until publishers have been met.
 DISCOVERY_WAIT = 1.0
 # Period at which a map is looked for that is being read [s]; chosen: short for who waits for it.
 MAP_PERIOD = 0.1
@@ -94,7 +93,7 @@ class PlannerNode(ManagedNode):
 
     Services
         ``planner/replan`` (Trigger): plans again to the goal of the last request, from the newest
-        measurements; and those of the lifecycle.
+        measurements, for which it waits a second at most; and those of the lifecycle.
 
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``planner.*``; ``drive.*``, ``task.*`` and ``map.*``
@@ -117,7 +116,8 @@ class PlannerNode(ManagedNode):
         self._plans = self.publisher('push_plan')
         self._paths = self.publisher('planned_path')
         self._forget()
-        self.serve_active_trigger('planner/replan', self._replan)
+        # In a group of its own: other services are answered while it waits.
+        self.serve_active_trigger('planner/replan', self._replan, BackgroundGroup())
 
     @property
     def is_autostarted(self) -> bool:
@@ -179,14 +179,6 @@ class PlannerNode(ManagedNode):
                 self.subscribe_newest('odom'), self.subscribe_newest(
                     'object_pose', with_covariance=self._options.object_pose_with_covariance))
         return self._measured
-
-    def _wait_for_measurements(self) -> Sequence[str]:
-        """Wait until measurements have come that are subscribed now; return what is missing."""
-        is_new = self._measured is None
-        topics, end = self._listen(), time.monotonic() + DISCOVERY_WAIT
-        while is_new and topics.missing and time.monotonic() < end:
-            time.sleep(MEASUREMENT_WAIT)
-        return topics.missing
 
     def _forget(self) -> None:
         # A request of one push that waits for measurements, and its stamp.
@@ -280,10 +272,15 @@ class PlannerNode(ManagedNode):
             (request, stamp), self._pending = self._pending, None
             self._answer(stamp, lambda: self._plan_push(request, stamp))
 
-    def _replan(self) -> ServiceAnswer:
+    async def _replan(self) -> ServiceAnswer:
+        if self._last_request is not None:
+            await self.wait_until(lambda: not self.is_active or not self._listen().missing,
+                                  MEASUREMENT_WAIT, DISCOVERY_WAIT)
+        if not self.is_active:
+            return INACTIVE
         if self._last_request is None:
             return ServiceAnswer(False, 'has received no request yet')
-        missing = self._wait_for_measurements()
+        missing = self._listen().missing
         if missing:
             return ServiceAnswer(False, f'has received no {" and no ".join(missing)} yet')
         request, self._pending = self._last_request, None

@@ -9,8 +9,8 @@ from typing import Any
 from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import ChangeState
 from push_ros.diagnostics import ERROR, OK
-from push_ros.executor import RCLError, without_place
-from push_ros.node import PushNode, ServiceAnswer
+from push_ros.executor import BackgroundGroup, RCLError, without_place
+from push_ros.node import AnyAnswer, PushNode, ServiceAnswer
 from push_ros.parameters import Section
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.service import Service
@@ -154,14 +154,17 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
         self.reporter.report(OK, 'is shut down')
         return TransitionCallbackReturn.SUCCESS
 
-    def serve_active_trigger(self, service: str, action: Callable[[], ServiceAnswer]) -> Service:
+    def serve_active_trigger(self, service: str, action: Callable[[], AnyAnswer],
+                             group: BackgroundGroup | None = None) -> Service:
         """
         Offer a Trigger service of the list, which is refused while the node is inactive.
 
         :param service: its name.
-        :param action: takes nothing, returns (success, sentence).
+        :param action: takes nothing, returns (success, sentence), or waits for it.
+        :param group: of callbacks; None for the usual one.
         """
-        return self.serve_trigger(service, lambda: action() if self.is_active else INACTIVE)
+        return self.serve_trigger(service, lambda: action() if self.is_active else INACTIVE,
+                                  group)
 
     def _leave_active_state(self) -> None:
         with self._logged_errors():

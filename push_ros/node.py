@@ -3,7 +3,7 @@
 import time
 import traceback
 from types import TracebackType
-from typing import Any, Callable, Mapping, NamedTuple, NoReturn, Sequence
+from typing import Any, Awaitable, Callable, Mapping, NamedTuple, NoReturn, Sequence
 
 from builtin_interfaces.msg import Time
 from push_ros import qos
@@ -16,6 +16,8 @@ from push_ros.parameters import ParameterHooks, ParameterSet, Section
 from push_ros.topics import SERVICES, TOPICS
 from rcl_interfaces.msg import Log
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.publisher import Publisher
@@ -23,6 +25,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy.service import Service
 from rclpy.subscription import Subscription
+from rclpy.task import Future
 from std_msgs.msg import Header
 
 # Longest waits until somebody reads the log of a node that ends at once, and until all of it has
@@ -47,6 +50,10 @@ class ServiceAnswer(NamedTuple):
 
     success: bool
     message: str
+
+
+# What an action of a Trigger service returns, at once or when it has waited for something.
+AnyAnswer = ServiceAnswer | Awaitable[ServiceAnswer]
 
 
 class NewestMessage:
@@ -304,19 +311,45 @@ class PushNode(PolledNode):
                 callback(*arguments)
         return call
 
-    def serve_trigger(self, service: str, action: Callable[[], ServiceAnswer]) -> Service:
+    def serve_trigger(self, service: str, action: Callable[[], AnyAnswer],
+                      group: BackgroundGroup | None = None) -> Service:
         """
         Offer a Trigger service of the list.
 
         :param service: its name.
-        :param action: takes nothing, returns (success, sentence).
+        :param action: takes nothing, returns (success, sentence), or waits for it.
+        :param group: of callbacks; None for the usual one, of which none is run while the action
+            waits.
         """
-        def answer(_: Any, response: Any) -> Any:
+        async def answer(_: Any, response: Any) -> Any:
             response.message = INTERNAL_ERROR
             with _ErrorGuard(self.on_unexpected_error):
-                response.success, response.message = action()
+                found = action()
+                response.success, response.message = (
+                    found if isinstance(found, ServiceAnswer) else await found)
             return response
-        return self.create_service(SERVICES[service].type, service, answer)
+        return self.create_service(SERVICES[service].type, service, answer, callback_group=group)
+
+    async def wait_until(self, condition: Callable[[], bool], period: float,
+                         timeout: float) -> None:
+        """
+        Wait until a condition holds, while callbacks of other groups run.
+
+        :param condition: takes nothing, returns whether it holds.
+        :param period: at which to look [s].
+        :param timeout: longest wait [s]; both on the wall.
+        """
+        is_over, end = Future(), time.monotonic() + timeout
+
+        def look() -> None:
+            if condition() or time.monotonic() >= end:
+                is_over.set_result(None)
+
+        timer = self.create_timer(period, self.guarded(look),
+                                  clock=Clock(clock_type=ClockType.STEADY_TIME))
+        look()
+        await is_over
+        self.destroy_timer(timer)
 
     def start(self) -> None:
         """Begin: called once, before the first callback."""

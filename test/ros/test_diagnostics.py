@@ -40,6 +40,7 @@ class Flood(PushNode):
 sys.exit(run(Flood, []))
 """
 
+
 @pytest.mark.parametrize('value, text', [
     (None, 'none'), ('', ''), (True, 'true'), (3, '3'), (120.0, '120'), (0.1 + 0.2, '0.3'),
     (np.float64(-0.25), '-0.25'), (1.2345678e-7, '1.23457e-07'), (math.nan, 'nan'),

@@ -6,6 +6,8 @@ import time
 
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from helpers.node_bench import bench, TIMEOUT
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
 import numpy as np
 from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
 from push_control.ros.commands import STOP_COMMANDS
@@ -31,6 +33,7 @@ from push_ros.topics import CONTROLLER, PLANNER
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 import pytest
+from std_srvs.srv import Trigger
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
@@ -481,6 +484,33 @@ def test_another_plan_needs_measurements(planner):
     planner.wait_until(lambda: planner.received['push_plan'])
     plan = from_plan_message(planner.received['push_plan'][-1], 'odom')
     assert distance(plan.object_poses[0], shift @ OBJECT) < 1e-6
+
+
+def test_other_services_are_answered_while_a_plan_waits_for_measurements(planner):
+    """Nothing measures any more: what is called second is answered first."""
+    replan = planner.client(Trigger, 'planner/replan')
+    state = planner.client(GetState, f'{PLANNER}/get_state')
+
+    def listens():
+        return planner.node.count_subscribers('odom') > 0
+
+    def is_overtaken():
+        # The planner forgets what it has measured.
+        for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_ACTIVATE):
+            planner.request(ChangeState, f'{PLANNER}/change_state', ChangeState.Request(
+                transition=Transition(id=transition)))
+        planner.wait_until(lambda: not listens())
+        answered(planner, request(2.7))
+        first = replan.call_async(Trigger.Request())
+        planner.wait_until(lambda: listens() or first.done())
+        second = state.call_async(GetState.Request())
+        planner.wait_until(second.done)
+        is_waiting = not first.done()
+        planner.wait_until(first.done)
+        assert not first.result().success
+        return is_waiting
+    # On a busy machine the second may come when the first has waited for long enough.
+    planner.wait_until(is_overtaken)
 
 
 def test_a_map_is_kept_to(planner):
