@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from push_model.files.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from push_navigation.approach_path import approach_time, plan_approach
+    from push_navigation.approach.approach_path import approach_time, plan_approach
     from push_navigation.occupancy_map import OccupancyMap
     from push_navigation.path import NoPathFound, Path, PathSegment, sample_path
     from push_navigation.path_follower import PathFollower
@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
-    'push_navigation.approach_path': ('approach_time', 'plan_approach'),
+    'push_navigation.approach.approach_path': ('approach_time', 'plan_approach'),
     'push_navigation.occupancy_map': ('OccupancyMap',),
     'push_navigation.path': ('NoPathFound', 'Path', 'PathSegment', 'sample_path'),
     'push_navigation.path_follower': ('PathFollower',),

@@ -11,7 +11,7 @@ from push_model.geometry import distance, Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
-from push_navigation.approach_path import plan_approach
+from push_navigation.approach.approach_path import plan_approach
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 

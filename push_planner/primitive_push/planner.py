@@ -14,7 +14,7 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle, PushTrajectory
-from push_navigation.approach_path import plan_approach
+from push_navigation.approach.approach_path import plan_approach
 from push_navigation.map_clearance import PlaceUncertainty
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Path

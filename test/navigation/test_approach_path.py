@@ -9,7 +9,7 @@ import numpy as np
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_navigation.approach_path import approach_time, ARC_ALLOWANCE, plan_approach
+from push_navigation.approach.approach_path import approach_time, ARC_ALLOWANCE, plan_approach
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, Path, sample_path
 from push_navigation.path_planner import plan_path

@@ -7,7 +7,7 @@ from helpers.objects import box
 import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_navigation.approach_path import plan_approach
+from push_navigation.approach.approach_path import plan_approach
 from push_navigation.map_clearance import PlaceUncertainty
 from push_navigation.path import NoPathFound, sample_path
 from push_navigation.path_planner import plan_path

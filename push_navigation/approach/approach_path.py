@@ -2,8 +2,8 @@
 Approach paths: the quickest path of the robot to a contact, which ends along the line of a push.
 
 The robot leaves the object, turns by arcs rather than in place, and meets the line of the push
-straight, without a stop before the contact. Candidates are manoeuvres of ``manoeuvres``, scanned
-coarsely and refined, and the path with rotations in place of ``path_planner``.
+straight, without a stop before the contact. Candidates are manoeuvres, scanned coarsely and
+refined, and the path with rotations in place of ``path_planner``.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,12 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import Outline, PushedObject, RoundRobot
-from push_navigation.manoeuvres import (
+from push_navigation.approach.encoding import (
     ANGLE, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, CORNER_SEGMENTS, DEPARTURE, DEPARTURE_ANGLE,
-    DEPARTURE_RADIUS, DIRECTION, FIRST_RADIUS, LAST_RADIUS, lay_out, LENGTH, MANOEUVRE_SIZE,
-    Manoeuvring, moved, NO_LENGTH, OTHER_SEGMENTS, refine, REVERSES, scan, SEGMENT_SIZE, SHAPES,
-    THETA, X, Y,
+    DEPARTURE_RADIUS, DIRECTION, FIRST_RADIUS, LAST_RADIUS, LENGTH, MANOEUVRE_SIZE, Manoeuvring,
+    moved, NO_LENGTH, OTHER_SEGMENTS, REVERSES, SEGMENT_SIZE, THETA, X, Y,
 )
+from push_navigation.approach.layout import lay_out
+from push_navigation.approach.search import refine, scan, SHAPES
 from push_navigation.map_clearance import CERTAIN, map_clearance, PlaceUncertainty, Room
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
