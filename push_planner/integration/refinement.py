@@ -6,14 +6,25 @@ the end misses of the goal is taken off by a feed-forward. Both come from one li
 problem in the deviations x = (w, rho, theta, q_x, q_y, phi, S) of the nodes and S:
 
     x_{k+1} = A_k x_k + b_k u_k                             A_k, b_k: derivatives of a step
-    minimise  sum_k (x_k' Q x_k + r u_k^2) + (x_n + m)' Q_n (x_n + m) + r_S x_0[S]^2
+    minimise  sum_k (x_k' Q x_k + r u_k^2) + x_n' Q_f x_n + r_S x_0[S]^2
+              + (x_n + m)' Q_n (x_n + m)
 
-with u the deviations of the changes of the pushing angle and m the miss at the end. Backwards:
+with u the deviations of the changes of the pushing angle and m the miss at the end. Without the
+miss, backwards:
 
-    P_n = Q_n,     K_k = b' P_{k+1} A / (r + b' P_{k+1} b),   P_k = Q + A' P_{k+1} A - (A' P b) K_k
-    p_n = Q_n m,   l_k = b' p_{k+1} / (r + b' P_{k+1} b),     p_k = A' p_{k+1} - K_k' (b' p_{k+1})
+    P_n = Q_f,     R_k = r + b' P_{k+1} b,     K_k = b' P_{k+1} A / R_k
+    P_k = Q + A' P_{k+1} A - (A' P b) K_k
 
-and u_k = -l_k - K_k x_k, with x_0[S] = -p_0[S] / (r_S + P_0[S, S]).
+The feedback knows of no goal: it would meet it in the last two steps, at any price. The goal is
+met by v_k = u_k + K_k x_k, which is spread over the push. Up to a constant the cost is
+
+    sum_k R_k v_k^2 + R_S x_0[S]^2 + (x_n + m)' Q_n (x_n + m),           R_S = r_S + P_0[S, S]
+
+and in closed loop x_n is linear in all v_k and x_0[S], with costates L of the components of x_n:
+
+    L_n = 1,       L_k = (A_k - b_k K_k)' L_{k+1},         l_k = L_{k+1}' b_k / R_k
+    G = sum_k R_k l_k l_k' + L_0[S]' L_0[S] / R_S,         y = (Q_n^-1 + G)^-1 m
+    v_k = -l_k' y,                                         x_0[S] = -L_0[S] y / R_S
 """
 
 from collections.abc import Iterator
@@ -37,12 +48,15 @@ from push_planner.push_parameters import (
     contact_frame, PushKind, PushParameters, SupportLayout,
 )
 
-# Weights Q of the deviations (w, rho, theta, q_x, q_y, phi, S) along the push, and Q_n at the end
-# of one without and with a final straight. Chosen: metres and radians alike along the push; at the
-# end 1e4 times as dear, as it must be met.
+# Weights Q of the deviations (w, rho, theta, q_x, q_y, phi, S) along the push, and Q_f at its end.
+# Chosen: metres and radians alike. Measured: of 1, 10, 100 and 1000 times Q, ten times needs the
+# fewest corrections.
 WEIGHTS = np.diag([0.0, 0.0, 1.0, 1.0, 1.0, 0.1, 0.0])
-END_WEIGHTS = np.diag([0.0, 0.0, 1e4, 1e4, 1e4, 0.0, 0.0])
-STRAIGHT_END_WEIGHTS = np.diag([0.0, 1e4, 1e4, 1e4, 1e4, 1e3, 0.0])
+FEEDBACK_END_WEIGHTS = 10.0 * WEIGHTS
+# Weights of the miss, the diagonal of Q_n, without and with a final straight. Chosen: 1e4 times
+# those along the push, as the goal must be met.
+END_WEIGHTS = np.array([0.0, 0.0, 1e4, 1e4, 1e4, 0.0, 0.0])
+STRAIGHT_END_WEIGHTS = np.array([0.0, 1e4, 1e4, 1e4, 1e4, 1e3, 0.0])
 # Costs r of a change of the pushing angle and r_S of one of S. Chosen: deviations decay within a
 # wheelbase or two; S is left to the program, as it decides on the time.
 CHANGE_COST = 0.03
@@ -61,18 +75,6 @@ SMALL_MISS = 2e-5
 MIN_IMPROVEMENT = 0.9
 
 
-class CostToGo(NamedTuple):
-    """
-    Solution of the Riccati recursion.
-
-    :param values: P_k, shape (n + 1, 7, 7).
-    :param gains: K_k, shape (n, 7).
-    """
-
-    values: FloatArray
-    gains: FloatArray
-
-
 class Correction(NamedTuple):
     """
     Feed-forward against a miss at the end.
@@ -87,19 +89,25 @@ class Correction(NamedTuple):
 
 class Steering(NamedTuple):
     """
-    Linear-quadratic problem along a push.
+    Linear-quadratic problem along a push, solved but for the miss; see the formulas of the module.
 
-    :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
-    :param cost_to_go: ``CostToGo``.
+    :param values: P_k, shape (n + 1, 7, 7).
+    :param gains: K_k, shape (n, 7).
+    :param leads: l_k, shape (n, 7).
+    :param by_length: L_0[S], response of the end to S, shape (7,).
+    :param strength: G, shape (7, 7).
     """
 
-    maps: FloatArray
-    cost_to_go: CostToGo
+    values: FloatArray
+    gains: FloatArray
+    leads: FloatArray
+    by_length: FloatArray
+    strength: FloatArray
 
     @property
-    def gains(self) -> FloatArray:
-        """K_k of the nodes, shape (n, 6)."""
-        return self.cost_to_go.gains[:, :6]
+    def length_cost(self) -> float:
+        """Cost R_S of S."""
+        return FREE_LENGTH_COST + float(self.values[0, 6, 6])
 
 
 class RefinedPush(NamedTuple):
@@ -154,35 +162,39 @@ def refine(problem: PushProblem, formulation: Formulation, solution: Solution,
                        best.steering)
 
 
-def backward_pass(maps: FloatArray, end_weights: FloatArray) -> CostToGo:
+def solve_steering(maps: FloatArray) -> Steering:
     """
-    Solve the Riccati recursion for the gains; see the formulas of this module.
+    Solve the linear-quadratic problem but for the miss; see the formulas of this module.
 
     :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
-    :param end_weights: Q_n, shape (7, 7).
     """
-    memory = _pass_memory(len(maps), threading.get_ident())
-    memory.maps[:], memory.values[-1] = maps, end_weights
-    memory.backward()
-    return CostToGo(memory.values.copy(), memory.gains.copy())
+    memory = _steering_memory(len(maps), threading.get_ident())
+    memory.maps[:], memory.values[-1] = maps, FEEDBACK_END_WEIGHTS
+    memory.solve_riccati()
+    memory.costates[-1] = np.eye(7)
+    memory.solve_costates()
+    by_length = memory.costates[0, 6].copy()
+    found = Steering(memory.values.copy(), memory.gains.copy(), memory.leads.copy(), by_length,
+                     memory.leads.T @ memory.pulls)
+    found.strength[:] += np.outer(by_length, by_length) / found.length_cost
+    return found
 
 
-def feed_forward(maps: FloatArray, cost_to_go: CostToGo, miss: FloatArray) -> Correction:
+def feed_forward(steering: Steering, end_weights: FloatArray, miss: FloatArray) -> Correction:
     """
     Find the changes and the S that close a miss at the end; see the formulas of this module.
 
-    :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
-    :param cost_to_go: ``CostToGo``.
+    :param steering: ``Steering``.
+    :param end_weights: diagonal of Q_n, shape (7,).
     :param miss: m, deviation of the end from the goal, shape (7,).
     """
-    values, gains = cost_to_go
-    memory = _pass_memory(len(maps), threading.get_ident())
-    memory.maps[:], memory.values[:], memory.gains[:] = maps, values, gains
-    memory.costates[-1] = values[-1] @ miss
-    memory.forward()
-    free_length = -memory.costates[0, 6] / (FREE_LENGTH_COST + values[0][6, 6])
+    # y = W (1 + W G W)^-1 W m with W^2 = Q_n, where some weights are 0.
+    roots = np.sqrt(end_weights)
+    y = roots * np.linalg.solve(np.eye(7) + roots[:, None] * steering.strength * roots,
+                                roots * miss)
+    free_length = -float(steering.by_length @ y) / steering.length_cost
     # All gains respond to the longer path from the first step on.
-    return Correction(-(memory.leads[:, 0] + gains[:, 6] * free_length), free_length)
+    return Correction(-(steering.leads @ y + steering.gains[:, 6] * free_length), free_length)
 
 
 def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) -> FloatArray:
@@ -229,13 +241,13 @@ def _iterates(problem: PushProblem, formulation: Formulation, solution: Solution
     changes, free_length = solution.changes * may_steer, solution.free_length
     if former is None:
         maps = _program_maps(problem, formulation, solution, may_steer)
-        steering = Steering(maps, backward_pass(maps, end_weights))
+        steering = solve_steering(maps)
     else:
         steering = former.steering
         begins[1:] += (former.rollout.nodes - former.solution.nodes)[1:-1]
         changes += former.rollout.changes - former.solution.changes * may_steer
         free_length += former.free_length - former.solution.free_length
-    run = rollout.run(ReferenceTrack(begins, changes, steering.gains), free_length,
+    run = rollout.run(ReferenceTrack(begins, changes, steering.gains[:, :6]), free_length,
                       coarse=former is None)
     miss = goal_miss(problem, formulation, run.nodes[-1])
     if not math.isfinite(_size(miss)):
@@ -247,13 +259,13 @@ def _iterates(problem: PushProblem, formulation: Formulation, solution: Solution
         if _size(miss) > GOOD_CORRECTION * before:
             # The program's steps are too coarse to tell how fine ones change.
             maps = rollout.linearize(run.nodes[:-1], run.changes, free_length, may_steer)
-            steering = Steering(maps, backward_pass(maps, end_weights))
-        correction = feed_forward(steering.maps, steering.cost_to_go, miss)
+            steering = solve_steering(maps)
+        correction = feed_forward(steering, end_weights, miss)
         free_length = free_length + correction.free_length
         if free_length <= 0.0:
             return
         run = rollout.run(ReferenceTrack(run.nodes[:-1], run.changes + correction.changes,
-                                         steering.gains), free_length)
+                                         steering.gains[:, :6]), free_length)
         before, miss = _size(miss), goal_miss(problem, formulation, run.nodes[-1])
         yield _Iterate(run, free_length, _size(miss), steering)
 
@@ -318,61 +330,61 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
         ca.cse(ca.densify(total).T)], list(given), ['map']), is_independent=True)
 
 
-class _PassMemory:
+class _SteeringMemory:
     """
-    Memory of the two passes, bound once; n steps.
+    Memory of the two recursions, bound once; n steps.
 
     :param count: n.
     """
 
     def __init__(self, count: int) -> None:
         self.maps, self.values = np.zeros((count, 7, 8)), np.zeros((count + 1, 7, 7))
-        self.gains, self.leads = np.zeros((count, 7)), np.zeros((count, 1))
-        self.costates = np.zeros((count + 1, 7))
-        maps, values = self.maps.reshape(count, 56)[::-1], self.values.reshape(count + 1, 49)
-        self.backward = _passes().backward.bind({
-            'map': maps, 'next_values': values[:0:-1], 'values': values[-2::-1],
+        self.gains, self.costates = np.zeros((count, 7)), np.zeros((count + 1, 7, 7))
+        self.leads, self.pulls = np.zeros((count, 7)), np.zeros((count, 7))
+        maps, values, costates = (array.reshape(len(array), -1)
+                                  for array in (self.maps, self.values, self.costates))
+        self.solve_riccati = _recursions().riccati.bind({
+            'map': maps[::-1], 'next_values': values[:0:-1], 'values': values[-2::-1],
             'gains': self.gains[::-1]})
-        self.forward = _passes().forward.bind({
-            'map': maps, 'next_values': values[:0:-1], 'gains': self.gains[::-1],
-            'next_costate': self.costates[:0:-1], 'costate': self.costates[-2::-1],
-            'lead': self.leads[::-1]})
+        self.solve_costates = _recursions().costates.bind({
+            'map': maps[::-1], 'next_values': values[:0:-1], 'gains': self.gains[::-1],
+            'next_costates': costates[:0:-1], 'costates': costates[-2::-1],
+            'leads': self.leads[::-1], 'pulls': self.pulls[::-1]})
 
 
 @functools.lru_cache(maxsize=32)
-def _pass_memory(count: int, thread: int) -> _PassMemory:
+def _steering_memory(count: int, thread: int) -> _SteeringMemory:
     """
     Allocate the memory of a number of steps, or return that of before.
 
     :param count: n.
     :param thread: that works on it: each has a memory of its own.
     """
-    return _PassMemory(count)
+    return _SteeringMemory(count)
 
 
-class _Passes(NamedTuple):
-    """One step of the backward pass, and of the feed-forward."""
+class _Recursions(NamedTuple):
+    """One step of the recursions of P_k and K_k, and of L_k."""
 
-    backward: RowFunction
-    forward: RowFunction
+    riccati: RowFunction
+    costates: RowFunction
 
 
 @functools.lru_cache(maxsize=1)
-def _passes() -> _Passes:
-    """Build the formulas of this module for one step."""
+def _recursions() -> _Recursions:
+    """Build the formulas of this module for one step; arrays go row by row, casadi by columns."""
     rows, following = ca.SX.sym('map', 8, 7), ca.SX.sym('next_values', 7, 7)
-    gains, costate = ca.SX.sym('gains', 7), ca.SX.sym('next_costate', 7)
+    gains, columns = ca.SX.sym('gains', 7), ca.SX.sym('next_costates', 7, 7)
     transition, b = rows[:7, :].T, rows[7, :].T
     cross = transition.T @ (following @ b)
-    strength = CHANGE_COST + b.T @ following @ b
-    values = (ca.DM(WEIGHTS) + transition.T @ following @ transition
-              - cross @ cross.T / strength)
-    backward = ca.Function('backward', [rows, following], ca.cse([
+    cost = CHANGE_COST + b.T @ following @ b
+    values = ca.DM(WEIGHTS) + transition.T @ following @ transition - cross @ cross.T / cost
+    riccati = ca.Function('riccati', [rows, following], ca.cse([
         # What rounding makes unsymmetric would grow from step to step.
-        ca.densify(ca.tril2symm(ca.tril(values))), cross / strength]),
+        ca.densify(ca.tril2symm(ca.tril(values))), cross / cost]),
         ['map', 'next_values'], ['values', 'gains'])
-    pull = b.T @ costate
-    forward = ca.Function('forward', [rows, following, gains, costate], ca.cse([
-        transition.T @ costate - gains * pull, pull / strength]),
-        ['map', 'next_values', 'gains', 'next_costate'], ['costate', 'lead'])
-    return _Passes(RowFunction(backward), RowFunction(forward))
+    pulls = columns @ b
+    costates = ca.Function('costates', [rows, following, gains, columns], ca.cse([
+        ca.densify(columns @ transition - pulls @ gains.T), pulls / cost, pulls]),
+        ['map', 'next_values', 'gains', 'next_costates'], ['costates', 'leads', 'pulls'])
+    return _Recursions(RowFunction(riccati), RowFunction(costates))

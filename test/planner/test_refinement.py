@@ -7,8 +7,8 @@ from push_planner.collocation.formulation import formulate
 from push_planner.collocation.nlp_solver import nlp_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
 from push_planner.integration.refinement import (
-    backward_pass, CHANGE_COST, feed_forward, FREE_LENGTH_COST, goal_miss, refine, SMALL_MISS,
-    STRAIGHT_END_WEIGHTS, WEIGHTS,
+    CHANGE_COST, feed_forward, FEEDBACK_END_WEIGHTS, FREE_LENGTH_COST, goal_miss, refine,
+    SMALL_MISS, solve_steering, STRAIGHT_END_WEIGHTS, WEIGHTS,
 )
 import pytest
 
@@ -35,20 +35,20 @@ def trajectory(maps, free_length, changes):
 
 
 def cost(maps, unknowns, miss):
-    """Sum up what the passes minimise."""
+    """Sum up what the feed-forward minimises."""
     free_length, changes = unknowns[0], unknowns[1:]
     states = trajectory(maps, free_length, changes)
     along = sum(state @ WEIGHTS @ state for state in states[:-1])
     end = states[-1] + miss
     return (along + CHANGE_COST * changes @ changes + FREE_LENGTH_COST * free_length ** 2
-            + end @ STRAIGHT_END_WEIGHTS @ end)
+            + states[-1] @ FEEDBACK_END_WEIGHTS @ states[-1] + STRAIGHT_END_WEIGHTS @ end ** 2)
 
 
-def test_the_two_passes_find_the_optimum_of_the_quadratic(maps):
-    """A step to any side from what they find costs more, by the same to either side."""
+def test_the_feed_forward_finds_the_optimum_of_the_quadratic(maps):
+    """A step to any side from what it finds costs more, by the same to either side."""
     miss = np.array([0.0, 0.01, -0.02, 0.03, -0.01, 0.02, 0.0])
-    cost_to_go = backward_pass(maps, STRAIGHT_END_WEIGHTS)
-    correction = feed_forward(maps, cost_to_go, miss)
+    steering = solve_steering(maps)
+    correction = feed_forward(steering, STRAIGHT_END_WEIGHTS, miss)
     # In closed loop: the gains act on the deviations that the correction itself brings about.
     states = [np.array([0.0] * 6 + [correction.free_length])]
     changes = []
@@ -56,7 +56,7 @@ def test_the_two_passes_find_the_optimum_of_the_quadratic(maps):
         deviation = states[-1].copy()
         # The feed-forward has the response to S in it already.
         deviation[6] = 0.0
-        changes.append(correction.changes[k] - cost_to_go.gains[k] @ deviation)
+        changes.append(correction.changes[k] - steering.gains[k] @ deviation)
         states.append(step @ np.append(states[-1], changes[-1]))
     found = np.array([correction.free_length, *changes])
     least = cost(maps, found, miss)
@@ -67,24 +67,37 @@ def test_the_two_passes_find_the_optimum_of_the_quadratic(maps):
 
 
 def test_no_miss_needs_no_correction(maps):
-    correction = feed_forward(maps, backward_pass(maps, STRAIGHT_END_WEIGHTS), np.zeros(7))
+    correction = feed_forward(solve_steering(maps), STRAIGHT_END_WEIGHTS, np.zeros(7))
     assert correction.free_length == 0.0 and not correction.changes.any()
 
 
 def test_values_are_symmetric_and_not_negative(maps):
-    values = backward_pass(maps, STRAIGHT_END_WEIGHTS).values
+    values = solve_steering(maps).values
     for value in values:
         np.testing.assert_allclose(value, value.T, rtol=1e-6, atol=1e-6)
         assert np.linalg.eigvalsh(0.5 * (value + value.T)).min() > -1e-6
 
 
-def test_a_refined_push_ends_at_its_goal():
-    """Within 20 um of the goal, where the program's own steps are millimetres off."""
+@pytest.fixture(name='push', scope='module')
+def make_push():
+    """Solve the program of a push, and refine it: (problem, formulation, solution, refined)."""
     problem = face_problem(Pose(1.5, 0.4, 0.5))
     formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
     solution = nlp_solver(formulation.dimensions).solve(
         formulation.parameters(), formulation.bounds, guess).solution
-    refined = refine(problem, formulation, solution)
+    return problem, formulation, solution, refine(problem, formulation, solution)
+
+
+def test_the_feedback_is_as_strong_along_the_push_as_at_its_end(push):
+    """The goal is met by the feed-forward, from far away, and not by the last changes."""
+    *_, refined = push
+    gains = np.abs(refined.steering.gains[:, 2:5]).max(axis=1)
+    assert gains.max() < 2.0 * np.median(gains)
+
+
+def test_a_refined_push_ends_at_its_goal(push):
+    """Within 20 um of the goal, where the program's own steps are millimetres off."""
+    problem, formulation, solution, refined = push
     miss = goal_miss(problem, formulation, refined.rollout.nodes[-1])
     assert np.abs(miss[2:5]).max() < SMALL_MISS
     assert refined.free_length == pytest.approx(solution.free_length, abs=0.02)
