@@ -21,6 +21,10 @@ class PushEvent(enum.Enum):
     NO_OBJECT_POSE = 'no object pose yet'
     OBJECT_POSE_NOT_FINITE = 'object pose is not finite'
     OBJECT_POSE_STALE = 'object pose is stale: {age:.2f} s old, at most {limit:g} s'
+    # The same again and again, by a little.
+    OBJECT_POSES_LATE = (
+        'object poses come late: up to {age:.2f} s old, control.pose_timeout is {limit:g} s: '
+        'raise it, or make the tracker quicker')
     OBJECT_POSE_JUMPS = (
         'object pose jumps by {distance:.2f} m and {rotation:.0f} deg, not believed until some '
         'agree')

@@ -17,6 +17,9 @@ RECOVERY_TIMES = 0.0, 0.5, 1.0
 RELAPSE_TIME = 2.0
 # Period at which the numbers of a reason are renewed [s]; chosen: to be read.
 RENEWAL_PERIOD = 2.0
+# Age of object poses over the limit up to which poses that are late again and again do come, but
+# too late; chosen: a tracker that is gone is older soon.
+LATE_RATIO = 2.0
 # Events that describe the beginning, and not what has stopped.
 BEGINNINGS = (PushEvent.NO_OBJECT_POSE,)
 
@@ -31,11 +34,14 @@ class MeasurementWatch:
     def __init__(self) -> None:
         """Begin with measurements that can be used."""
         self.fault: EventReport | None = None
+        self._reason: PushEvent | None = None
         self._reported_at = -math.inf
         self._since = math.inf
         self._bad_at = -math.inf
         self._recovered_at = -math.inf
         self._relapses = 0
+        # Greatest age of object poses while the robot waits [s].
+        self._oldest = 0.0
 
     def update(self, fault: EventReport | None, time: float) -> EventReport | None:
         """
@@ -53,14 +59,25 @@ class MeasurementWatch:
                 self.fault, self._recovered_at = None, time
             return self.fault
         if self.fault is None:
-            self._since = time
+            self._since, self._oldest = time, 0.0
             has_relapsed = time - self._recovered_at < RELAPSE_TIME
             self._relapses = self._relapses + 1 if has_relapsed else 0
-        is_known = self.fault is not None and self.fault.reason is fault.reason
+        self._oldest = max(self._oldest, fault.values.get('age', 0.0))
+        is_known = self.fault is not None and self._reason is fault.reason
         if not is_known or time - self._reported_at >= RENEWAL_PERIOD:
-            self.fault, self._reported_at = fault, time
+            self.fault, self._reported_at = self._named(fault, time), time
         self._bad_at = time
         return self.fault
+
+    def _named(self, fault: EventReport, time: float) -> EventReport:
+        """Name poses that are too old by a little, again and again: waiting changes nothing."""
+        self._reason = fault.reason
+        is_late = (fault.reason is PushEvent.OBJECT_POSE_STALE and self._relapses > 0
+                   and self.waited(time) >= RENEWAL_PERIOD
+                   and self._oldest <= LATE_RATIO * fault.values['limit'])
+        if not is_late:
+            return fault
+        return PushEvent.OBJECT_POSES_LATE.report(age=self._oldest, limit=fault.values['limit'])
 
     def waited(self, time: float) -> float:
         """

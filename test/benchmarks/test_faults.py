@@ -30,7 +30,7 @@ STOPPING_DISTANCE = 0.05
     (Input.POSE, Word.STUCK, 'the tracker is frozen'),
     (Input.POSE, Word.GARBAGE, 'object pose jumps by'),
     (Input.POSE, Word.SLOW, 'object pose is stale'),
-    (Input.POSE, Word.NEAR_TIMEOUT, 'object pose is stale'),
+    (Input.POSE, Word.NEAR_TIMEOUT, 'object poses come late'),
     (Input.POSE, Word.OFF, 'object pose is stale')])
 def test_a_push_ends_stopped_and_named(kind, word, text):
     """With a fault that lasts."""

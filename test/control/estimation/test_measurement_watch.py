@@ -36,6 +36,18 @@ def test_gaps_in_every_second_end_in_a_wait():
     assert len({id(answer) for answer in answers[-1000:]}) <= 12
 
 
+def test_poses_that_are_late_again_and_again_are_named_with_what_to_change() -> None:
+    """The first time they may be lost; a tracker that is gone later on is stale again."""
+    watch = MeasurementWatch()
+    ages = [0.2 + 0.08 * (i % 3 == 0) for i in range(250)] + [0.1 + i * PERIOD for i in range(150)]
+    answers = [watch.update(stale(age) if age > 0.25 else None, i * PERIOD)
+               for i, age in enumerate(ages)]
+    reasons = [None if answer is None else answer.reason for answer in answers]
+    assert reasons[0] is reasons[-1] is PushEvent.OBJECT_POSE_STALE
+    assert reasons[249] is PushEvent.OBJECT_POSES_LATE
+    assert 'up to 0.28 s old, control.pose_timeout is 0.25 s' in str(answers[249])
+
+
 def test_gaps_now_and_then_do_not():
     """As where somebody passes through the picture."""
     _, answers = watched(lambda time: time % 4.0 < 0.4, 30.0)
