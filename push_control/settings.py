@@ -3,7 +3,8 @@
 import dataclasses
 from typing import get_args, Literal
 
-from push_model.quantity import check, quantity
+from push_model.plan_request import LARGEST_TOLERANCE, LEAST_TOLERANCE
+from push_model.quantity import check, LEAST_NOISE, quantity
 from push_model.signals import ObjectPose, PoseCovariance
 
 ControlLaw = Literal['feedback', 'mpc', 'open_loop']
@@ -33,9 +34,11 @@ class ControlSettings:
     odometry_timeout: float = quantity(
         'maximum age of odometry', 's', above=0.0, high=5.0, default=0.25)
     position_tolerance: float = quantity(
-        'position error with which a push may end', 'm', above=0.0, high=1.0, default=0.02)
+        'position error with which a push may end', 'm', LEAST_TOLERANCE, LARGEST_TOLERANCE,
+        default=0.02)
     heading_tolerance: float = quantity(
-        'heading error with which a push may end', 'rad', above=0.0, high=1.0, default=0.05)
+        'heading error with which a push may end', 'rad', LEAST_TOLERANCE, LARGEST_TOLERANCE,
+        default=0.05)
     stop_distance: float = quantity(
         'remaining path length at which the robot is stopped', 'm', 0.0, 0.1, default=0.0005)
 
@@ -47,7 +50,7 @@ class ControlSettings:
     lateral_saturation: float = quantity(
         'lateral error at which its feedback saturates', 'm', above=0.0, high=1.0, default=0.1)
     max_curvature_rate: float = quantity(
-        'largest change of curvature per path length', '1/m^2', above=0.0, high=1000.0,
+        'largest change of curvature per path length', '1/m^2', 1.0, 1000.0,
         default=60.0)
     rolling_gain: float = quantity(
         'holonomic base: yaw per path length that rolls the contact to where its normal runs '
@@ -62,13 +65,13 @@ class ControlSettings:
 
     # Friction.
     friction_fraction: float = quantity(
-        'fraction of the nominal contact friction that is relied on', '', above=0.0, high=1.0,
+        'fraction of the nominal contact friction that is relied on', '', 0.05, 1.0,
         default=0.8)
     feedback_cone_fraction: float = quantity(
-        'fraction of the friction cone that feedback may use', '', above=0.0, high=1.0,
+        'fraction of the friction cone that feedback may use', '', 0.05, 1.0,
         default=0.82)
     replan_cone_fraction: float = quantity(
-        'fraction of the friction cone that a new path may use', '', above=0.0, high=1.0,
+        'fraction of the friction cone that a new path may use', '', 0.05, 1.0,
         default=0.65)
 
     # Speed of the contact.
@@ -98,7 +101,7 @@ class ControlSettings:
         'remaining path length at which a push that will miss the goal approaches it again', 'm',
         0.0, 5.0, default=0.1)
     reapproach_tolerance_ratio: float = quantity(
-        'errors over the tolerances that count as a miss there', '', above=0.0, high=10.0,
+        'errors over the tolerances that count as a miss there', '', 0.01, 10.0,
         default=0.6)
     max_reapproaches: int = quantity(
         'number of further approaches', '', 0, 100, default=3)
@@ -125,7 +128,7 @@ class ControlSettings:
         'largest gap that the robot closes by itself', 'm', 0.0, 1.0, default=0.06)
     cusum_threshold: float = quantity(
         'cumulative sum of normalised deviations that indicates slip or loss of contact', '',
-        above=0.0, high=100.0, default=5.0)
+        0.5, 100.0, default=5.0)
     odometry_walk: float = quantity(
         'random walk of the robot relative to its odometry, per path length', 'm/sqrt(m)',
         above=0.0, high=1.0, default=0.006)
@@ -136,10 +139,10 @@ class ControlSettings:
     # Estimator: measurements, and what is wrong with the nominal values.
     pose_noise: float = quantity(
         'standard deviation of a measured object position that states none', 'm',
-        above=0.0, high=0.5, default=0.002)
+        LEAST_NOISE, 0.5, default=0.002)
     heading_noise: float = quantity(
         'standard deviation of a measured object heading that states none', 'rad',
-        above=0.0, high=0.5, default=0.006)
+        LEAST_NOISE, 0.3, default=0.006)
     pose_bias: float = quantity(
         'standard deviation, along each axis, of the error of a measured object position that '
         'averaging does not reduce, as it stays while the object is seen from the same side', 'm',
@@ -152,7 +155,7 @@ class ControlSettings:
         'number of headings in which the object looks the same to its tracker: a flip from one to '
         'another is taken back; 0: as the outline has it, 1: none is', '', 0, 360, default=0)
     pose_gate: float = quantity(
-        'squared Mahalanobis distance at which a pose is rejected', '', above=0.0, high=1000.0,
+        'squared Mahalanobis distance at which a pose is rejected', '', 1.0, 1000.0,
         default=16.0)
     push_direction_std: float = quantity(
         'standard deviation of the push direction at the start', 'rad', above=0.0, high=1.0,

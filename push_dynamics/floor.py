@@ -6,7 +6,7 @@ from typing import Any, Sequence
 
 from push_dynamics.compiled import compiled
 from push_dynamics.layout import CAPACITY, PLAIN_CAPACITY, SUPPORT_X, SUPPORT_Y
-from push_model.quantity import check, quantity
+from push_model.quantity import check, MAX_ANGLE, quantity
 
 
 @dataclasses.dataclass(frozen=True)
@@ -18,7 +18,7 @@ class FloorPatch:
     length: float = quantity('size along its own x', 'm', above=0.0)
     width: float = quantity('size along its own y', 'm', above=0.0)
     factor: float = quantity('what friction is multiplied by', '', 0.0, 100.0)
-    theta: float = quantity('orientation in the world', 'rad', default=0.0)
+    theta: float = quantity('orientation in the world', 'rad', -MAX_ANGLE, MAX_ANGLE, default=0.0)
     edge: float = quantity('width over which friction changes at the rim; 0: at once', 'm', 0.0,
                            default=0.0)
 

@@ -13,7 +13,7 @@ from typing import Any, get_args, Literal
 
 import numpy as np
 from push_model.geometry import BoolArray, Coordinates, FloatArray, Polygon
-from push_model.quantity import check, quantity
+from push_model.quantity import check, LEAST_RADIUS, MAX_HEIGHT, MAX_REACH, quantity, RADII
 
 
 # Standard acceleration of free fall, to the digits that friction coefficients deserve [m/s^2].
@@ -25,10 +25,12 @@ BALANCE_TOLERANCE = 0.01
 # enough that supports without load are told from others, and well below 1e8, where the squared
 # problem loses all digits of the spread.
 BALANCE_STIFFNESS = 1e5
-# Distance of the outline from the origin of its frame [m], and of supports over that, which are
-# mistakes of a unit; chosen: far beyond what robots push, and beyond legs that stand apart.
-MAX_REACH = 20.0
+# Distance of supports from the origin over that of the outline beyond which a unit is mistaken;
+# chosen: beyond legs that stand apart.
 MAX_SUPPORT_RATIO = 5.0
+# Radius of gyration over the greatest distance of the outline from the origin: (least, greatest)
+# that are no mistake of a unit; chosen: a mass in the middle, and one beside the outline.
+GYRATION_RATIOS = 0.05, 5.0
 
 # Kinematics of a base, and features of an outline that can be touched.
 Drive = Literal['differential', 'holonomic']
@@ -77,9 +79,9 @@ class PushedObject:
                                                    '', 0.0, 10.0, default=0.5)
     contact_height: float = quantity('height above the floor at which the robot touches the '
                                      'outline; with both heights 0 a push shifts no load', 'm',
-                                     0.0, default=0.0)
+                                     0.0, MAX_HEIGHT, default=0.0)
     center_of_mass_height: float = quantity('height of the mass centre above the floor', 'm', 0.0,
-                                            default=0.0)
+                                            MAX_HEIGHT, default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields and the shape."""
@@ -105,21 +107,37 @@ class PushedObject:
         if not self.inertia > 0.0:
             raise ValueError(f'PushedObject.mass: got {self.mass:g} kg, expected one with which '
                              'the moment of inertia is above 0')
+        self._check_inertia()
         # Refuses supports that do not balance the object.
         _support_load_fractions(self.supports, self.center_of_mass)
 
     def _check_size(self) -> None:
         """Refuse what must be a mistake of a unit."""
-        reach = max((math.hypot(*vertex) for vertex in self.outline), default=self.radius)
-        if reach > MAX_REACH:
+        reach = self._reach
+        if not LEAST_RADIUS <= reach <= MAX_REACH:
             raise ValueError(f'PushedObject.outline: got a point {reach:g} m from the origin, '
-                             f'expected at most {MAX_REACH:g} m (lengths are in metres)')
+                             f'expected the farthest at {LEAST_RADIUS:g} to {MAX_REACH:g} m '
+                             '(lengths are in metres)')
         for support in self.supports:
             away = math.hypot(support.x, support.y)
             if away > MAX_SUPPORT_RATIO * reach:
                 raise ValueError(f'PushedObject.supports: got one {away:g} m from the origin of '
                                  f'an object that reaches {reach:g} m, expected at most '
                                  f'{MAX_SUPPORT_RATIO:g} times as much (lengths are in metres)')
+
+    def _check_inertia(self) -> None:
+        """Refuse a moment of inertia that no such body has."""
+        unit = self.mass * self._reach ** 2
+        least, most = (ratio ** 2 * unit for ratio in GYRATION_RATIOS)
+        if not least <= self.inertia <= most:
+            raise ValueError(f'PushedObject.inertia: got {self.inertia:g}, expected from '
+                             f'{least:.2g} to {most:.2g} for this mass and outline, or 0 '
+                             '[kg m^2]')
+
+    @property
+    def _reach(self) -> float:
+        """Greatest distance of the outline from the origin [m]."""
+        return max((math.hypot(*vertex) for vertex in self.outline), default=self.radius)
 
     @functools.cached_property
     def weight_fractions(self) -> tuple[float, ...]:
@@ -153,15 +171,15 @@ class RoundRobot:
     position that faces along its heading.
     """
 
-    radius: float = quantity('radius of the outline; 0: a point, infinite: a flat pusher', 'm',
-                             0.0, infinite=True)
+    radius: float = quantity('radius of the outline, 5 mm to 5 m; 0: a point, infinite: a flat '
+                             'pusher', 'm', 0.0, infinite=True, plausible=RADII)
     drive: Drive = quantity('kinematics of the base', choices=DRIVES, default='differential')
     max_speed: float = quantity('speed limit', 'm/s', above=0.0, high=10.0, default=0.5)
     max_yaw_rate: float = quantity('yaw rate limit', 'rad/s', above=0.0, high=50.0, default=2.0)
     max_acceleration: float = quantity('acceleration limit', 'm/s^2', above=0.0, high=100.0,
                                        default=1.0)
-    max_yaw_acceleration: float = quantity('yaw acceleration limit', 'rad/s^2', above=0.0,
-                                           high=1000.0, default=6.0)
+    max_yaw_acceleration: float = quantity('yaw acceleration limit', 'rad/s^2', 1e-3, 1000.0,
+                                           default=6.0)
     time_constant: float = quantity('first-order lag from command to motion', 's', 0.0, 5.0,
                                     default=0.1)
 

@@ -15,11 +15,27 @@ if TYPE_CHECKING:  # Commands that list things need no numpy.
     from push_model.geometry import BoolArray, FloatArray
 
 INFINITY = math.inf
+# Least values of what is above zero, by unit: less is meant in another unit. Chosen for robots of
+# 0.05 to 1 m and objects of 0.01 to 500 kg: far below what these need, and so that a thousandth of
+# what is usual, as of millimetres given in metres, is below it.
+LEAST_VALUES = {'m': 1e-3, 's': 5e-3, 'kg': 5e-3, 'Hz': 0.2, 'rad': 1e-3, 'm/s': 1e-3,
+                'rad/s': 0.02, 'm/s^2': 2e-3, 'rad/s^2': 0.02}
+# Least standard deviation of a measurement [m], [rad]; chosen: a tenth of that of motion capture.
+LEAST_NOISE = 1e-5
+# Sizes beyond which a unit is mistaken [m]: radii of robots that are neither points nor flat
+# pushers, distances of the outline of an object from its origin, and heights; chosen likewise.
+RADII = 5e-3, 5.0
+LEAST_RADIUS = 1e-3
+MAX_REACH = 20.0
+MAX_HEIGHT = 10.0
+# Angle beyond which somebody means degrees [rad]: a full turn.
+MAX_ANGLE = 6.2832
 
 
 def quantity(description: str, unit: str = '', low: float = -INFINITY, high: float = INFINITY, *,
              above: float | None = None, choices: tuple[str, ...] | None = None,
-             infinite: bool = False, default: object = dataclasses.MISSING) -> Any:
+             infinite: bool = False, plausible: tuple[float, float] | None = None,
+             default: object = dataclasses.MISSING) -> Any:
     """
     Describe one field of a parameter dataclass.
 
@@ -27,15 +43,20 @@ def quantity(description: str, unit: str = '', low: float = -INFINITY, high: flo
     :param unit: SI unit, empty for a pure number.
     :param low: least allowed value (every element of a tuple is checked).
     :param high: greatest allowed value.
-    :param above: strict lower bound, in place of ``low``.
+    :param above: strict lower bound, in place of ``low``; where it is 0, the least value of the
+        unit is the lower bound.
     :param choices: allowed words, for a field of type ``str`` or a ``Literal`` of texts.
     :param infinite: whether infinity is a value too.
+    :param plausible: what values of files and parameters are between, but for 0 and infinity,
+        where ``check`` allows more for the sake of limits.
     :param default: value where none is given; the field is required without it.
     :return: a ``dataclasses.field`` that ``check`` understands; type checkers take it for a value
         of the field.
     """
+    if above == 0.0 and unit in LEAST_VALUES:
+        low, above = LEAST_VALUES[unit], None
     metadata = {'description': description, 'unit': unit, 'low': low, 'high': high,
-                'above': above, 'choices': choices, 'infinite': infinite}
+                'above': above, 'choices': choices, 'infinite': infinite, 'plausible': plausible}
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -59,6 +80,20 @@ def check(instance: Any) -> None:
                              f'{expected}') from None
         if normalised is not value:
             object.__setattr__(instance, name, normalised)
+
+
+def check_plausible(instance: Any) -> None:
+    """
+    Refuse values that are valid, but must be meant in another unit.
+
+    :param instance: of a class whose fields ``quantity`` has made, from a file or parameters.
+    :raises ValueError: naming the field, what came and what was expected.
+    """
+    for name, _, metadata in _described_fields(type(instance)):
+        limits, value = metadata['plausible'], getattr(instance, name)
+        if limits and value not in (0.0, INFINITY) and not limits[0] <= value <= limits[1]:
+            raise ValueError(f'{type(instance).__name__}.{name}: got {value!r}, expected from '
+                             f'{limits[0]:g} to {limits[1]:g} [{metadata["unit"]}]')
 
 
 def allowed(cls: type, name: str, values: 'FloatArray') -> 'BoolArray':

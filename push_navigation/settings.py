@@ -21,7 +21,7 @@ class DriveSettings:
     acceleration: float = quantity('acceleration on the path', 'm/s^2', above=0.0, high=100.0,
                                    default=0.8)
     yaw_acceleration: float = quantity('yaw acceleration on the path', 'rad/s^2', above=0.0,
-                                       high=1000.0, default=5.0)
+                                       high=200.0, default=5.0)
     clearance: float = quantity('distance that a robot whose pose is certain keeps from the '
                                 'object', 'm', above=0.0, high=1.0, default=0.03)
     map_clearance: float = quantity('distance that the robot keeps from obstacles of a map, more '
@@ -29,7 +29,7 @@ class DriveSettings:
                                     'besides the uncertainty of the push; 0.4 of both where there '
                                     'is no more room', 'm', 0.0, 1.0, default=0.05)
     standoff: float = quantity('gap at which the straight final approach to the contact begins',
-                               'm', 0.0, 1.0, default=0.06)
+                               'm', above=0.0, high=1.0, default=0.06)
     retreat_distance: float = quantity('length of the straight path off the object after a push',
                                        'm', above=0.0, high=1.0, default=0.15)
     max_reverse_distance: float = quantity('longest path round the object on which a differential '

@@ -44,7 +44,7 @@ class PlannerSettings:
         'jumps', choices=get_args(AngleProfile), default='linear')
     max_angle_rate: float = quantity('highest rate of a linear pushing angle; the acceleration '
                                      'limits of the robot count as well', 'rad/s', above=0.0,
-                                     high=1000.0, default=5.0)
+                                     high=200.0, default=5.0)
     angle_limit: AngleLimit = quantity('limit on the pushing: contact force in the planning cone, '
                                        'pushing angle, or none',
                                        choices=get_args(AngleLimit), default='cone')
@@ -57,7 +57,7 @@ class PlannerSettings:
     cone_margin: float = quantity('fraction of the contact friction angle that a plan may use', '',
                                   0.05, 1.0, default=0.65)
     friction_discount: float = quantity('factor on the nominal contact friction coefficient', '',
-                                        above=0.0, high=1.0, default=0.8)
+                                        0.05, 1.0, default=0.8)
     final_straight: float = quantity('straight push at the end of a plan, shortened for near '
                                      'goals; 0: none', 'm', 0.0, 5.0, default=0.4)
     heading_free: bool = quantity('whether the object may reach the goal with any heading', '',
@@ -69,9 +69,9 @@ class PlannerSettings:
     sample_spacing: float = quantity('largest distance between samples of a plan', 'm', 0.001,
                                      0.2, default=0.015)
     position_tolerance: float = quantity('largest position error of a re-integrated plan', 'm',
-                                         above=0.0, high=0.1, default=0.001)
+                                         1e-6, 0.1, default=0.001)
     heading_tolerance: float = quantity('largest heading error of a re-integrated plan', 'rad',
-                                        above=0.0, high=0.2, default=0.0017)
+                                        1e-6, 0.05, default=0.0017)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

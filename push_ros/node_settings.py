@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from push_model.quantity import check, quantity
+from push_model.quantity import check, MAX_ANGLE, quantity
 
 
 @dataclasses.dataclass(frozen=True)
@@ -160,7 +160,7 @@ class SimOptions:
     time_limit: float = quantity('simulated time after which the simulation holds, 0 for none',
                                  's', 0.0, 1e6, default=0.0)
     answer_timeout: float = quantity('lockstep: wall time without an answer after which the '
-                                     'controller counts as gone', 's', above=0.0, high=600.0,
+                                     'controller counts as gone', 's', 0.1, 600.0,
                                      default=5.0)
     object_start: tuple[float, float, float] = quantity(
         'object pose (x, y, theta) at the start', 'm, m, rad', default=(0.0, 0.0, 0.0))
@@ -174,8 +174,9 @@ class SimOptions:
         check(self)
         for name in ('object_start', 'robot_start'):
             pose = getattr(self, name)
-            if len(pose) != 3 or not all(map(math.isfinite, pose)):
-                raise ValueError(f'SimOptions.{name}: got {pose}, expected three numbers')
+            if len(pose) != 3 or not all(map(math.isfinite, pose)) or abs(pose[2]) > MAX_ANGLE:
+                raise ValueError(f'SimOptions.{name}: got {pose}, expected three numbers, the '
+                                 'last one in radians')
         if not self.truth_prefix:
             raise ValueError('SimOptions.truth_prefix: got an empty text, expected the beginning '
                              'of a frame id')

@@ -4,7 +4,7 @@ import dataclasses
 from typing import Sequence
 
 from push_model.geometry import Pose
-from push_model.quantity import check, quantity
+from push_model.quantity import check, MAX_ANGLE, quantity
 
 # In place of the number of a support.
 ALL_SUPPORTS = -1
@@ -37,7 +37,8 @@ class ObjectDisplacement:
                         default=0.0)
     y: float = quantity('displacement along the y axis that the object has before', 'm',
                         default=0.0)
-    theta: float = quantity('angle by which the object is rotated', 'rad', default=0.0)
+    theta: float = quantity('angle by which the object is rotated', 'rad', -MAX_ANGLE, MAX_ANGLE,
+                            default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -8,7 +8,7 @@ import numpy as np
 from push_dynamics import actuation
 from push_dynamics.compiled import interpreted
 from push_model.geometry import Pose, wrap_angle
-from push_model.quantity import check, quantity
+from push_model.quantity import check, LEAST_NOISE, quantity
 from push_model.signals import (
     ObjectPose, Odometry, OdometryReference, PoseCovariance, Twist,
 )
@@ -63,10 +63,10 @@ class SensorSettings:
         choices=get_args(OdometryReference), default='drifting')
     odometry_position_noise: float = quantity(
         'standard deviation of the robot position where odometry is absolute, along each axis',
-        'm', above=0.0, high=1.0, default=1e-3)
+        'm', LEAST_NOISE, 0.5, default=1e-3)
     odometry_heading_noise: float = quantity(
-        'standard deviation of the robot heading where odometry is absolute', 'rad', above=0.0,
-        high=1.0, default=2e-3)
+        'standard deviation of the robot heading where odometry is absolute', 'rad', LEAST_NOISE,
+        0.1, default=2e-3)
     odometry_scale: float = quantity('relative error of the distance travelled', '', -0.5, 0.5,
                                      default=0.0)
     odometry_scale_noise: float = quantity(

@@ -11,9 +11,9 @@ from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
 class SimulationSettings:
     """How the plant is simulated, and what disturbs it."""
 
-    step: float = quantity('longest step of the plant', 's', above=0.0, high=0.05, default=2e-3)
+    step: float = quantity('longest step of the plant', 's', 1e-5, 0.05, default=2e-3)
     friction_smoothing: float = quantity('speed below which support friction turns viscous',
-                                         'm/s', above=0.0, high=1e-2, default=1e-5)
+                                         'm/s', 1e-9, 1e-2, default=1e-5)
     contact_creep: float = quantity('slip of a sticking contact over the distance that the robot '
                                     'pushes, at the friction limit; less in proportion to the '
                                     'tangential force', '', 0.0, 0.5, default=0.0)

@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from push_model.quantity import check, quantity
+from push_model.quantity import check, LEAST_NOISE, quantity
 from push_model.rigid_transform import RigidTransform
 
 
@@ -46,13 +46,13 @@ class TrackerSettings:
 
     tags: tuple[MountedTag, ...] = quantity('the tags of the object')
     position_noise: float = quantity('standard deviation of the measured place of one tag', 'm',
-                                     above=0.0, high=0.5, default=0.002)
+                                     LEAST_NOISE, 0.5, default=0.002)
     distance_noise: float = quantity(
         'standard deviation of the measured place of one tag per distance from the camera, '
         'besides position_noise; 0 for motion capture', '', 0.0, 0.5,
         default=0.004)
     heading_noise: float = quantity('standard deviation of the measured yaw of one tag', 'rad',
-                                    above=0.0, high=1.0, default=0.02)
+                                    LEAST_NOISE, 1.0, default=0.02)
     max_tilt: float = quantity('tilt of an object from which on a tag is misread', 'rad',
                                above=0.0, high=1.6, default=0.26)
     max_speed: float = quantity('greatest speed of the object; what is faster is an outlier',

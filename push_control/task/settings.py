@@ -40,15 +40,15 @@ class SupervisionSettings:
         's', above=0.0, high=60.0, default=2.0)
     motion_gate_sigmas: float = quantity(
         'standard deviations from the average at which a pose means that the object has moved', '',
-        above=0.0, high=100.0, default=5.0)
+        1.0, 100.0, default=5.0)
 
     max_attempts: int = quantity(
         'pushes and recoveries without progress after which the task is aborted', '', 1, 100,
         default=12)
     improvement_ratio: float = quantity(
-        'part of the least error so far below which an error counts as progress', '', above=0.0,
-        high=1.0, default=0.9)
-    plan_timeout: float = quantity('time to wait for a plan', 's', above=0.0, high=600.0,
+        'part of the least error so far below which an error counts as progress', '', 0.05,
+        1.0, default=0.9)
+    plan_timeout: float = quantity('time to wait for a plan', 's', 0.1, 600.0,
                                    default=20.0)
     stall_timeout: float = quantity(
         'time without motion after which a robot on its path is stalled', 's', above=0.0,
@@ -65,7 +65,7 @@ class SupervisionSettings:
         high=10.0, default=0.2)
     pre_push_tolerance: float = quantity(
         'position error of the robot at the pre-push pose; rotation counts at its rim', 'm',
-        above=0.0, high=0.5, default=0.01)
+        LEAST_TOLERANCE, 0.5, default=0.01)
     probe_distance: float = quantity(
         'distance beyond the expected contact within which the robot probes for the object', 'm',
         above=0.0, high=1.0, default=0.1)
@@ -83,14 +83,14 @@ class SupervisionSettings:
     odometry_walk: float = quantity(
         'random walk of the position relative to odometry', 'm/sqrt(m)', 0.0, 1.0, default=0.003)
     odometry_heading_walk: float = quantity(
-        'random walk of the heading relative to odometry', 'rad/sqrt(m)', 0.0, 1.0, default=0.01)
+        'random walk of the heading relative to odometry', 'rad/sqrt(m)', 0.0, 0.3, default=0.01)
 
     center_walk: float = quantity(
         'random walk of the centre of friction, by which what was learned of it gets uncertain '
-        'from one task to the next', 'm/sqrt(s)', 0.0, 1.0, default=5e-5)
+        'from one task to the next', 'm/sqrt(s)', 0.0, 0.01, default=5e-5)
     contact_friction_walk: float = quantity(
         'random walk of the contact friction, by which what was learned of it gets uncertain from '
-        'one task to the next', '1/sqrt(s)', 0.0, 1.0, default=5e-4)
+        'one task to the next', '1/sqrt(s)', 0.0, 0.1, default=5e-4)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -12,7 +12,7 @@ and tuples of numbers flat lists:
 import dataclasses
 from typing import Any, get_args, get_origin, Mapping
 
-from push_model.quantity import expectation, field_types
+from push_model.quantity import check_plausible, expectation, field_types
 
 # Types of values that are parameters by themselves.
 SCALARS = (bool, int, float, str)
@@ -110,9 +110,11 @@ def from_parameter_values(cls: Any, values: Mapping[str, Any], prefix: str = '')
         elif _default(field) is None:
             raise ValueError(f'{name}: got nothing, expected {expectation(kind, field.metadata)}')
     try:
-        return cls(**arguments)
+        instance = cls(**arguments)
+        check_plausible(instance)
     except ValueError as error:
         raise ValueError(_with_parameter_name(str(error), cls, prefix)) from error
+    return instance
 
 
 def _field_value(kind: Any, values: Mapping[str, Any], name: str) -> Any:

@@ -10,7 +10,7 @@ import typing
 from typing import Any, NamedTuple, TypeVar
 
 from push_model.files.strict_yaml import ParameterFileError
-from push_model.quantity import expectation, field_types
+from push_model.quantity import check_plausible, expectation, field_types
 
 DEGREES_SUFFIX = '_deg'
 RADIANS = ('rad', 'rad/s')
@@ -75,7 +75,8 @@ def from_mapping(cls: type[Parameters], values: object, at: Location) -> Paramet
         elif _is_required(field):
             raise at.key(name).error(f'got nothing, expected {_expected(kinds[name], field)}')
     try:
-        return cls(**arguments)
+        instance = cls(**arguments)
+        check_plausible(instance)
     except ValueError as error:
         problem, prefix = str(error), f'{cls.__name__}.'
         # A check of one field names it; then the file's own path to it takes the place of that.
@@ -83,6 +84,7 @@ def from_mapping(cls: type[Parameters], values: object, at: Location) -> Paramet
             name, _, rest = problem[len(prefix):].partition(': ')
             raise at.key(name).error(rest) from error
         raise at.error(problem) from error
+    return instance
 
 
 def to_mapping(instance: Any) -> Any:

@@ -3,10 +3,7 @@
 import dataclasses
 
 from push_model.geometry import Pose
-from push_model.quantity import check, quantity
-
-# Angle beyond which somebody means degrees [rad]: a full turn.
-MAX_ANGLE = 6.2832
+from push_model.quantity import check, MAX_ANGLE, quantity
 
 
 @dataclasses.dataclass(frozen=True)

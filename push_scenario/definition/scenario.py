@@ -83,9 +83,10 @@ class Start:
 class Bounds:
     """How close to the goal the object must come to rest."""
 
-    position_error: float = quantity('distance from the goal', 'm', above=0.0, default=0.02)
+    position_error: float = quantity('distance from the goal', 'm', above=0.0, high=10.0,
+                                     default=0.02)
     heading_error: float = quantity('orientation from the goal, either way', 'rad', above=0.0,
-                                    default=math.radians(3.0))
+                                    high=math.pi, default=math.radians(3.0))
 
     def __post_init__(self) -> None:
         """Validate the fields."""

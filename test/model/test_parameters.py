@@ -13,7 +13,7 @@ TRIANGLE = ((0.0, 0.0), (0.6, 0.1), (0.2, 0.5))
 
 
 @pytest.mark.parametrize('change, words_expected', [
-    ({'mass': float('nan')}, ('PushedObject.mass', 'nan', 'above 0', 'kg')),
+    ({'mass': float('nan')}, ('PushedObject.mass', 'nan', 'from 0.005', 'kg')),
     ({'mass': '2'}, ('PushedObject.mass', "'2'", 'finite number')),
     ({'mass': True}, ('PushedObject.mass', 'True')),
     ({'inertia': -0.1}, ('PushedObject.inertia', 'at least 0')),

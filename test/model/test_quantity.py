@@ -26,7 +26,7 @@ class Part:
 class Machine:
     """One field of every kind."""
 
-    mass: float = quantity('mass', 'kg', above=0.0, high=10.0)
+    mass: float = quantity('mass', 'kg', above=0.5, high=10.0)
     level: float = quantity('level', '', -1.0, 1.0, default=0.0)
     reach: float = quantity('reach', 'm', 0.0, infinite=True, default=1.0)
     count: int = quantity('count', '', 1, default=3)
@@ -59,12 +59,12 @@ def test_numbers_that_are_right_in_one_field_are_checked_in_another():
 
 
 @pytest.mark.parametrize('field, value, expected', [
-    ('mass', 0.0, 'a finite number above 0, at most 10 [kg]'),
-    ('mass', 10.1, 'a finite number above 0, at most 10 [kg]'),
-    ('mass', math.nan, 'a finite number above 0, at most 10 [kg]'),
-    ('mass', True, 'a finite number above 0, at most 10 [kg]'),
-    ('mass', '2', 'a finite number above 0, at most 10 [kg]'),
-    ('mass', None, 'a finite number above 0, at most 10 [kg]'),
+    ('mass', 0.5, 'a finite number above 0.5, at most 10 [kg]'),
+    ('mass', 10.1, 'a finite number above 0.5, at most 10 [kg]'),
+    ('mass', math.nan, 'a finite number above 0.5, at most 10 [kg]'),
+    ('mass', True, 'a finite number above 0.5, at most 10 [kg]'),
+    ('mass', '2', 'a finite number above 0.5, at most 10 [kg]'),
+    ('mass', None, 'a finite number above 0.5, at most 10 [kg]'),
     ('level', 1.5, 'a finite number from -1 to 1'),
     ('level', -math.inf, 'a finite number from -1 to 1'),
     ('reach', -1.0, 'a number of at least 0 [m]'),
@@ -91,7 +91,7 @@ def test_a_wrong_value_is_refused_with_what_came_and_what_was_expected(field, va
 
 
 def test_bounds_are_inside_but_for_strict_ones():
-    assert Machine(10.0, level=1.0).level == 1.0 and Machine(1e-300, level=-1.0).level == -1.0
+    assert Machine(10.0, level=1.0).level == 1.0 and Machine(0.5 + 1e-15, level=-1.0).level == -1.0
     assert Machine(1.0, reach=math.inf).reach == math.inf
 
 
@@ -101,7 +101,7 @@ def test_numbers_take_the_type_of_their_field():
     assert type(machine.mass) is float and type(machine.count) is int
     assert machine.corner == (1.0, -2.0) and type(machine.corner[0]) is float
     assert Machine(1.0, corner=[[0, 1], [1, 0]]).corner == ((0.0, 1.0), (1.0, 0.0))
-    assert type(Machine(np.float32(0.5)).mass) is float
+    assert type(Machine(np.float32(0.75)).mass) is float
 
 
 def test_without_a_default_a_field_is_required():
@@ -116,8 +116,9 @@ def test_a_literal_of_texts_counts_as_text():
 
 @pytest.mark.parametrize('limits, text', [
     ({}, ''), ({'low': 0.0}, ' of at least 0'), ({'high': 2.5}, ' of at most 2.5'),
-    ({'low': 1.0, 'high': 2.0}, ' from 1 to 2'), ({'above': 0.0}, ' above 0'),
-    ({'above': 0.0, 'high': 9.0}, ' above 0, at most 9')])
+    ({'low': 1.0, 'high': 2.0}, ' from 1 to 2'), ({'above': 1.0}, ' above 1'),
+    ({'above': 1.0, 'high': 9.0}, ' above 1, at most 9'), ({'above': 0.0}, ' of at least 0.001'),
+    ({'above': 0.0, 'high': 9.0}, ' from 0.001 to 9')])
 def test_ranges_in_words(limits, text):
     """The same words in errors, ROS descriptors and tables."""
     metadata = quantity('width', 'm', **limits).metadata

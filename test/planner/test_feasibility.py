@@ -111,7 +111,7 @@ IMPOSSIBLE = {
                 r'a push of 3\d.\d m, at most 20 m'),
     'sideways': (vertex_problem(Pose(0.0, 0.05, -math.pi / 4), max_path_length=3.0),
                  PlanFailure.PATH_TOO_LONG, r'a push of \d+.\d m, at most 3 m'),
-    'too sharp': (vertex_problem(AHEAD, robot=RoundRobot(radius=0.17, max_yaw_rate=1e-4)),
+    'too sharp': (vertex_problem(AHEAD, robot=RoundRobot(radius=0.17, max_yaw_rate=0.02)),
                   PlanFailure.LIMIT_EXCEEDED,
                   r'on \d+ routes, .* the yaw rate of the robot would be exceeded'),
     'too wide': (face_problem(AHEAD, pushing_speed=0.5), PlanFailure.LIMIT_EXCEEDED,

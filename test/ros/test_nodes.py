@@ -460,7 +460,7 @@ def wait_for_the_list(b, name):
 
 @pytest.mark.parametrize('name, change, text', [
     (PLANNER, 'object.mass:=-1.0',
-     'object.mass: got -1.0, expected a finite number above 0, at most 1000 [kg]'),
+     'object.mass: got -1.0, expected a finite number from 0.005 to 1000 [kg]'),
     (CONTROLLER, 'object.color:=1', 'object.color: got a parameter that'),
     (SIM, 'object.color:=1', 'object.color: got a parameter that')])
 def test_a_bad_parameter_keeps_a_node_from_starting(name, change, text):
