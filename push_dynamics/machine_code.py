@@ -10,6 +10,7 @@ the processor. Where llvmlite is missing, casadi evaluates the same function.
 An evaluation runs over many rows: row k of every argument and result is an array of its own. Rows
 of a result may be rows of an argument too, one further on, so that a row goes on from the one
 before. Where no row does, several are evaluated at once, in the lanes of the processor's vectors.
+Rows of a gathered argument are picked by numbers, so that several rows may have the same one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,12 +20,13 @@ import hashlib
 import importlib
 import os
 import pathlib
+import threading
 from typing import Any, NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
 from push_dynamics.user_cache import user_cache
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, IntArray
 
 # From this version of LLVM on, pointers have no type.
 FIRST_OPAQUE_VERSION = 17
@@ -35,6 +37,9 @@ ITEM_SIZE = 8
 # Rows that are evaluated at once where they are independent. Chosen: float64 in a vector of AVX;
 # where vectors are shorter, LLVM divides them.
 LANES = 4
+# Least number of rows that memory is kept for. Chosen: as many as most pushes take, so that it
+# grows once or twice in all.
+LEAST_CAPACITY = 256
 
 _BINARY = {ca.OP_ADD: 'fadd', ca.OP_SUB: 'fsub', ca.OP_MUL: 'fmul', ca.OP_DIV: 'fdiv'}
 _COMPARISONS = {ca.OP_LT: 'olt', ca.OP_LE: 'ole', ca.OP_EQ: 'oeq', ca.OP_NE: 'une'}
@@ -54,52 +59,112 @@ class RowFunction:
         of their nonzeros, by columns.
     :param is_compiled: whether it is compiled where that is possible, or interpreted by casadi.
     :param is_independent: whether no row goes on from another one.
+    :param gathered: names of the arguments whose rows are picked by number.
     """
 
-    def __init__(self, function: Any, is_compiled: bool = True,
-                 is_independent: bool = False) -> None:
+    def __init__(self, function: Any, is_compiled: bool = True, is_independent: bool = False,
+                 gathered: Sequence[str] = ()) -> None:
         """Compile the function, or keep it where there is no compiler."""
         self._function = function
         inputs, outputs = range(function.n_in()), range(function.n_out())
         self.sizes: dict[str, int] = {
             **{function.name_in(i): function.nnz_in(i) for i in inputs},
             **{function.name_out(i): function.nnz_out(i) for i in outputs}}
+        self._results = [function.name_out(i) for i in outputs]
+        self._gathered = gathered
+        self._kept = threading.local()
         lanes = LANES if is_independent else 1
-        self._code = _compile(function, lanes) if is_compiled else None
+        self._code = _compile(function, lanes, gathered) if is_compiled else None
 
-    def bind(self, arrays: Mapping[str, FloatArray]) -> Callable[[], None]:
+    def __call__(self, arguments: Mapping[str, FloatArray]) -> list[FloatArray]:
+        """
+        Evaluate rows in memory that is kept for the next time, by each thread its own.
+
+        :param arguments: name -> array of shape (n, size), or (size,) for what is the same in all
+            rows: in all calls alike.
+        :return: results, shape (n, size) each.
+        """
+        count = max(len(array) for array in arguments.values() if array.ndim == 2)
+        memory: Optional[_Memory] = getattr(self._kept, 'memory', None)
+        if memory is None or memory.capacity < count:
+            memory = self._kept.memory = self._memory(count, arguments)
+        for name, array in arguments.items():
+            if array.ndim == 2:
+                memory.arrays[name][:count] = array
+            else:
+                memory.arrays[name][:] = array
+        memory.evaluate(count)
+        return [memory.arrays[name][:count].copy() for name in self._results]
+
+    def _memory(self, count: int, arguments: Mapping[str, FloatArray]) -> '_Memory':
+        """Allocate memory for a number of rows, or some more."""
+        capacity = LEAST_CAPACITY
+        while capacity < count:
+            capacity *= 2
+        arrays = {name: np.zeros(size if name in arguments and arguments[name].ndim == 1
+                                 else (capacity, size)) for name, size in self.sizes.items()}
+        return _Memory(arrays, capacity, self.bind(arrays))
+
+    def bind(self, arrays: Mapping[str, FloatArray],
+             numbers: Optional[IntArray] = None) -> 'BoundRows':
         """
         Prepare evaluations over rows; each call evaluates all of them, in order.
 
         :param arrays: name of each argument and result -> array of shape (n, size), or (size,) for
             what is the same in all rows. They may be views, also reversed ones, of contiguous
             rows.
+        :param numbers: those of the rows of gathered arguments, shape (n,).
         """
         rows = [arrays[name] for name in self.sizes]
-        count = next((len(array) for array in rows if array.ndim == 2), 1)
+        count = next((len(array) for name, array in zip(self.sizes, rows)
+                      if array.ndim == 2 and name not in self._gathered), 1)
         for name, array in zip(self.sizes, rows):
-            _check_rows(name, array, self.sizes[name], count)
+            _check_rows(name, array, self.sizes[name],
+                        len(array) if name in self._gathered else count)
         if self._code is None:
-            return functools.partial(_interpret, self._function, rows, count)
-        addresses = (ctypes.c_void_p * len(rows))(*(
-            array.__array_interface__['data'][0] for array in rows))
+            picked = [numbers if name in self._gathered else None for name in self.sizes]
+            return BoundRows(functools.partial(_interpret, self._function, rows, picked), count,
+                             rows)
+        pointed = rows if numbers is None else [*rows, numbers]
+        addresses = (ctypes.c_void_p * len(pointed))(*(
+            array.__array_interface__['data'][0] for array in pointed))
         strides = (ctypes.c_int64 * len(rows))(
             *(array.strides[0] // ITEM_SIZE if array.ndim == 2 else 0 for array in rows))
-        return _Call(self._code, rows, addresses, strides, count)
+        evaluate = functools.partial(self._code.entry, ctypes.addressof(addresses),
+                                     ctypes.addressof(strides))
+        return BoundRows(evaluate, count, (self._code, pointed, addresses, strides))
 
 
-class _Call:
-    """A compiled function with the memory that it works on."""
+class BoundRows:
+    """
+    A function that is bound to arrays.
 
-    def __init__(self, code: '_Code', rows: Sequence[FloatArray], addresses: Any, strides: Any,
-                 count: int) -> None:
-        # Whatever the code points to must live as long as this.
-        self._kept = code, rows, addresses, strides
-        self._call = functools.partial(code.entry, ctypes.addressof(addresses),
-                                       ctypes.addressof(strides), count)
+    :param evaluate: function of the number of rows, from the first one.
+    :param count: number of all rows.
+    :param pointed: what machine code points to, and so must live as long as this.
+    """
 
-    def __call__(self) -> None:
-        self._call()
+    def __init__(self, evaluate: Callable[[int], Any], count: int, pointed: Any) -> None:
+        """Keep what is bound."""
+        self._evaluate = evaluate
+        self._count = count
+        self._pointed = pointed
+
+    def __call__(self, count: Optional[int] = None) -> None:
+        """
+        Evaluate rows.
+
+        :param count: number of rows, from the first one; None for all.
+        """
+        self._evaluate(self._count if count is None else count)
+
+
+class _Memory(NamedTuple):
+    """Arrays for a number of rows at most, and the evaluation that works on them."""
+
+    arrays: Mapping[str, FloatArray]
+    capacity: int
+    evaluate: BoundRows
 
 
 class _Code(NamedTuple):
@@ -117,11 +182,13 @@ def _check_rows(name: str, array: FloatArray, size: int, count: int) -> None:
                          f'{array.strides}, expected contiguous float64 of shape {shape}')
 
 
-def _interpret(function: Any, rows: Sequence[FloatArray], count: int) -> None:
-    """Evaluate all rows by casadi."""
+def _interpret(function: Any, rows: Sequence[FloatArray], picked: Sequence[Optional[IntArray]],
+               count: int) -> None:
+    """Evaluate rows by casadi."""
     inputs = function.n_in()
     for k in range(count):
-        values = [array[k] if array.ndim == 2 else array for array in rows]
+        values = [array if array.ndim == 1 else array[k if numbers is None else numbers[k]]
+                  for array, numbers in zip(rows, picked)]
         arguments = [ca.DM(function.sparsity_in(i), value)
                      for i, value in enumerate(values[:inputs])]
         for result, found in zip(values[inputs:], function.call(arguments)):
@@ -140,7 +207,7 @@ def _llvm() -> Any:
     return llvm
 
 
-def _compile(function: Any, lanes: int) -> Any:
+def _compile(function: Any, lanes: int, gathered: Sequence[str]) -> Any:
     """Compile a function, or load its machine code; None where there is no compiler."""
     llvm = _llvm()
     if llvm is None:
@@ -148,7 +215,7 @@ def _compile(function: Any, lanes: int) -> Any:
     cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=cpu, features=features, opt=OPTIMIZATION, jit=True)
-    text = _translate(function, llvm.llvm_version_info[0], lanes)
+    text = _translate(function, llvm.llvm_version_info[0], lanes, gathered)
     key = repr((text, cpu, features, llvm.llvm_version_info, OPTIMIZATION)).encode()
     file = _cache_file(hashlib.sha256(key).hexdigest())
     if file is None or not file.exists():
@@ -182,7 +249,7 @@ def _store(file: Optional[pathlib.Path], code: bytes) -> None:
         unfinished.unlink(missing_ok=True)
 
 
-def _translate(function: Any, version: int, lanes: int) -> str:
+def _translate(function: Any, version: int, lanes: int, gathered: Sequence[str]) -> str:
     """Write a loop over rows in LLVM's language, some rows at once."""
     number, table = ('ptr', 'ptr') if version >= FIRST_OPAQUE_VERSION else ('double*', 'double**')
     count = function.n_in() + function.n_out()
@@ -197,13 +264,21 @@ def _translate(function: Any, version: int, lanes: int) -> str:
         loop += [f'  %j{lane} = add i64 %k, {lane}',
                  f'  %m{lane} = icmp slt i64 %j{lane}, %last',
                  f'  %r{lane} = select i1 %m{lane}, i64 %j{lane}, i64 %last']
+    if gathered:
+        head += [f'  %n = getelementptr {number}, {table} %addresses, i64 {count}',
+                 f'  %n.begin = load {number}, {table} %n',
+                 f'  %numbers = bitcast {number} %n.begin to {strides}']
+        for lane in range(lanes):
+            loop += [f'  %n{lane} = getelementptr i64, {strides} %numbers, i64 %r{lane}',
+                     f'  %g{lane} = load i64, {strides} %n{lane}']
     for i in range(count):
+        row = 'g' if i < function.n_in() and function.name_in(i) in gathered else 'r'
         head += [f'  %a{i} = getelementptr {number}, {table} %addresses, i64 {i}',
                  f'  %b{i} = load {number}, {table} %a{i}',
                  f'  %c{i} = getelementptr i64, {strides} %strides, i64 {i}',
                  f'  %d{i} = load i64, {strides} %c{i}']
         for lane in range(lanes):
-            loop += [f'  %o{i}.{lane} = mul i64 %d{i}, %r{lane}',
+            loop += [f'  %o{i}.{lane} = mul i64 %d{i}, %{row}{lane}',
                      f'  %p{i}.{lane} = getelementptr double, {number} %b{i}, i64 %o{i}.{lane}']
     translation = _Translation(function, number, lanes)
     body = translation.lines()

@@ -168,11 +168,10 @@ def _motion_along(route: Route, problem: PushProblem, s: FloatArray, width: floa
                 for length, cosine, curvature, turn in zip(path.lengths, cosines,
                                                            path.curvatures, route.turns)]
     segments.append((route.final_straight, 1.0, 0.0, 0.0, 0.0))
-    found = np.zeros((len(s), len(_Motion._fields)))
-    _follow_route(len(segments)).bind({
+    found, = _follow_route(len(segments))({
         's': s[:, None], 'width': np.array([width]), 'segments': np.array(segments).ravel(),
         'begin': np.array(path.start, dtype=float),
-        'vehicle': np.array([vehicle.angle, *vehicle.flat_output]), 'motion': found})()
+        'vehicle': np.array([vehicle.angle, *vehicle.flat_output])})
     return found
 
 

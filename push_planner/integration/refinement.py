@@ -240,7 +240,7 @@ def _iterates(problem: PushProblem, formulation: Formulation, solution: Solution
     begins = _begin_nodes(problem, formulation, solution)
     changes, free_length = solution.changes * may_steer, solution.free_length
     if former is None:
-        maps = _program_maps(problem, formulation, solution, may_steer)
+        maps = _program_maps(formulation, solution, may_steer)
         steering = solve_steering(maps)
     else:
         steering = former.steering
@@ -287,19 +287,18 @@ def _begin_nodes(problem: PushProblem, formulation: Formulation,
     return nodes
 
 
-def _program_maps(problem: PushProblem, formulation: Formulation, solution: Solution,
+def _program_maps(formulation: Formulation, solution: Solution,
                   may_steer: FloatArray) -> FloatArray:
     """Differentiate the program's own steps: (A_k, b_k), shape (n, 7, 8)."""
-    mesh, steps = formulation.mesh, formulation.steps
-    data = np.column_stack([mesh.lengths, mesh.free_fractions, steps[:, 2], steps[:, 3],
-                            may_steer])
-    maps = np.zeros((len(data), 7, 8))
+    steps = formulation.steps
+    data = np.empty((len(steps), 5))
+    data[:, :4], data[:, 4] = steps[:, :4], may_steer
     dimensions = formulation.dimensions
-    _linearized_step(dimensions.kind, dimensions.supports, dimensions.jumps).bind({
+    maps, = _linearized_step(dimensions.kind, dimensions.supports, dimensions.jumps)({
         'node': solution.nodes[:-1], 'free_length': np.array([solution.free_length]),
         'change': solution.changes[:, None], 'data': data, 'rates': solution.rates,
-        'column': problem.push_parameters.column(), 'map': maps.reshape(len(data), 56)})()
-    return maps
+        'column': formulation.common[:dimensions.supports.column_size]})
+    return maps.reshape(-1, 7, 8)
 
 
 @functools.lru_cache(maxsize=16)

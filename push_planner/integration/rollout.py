@@ -12,6 +12,7 @@ each a Radau step of three points (see ``collocation``), solved by Newton's meth
 """
 
 import functools
+import math
 import threading
 from typing import Any, NamedTuple
 
@@ -42,6 +43,10 @@ COARSE_PART = 0.1
 # float64 gives the best forward differences, and Newton's method leaves some more noise.
 DIFFERENCE = 1e-6
 NODE_SIZE = len(Node._fields)
+# Numbers of a ``RolloutStep``.
+STEP_SIZE = 2 * NODE_SIZE + 5
+# Parts that memory is kept for, at least. Chosen: as many as most pushes take.
+LEAST_CAPACITY = 256
 
 
 class Rollout(NamedTuple):
@@ -94,6 +99,28 @@ class Run(NamedTuple):
     changes: FloatArray
 
 
+class RolloutStep(NamedTuple):
+    """
+    A step of a rollout, as symbols; its numbers are a row of as many columns.
+
+    :param reference: ``Node`` that it is to begin at.
+    :param gains: K, of the correction of the change.
+    :param change: of the pushing angle [rad].
+    :param length: path length [m].
+    :param v_squared: V at the begin [m^2/s^2].
+    :param v_squared_slope: dV/ds [m/s^2].
+    :param smoothing: sliding speed below which friction becomes viscous, per pushing speed.
+    """
+
+    reference: Any
+    gains: Any
+    change: Any
+    length: Any
+    v_squared: Any
+    v_squared_slope: Any
+    smoothing: Any
+
+
 def graded_fractions(length: float, first: float, longest: float) -> FloatArray:
     """
     Divide a step into parts that grow from a first one.
@@ -132,11 +159,11 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     """
     Build one part of a step, which goes on from the one before.
 
-    ``state`` is a node, dw/ds, and the change of the pushing angle over the step. At the begin of
-    a step (``is_begin`` is 1) the change is corrected towards ``reference``, and the pushing angle
-    may jump; where ``restarts`` is 1 the node is the reference itself. ``scalars`` are the length
-    of the part, its fraction of the step, V at its begin, dV/ds and the smoothing. Results are the
-    state after it, the node at its begin, and samples and forces at its points, and the
+    ``state`` is a node, dw/ds, and the change of the pushing angle over the step. ``step`` is the
+    ``RolloutStep`` that the part belongs to, ``part`` its fraction of it and that of what lies
+    before it. At the begin of a step the change is corrected towards the reference, and the
+    pushing angle may jump; where ``restarts`` is 1 the node there is the reference itself. Results
+    are the state after the part, the node at its begin, samples and forces at its points, and the
     force at its begin.
 
     :param kind: how the contact moves with the robot.
@@ -145,13 +172,15 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     """
     parameters, column = PushParameters.symbols(supports)
     state = ca.SX.sym('state', NODE_SIZE + 2)
-    reference, gains = ca.SX.sym('reference', NODE_SIZE), ca.SX.sym('gains', NODE_SIZE)
-    change, scalars = ca.SX.sym('change'), ca.SX.sym('scalars', 5)
-    is_begin, restarts = ca.SX.sym('is_begin'), ca.SX.sym('restarts')
-    length, fraction, v_squared, v_squared_slope, smoothing = ca.vertsplit(scalars)
-    present = ca.if_else(restarts, reference, state[:NODE_SIZE])
-    corrected = ca.if_else(is_begin, change - ca.dot(gains, present - reference),
-                           state[NODE_SIZE + 1])
+    of_step, part, restarts = ca.SX.sym('step', STEP_SIZE), ca.SX.sym('part', 2), ca.SX.sym('r')
+    values = RolloutStep(of_step[:NODE_SIZE], of_step[NODE_SIZE:2 * NODE_SIZE],
+                         *ca.vertsplit(of_step[2 * NODE_SIZE:]))
+    fraction, before = ca.vertsplit(part)
+    is_begin = before == 0.0
+    present = ca.if_else(is_begin * restarts, values.reference, state[:NODE_SIZE])
+    corrected = ca.if_else(
+        is_begin, values.change - ca.dot(values.gains, present - values.reference),
+        state[NODE_SIZE + 1])
     node, along = Node(*ca.vertsplit(present)), corrected * fraction
     if jumps:
         response = contact_impulse(kind, parameters, node, corrected)
@@ -161,21 +190,24 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     begin = ca.vertcat(*node)
     if kind == 'held':
         node = node._replace(phi=node.theta)
-    step = Step(length, along, v_squared, v_squared_slope, False, smoothing)
+    length = fraction * values.length
+    v_squared = values.v_squared + values.v_squared_slope * before * values.length
+    step = Step(length, along, v_squared, values.v_squared_slope, False, values.smoothing)
     # Within a step w goes on smoothly, and so does the guess.
     w_slope = (1.0 - is_begin) * state[NODE_SIZE]
     rates = _solved_rates(kind, parameters, node, step, w_slope)
     result = collocate(kind, parameters, node, step, ca.vertsplit(rates))
     first_force = _force_at_begin(kind, parameters, node, step)
     end_slope = ca.dot(ca.DM(radau(POINTS).inverse[-1]), rates - node.w) / length
-    given = {'state': state, 'reference': reference, 'gains': gains, 'change': change,
-             'scalars': scalars, 'is_begin': is_begin, 'restarts': restarts, 'column': column}
+    given = {'state': state, 'step': of_step, 'part': part, 'restarts': restarts,
+             'column': column}
     found: Any = ca.cse([ca.vertcat(*result.end, end_slope, corrected), begin,
                          ca.vertcat(*[ca.vertcat(*sample) for sample in result.samples]),
                          ca.vertcat(*[ca.vertcat(*force) for force in result.forces]),
                          ca.vertcat(*first_force)])
     return RowFunction(ca.Function('part', list(given.values()), found, list(given),
-                                   ['next_state', 'begin', 'samples', 'forces', 'first_force']))
+                                   ['next_state', 'begin', 'samples', 'forces', 'first_force']),
+                       gathered=['step'])
 
 
 def _solved_rates(kind: PushKind, parameters: PushParameters, node: Node, step: Step,
@@ -209,66 +241,98 @@ def _force_at_begin(kind: PushKind, parameters: PushParameters, node: Node,
     return moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0).force
 
 
-class _PartRows:
+class _Division(NamedTuple):
     """
-    Memory of rollouts whose steps are divided into the same numbers of parts, and what is bound.
+    Division of n steps into m parts.
 
-    Attributes: ``step``, number of the step that each part belongs to; ``begins``, numbers of the
-    parts at the begin of each step; ``nodes``, the same and the number of parts; ``fractions`` and
-    ``before``, length of each part and of what lies before it over that of its step.
+    :param step: number of the step that each part belongs to, shape (m,).
+    :param parts: fraction of each part, and of what lies before it in its step, shape (m, 2).
+    :param nodes: number of the first part of each step, and m, shape (n + 1,).
+    """
+
+    step: IntArray
+    parts: FloatArray
+    nodes: IntArray
+
+    @classmethod
+    def of(cls, graded: list[FloatArray], equal: IntArray) -> '_Division':
+        """
+        Divide steps.
+
+        :param graded: fractions of the parts of each of the first steps.
+        :param equal: number of parts of each step after them, which are equal.
+        """
+        counts = np.append([len(one) for one in graded], equal)
+        nodes = np.zeros(len(counts) + 1, dtype=int)
+        np.cumsum(counts, out=nodes[1:])
+        step = np.repeat(np.arange(len(counts)), counts)
+        parts = np.zeros((len(step), 2))
+        first = nodes[len(graded)]
+        parts[first:, 0] = (1.0 / equal)[step[first:] - len(graded)]
+        parts[first:, 1] = parts[first:, 0] * (np.arange(first, len(step)) - nodes[step[first:]])
+        for begin, fractions in zip(nodes.tolist(), graded):
+            part = parts[begin:begin + len(fractions)]
+            part[:, 0] = fractions
+            part[1:, 1] = np.cumsum(fractions[:-1])
+        return cls(step, parts, nodes)
+
+    def repeated(self, times: int) -> '_Division':
+        """
+        Divide the same steps some times, one after the other.
+
+        :param times: how often.
+        """
+        shift = np.repeat(np.arange(times), len(self.step))
+        return _Division(np.tile(self.step, times) + shift * (len(self.nodes) - 1),
+                         np.tile(self.parts, (times, 1)), self.nodes)
+
+
+class _PartMemory:
+    """
+    Memory of rollouts of up to a number of parts, and of as many steps, bound once.
 
     :param function: of ``part_function``.
-    :param counts: number of parts of each step, shape (n,).
-    :param variants: number of rollouts one after the other.
+    :param capacity: number of parts.
     """
 
-    def __init__(self, function: RowFunction, counts: IntArray, variants: int) -> None:
-        size = int(counts.sum())
-        self.step = np.repeat(np.arange(len(counts)), counts)
-        ends = np.cumsum(counts)
-        self.begins = ends - counts
-        self.nodes = np.append(self.begins, size)
-        self.fractions, self.before = np.zeros(size), np.zeros(size)
-        count = variants * size
-        self.states = np.zeros((count + 1, NODE_SIZE + 2))
-        self.references, self.gains = np.zeros((count, NODE_SIZE)), np.zeros((count, NODE_SIZE))
-        self.changes, self.scalars = np.zeros((count, 1)), np.zeros((count, 5))
-        self.column = np.zeros(function.sizes['column'])
-        self.first = np.zeros((count, NODE_SIZE))
-        self.samples = np.zeros((count, POINTS * NODE_SIZE))
-        self.forces = np.zeros((count, POINTS * 2))
-        self.first_forces = np.zeros((count, 2))
-        is_begin = np.zeros((variants, size))
-        is_begin[:, self.begins] = 1.0
-        self.is_begin = is_begin.reshape(count, 1)
-        # One rollout goes on from step to step; of several, each step goes on from its reference.
-        self.restarts = self.is_begin if variants > 1 else np.zeros((count, 1))
-        self.evaluate = function.bind({
-            'state': self.states[:-1], 'reference': self.references, 'gains': self.gains,
-            'change': self.changes, 'scalars': self.scalars, 'is_begin': self.is_begin,
+    def __init__(self, function: RowFunction, capacity: int) -> None:
+        self.states = np.zeros((capacity + 1, NODE_SIZE + 2))
+        self.steps, self.parts = np.zeros((capacity, STEP_SIZE)), np.zeros((capacity, 2))
+        self.numbers = np.zeros(capacity, dtype=int)
+        self.restarts, self.column = np.zeros(1), np.zeros(function.sizes['column'])
+        self.first = np.zeros((capacity, NODE_SIZE))
+        self.samples = np.zeros((capacity, POINTS * NODE_SIZE))
+        self.forces = np.zeros((capacity, POINTS * 2))
+        self.first_forces = np.zeros((capacity, 2))
+        self._evaluate = function.bind({
+            'state': self.states[:-1], 'step': self.steps, 'part': self.parts,
             'restarts': self.restarts, 'column': self.column, 'next_state': self.states[1:],
             'begin': self.first, 'samples': self.samples, 'forces': self.forces,
-            'first_force': self.first_forces})
+            'first_force': self.first_forces}, self.numbers)
 
-    def divide(self, fractions: FloatArray) -> None:
-        """Take the lengths of all parts over those of their steps."""
-        ends = np.cumsum(fractions)
-        self.fractions[:] = fractions
-        self.before[:] = ends - fractions
-        self.before -= self.before[self.begins][self.step]
+    def evaluate(self, division: _Division, steps: FloatArray) -> None:
+        """
+        Integrate all parts.
+
+        :param division: ``_Division``.
+        :param steps: of ``RolloutStep``, a row each.
+        """
+        count = len(division.step)
+        self.numbers[:count], self.parts[:count] = division.step, division.parts
+        self.steps[:len(steps)] = steps
+        self._evaluate(count)
 
 
 @functools.lru_cache(maxsize=32)
-def _part_rows(function: RowFunction, counts: bytes, variants: int, thread: int) -> _PartRows:
+def _part_memory(function: RowFunction, doublings: int, thread: int) -> _PartMemory:
     """
-    Allocate memory, or return that of a rollout before: binding it takes longer than a rollout.
+    Allocate memory, or return that of before: binding it takes longer than a rollout.
 
     :param function: of ``part_function``.
-    :param counts: number of parts of each step, as bytes.
-    :param variants: number of rollouts one after the other.
+    :param doublings: of ``LEAST_CAPACITY``.
     :param thread: that works on it: each has a memory of its own.
     """
-    return _PartRows(function, np.frombuffer(counts, dtype=int), variants)
+    return _PartMemory(function, LEAST_CAPACITY << doublings)
 
 
 class ClosedLoopRollout:
@@ -283,38 +347,40 @@ class ClosedLoopRollout:
     def __init__(self, problem: PushProblem, formulation: Formulation,
                  free_length: float) -> None:
         """Divide the steps into parts."""
-        self._mesh = formulation.mesh
+        self._mesh = mesh = formulation.mesh
         dimensions = formulation.dimensions
         self._jumps = dimensions.jumps
         self._function = part_function(dimensions.kind, dimensions.supports, dimensions.jumps)
+        self._column = formulation.common[:dimensions.supports.column_size]
+        self._steps = np.zeros((len(mesh.lengths), STEP_SIZE))
         # V and dV/ds as the program has them: 0 without inertia.
-        self._inertia = formulation.steps[:, 2:4]
-        self._column = problem.push_parameters.column()
+        self._steps[:, -3:-1] = formulation.steps[:, 2:4]
         # The friction of the model becomes viscous below a speed in m/s, here it is per speed.
-        speed = np.sqrt(np.maximum(self._mesh.v_squared, self._mesh.end_v_squared))
-        self._smoothing = SMOOTHING / speed
+        self._steps[:, -1] = SMOOTHING / np.sqrt(np.maximum(mesh.v_squared, mesh.end_v_squared))
         # At most half a part lies between two samples.
         longest = 2.0 * problem.settings.sample_spacing
         first = FIRST_PART_RATIO * settling_distance(problem)
-        lengths = self._mesh.step_lengths(free_length)
+        lengths = mesh.step_lengths(free_length)
         # The steps after whose begin w settles are fine: the first, or after all jumps.
         graded = lengths if dimensions.jumps else lengths[:1]
         self._graded = [graded_fractions(length, first, longest) for length in graded.tolist()]
         self._equal_lengths = lengths[len(graded):]
-        self._fine = self._parts(longest)
+        self._fine = self._divided(longest)
 
     @functools.cached_property
-    def _coarse(self) -> _PartRows:
-        return self._parts(COARSE_PART)
+    def _coarse(self) -> _Division:
+        return self._divided(COARSE_PART)
 
-    def _parts(self, longest: float, variants: int = 1) -> _PartRows:
+    def _divided(self, longest: float) -> _Division:
         """Divide the graded steps as they are, and those after them into equal parts."""
-        equal = np.ceil(self._equal_lengths / longest).astype(int)
-        counts = np.append([len(one) for one in self._graded], equal)
-        rows = _part_rows(self._function, counts.tobytes(), variants, threading.get_ident())
-        rows.divide(np.concatenate([*self._graded, np.repeat(1.0 / equal, equal)]))
-        rows.column[:] = self._column
-        return rows
+        return _Division.of(self._graded, np.ceil(self._equal_lengths / longest).astype(int))
+
+    def _memory(self, count: int, restarts: float) -> _PartMemory:
+        """Prepare memory for a number of parts."""
+        doublings = max(0, math.ceil(math.log2(count / LEAST_CAPACITY)))
+        memory = _part_memory(self._function, doublings, threading.get_ident())
+        memory.column[:], memory.restarts[0] = self._column, restarts
+        return memory
 
     def run(self, track: ReferenceTrack, free_length: float, coarse: bool = False) -> Run:
         """
@@ -324,15 +390,16 @@ class ClosedLoopRollout:
         :param free_length: S [m].
         :param coarse: whether in fewer parts, with too few samples for a ``Rollout``.
         """
-        rows = self._coarse if coarse else self._fine
-        begins = rows.begins
-        rows.states[0, :NODE_SIZE] = track.nodes[0]
-        rows.references[begins] = track.nodes
-        rows.gains[begins] = track.gains
-        rows.changes[begins, 0] = track.changes
-        self._set_scalars(rows, rows.scalars, free_length)
-        rows.evaluate()
-        return Run(rows.states[rows.nodes, :NODE_SIZE], rows.states[begins + 1, NODE_SIZE + 1])
+        division = self._coarse if coarse else self._fine
+        memory = self._memory(len(division.step), 0.0)
+        nodes, steps = division.nodes, self._steps
+        steps[:, :NODE_SIZE] = track.nodes
+        steps[:, NODE_SIZE:2 * NODE_SIZE] = track.gains
+        steps[:, 2 * NODE_SIZE] = track.changes
+        steps[:, 2 * NODE_SIZE + 1] = self._mesh.step_lengths(free_length)
+        memory.states[0, :NODE_SIZE] = track.nodes[0]
+        memory.evaluate(division, steps)
+        return Run(memory.states[nodes, :NODE_SIZE], memory.states[nodes[:-1] + 1, NODE_SIZE + 1])
 
     def linearize(self, nodes: FloatArray, changes: FloatArray, free_length: float,
                   may_steer: FloatArray) -> FloatArray:
@@ -348,19 +415,21 @@ class ClosedLoopRollout:
         """
         # All steps as they are, and then with a difference in each of the 8 arguments.
         variants = NODE_SIZE + 3
-        rows = self._parts(COARSE_PART, variants)
-        size, begins = len(rows.step), rows.begins
+        division = self._coarse.repeated(variants)
+        memory = self._memory(len(division.step), 1.0)
+        size, count = len(self._coarse.step), len(nodes)
+        steps = np.tile(self._steps, (variants, 1))
         for i in range(variants):
             shift = DIFFERENCE * np.eye(1, variants - 1, i - 1)[0]
-            at = i * size + begins
-            rows.references[at] = nodes + shift[:NODE_SIZE]
-            rows.changes[at, 0] = changes + shift[NODE_SIZE + 1] * may_steer
-            self._set_scalars(rows, rows.scalars[i * size:(i + 1) * size],
-                              free_length + shift[NODE_SIZE])
-        rows.evaluate()
-        ends = np.append(begins[1:], size)
-        found = rows.states[1:].reshape(variants, size, -1)[:, ends - 1, :NODE_SIZE]
-        maps = np.zeros((len(nodes), NODE_SIZE + 1, NODE_SIZE + 2))
+            of_variant = steps[i * count:(i + 1) * count]
+            of_variant[:, :NODE_SIZE] = nodes + shift[:NODE_SIZE]
+            of_variant[:, 2 * NODE_SIZE] = changes + shift[NODE_SIZE + 1] * may_steer
+            of_variant[:, 2 * NODE_SIZE + 1] = self._mesh.step_lengths(
+                free_length + shift[NODE_SIZE])
+        memory.evaluate(division, steps)
+        found = memory.states[1:variants * size + 1].reshape(variants, size, -1)
+        found = found[:, self._coarse.nodes[1:] - 1, :NODE_SIZE]
+        maps = np.zeros((count, NODE_SIZE + 1, NODE_SIZE + 2))
         maps[:, NODE_SIZE, NODE_SIZE] = 1.0
         maps[:, :NODE_SIZE] = ((found[1:] - found[0]) / DIFFERENCE).transpose(1, 2, 0)
         return maps
@@ -372,11 +441,12 @@ class ClosedLoopRollout:
         :param run: ``Run``.
         :param free_length: S of the run [m].
         """
-        rows, mesh = self._fine, self._mesh
-        step = rows.step
+        division, mesh = self._fine, self._mesh
+        step, begins, count = division.step, division.nodes[:-1], len(division.step)
+        memory = self._memory(count, 0.0)
         lengths = mesh.step_lengths(free_length)
         # Path lengths since the begin of the step, of all points.
-        s = lengths[step, None] * (rows.before[:, None] + rows.fractions[:, None]
+        s = lengths[step, None] * (division.parts[:, 1:] + division.parts[:, :1]
                                    * radau(POINTS).points)
         v_squared = mesh.v_squared[step, None] + mesh.v_squared_slopes[step, None] * s
         begins_at = np.cumsum(lengths) - lengths
@@ -385,26 +455,16 @@ class ClosedLoopRollout:
         jumps = np.array([0])
         if self._jumps:
             jumps = np.append(0, np.flatnonzero(run.changes[1:]) + 1)
-        at = rows.begins[jumps] * POINTS
-        samples, forces = rows.samples.reshape(-1, NODE_SIZE), rows.forces.reshape(-1, 2)
-        step_forces = rows.first_forces[rows.begins]
+        at = begins[jumps] * POINTS
+        samples = memory.samples[:count].reshape(-1, NODE_SIZE)
+        forces = memory.forces[:count].reshape(-1, 2)
+        step_forces = memory.first_forces[begins]
         return Rollout(run.nodes, run.changes,
                        _inserted(s.ravel(), at, begins_at[jumps]),
                        _inserted(v_squared.ravel(), at, mesh.v_squared[jumps]),
-                       _inserted(samples, at, rows.first[rows.begins[jumps]]),
+                       _inserted(samples, at, memory.first[begins[jumps]]),
                        _inserted(forces, at, step_forces[jumps]), step_forces,
                        at + np.arange(len(at)))
-
-    def _set_scalars(self, rows: _PartRows, scalars: FloatArray, free_length: float) -> None:
-        """Set what describes each part; see ``part_function``."""
-        step = rows.step
-        lengths = self._mesh.step_lengths(free_length)[step]
-        v_squared, slope = self._inertia[step].T
-        scalars[:, 0] = rows.fractions * lengths
-        scalars[:, 1] = rows.fractions
-        scalars[:, 2] = v_squared + slope * rows.before * lengths
-        scalars[:, 3] = slope
-        scalars[:, 4] = self._smoothing[step]
 
 
 def _inserted(values: FloatArray, at: IntArray, new: FloatArray) -> FloatArray:

@@ -42,6 +42,34 @@ def test_a_row_goes_on_from_the_one_before():
     assert values.ravel().tolist() == [256.0, 128.0, 64.0, 32.0, 16.0]
 
 
+@pytest.mark.parametrize('options', [{}, {'is_independent': True}, {'is_compiled': False}],
+                         ids=str)
+def test_rows_of_a_gathered_argument_are_picked_by_number(options):
+    """In any order, some of them often, others not at all."""
+    rng = np.random.default_rng(5)
+    x, y, results = rng.normal(size=(3, 2)), rng.uniform(1.0, 2.0, (7, 1)), np.zeros((7, 11))
+    numbers = np.array([2, 0, 0, 2, 2, 0, 2])
+    RowFunction(scalar_function(), gathered=['x'], **options).bind(
+        {'x': x, 'y': y, 'results': results}, numbers)()
+    expected = [np.array(scalar_function()(x[k], value)).ravel() for k, value in zip(numbers, y)]
+    np.testing.assert_allclose(results, expected, rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize('options', [{}, {'is_independent': True}, {'is_compiled': False}],
+                         ids=str)
+def test_a_call_evaluates_as_many_rows_as_it_is_given(options):
+    """More than the memory of before has, and fewer; results of before stay as they are."""
+    function, rng = RowFunction(scalar_function(), **options), np.random.default_rng(6)
+    y = np.array([1.3])
+    found = []
+    for count in (3, 700, 5):
+        x = rng.normal(size=(count, 2))
+        results, = function({'x': x, 'y': y})
+        found.append((results, [np.array(scalar_function()(row, y)).ravel() for row in x]))
+    for results, expected in found:
+        np.testing.assert_allclose(results, expected, rtol=1e-13, atol=1e-14)
+
+
 def test_rows_of_another_size_are_refused():
     """By their name."""
     function = RowFunction(scalar_function())

@@ -40,15 +40,15 @@ def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.1
     states = np.zeros((count + 1, 8))
     states[0, :6] = begin
     v_squared = problem.settings.pushing_speed ** 2
-    scalars = np.tile([length / count, 1.0 / count, v_squared, 0.0, smoothing], (count, 1))
-    is_begin = np.eye(count, 1)
+    steps = np.array([[*begin, *np.zeros(6), change, length, v_squared, 0.0, smoothing]])
+    parts = np.column_stack([np.full(count, 1.0 / count), np.arange(count) / count])
     samples, unused = np.zeros((count, 18)), np.zeros((count, 6))
     forces, first_forces = np.zeros((count, 6)), np.zeros((count, 2))
     part_function(problem.kind, parameters.supports, jumps).bind({
-        'state': states[:-1], 'reference': states[0, :6].copy(), 'gains': np.zeros(6),
-        'change': np.array([float(change)]), 'scalars': scalars, 'is_begin': is_begin,
-        'restarts': np.zeros(1), 'column': parameters.column(), 'next_state': states[1:],
-        'begin': unused, 'samples': samples, 'forces': forces, 'first_force': first_forces})()
+        'state': states[:-1], 'step': steps, 'part': parts, 'restarts': np.zeros(1),
+        'column': parameters.column(), 'next_state': states[1:], 'begin': unused,
+        'samples': samples, 'forces': forces, 'first_force': first_forces},
+        np.zeros(count, dtype=int))()
     return Driven(states[-1, :6], samples.reshape(-1, 6), forces.reshape(-1, 2), first_forces[0])
 
 
