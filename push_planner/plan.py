@@ -1,9 +1,11 @@
 """A plan of a single push, and its file: ``*.npz`` with arrays, and the rest as JSON."""
 
+from collections.abc import Mapping
 import dataclasses
+import functools
 import json
 import os
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, NamedTuple, Protocol, Union
 
 import numpy as np
 from push_model.geometry import Pose
@@ -13,6 +15,8 @@ from push_planner.problem import InitialMotion, PushProblem
 from push_planner.settings import PlannerSettings
 
 FilePath = Union[str, 'os.PathLike[str]']
+# Values at the begin and the end of each segment.
+Pairs = tuple[tuple[float, float], ...]
 # Version of the file format.
 FORMAT = 2
 ARRAYS = ('times',) + COLUMNS
@@ -41,16 +45,29 @@ class Switch(NamedTuple):
     blend_distance: float
 
 
-class PlanSource:
-    """What a plan was made of, from which a plan for nearly the same push goes on."""
+class PlannedMotion(Protocol):
+    """Motion of a plan, which need not be sampled before it is read."""
+
+    @property
+    def duration(self) -> float:
+        """Duration of the push [s]."""
+        ...
+
+    @property
+    def path_length(self) -> float:
+        """Path length of the contact [m]."""
+        ...
+
+    def recorded(self) -> 'RecordedMotion':
+        """Sample and describe it; the same object each time."""
+        ...
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Plan:
+class RecordedMotion:
     """
-    A push that reaches its goal.
+    Motion of a plan, sampled and described.
 
-    :param problem: the ``PushProblem`` that it answers.
     :param trajectory: ``PushTrajectory`` in the world; twists are those after a switch.
     :param pushing_angles: pushing angle at the begin and the end of each segment, linear in the
         path length of the contact between, from the normal to the velocity imposed at the contact
@@ -59,18 +76,74 @@ class Plan:
     :param speeds: speed of the contact at the begin and the end of each segment; its square is
         linear in the path length between [m/s].
     :param switches: ``Switch`` of every jump, the first touch included: the impulse it takes.
-    :param report: further figures and texts by name.
-    :param source: ``PlanSource``; None for a plan from a file, and for angles that jump.
+    :param figures: further figures by name.
+    """
+
+    trajectory: PushTrajectory
+    pushing_angles: Pairs
+    segment_ends: tuple[float, ...]
+    speeds: Pairs
+    switches: tuple[Switch, ...]
+    figures: Mapping[str, Any]
+
+    @property
+    def duration(self) -> float:
+        """Duration of the push [s]."""
+        return self.trajectory.duration
+
+    @property
+    def path_length(self) -> float:
+        """Path length of the contact [m]."""
+        return self.segment_ends[-1]
+
+    def recorded(self) -> 'RecordedMotion':
+        """Return itself."""
+        return self
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Plan:
+    """
+    A push that reaches its goal.
+
+    :param problem: the ``PushProblem`` that it answers.
+    :param motion: ``PlannedMotion``.
+    :param notes: how it was found, by name.
     """
 
     problem: PushProblem
-    trajectory: PushTrajectory
-    pushing_angles: tuple[tuple[float, float], ...]
-    segment_ends: tuple[float, ...]
-    speeds: tuple[tuple[float, float], ...]
-    switches: tuple[Switch, ...]
-    report: dict[str, Any]
-    source: Optional[PlanSource] = dataclasses.field(default=None, repr=False)
+    motion: PlannedMotion
+    notes: Mapping[str, Any]
+
+    @property
+    def trajectory(self) -> PushTrajectory:
+        """Samples in the world; see ``RecordedMotion``, also for all that follows."""
+        return self.motion.recorded().trajectory
+
+    @property
+    def pushing_angles(self) -> Pairs:
+        """Pushing angle at the begin and the end of each segment [rad]."""
+        return self.motion.recorded().pushing_angles
+
+    @property
+    def segment_ends(self) -> tuple[float, ...]:
+        """Path length of the contact at the end of each segment [m]."""
+        return self.motion.recorded().segment_ends
+
+    @property
+    def speeds(self) -> Pairs:
+        """Speed of the contact at the begin and the end of each segment [m/s]."""
+        return self.motion.recorded().speeds
+
+    @property
+    def switches(self) -> tuple[Switch, ...]:
+        """Jumps of the pushing angle, the first touch included."""
+        return self.motion.recorded().switches
+
+    @functools.cached_property
+    def report(self) -> dict[str, Any]:
+        """Figures of the motion and notes, by name."""
+        return {**self.motion.recorded().figures, **self.notes}
 
     def save(self, path: FilePath) -> None:
         """
@@ -109,10 +182,10 @@ class Plan:
                 raise ValueError(f'{path}: got format {text["format"]}, expected {FORMAT}')
             trajectory = PushTrajectory(**{name: data[name] for name in ARRAYS},
                                         style=PushStyle(text['style']))
-        return cls(_problem(text['problem']), trajectory,
-                   tuple(map(tuple, text['pushing_angles'])), tuple(text['segment_ends']),
-                   tuple(map(tuple, text['speeds'])),
-                   tuple(Switch(*switch) for switch in text['switches']), text['report'])
+        return cls(_problem(text['problem']), RecordedMotion(
+            trajectory, tuple(map(tuple, text['pushing_angles'])), tuple(text['segment_ends']),
+            tuple(map(tuple, text['speeds'])),
+            tuple(Switch(*switch) for switch in text['switches']), text['report']), {})
 
 
 def _problem(values: dict[str, Any]) -> PushProblem:

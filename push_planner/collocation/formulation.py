@@ -166,6 +166,20 @@ def rotation_range(problem: PushProblem) -> tuple[float, float]:
     return ((-half - problem.contact.offset) / radius, (half - problem.contact.offset) / radius)
 
 
+def followed_point(problem: PushProblem) -> tuple[float, float]:
+    """
+    Find the followed point of a ``Node`` at the start, in the object frame.
+
+    :param problem: the ``PushProblem``.
+    :return: (x, y) [m].
+    """
+    x, y = problem.contact_point
+    if problem.kind == 'rolling':
+        x -= problem.robot.radius * math.cos(problem.start_normal)
+        y -= problem.robot.radius * math.sin(problem.start_normal)
+    return x, y
+
+
 def _step_data(problem: PushProblem, mesh: Mesh) -> FloatArray:
     """Columns of ``StepData``."""
     weight = 1.0 if problem.settings.motion_model == 'dynamic' else 0.0
@@ -196,10 +210,7 @@ def _vertex_normals(problem: PushProblem) -> tuple[float, float]:
 
 
 def _boundary_values(problem: PushProblem, rotation: float) -> BoundaryValues:
-    q_x, q_y = problem.contact_point
-    if problem.kind == 'rolling':
-        q_x -= problem.robot.radius * math.cos(problem.start_normal)
-        q_y -= problem.robot.radius * math.sin(problem.start_normal)
+    q_x, q_y = followed_point(problem)
     goal, motion = problem.relative_goal, problem.motion
     # The goal's heading next to the rotation, which may be more than pi.
     theta = rotation + wrap_angle(goal.theta - rotation)

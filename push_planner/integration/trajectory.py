@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -13,6 +13,7 @@ from push_model.trajectory import COLUMNS, PushTrajectory
 from push_planner.collocation.collocation import (
     contact_impulse, ContactImpulse, Node, robot_yaw_rate,
 )
+from push_planner.collocation.transcription import object_origin
 from push_planner.integration.rollout import Rollout
 from push_planner.plan import Switch
 from push_planner.problem import PushProblem
@@ -28,6 +29,18 @@ IMPULSE_ROUNDING = 1e-9
 # How far beyond the planning cone a force counts as outside [rad]. Chosen: 0.06 degrees, so that
 # forces at the edge, where optimal pushes are, do not count.
 CONE_TOLERANCE = 1e-3
+
+
+class EndError(NamedTuple):
+    """
+    How far the end of a push is off the goal.
+
+    :param position_error: distance [m].
+    :param heading_error: angle; 0 where the heading is free [rad].
+    """
+
+    position_error: float
+    heading_error: float
 
 
 def find_switches(problem: PushProblem, rollout: Rollout, jumps: bool) -> tuple[Switch, ...]:
@@ -57,34 +70,45 @@ def find_switches(problem: PushProblem, rollout: Rollout, jumps: bool) -> tuple[
     return tuple(found)
 
 
-def build_report(problem: PushProblem, rollout: Rollout, trajectory: PushTrajectory,
+def end_error(problem: PushProblem, last: FloatArray) -> EndError:
+    """
+    Find how far the end of a push is off the goal.
+
+    :param problem: the ``PushProblem``.
+    :param last: the last ``Node``, shape (6,).
+    """
+    node, goal = Node(*last.tolist()), problem.relative_goal
+    x, y = object_origin(problem.kind, problem.push_parameters, node)
+    rotation = 0.0 if problem.settings.heading_free else wrap_angle(node.theta - goal.theta)
+    return EndError(math.hypot(x - goal.x, y - goal.y), abs(rotation))
+
+
+def largest_force_angle(rollout: Rollout) -> float:
+    """
+    Find the largest angle of the contact force from the normal [rad].
+
+    :param rollout: ``Rollout``.
+    """
+    # The rate of the angle jumps between steps, and so does the force.
+    return float(max(_force_angles(rollout.forces).max(),
+                     _force_angles(rollout.step_forces).max()))
+
+
+def build_report(problem: PushProblem, rollout: Rollout,
                  switches: tuple[Switch, ...]) -> dict[str, Any]:
     """
     Describe in numbers what a push does to the contact.
 
     :param problem: the ``PushProblem``.
     :param rollout: ``Rollout``.
-    :param trajectory: its ``PushTrajectory``.
     :param switches: its ``Switch`` values.
     :return: figures by name; ``distance_beyond_planning_cone`` [m] is where the force exceeds the
         planning cone, between the points at which the program keeps it inside (just after the
         touch, mostly).
     """
-    force_angles = _force_angles(rollout.forces)
-    x, y, theta = trajectory.object_poses[-1]
-    goal = problem.goal
-    rotation = 0.0 if problem.settings.heading_free else wrap_angle(theta - goal.theta)
-    # The rate of the angle jumps between steps, and so does the force.
-    steepest = float(max(force_angles.max(), _force_angles(rollout.step_forces).max()))
-    outside = force_angles > problem.planning_cone_angle + CONE_TOLERANCE
+    outside = _force_angles(rollout.forces) > problem.planning_cone_angle + CONE_TOLERANCE
     return {'pushing_speed': problem.settings.pushing_speed,
             'highest_speed': float(np.sqrt(rollout.v_squared.max())),
-            'path_length': float(rollout.s[-1]),
-            'duration': trajectory.duration,
-            'position_error': math.hypot(x - goal.x, y - goal.y),
-            'heading_error': abs(rotation),
-            'cone_usage': steepest / problem.planning_cone_angle,
-            'friction_usage': steepest / problem.friction_angle,
             'distance_beyond_planning_cone': float(np.diff(rollout.s)[outside[1:]].sum()),
             'impulses_outside_cone': sum(not switch.in_cone for switch in switches[1:]),
             'longest_blend': max([switch.blend_distance for switch in switches], default=0.0),
@@ -142,11 +166,10 @@ def _motion(problem: PushProblem, samples: FloatArray, speed: FloatArray) -> dic
     # Keep the normal next to the one of the problem.
     turns = round((problem.normal - start.theta - problem.start_normal) / (2.0 * math.pi))
     parameters = problem.push_parameters
-    motion = {name: np.zeros((len(samples), 3)) for name in COLUMNS}
-    _world_motion(problem.kind, parameters.supports).bind({
+    found = _world_motion(problem.kind, parameters.supports)({
         'node': samples, 'speed': speed[:, None], 'column': parameters.column(),
-        'begin': np.array([*start, problem.heading, 2.0 * math.pi * turns]), **motion})()
-    return motion
+        'begin': np.array([*start, problem.heading, 2.0 * math.pi * turns])})
+    return dict(zip(COLUMNS, found))
 
 
 @functools.lru_cache(maxsize=16)

@@ -1,6 +1,7 @@
-"""A plan from the solution of a program: refined, assembled, and accepted or not."""
+"""A plan from the solution of a program: refined, accepted or not, and sampled when it is read."""
 
 import dataclasses
+import functools
 import math
 from typing import NamedTuple, Optional
 
@@ -11,8 +12,10 @@ from push_planner.collocation.nlp_solver import SolveResult
 from push_planner.initial_guess.dubins_routes import TurnPair
 from push_planner.integration.refinement import refine, RefinedPush
 from push_planner.integration.rollout import Rollout
-from push_planner.integration.trajectory import build_report, find_switches, sample_trajectory
-from push_planner.plan import Plan, PlanSource
+from push_planner.integration.trajectory import (
+    build_report, end_error, EndError, find_switches, largest_force_angle, sample_trajectory,
+)
+from push_planner.plan import RecordedMotion
 from push_planner.problem import PushProblem
 from push_planner.single_push.bounds import displacement_bound
 
@@ -21,38 +24,84 @@ ROUNDING = 1e-9
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class SolvedPush(PlanSource):
+class SolvedPush:
     """
-    Solution of a program, and how it was refined.
+    Solution of a program, how it was refined, and the ``PlannedMotion`` that it is.
 
-    :param formulation: ``Formulation``.
-    :param iterate: ``Iterate``, its solution.
+    :param problem: the ``PushProblem``.
+    :param formulation: its ``Formulation``.
+    :param iterate: ``Iterate``, the solution; None where it is none of the interior point method.
     :param refined: ``RefinedPush``.
     :param turns: the tightest ``SteadyTurn`` to either side.
     """
 
+    problem: PushProblem
     formulation: Formulation
-    iterate: Iterate
+    iterate: Optional[Iterate]
     refined: RefinedPush
     turns: TurnPair
+
+    @property
+    def duration(self) -> float:
+        """Duration of the push [s]."""
+        return float(self.formulation.mesh.step_times(self.refined.free_length).sum())
+
+    @property
+    def path_length(self) -> float:
+        """Path length of the contact [m]."""
+        return float(self.refined.rollout.s[-1])
+
+    def recorded(self) -> RecordedMotion:
+        """Sample and describe it; the same object each time."""
+        return self._recorded
+
+    @functools.cached_property
+    def end_error(self) -> EndError:
+        """How far the end is off the goal."""
+        return end_error(self.problem, self.refined.rollout.nodes[-1])
+
+    @functools.cached_property
+    def largest_force_angle(self) -> float:
+        """Largest angle of the contact force from the normal [rad]."""
+        return largest_force_angle(self.refined.rollout)
+
+    @functools.cached_property
+    def _recorded(self) -> RecordedMotion:
+        problem, rollout, mesh = self.problem, self.refined.rollout, self.formulation.mesh
+        jumps = self.formulation.dimensions.jumps
+        switches = find_switches(problem, rollout, jumps)
+        begins = rollout.nodes[:-1, 1] + (rollout.changes if jumps else 0.0)
+        bound = displacement_bound(problem)
+        return RecordedMotion(
+            sample_trajectory(problem, rollout),
+            tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
+            tuple(np.cumsum(mesh.step_lengths(self.refined.free_length)).tolist()),
+            tuple(zip(np.sqrt(mesh.v_squared).tolist(), np.sqrt(mesh.end_v_squared).tolist())),
+            switches, {
+                **build_report(problem, rollout, switches), **self.end_error._asdict(),
+                'path_length': self.path_length, 'duration': self.duration,
+                'cone_usage': self.largest_force_angle / problem.planning_cone_angle,
+                'friction_usage': self.largest_force_angle / problem.friction_angle,
+                'displacement_bound': bound, 'over_displacement_bound': self.duration / bound,
+                'segments': self.formulation.dimensions.step_count})
 
 
 class Finished(NamedTuple):
     """
     Result of refining a solution.
 
-    :param plan: the ``Plan``; None where it is not accepted.
+    :param push: the ``SolvedPush``; None where it is not accepted.
     :param violation: why it is not accepted, or empty.
     """
 
-    plan: Optional[Plan]
+    push: Optional[SolvedPush]
     violation: str
 
 
 def finish(problem: PushProblem, formulation: Formulation, result: SolveResult, turns: TurnPair,
            former: Optional[RefinedPush] = None) -> Finished:
     """
-    Refine the solution of a program, and accept the plan or not.
+    Refine the solution of a program, and accept the push or not.
 
     :param problem: the ``PushProblem``.
     :param formulation: its ``Formulation``.
@@ -65,61 +114,30 @@ def finish(problem: PushProblem, formulation: Formulation, result: SolveResult, 
     refined = refine(problem, formulation, result.solution, former)
     if refined is None or not _is_sound(refined.rollout):
         return Finished(None, 'the fine integration broke down')
-    solved = None
-    if result.iterate is not None and not formulation.dimensions.jumps:
-        solved = SolvedPush(formulation, result.iterate, refined, turns)
-    plan = assemble_plan(problem, formulation, refined, solved)
-    violation = acceptance_error(plan)
-    plan.report.update(segments=formulation.dimensions.step_count, iterations=result.iterations)
-    return Finished(None if violation else plan, violation)
+    push = SolvedPush(problem, formulation, result.iterate, refined, turns)
+    violation = acceptance_error(push)
+    return Finished(None if violation else push, violation)
 
 
-def assemble_plan(problem: PushProblem, formulation: Formulation, refined: RefinedPush,
-                  solved: Optional[SolvedPush] = None) -> Plan:
+def acceptance_error(push: SolvedPush) -> str:
     """
-    Make a plan of a refined push.
+    Describe what is wrong with a push; empty where nothing is.
 
-    :param problem: the ``PushProblem``.
-    :param formulation: its ``Formulation``.
-    :param refined: the ``RefinedPush``.
-    :param solved: ``SolvedPush`` to plan on from; None for none.
+    :param push: the ``SolvedPush``.
     """
-    rollout, mesh = refined.rollout, formulation.mesh
-    jumps = formulation.dimensions.jumps
-    trajectory = sample_trajectory(problem, rollout)
-    switches = find_switches(problem, rollout, jumps)
-    begins = rollout.nodes[:-1, 1] + (rollout.changes if jumps else 0.0)
-    report = build_report(problem, rollout, trajectory, switches)
-    bound = displacement_bound(problem)
-    report['displacement_bound'] = bound
-    report['over_displacement_bound'] = trajectory.duration / bound
-    return Plan(problem, trajectory,
-                tuple(zip(begins.tolist(), rollout.nodes[1:, 1].tolist())),
-                tuple(np.cumsum(mesh.step_lengths(refined.free_length)).tolist()),
-                tuple(zip(np.sqrt(mesh.v_squared).tolist(), np.sqrt(mesh.end_v_squared).tolist())),
-                switches, report, solved)
-
-
-def acceptance_error(plan: Plan) -> str:
-    """
-    Describe what is wrong with a plan; empty where nothing is.
-
-    :param plan: the ``Plan``.
-    """
-    report, settings = plan.report, plan.problem.settings
-    if not report['position_error'] <= settings.position_tolerance:
-        return f're-integration misses the goal by {1e3 * report["position_error"]:.2f} mm'
-    if not report['heading_error'] <= settings.heading_tolerance:
-        return ('re-integration misses the goal by '
-                f'{math.degrees(report["heading_error"]):.2f} deg')
-    if settings.angle_limit == 'cone' and not report['friction_usage'] <= 1.0:
-        return ('the contact force leaves the friction cone by a factor '
-                f'{report["friction_usage"]:.2f}')
+    error, settings = push.end_error, push.problem.settings
+    if not error.position_error <= settings.position_tolerance:
+        return f're-integration misses the goal by {1e3 * error.position_error:.2f} mm'
+    if not error.heading_error <= settings.heading_tolerance:
+        return f're-integration misses the goal by {math.degrees(error.heading_error):.2f} deg'
+    usage = push.largest_force_angle / push.problem.friction_angle
+    if settings.angle_limit == 'cone' and not usage <= 1.0:
+        return f'the contact force leaves the friction cone by a factor {usage:.2f}'
     return ''
 
 
 def _is_sound(rollout: Rollout) -> bool:
     """Whether all of a rollout is finite, and its path never goes back."""
-    steps = np.diff(rollout.s)
-    return bool(np.isfinite(rollout.samples).all() and (steps > -ROUNDING).all()
-                and rollout.s[-1] > 0.0 and (rollout.v_squared >= 0.0).all())
+    return bool(np.isfinite(rollout.samples).all() and rollout.s[-1] > 0.0
+                and (rollout.s[1:] - rollout.s[:-1]).min() > -ROUNDING
+                and rollout.v_squared.min() >= 0.0)

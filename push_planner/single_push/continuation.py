@@ -12,13 +12,14 @@ from typing import NamedTuple, Optional
 import numpy as np
 from push_model.friction import has_heights
 from push_model.geometry import Pose, wrap_angle, wrap_angles
-from push_planner.collocation.formulation import formulate_on, Formulation
+from push_planner.collocation.formulation import followed_point, formulate_on, Formulation
 from push_planner.collocation.interior_point import Iterate
 from push_planner.collocation.mesh import build_mesh
 from push_planner.collocation.push_solver import push_solver
 from push_planner.collocation.resampling import Meshed, resample
 from push_planner.initial_guess.dubins_routes import shortest_length
 from push_planner.integration.refinement import RefinedPush
+from push_planner.integration.rollout import Rollout
 from push_planner.plan import Plan
 from push_planner.problem import PushProblem
 from push_planner.single_push.assembly import finish, SolvedPush
@@ -64,11 +65,12 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
         routes, or a solution that is not accepted.
     :raises PlanningFailed: where the problem is refused.
     """
-    solved = previous.source
-    if not isinstance(solved, SolvedPush) or not _is_alike(problem, previous.problem):
+    solved = previous.motion
+    if (not isinstance(solved, SolvedPush) or solved.formulation.dimensions.jumps
+            or solved.iterate is None or not _is_alike(problem, previous.problem)):
         return None
     check_feasibility(problem)
-    resumed = _resume(problem, previous, solved)
+    resumed = _resume(problem, solved, solved.iterate, previous.notes['final_straight'])
     if resumed is None:
         return None
     formulation = resumed.formulation
@@ -79,11 +81,11 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
     shortest = shortest_length(problem, solved.turns, resumed.final_straight)
     if path_length > min(NEARLY_SHORTEST * shortest, problem.settings.max_path_length):
         return None
-    plan, _ = finish(problem, formulation, result, solved.turns, resumed.refined)
-    if plan is not None:
-        plan.report.update(route=ROUTE, final_straight=resumed.final_straight,
-                           attempts=[f'{ROUTE} of {path_length:.2f} m: solved'])
-    return plan
+    push, _ = finish(problem, formulation, result, solved.turns, resumed.refined)
+    return None if push is None else Plan(problem, push, {
+        'iterations': result.iterations, 'route': ROUTE,
+        'attempts': [f'{ROUTE} of {path_length:.2f} m: solved'],
+        'final_straight': resumed.final_straight})
 
 
 def _is_alike(one: PushProblem, other: PushProblem) -> bool:
@@ -94,42 +96,46 @@ def _is_alike(one: PushProblem, other: PushProblem) -> bool:
             and has_heights(one.obj) == has_heights(other.obj))
 
 
-def _resume(problem: PushProblem, previous: Plan, solved: SolvedPush) -> Optional[Resumed]:
+def _resume(problem: PushProblem, solved: SolvedPush, iterate: Iterate,
+            final_straight: float) -> Optional[Resumed]:
     """Carry a solution over; None where next to nothing of the push is left."""
-    former, program, refined = previous.problem, solved.formulation, solved.refined
-    rotation, final_straight = refined.solution.nodes[-1, 2], previous.report['final_straight']
+    former, program, refined = solved.problem, solved.formulation, solved.refined
+    rotation = refined.solution.nodes[-1, 2]
     if (problem.start, problem.normal, problem.heading, problem.motion) == (
             former.start, former.normal, former.heading, former.motion):
         formulation = formulate_on(problem, program.mesh, program.dimensions.straight_end,
                                    rotation)
-        return Resumed(formulation, solved.iterate, final_straight, refined)
+        return Resumed(formulation, iterate, final_straight, refined)
     free_length = refined.solution.free_length
-    done = _path_done(previous, problem.start)
+    frame = former.start.inverse() @ problem.start
+    done, so_far = _progress(problem, refined.rollout, frame)
     rest = free_length + program.mesh.fixed_length - done
     if rest < MIN_REST:
         return None
     final_straight = min(final_straight, MAX_STRAIGHT_FRACTION * rest)
     mesh = build_mesh(problem, rest, final_straight)
-    rotated = wrap_angle(problem.start.theta - former.start.theta)
     # The rotation so far may be more than pi.
-    so_far = float(np.interp(done, np.append(0.0, np.cumsum(
-        program.mesh.step_lengths(free_length))), refined.solution.nodes[:, 2]))
-    rotated = so_far + wrap_angle(rotated - so_far)
+    rotated = so_far + wrap_angle(frame.theta - so_far)
     formulation = formulate_on(problem, mesh, program.dimensions.straight_end, rotation - rotated)
-    frame = former.start.inverse() @ problem.start
-    iterate = resample(
-        solved.iterate, Meshed(program.dimensions, program.mesh, free_length),
+    resampled = resample(
+        iterate, Meshed(program.dimensions, program.mesh, free_length),
         Meshed(formulation.dimensions, mesh, max(rest - mesh.fixed_length, 0.1 * rest)), done,
         Pose(frame.x, frame.y, rotated))
-    return Resumed(formulation, iterate, final_straight, None)
+    return Resumed(formulation, resampled, final_straight, None)
 
 
-def _path_done(previous: Plan, start: Pose) -> float:
-    """Path length of the contact up to the pose of a plan that is nearest to the start [m]."""
-    motion = previous.trajectory
-    rotation = motion.object_poses[:, 2] - start.theta
-    distance = np.hypot(*(motion.object_poses[:, :2] - np.array(start[:2])).T)
-    nearest = int(np.argmin(distance + HEADING_WEIGHT * np.abs(wrap_angles(rotation))))
-    speed = np.hypot(*motion.contact_twists[:nearest + 1, :2].T)
-    steps = 0.5 * np.diff(motion.times[:nearest + 1]) * (speed[1:] + speed[:-1])
-    return float(steps.sum())
+def _progress(problem: PushProblem, rollout: Rollout, frame: Pose) -> tuple[float, float]:
+    """
+    Find where on a former path the present start is nearest.
+
+    :param problem: the present ``PushProblem``.
+    :param rollout: ``Rollout`` of the former push.
+    :param frame: present start in the frame of the former one.
+    :return: (path length of the contact [m], rotation of the object [rad]) up to there.
+    """
+    followed = np.array(frame.transform(followed_point(problem)))
+    nodes = rollout.samples
+    distance = np.hypot(*(nodes[:, 3:5] - followed).T)
+    off = distance + HEADING_WEIGHT * np.abs(wrap_angles(nodes[:, 2] - frame.theta))
+    nearest = int(np.argmin(off))
+    return float(rollout.s[nearest]), float(nodes[nearest, 2])

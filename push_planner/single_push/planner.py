@@ -292,11 +292,10 @@ class RouteSearch:
         """Refine a solved route, and accept the plan or not."""
         if solved is None:
             return None
-        plan, violation = finish(self._problem, solved.formulation, solved.result, self._turns)
+        push, violation = finish(self._problem, solved.formulation, solved.result, self._turns)
         self._log.attempts.append(Attempt(
             solved.route.name, solved.route.path_length, violation or 'solved',
             PlanFailure.NOT_ACCEPTED if violation else None, solved.relaxed))
-        if plan is not None:
-            plan.report.update(route=solved.route.name, attempts=self._log.lines(),
-                               final_straight=solved.route.final_straight)
-        return plan
+        return None if push is None else Plan(self._problem, push, {
+            'iterations': solved.result.iterations, 'route': solved.route.name,
+            'attempts': self._log.lines(), 'final_straight': solved.route.final_straight})

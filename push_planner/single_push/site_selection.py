@@ -153,14 +153,14 @@ def _try_sites(sites: Sequence[BoundedSite]) -> SitesTried:
         try:
             if site.search is None:
                 raise PlanningFailed(PlanFailure.NO_FEASIBLE_SITE, site.reason)
-            if best is not None and least >= best.trajectory.duration:
+            if best is not None and least >= best.motion.duration:
                 others.append(_refused(site, f'not faster than {least:.1f} s'))
             elif not is_solved:
                 heapq.heappush(queue, (REFINED_SLACK * site.search.solve(), number, True))
             else:
                 plan = site.search.plan()
                 solved.append(_solved(site, plan))
-                if best is None or plan.trajectory.duration < best.trajectory.duration:
+                if best is None or plan.motion.duration < best.motion.duration:
                     best = plan
         except PlanningFailed as failure:
             others.append(_refused(site, failure.reason))
@@ -191,5 +191,5 @@ def _refused(site: BoundedSite, reason: str) -> SiteCandidate:
 
 
 def _solved(site: BoundedSite, plan: Plan) -> SiteCandidate:
-    return SiteCandidate(site.problem.contact, robot_start(site.problem),
-                         plan.trajectory.duration, plan.report['path_length'], '')
+    return SiteCandidate(site.problem.contact, robot_start(site.problem), plan.motion.duration,
+                         plan.motion.path_length, '')

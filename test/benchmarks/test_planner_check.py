@@ -59,7 +59,8 @@ def test_inconsistent_samples_are_detected(plans, what, column):
     count = len(values)
     bump = 0.01 * np.sin(math.pi * np.arange(count) / (count - 1)) ** 2
     values[:, column] += bump
-    wrong = dataclasses.replace(answer, trajectory=dataclasses.replace(
-        answer.trajectory, **{what: values}))
+    wrong = dataclasses.replace(answer, motion=dataclasses.replace(
+        answer.motion.recorded(), trajectory=dataclasses.replace(
+            answer.trajectory, **{what: values})))
     for found in (replay(wrong), verify(wrong)):
         assert found.position_error > 1e-3 or found.heading_error > math.radians(0.1)

@@ -14,7 +14,7 @@ NOWHERE = Pose(0.0, 0.0, 0.0)
 
 @pytest.fixture(scope='module', name='solved')
 def make_solved():
-    return plan_push(face_problem(Pose(1.5, 0.4, 0.5))).source
+    return plan_push(face_problem(Pose(1.5, 0.4, 0.5))).motion
 
 
 def meshed(solved):

@@ -56,9 +56,10 @@ def test_a_plan_reaches_its_goal_when_integrated_again(answer):
 
 def test_a_plan_that_is_wrong_is_found_out(answer):
     """Half a degree more at every pushing angle does not reach the goal."""
-    wrong = dataclasses.replace(answer, pushing_angles=tuple(
-        (begin + math.radians(0.5), end + math.radians(0.5))
-        for begin, end in answer.pushing_angles))
+    wrong = dataclasses.replace(answer, motion=dataclasses.replace(
+        answer.motion.recorded(), pushing_angles=tuple(
+            (begin + math.radians(0.5), end + math.radians(0.5))
+            for begin, end in answer.pushing_angles)))
     assert verify(wrong).position_error > answer.problem.settings.position_tolerance
 
 

@@ -94,5 +94,6 @@ def test_mismatches_between_intervals_are_added_up():
     middle = len(angles) // 2
     begin, end = angles[middle]
     angles[middle] = (begin, end + 0.02)
-    wrong = dataclasses.replace(plan, pushing_angles=tuple(angles))
+    wrong = dataclasses.replace(plan, motion=dataclasses.replace(
+        plan.motion.recorded(), pushing_angles=tuple(angles)))
     assert verify(wrong).position_error > 10.0 * sound.position_error
