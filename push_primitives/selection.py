@@ -16,8 +16,9 @@ from typing import Any, Callable, NamedTuple
 import numpy as np
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray, IntArray, Pose, wrap_angles
-from push_primitives.cost_to_go import ARC_CLEARANCE, cost_after
+from push_primitives.cost_to_go import cost_after
 from push_primitives.store import PushPrimitives
+from push_primitives.value_iteration import ARC_CLEARANCE
 from push_primitives.weights import draw_weights, FrictionBelief
 
 # Least time for a contact [s]: where the robot seems to stand at a place already, taps would look

@@ -21,11 +21,12 @@ from push_dynamics.compiled import cache_directory
 from push_dynamics.reservation import reserved
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, RoundRobot
-from push_primitives import contact_places, placement_errors
+from push_primitives import contact_places, cost_settings, placement_errors, value_iteration
 from push_primitives import cost_to_go as cost_to_go_module
 from push_primitives import table as table_module
 from push_primitives.contact_places import ContactPlace
-from push_primitives.cost_to_go import CostSettings, CostToGo, solve_cost_to_go
+from push_primitives.cost_settings import CostSettings
+from push_primitives.cost_to_go import CostToGo
 from push_primitives.placement_errors import (
     LOCALIZED, PlacementDeviations, UNSURE, with_placement_errors,
 )
@@ -34,6 +35,7 @@ from push_primitives.slippery_disc import rotated, slippery_disc, SlipperyDisc
 from push_primitives.table import (
     build_table, draw_learned_friction, FrictionDraws, PrimitiveTable,
 )
+from push_primitives.value_iteration import solve_cost_to_go
 from push_primitives.weights import FrictionBelief
 
 # Friction of the object that tables are made for: theirs must not depend on what a robot has
@@ -44,7 +46,8 @@ REFERENCE_CONTACT_FRICTION = 0.5
 # Mass that tables are made for [kg]; chosen: any will do.
 REFERENCE_MASS = 3.0
 # Modules whose text decides what is in the files, besides those of the dynamics.
-SOURCES = (contact_places, table_module, placement_errors, cost_to_go_module)
+SOURCES = (contact_places, table_module, placement_errors, cost_settings, cost_to_go_module,
+           value_iteration)
 # Arrays of a table that are kept as they are.
 ARRAYS = ('place_indices', 'faces', 'tilts', 'curvatures', 'starts', 'lengths', 'displacements')
 

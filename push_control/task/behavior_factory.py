@@ -22,7 +22,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
-from push_primitives.cost_to_go import CostSettings
+from push_primitives.cost_settings import CostSettings
 from push_primitives.store import load_primitives, PushPrimitives
 from push_primitives.weights import FrictionBelief
 

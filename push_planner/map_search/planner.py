@@ -38,7 +38,7 @@ from push_planner.primitive_push.planner import (
 from push_planner.primitive_push.trajectory import greatest_speed
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
-from push_primitives.cost_to_go import CONTACT_PATHS
+from push_primitives.cost_settings import CONTACT_PATHS
 from push_primitives.selection import SelectedPush, UNSURE_DEVIATION
 from push_primitives.store import PushPrimitives
 from push_primitives.weights import draw_weights

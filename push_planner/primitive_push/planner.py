@@ -23,7 +23,7 @@ from push_navigation.speed_profile import travel_time
 from push_planner.primitive_push.trajectory import greatest_speed, push_trajectory, touch_speed
 from push_planner.problem import check_object_stands, check_robot_is_round, PlanningFailed
 from push_planner.settings import PlannerSettings
-from push_primitives.cost_to_go import CostSettings
+from push_primitives.cost_settings import CostSettings
 from push_primitives.selection import select_push, SelectedPush, SelectionQuery
 from push_primitives.simplification import simplified_object
 from push_primitives.store import load_primitives, PushPrimitives

@@ -13,8 +13,8 @@ from push_model.dubins import dubins_paths
 from push_model.geometry import Pose
 from push_model.parameters import Contact, Drive, DRIVES, PushedObject, RoundRobot
 from push_model.quasi_static import vehicle
-from push_primitives.cost_to_go import face_change_times
 from push_primitives.store import load_primitives, PushPrimitives
+from push_primitives.value_iteration import face_change_times
 from push_study.framework import plot_style
 from push_study.framework.parameters import Values
 from push_study.framework.study import Finding, Outcome, RunJobs, Study, Table

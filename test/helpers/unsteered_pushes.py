@@ -10,7 +10,7 @@ from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
 from push_model.trajectory import PushStyle, PushTrajectory
-from push_primitives.cost_to_go import CostSettings
+from push_primitives.cost_settings import CostSettings
 from push_primitives.store import load_primitives
 from push_sim_node.plant import Plant
 

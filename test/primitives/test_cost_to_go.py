@@ -7,14 +7,15 @@ from helpers.objects import bin_, box
 import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_primitives import cost_to_go as cost_to_go_module
-from push_primitives.cost_to_go import (
-    CostSettings, CostToGo, distance_grid, face_change_times, heading_grid, select_actions,
-    solve_cost_to_go,
-)
+from push_primitives import value_iteration
+from push_primitives.cost_settings import CostSettings
+from push_primitives.cost_to_go import CostToGo
 from push_primitives.placement_errors import PlacementDeviations
 from push_primitives.store import load_primitives
 from push_primitives.table import build_table, draw_friction, FrictionDraws
+from push_primitives.value_iteration import (
+    distance_grid, face_change_times, heading_grid, select_actions, solve_cost_to_go,
+)
 import pytest
 
 RADIUS = 0.17
@@ -39,7 +40,7 @@ def table():
 @pytest.fixture
 def few_bearings(monkeypatch):
     """Make grids with few bearings, which are solved sooner."""
-    monkeypatch.setattr(cost_to_go_module, 'BEARINGS', 8)
+    monkeypatch.setattr(value_iteration, 'BEARINGS', 8)
     return 8
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_primitives import cost_to_go, store
+from push_primitives import store, value_iteration
 from push_primitives.selection import (
     estimate_travel_times, interpolate_displacements, MIN_CONTACT_TIME, push_costs, select_push,
     SelectionQuery,
@@ -142,7 +142,7 @@ def test_lengths_between_those_of_the_table_are_interpolated(primitives):
 def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
     """From the file, made anew, or without a disk; what is spoilt is made anew."""
     for name, value in (('BEARINGS', 8), ('KEPT_ACTIONS', 2), ('ROUNDS', (1,))):
-        monkeypatch.setattr(cost_to_go, name, value)
+        monkeypatch.setattr(value_iteration, name, value)
     # Not by the environment: what is compiled is not compiled again.
     monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
     arrays = []

@@ -7,8 +7,9 @@ import numpy as np
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
-from push_primitives import cost_to_go, store
-from push_primitives.cost_to_go import CostSettings, CostToGo
+from push_primitives import store, value_iteration
+from push_primitives.cost_settings import CostSettings
+from push_primitives.cost_to_go import CostToGo
 from push_primitives.slippery_disc import CENTER_STEP, rotated, slippery_disc
 from push_primitives.table import build_table, draw_learned_friction, SLIPPERY_DRAWS
 from push_primitives.weights import FrictionBelief
@@ -82,7 +83,7 @@ def test_guesses_about_learned_friction_are_close_to_it():
 def test_turning_takes_longer_the_nearer_the_centre_of_friction_is(monkeypatch, tmp_path):
     """Moving on does not; and all that agree about friction have the same primitives."""
     for name, value in (('BEARINGS', 8), ('KEPT_ACTIONS', 4)):
-        monkeypatch.setattr(cost_to_go, name, value)
+        monkeypatch.setattr(value_iteration, name, value)
     # Not by the environment: what is compiled is not compiled again.
     monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
     robot, settings = RoundRobot(radius=0.17, drive='holonomic'), CostSettings(drive='holonomic')
