@@ -9,8 +9,10 @@ NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 # recorders get every one.
 MEASUREMENT = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
 COMMAND = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
-# Ten commands or events are more than ever wait for their subscriber.
-LATEST_COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+# Commands are subscribed best effort as well: a reliable subscriber that has lost one gets no
+# other until that is sent again, with Fast DDS up to its heartbeat period of 3 s later.
+LATEST_COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+# Ten events are more than ever wait for their subscriber.
 EVENT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 # The last one is kept for late subscribers.
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE,

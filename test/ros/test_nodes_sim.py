@@ -1,6 +1,7 @@
 """The simulator's node over Fast DDS, with a controller that the test plays."""
 
 import math
+import signal
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
 from helpers.build_interfaces import available_tf2_msgs
@@ -59,6 +60,31 @@ def test_it_moves_as_commanded_and_stops_without_commands(sim):
     sim.wait_until(lambda: any('no command for 0.5 s: the robot stands' in status.message
                                for message in sim.received['diagnostics']
                                for status in message.status))
+
+
+def test_commands_reach_a_simulator_that_was_suspended(sim):
+    """As soon as it goes on: none waits until one that was lost meanwhile is sent again."""
+    command = TwistStamped()
+    command.twist.linear.x = 0.1
+    counts = []
+    for _ in range(3):
+        sim.repeat_until(lambda: sim.publish('cmd_vel', command),
+                         lambda: sim.received['odom'][-1].twist.twist.linear.x > 0.08, PERIOD)
+        sim.processes.send(SIM, signal.SIGSTOP)
+        # Until it does not read what it gets.
+        sim.spin(1.5)
+        for _ in range(10):
+            sim.publish('cmd_vel', TwistStamped())
+        sim.spin(1.5)
+        sim.processes.send(SIM, signal.SIGCONT)
+        count = len(sim.received['odom'])
+        sim.wait_until(lambda: len(sim.received['odom']) > count)
+        sim.wait_until(lambda: sim.received['odom'][-1].twist.twist.linear.x < 0.02)
+        sim.repeat_until(lambda: sim.publish('cmd_vel', command),
+                         lambda: sim.received['odom'][-1].twist.twist.linear.x > 0.08, PERIOD)
+        counts.append(len(sim.received['odom']) - count)
+    # Stops, by commands or without, and speeds up: a second; the busiest machine takes another.
+    assert max(counts) < 100, counts
 
 
 def test_it_starts_over_while_a_controller_repeats_its_stop(sim):
