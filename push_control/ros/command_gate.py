@@ -92,12 +92,20 @@ class CommandGate:
             self._newest_stamp = measured.time if is_new else self._newest_stamp
             if not is_new:
                 self._layer.observe(measured)
-            if is_new and self._watchdog.has_gap(now) and not self._is_lockstep:
-                # What was sent meanwhile may be lost, as in a process that slept.
-                self._mode.renew_request()
             clock = self._node.get_clock().now().nanoseconds
+            if is_new and not self._is_lockstep:
+                self._note_gap(clock, now)
             self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
         return verdict is StampVerdict.TIME_WENT_BACK
+
+    def _note_gap(self, clock: int, now: float) -> None:
+        """Take note that no odometry has come for a while, as in a process that slept."""
+        if self._watchdog.is_missing(clock, now):
+            # The base was sent zeros, or has stopped by itself.
+            self._layer.interrupt()
+        if self._watchdog.has_gap(now):
+            # What was sent meanwhile may be lost.
+            self._mode.renew_request()
 
     @property
     def is_commanding(self) -> bool:

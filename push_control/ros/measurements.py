@@ -171,6 +171,24 @@ class OdometryWatchdog:
         return (self._received is not None
                 and now - self._received.now > LOST_RATIO * self._timeout)
 
+    def is_missing(self, clock: int, now: float) -> bool:
+        """
+        Tell whether odometry is missing, so that the robot was stopped or is about to be.
+
+        :param clock: time on the clock of the node [ns].
+        :param now: time on a steady clock [s].
+        """
+        return self._age(clock, now) > self._timeout
+
+    def _age(self, clock: int, now: float) -> float:
+        """Age of the last odometry [s], 0 before the first."""
+        if self._received is None:
+            return 0.0
+        age = now - self._received.now
+        if self._is_simulated and age < STANDSTILL_TIMEOUT:
+            return (clock - self._received.clock) * NANOSECOND
+        return age
+
     def check(self, clock: int, now: float) -> OdometryCheck:
         """
         Find out how long odometry has been missing.
@@ -178,11 +196,7 @@ class OdometryWatchdog:
         :param clock: time on the clock of the node [ns].
         :param now: time on a steady clock [s].
         """
-        if self._received is None:
-            return OdometryCheck(OdometryState.PRESENT, 0.0, False)
-        age = now - self._received.now
-        if self._is_simulated and age < STANDSTILL_TIMEOUT:
-            age = (clock - self._received.clock) * NANOSECOND
+        age = self._age(clock, now)
         state = OdometryState.PRESENT
         if age > self._timeout:
             self._missing_at = now

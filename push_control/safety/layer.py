@@ -101,6 +101,10 @@ class SafetyLayer:
         self._monitor.reset()
         self.report: SafetyReport | None = None
 
+    def interrupt(self) -> None:
+        """Note that the base may have got other commands than these, or none for a while."""
+        self._monitor.interrupt()
+
     @property
     def flip(self) -> float:
         """Angle by which the tracker mistakes the heading of the object [rad], else 0."""

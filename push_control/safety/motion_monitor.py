@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 from push_control.safety.close_following import CloseFollowing, LEVER
-from push_control.safety.drive_models import DriveModels
+from push_control.safety.drive_models import DriveModels, RESPONSE_TIME
 from push_control.safety.response_delay import ResponseDelay
 from push_control.safety.status import SafetyReason, SafetyReport
 from push_dynamics.compiled import compiled
@@ -143,6 +143,10 @@ class MotionMonitor:
         self._least: FloatArray = np.zeros(2)
         self._following = CloseFollowing()
         self._time: float | None = None
+        # Whether the base may have got other commands than those that are known, and until when
+        # it may follow them [s].
+        self._is_interrupted = False
+        self._unknown_until = -math.inf
         # Changes nothing; but loads machine code before the robot moves.
         self._compare(np.zeros(3), True, 0.0, 0.0)
 
@@ -166,6 +170,11 @@ class MotionMonitor:
         """Begin anew, at whatever velocity the robot has: somebody else has commanded it."""
         self._models.reset(STOP)
         self._time = None
+        self._unknown_until = -math.inf
+
+    def interrupt(self) -> None:
+        """Begin anew at the next odometry: what the base has been sent meanwhile is not known."""
+        self._is_interrupted = True
 
     def forgive(self) -> None:
         """Begin anew with a robot that stands as commanded."""
@@ -191,13 +200,18 @@ class MotionMonitor:
         if last is not None and time <= last:
             return None
         self._time = time
-        if last is None or time - last > LONGEST_STEP or not self._models.is_commanded:
-            self._sums[:] = 0.0
-            self._models.reset(twist)
-            self._delay.clear()
-            self._delay.add(time, twist, twist)
+        if last is None or not self._models.is_commanded:
+            self._begin_anew(time, twist)
+            return None
+        if self._is_interrupted or time - last > LONGEST_STEP:
+            self._begin_anew(time, twist)
+            self._unknown_until = time + RESPONSE_TIME
             return None
         self._models.update(time, time - last)
+        if time < self._unknown_until:
+            # It may still follow what it was sent before, or have stopped without commands.
+            self._models.velocities[:] = twist
+            return None
         self._delay.add(time, twist, self._models.nominal_velocity)
         measured = np.array(twist, dtype=np.float64)
         is_settled = self._following.is_settled(self._models.nominal_error, time)
@@ -207,6 +221,14 @@ class MotionMonitor:
         if delay is not None:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
         return self._report(nearest, twist) if is_fault else None
+
+    def _begin_anew(self, time: float, twist: Twist) -> None:
+        """Let all models have the measured velocity, which somebody has commanded."""
+        self._is_interrupted = False
+        self._sums[:] = 0.0
+        self._models.reset(twist)
+        self._delay.clear()
+        self._delay.add(time, twist, twist)
 
     def _is_unexplained(self, nearest: int, dt: float) -> bool:
         """Tell whether no model explains the motion as closely as this base is known to follow."""

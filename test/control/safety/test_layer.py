@@ -188,6 +188,36 @@ def test_a_base_that_now_and_then_follows_less_closely_is_stopped_once():
         assert driven(layer, base, command, 3.0, heed=loaded)[1] is None
 
 
+def after_a_gap(delay, duration):
+    """Drive, and let a while pass in which the base stops by itself for want of commands."""
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'], delay)
+    command = Twist(0.2, 0.0, 1.0)
+    assert driven(layer, base, command, 4.0)[1] is None
+    lost_at = base.odometry.time
+    while base.odometry.time < lost_at + duration:
+        base.drive(command if base.odometry.time < lost_at + 0.5 else STOP)
+    layer.interrupt()
+    return layer, base, command
+
+
+@pytest.mark.parametrize('delay', [0.0, 0.1, 0.2])
+@pytest.mark.parametrize('duration', [0.3, 0.6, 0.7, 0.8, 1.0, 3.0])
+def test_what_a_base_did_in_a_gap_is_no_fault_after_it(delay, duration):
+    """Nor is the way in which it takes up its commands again."""
+    layer, base, command = after_a_gap(delay, duration)
+    assert driven(layer, base, command, 5.0)[1] is None
+
+
+@pytest.mark.parametrize('heed, limit', [
+    (lambda sent: STOP, 0.3), (lambda sent: Twist(-sent.v_x, 0.0, -sent.omega), 0.3),
+    (lambda sent: Twist(0.4, 0.0, 0.0), 0.5)], ids=['ignores', 'reversed', 'somebody else'])
+def test_a_base_that_fails_in_a_gap_is_stopped_soon_after_it(heed, limit):
+    """No later than by what it may follow from before, and than at any other time."""
+    layer, base, command = after_a_gap(0.1, 1.0)
+    time, report = driven(layer, base, command, 3.0, heed=heed)
+    assert report is not None and time < RESPONSE_TIME + limit
+
+
 def test_a_base_that_moves_while_it_is_commanded_to_stand_is_named_at_once():
     """As one that keeps its last command."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
