@@ -186,7 +186,7 @@ class SafetyLayer:
         Let a command pass, within the limits of the robot, or stop it.
 
         :param command: ``Twist`` in the robot's axes, whatever it is.
-        :param time: now, of the clock of odometry [s].
+        :param time: of the newest measurement [s].
         :return: the ``Twist`` to send.
         """
         if not all(map(math.isfinite, command)):
@@ -195,7 +195,8 @@ class SafetyLayer:
         ratio = self._speed_ratio(time)
         if ratio < 1.0:
             sent = Twist(*(ratio * value for value in sent))
-        self._monitor.add_command(sent, time)
+        # On the clock that measures what comes of it: object poses may be stamped ahead of that.
+        self._monitor.add_command(sent, time if self._odometry is None else self._odometry.time)
         self._odometry_check.add_command(sent, time)
         return sent
 

@@ -201,10 +201,10 @@ class MotionMonitor:
             return None
         self._time = time
         if last is None or not self._models.is_commanded:
-            self._begin_anew(time, twist)
+            self._restart(time, twist)
             return None
         if self._is_interrupted or time - last > LONGEST_STEP:
-            self._begin_anew(time, twist)
+            self._restart(time, twist)
             self._unknown_until = time + RESPONSE_TIME
             return None
         self._models.update(time, time - last)
@@ -222,7 +222,7 @@ class MotionMonitor:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
         return self._report(nearest, twist) if is_fault else None
 
-    def _begin_anew(self, time: float, twist: Twist) -> None:
+    def _restart(self, time: float, twist: Twist) -> None:
         """Let all models have the measured velocity, which somebody has commanded."""
         self._is_interrupted = False
         self._sums[:] = 0.0

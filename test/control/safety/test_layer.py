@@ -111,6 +111,16 @@ def test_a_robot_that_follows_is_never_stopped(drive, seed):
         base.drive(layer.filter(command, base.odometry.time))
 
 
+@pytest.mark.parametrize('delay', [0.0, 0.05])
+def test_a_clock_of_object_poses_that_is_ahead_is_no_fault_of_the_base(delay):
+    """A command is not one of the future, which a base cannot follow."""
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'], delay)
+    for i in range(1000):
+        assert layer.observe(base.odometry) is None
+        speed = 0.3 if i % 100 < 50 else 0.0
+        base.drive(layer.filter(Twist(speed, 0.0, 4.0 * speed), base.odometry.time + 2e-4 * i))
+
+
 def driven(layer, base, command, duration, spoil=lambda odometry: odometry, heed=True):
     """Drive for a while; return when and why the robot was stopped, and how far it went then."""
     start = base.odometry
