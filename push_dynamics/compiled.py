@@ -26,6 +26,7 @@ import numpy as np
 from push_dynamics.reservation import reserved
 from push_dynamics.user_cache import user_cache
 from push_model import friction, geometry
+from push_model.geometry import FloatArray
 
 # Environment variable that keeps the kernel in plain Python, to debug it.
 INTERPRET = 'PUSH_SIM_INTERPRET'
@@ -133,6 +134,17 @@ def kernel_array(values: Any, is_compiled: bool = IS_COMPILED) -> Any:
     """
     array = np.array(values, dtype=float)
     return array if is_compiled else array.tolist()
+
+
+def array_view(array: FloatArray) -> Any:
+    """
+    View an array whose single numbers Python reads and writes, five times as fast as by numpy.
+
+    :param array: of one dimension.
+    :return: ``memoryview`` of it.
+    """
+    values: Any = array
+    return memoryview(values)
 
 
 def numbers_of(values: Any) -> list[float]:

@@ -75,11 +75,48 @@ def c_squared(obj: PushedObject, angle: float) -> float:
     :return: c^2 about F [m^2].
     :raises ValueError: where no support has friction.
     """
+    return c_squared_along(friction_spread(obj), angle)
+
+
+class FrictionSpread(NamedTuple):
+    """
+    Friction-weighted mean products of the support coordinates about F, object axes [m^2].
+
+    :param x_x: ``<x^2>``.
+    :param x_y: ``<x y>``.
+    :param y_y: ``<y^2>``.
+    """
+
+    x_x: float
+    x_y: float
+    y_y: float
+
+
+def friction_spread(obj: PushedObject) -> FrictionSpread:
+    """
+    Compute the mean products of the support coordinates.
+
+    :param obj: the ``PushedObject``.
+    :raises ValueError: where no support has friction.
+    """
     total = _total_capacity(obj)
     x_f, y_f = friction_center(obj)
+    rows = [(q / total, support.x - x_f, support.y - y_f)
+            for q, support in zip(obj.capacities, obj.supports)]
+    return FrictionSpread(sum(weight * x * x for weight, x, _ in rows),
+                          sum(weight * x * y for weight, x, y in rows),
+                          sum(weight * y * y for weight, _, y in rows))
+
+
+def c_squared_along(spread: FrictionSpread, angle: float) -> float:
+    """
+    Mean square of the support coordinates in a direction e, ``c^2 = e' <d d'> e`` [m^2].
+
+    :param spread: ``FrictionSpread``.
+    :param angle: of e in the object frame [rad].
+    """
     c, s = math.cos(angle), math.sin(angle)
-    return sum(q * ((support.x - x_f) * c + (support.y - y_f) * s) ** 2
-               for q, support in zip(obj.capacities, obj.supports)) / total
+    return spread.x_x * c * c + 2.0 * spread.x_y * c * s + spread.y_y * s * s
 
 
 def ellipsoid_c_squared(obj: PushedObject) -> float:

@@ -28,6 +28,9 @@ EXTRA_EVALUATIONS = 1
 # iterations; chosen: each shrinks the change by mu z over the distance, far below 1.
 CENTER_TOLERANCE = 1e-12
 CENTER_ITERATIONS = 50
+# Smallest distance of a contact from the centre of friction [m]: nearer, nothing steers. Chosen:
+# far below any object, far above rounding.
+MIN_ARM = 1e-6
 
 
 class Vehicle(NamedTuple):
@@ -42,6 +45,7 @@ class Vehicle(NamedTuple):
     :param angle: direction from C to F in the object frame [rad].
     :param contact_point: C in the object frame (x, y) [m].
     :param flat_output: z = F + (c^2 / r) e in the object frame (x, y) [m].
+    :param wheelbase: distance from C to z, ``L = r + c^2 / r`` [m].
     """
 
     arm: float
@@ -49,23 +53,24 @@ class Vehicle(NamedTuple):
     angle: float
     contact_point: tuple[float, float]
     flat_output: tuple[float, float]
+    wheelbase: float
 
-    @property
-    def wheelbase(self) -> float:
-        """Distance from C to z, ``L = (r^2 + c^2) / r`` [m]."""
-        return (self.arm ** 2 + self.c_squared) / self.arm
 
-    def with_c_squared_ratio(self, ratio: float) -> 'Vehicle':
-        """
-        Scale c^2, as of supports on which the object rotates more or less easily.
+def vehicle_along(contact_point: tuple[float, float], arm: float, angle: float,
+                  square: float) -> Vehicle:
+    """
+    Describe an object by the line from C to F and its c^2.
 
-        :param ratio: new c^2 over the present one.
-        :return: ``Vehicle``, its flat output moved along the line from C to F.
-        """
-        shift = (ratio - 1.0) * self.c_squared / self.arm
-        x, y = self.flat_output
-        return self._replace(c_squared=ratio * self.c_squared, flat_output=(
-            x + shift * math.cos(self.angle), y + shift * math.sin(self.angle)))
+    :param contact_point: C in the object frame (x, y) [m].
+    :param arm: r, distance from C to F [m].
+    :param angle: direction from C to F in the object frame [rad].
+    :param square: c^2 of the supports along it [m^2].
+    :return: ``Vehicle``.
+    """
+    length = arm + square / arm
+    return Vehicle(arm, square, angle, contact_point,
+                   (contact_point[0] + length * math.cos(angle),
+                    contact_point[1] + length * math.sin(angle)), length)
 
 
 def vehicle(obj: PushedObject, contact_point: Coordinates,
@@ -84,7 +89,7 @@ def vehicle(obj: PushedObject, contact_point: Coordinates,
     x_f, y_f = pushed_friction_center(obj, contact_point) if center is None else center
     x_c, y_c = contact_point
     arm = math.hypot(x_f - x_c, y_f - y_c)
-    if arm < 1e-6:
+    if arm < MIN_ARM:
         raise ValueError(f'contact_point: got {contact_point}, the centre of friction, '
                          'expected a point apart from it')
     angle = math.atan2(y_f - y_c, x_f - x_c)
@@ -92,9 +97,7 @@ def vehicle(obj: PushedObject, contact_point: Coordinates,
         square = straight_push(obj, (x_c, y_c), angle, (x_f, y_f)).c_squared
     else:
         square = c_squared(obj, angle)
-    ahead = square / arm
-    return Vehicle(arm, square, angle, (x_c, y_c),
-                   (x_f + ahead * math.cos(angle), y_f + ahead * math.sin(angle)))
+    return vehicle_along((x_c, y_c), arm, angle, square)
 
 
 class StraightPush(NamedTuple):

@@ -34,7 +34,20 @@ def yaw_rate(drive: Drive, radius: Any, pushing_angle: Any, heading_offset: Any,
     """
     if drive == 'holonomic':
         return object_rate
-    return speed * ca.sin(pushing_angle + heading_offset) / (radius * ca.cos(heading_offset))
+    return differential_yaw_rate(radius, speed * ca.sin(pushing_angle + heading_offset),
+                                 ca.cos(heading_offset))
+
+
+def differential_yaw_rate(radius: Any, across: Any, cosine: Any) -> Any:
+    """
+    Yaw rate of a differential drive, whose centre cannot move sideways.
+
+    :param radius: R_p [m].
+    :param across: velocity of the contact to the left of the robot's heading [m/s].
+    :param cosine: of the heading offset D.
+    :return: ``v_c sin(rho + D) / (R_p cos(D))`` [rad/s].
+    """
+    return across / (radius * cosine)
 
 
 def center_velocity(radius: Any, pushing_angle: Any, robot_rate: Any,
@@ -49,6 +62,22 @@ def center_velocity(radius: Any, pushing_angle: Any, robot_rate: Any,
     :return: components along n and along t [m/s, or per speed].
     """
     return speed * ca.cos(pushing_angle), speed * ca.sin(pushing_angle) - robot_rate * radius
+
+
+def base_velocity(heading_offset: float, robot_radius: float, velocity: Coordinates,
+                  yaw_rate: float) -> tuple[float, float]:
+    """
+    Velocity of the robot's centre from that of its contact, ``v_P = v_C - omega_p R_p t``.
+
+    :param heading_offset: D, from the robot's heading to the contact normal [rad].
+    :param robot_radius: R_p [m].
+    :param velocity: of the contact (x, y), body axes [m/s].
+    :param yaw_rate: omega_p [rad/s].
+    :return: (v_x, v_y), body axes [m/s].
+    """
+    spin = yaw_rate * robot_radius
+    return (velocity[0] + spin * math.sin(heading_offset),
+            velocity[1] - spin * math.cos(heading_offset))
 
 
 def contact_velocity(phi: float, gamma: float, robot_radius: float,

@@ -1,7 +1,7 @@
 """The contact on the object: where the robot touches it, and how that place rolls and slides."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled
 from push_model.contact import (
@@ -19,6 +19,8 @@ CONTACT_TOLERANCE = 0.01
 SAME_POINT_DISTANCE = 0.02
 SAME_PUSH_DISTANCE = 0.5
 SAME_PUSH_ROTATION = 0.5
+# Count of ``ContactSite.numbers``.
+SITE_SIZE = 11
 
 
 class ContactOffset(NamedTuple):
@@ -47,9 +49,9 @@ class ContactFrame(NamedTuple):
     normal: float
 
 
-class RollingContact(NamedTuple):
+class ContactSite(NamedTuple):
     """
-    The numbers of a ``ContactSite`` by which its contact rolls, as compiled functions read them.
+    The contact in the object frame, for any heading of the robot relative to the object.
 
     :param normal_ratio: lam of the rolling rule (model: section 2).
     :param robot_radius: R_p [m].
@@ -57,58 +59,10 @@ class RollingContact(NamedTuple):
     :param point: C at the start, object frame (x, y) [m].
     :param normal: angle of n at the start, object frame [rad].
     :param heading: robot heading at the start, relative to the object [rad].
-    """
-
-    normal_ratio: float
-    robot_radius: float
-    object_radius: float
-    point: tuple[float, float]
-    normal: float
-    heading: float
-
-
-@compiled
-def rolled_contact(contact: 'RollingContact | ContactSite', heading: float) -> ContactFrame:
-    """
-    Find the contact of a robot that has rolled without slip.
-
-    :param contact: the ``RollingContact``, or the ``ContactSite`` that has the same fields.
-    :param heading: of the robot relative to the object, unwrapped [rad].
-    :return: ``ContactFrame``.
-    """
-    rotation = heading - contact.heading
-    if contact.object_radius == 0.0:
-        return ContactFrame(contact.point[0], contact.point[1], contact.normal + rotation)
-    if math.isinf(contact.object_radius):
-        shift = contact.robot_radius * rotation
-        return ContactFrame(contact.point[0] + shift * math.sin(contact.normal),
-                            contact.point[1] - shift * math.cos(contact.normal),
-                            contact.normal)
-    normal = contact.normal + (1.0 - contact.normal_ratio) * rotation
-    return ContactFrame(-contact.object_radius * math.cos(normal),
-                        -contact.object_radius * math.sin(normal), normal)
-
-
-# The function itself: called from Python it is faster than its machine code.
-_rolled_contact = getattr(rolled_contact, 'py_func', rolled_contact)
-
-
-class ContactSite(NamedTuple):
-    """
-    The contact in the object frame, for any heading of the robot relative to the object.
-
-    :param kind: ``'vertex'``, ``'face'`` or ``'round'``.
-    :param normal_ratio: lam of the rolling rule (model: section 2).
-    :param robot_radius: R_p [m].
-    :param object_radius: R_s [m].
-    :param point: C at the start, object frame (x, y) [m].
-    :param normal: angle of n at the start, object frame [rad].
-    :param heading: robot heading at the start, relative to the object [rad].
     :param normal_limits: angles that n may take at this feature, object frame [rad].
     :param edges: coordinates along t between which C may lie on a face, object frame [m].
     """
 
-    kind: ContactKind
     normal_ratio: float
     robot_radius: float
     object_radius: float
@@ -119,15 +73,22 @@ class ContactSite(NamedTuple):
     edges: tuple[float, float] = (-math.inf, math.inf)
 
     @property
+    def kind(self) -> ContactKind:
+        """The feature that is touched."""
+        if self.object_radius == 0.0:
+            return 'vertex'
+        return 'face' if math.isinf(self.object_radius) else 'round'
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All numbers in a row, as ``contact_site`` reads them, ``SITE_SIZE`` of them."""
+        return (*self[:3], *self.point, self.normal, self.heading, *self.normal_limits,
+                *self.edges)
+
+    @property
     def heading_offset(self) -> float:
         """D, angle from the robot's heading to the contact normal at the start [rad]."""
         return math.remainder(self.normal - self.heading, 2.0 * math.pi)
-
-    @property
-    def rolling(self) -> RollingContact:
-        """The ``RollingContact``."""
-        return RollingContact(self.normal_ratio, self.robot_radius, self.object_radius,
-                              self.point, self.normal, self.heading)
 
     def contact_at(self, heading: float) -> ContactFrame:
         """
@@ -194,6 +155,44 @@ class ContactSite(NamedTuple):
                 and abs(wrap_angle(shift.theta)) <= SAME_PUSH_ROTATION)
 
 
+@compiled
+def rolled_contact(contact: ContactSite, heading: float) -> ContactFrame:
+    """
+    Find the contact of a robot that has rolled without slip.
+
+    :param contact: the ``ContactSite``.
+    :param heading: of the robot relative to the object, unwrapped [rad].
+    :return: ``ContactFrame``.
+    """
+    rotation = heading - contact.heading
+    if contact.object_radius == 0.0:
+        return ContactFrame(contact.point[0], contact.point[1], contact.normal + rotation)
+    if math.isinf(contact.object_radius):
+        shift = contact.robot_radius * rotation
+        return ContactFrame(contact.point[0] + shift * math.sin(contact.normal),
+                            contact.point[1] - shift * math.cos(contact.normal),
+                            contact.normal)
+    normal = contact.normal + (1.0 - contact.normal_ratio) * rotation
+    return ContactFrame(-contact.object_radius * math.cos(normal),
+                        -contact.object_radius * math.sin(normal), normal)
+
+
+# The function itself: called from Python it is faster than its machine code.
+_rolled_contact = getattr(rolled_contact, 'py_func', rolled_contact)
+
+
+@compiled
+def contact_site(numbers: Any) -> ContactSite:
+    """
+    Read a contact.
+
+    :param numbers: ``ContactSite.numbers``, shape (n,), the first ``SITE_SIZE`` of which count.
+    :return: ``ContactSite``.
+    """
+    return ContactSite(numbers[0], numbers[1], numbers[2], (numbers[3], numbers[4]), numbers[5],
+                       numbers[6], (numbers[7], numbers[8]), (numbers[9], numbers[10]))
+
+
 def initial_contact_site(obj: PushedObject, robot: RoundRobot,
                          trajectory: PushTrajectory) -> ContactSite:
     """
@@ -224,7 +223,7 @@ def initial_contact_site(obj: PushedObject, robot: RoundRobot,
         # Of all angles of this normal, the one nearest to the middle of the vertex.
         full_turns = round((0.5 * (low + high) - normal) / (2.0 * math.pi))
     normal += 2.0 * math.pi * full_turns
-    return ContactSite(contact.kind, normal_ratio, robot.radius, object_radius,
+    return ContactSite(normal_ratio, robot.radius, object_radius,
                        contact_point(obj, contact), normal, phi - pose.theta, normal_limits,
                        _edges(obj, contact))
 

@@ -15,11 +15,13 @@ import numpy as np
 from push_control.estimation.contact_site import ContactSite
 from push_control.estimation.dead_reckoning import RobotMotion
 from push_control.estimation.filter_kernel import (
-    add_motion, advance, CONTACT_SIZE, correct, FilterMemory, forget_before, load_machine_code,
-    MOTION_COLUMNS, ODOMETRY_COLUMNS, predict, replay, SIZE,
+    add_motion, advance, C_SQUARED, CENTER, correct, COVARIANCE, END, LAST, LATEST,
+    load_machine_code, MATRIX_COUNT, MEMORY_SIZE, MOTION_COLUMNS, ODOMETRY_COLUMNS, predict,
+    replay, SITE, SIZE, STATE, WALK,
 )
 from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.settings import ControlSettings
+from push_dynamics.compiled import array_view
 from push_model.geometry import Coordinates, FloatArray, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 
@@ -91,7 +93,7 @@ class Estimator:
 
     ``motion``: ``PushMotion`` of the contact. ``last_odometry``: the newest ``Odometry`` used.
     ``travelled_distance``: path length of the contact since the start [m]. ``rejected_poses``:
-    number of poses outside the gate.
+    number of poses outside the gate. ``memory``: numbers of the filter, see ``filter_kernel``.
     """
 
     def __init__(self, motion: PushMotion, settings: ControlSettings, center: Coordinates,
@@ -114,17 +116,24 @@ class Estimator:
         state = PushState(*pose.pose, theta + site.heading + misalignment, *center)
         covariance: FloatArray = np.diag(noise.initial)
         covariance[:3, :3] = settings.believed_covariance(pose).matrix
-        self._memory = FilterMemory(
-            contact=np.zeros(CONTACT_SIZE), c_squared=motion.supports.values,
-            odometry=np.zeros((FIRST_CAPACITY, ODOMETRY_COLUMNS)),
-            last=np.array((odometry.time, *odometry.twist)), state=np.array(state),
-            latest=np.zeros(SIZE), covariance=covariance, walk=noise.walk,
-            center=np.array((*noise.center, noise.max_center_offset)),
-            motions=np.zeros((FIRST_CAPACITY + 1, MOTION_COLUMNS)),
-            scratch=np.zeros((3, SIZE, SIZE)))
+        self.memory: FloatArray = np.zeros(MEMORY_SIZE)
+        self.memory[C_SQUARED:LAST] = motion.supports.values
+        self.memory[LAST:STATE] = (odometry.time, *odometry.twist)
+        self.memory[STATE:LATEST] = state
+        self.memory[WALK:CENTER] = noise.walk
+        self.memory[CENTER:] = (*noise.center, noise.max_center_offset)
+        self._matrices: FloatArray = np.zeros((MATRIX_COUNT, SIZE, SIZE))
+        self._matrices[COVARIANCE] = covariance
+        self._motions: FloatArray = np.zeros((FIRST_CAPACITY + 1, MOTION_COLUMNS))
+        self._odometry: FloatArray = np.zeros((FIRST_CAPACITY, ODOMETRY_COLUMNS))
+        # Time and velocity of an odometry, and the velocity that is expected from now on.
+        self._measured: FloatArray = np.zeros(4)
+        self._expected: FloatArray = np.zeros(3)
+        self._measured_view = array_view(self._measured)
+        self._expected_view = array_view(self._expected)
         self._time = min(pose.time, odometry.time)
         # The first odometry holds since the start.
-        self._memory.odometry[0] = self._time, odometry.time, *odometry.twist
+        self._odometry[0] = self._time, odometry.time, *odometry.twist
         self._count = 1
         self.last_odometry = odometry
         self.travelled_distance = 0.0
@@ -132,17 +141,17 @@ class Estimator:
         self._consecutive_rejections = 0
         self.motion = motion
         self.set_contact(site, motion.is_lost)
-        load_machine_code(self._memory)
+        load_machine_code(self.memory)
 
     @property
     def state(self) -> PushState:
         """``PushState`` at the time of the last pose used."""
-        return PushState(*self._memory.state.tolist())
+        return PushState(*self.memory[STATE:LATEST].tolist())
 
     @property
     def covariance(self) -> FloatArray:
         """Covariance at the time of the last pose used, shape (7, 7)."""
-        return self._memory.covariance.copy()
+        return self._matrices[COVARIANCE].copy()
 
     def set_contact(self, site: ContactSite, is_lost: bool) -> None:
         """
@@ -152,9 +161,7 @@ class Estimator:
         :param is_lost: whether the robot does not touch the object.
         """
         self.motion = self.motion._replace(site=site, is_lost=is_lost)
-        ratio, robot_radius, object_radius, (x, y), normal, heading = site.rolling
-        self._memory.contact[:] = (ratio, robot_radius, object_radius, x, y, normal, heading,
-                                   is_lost)
+        self.memory[SITE:C_SQUARED] = (*site.numbers, is_lost)
         # Whether ``latest`` is the state at the time of the last odometry.
         self._is_replayed = False
 
@@ -168,10 +175,12 @@ class Estimator:
         if odometry.time <= self.last_odometry.time:
             return ()
         self._replay()
-        if self._count == len(self._memory.odometry):
+        if self._count == len(self._odometry):
             self._grow()
-        self.travelled_distance += add_motion(self._memory, self._count, self._time,
-                                              odometry.time, odometry.twist)
+        view = self._measured_view
+        view[0], (view[1], view[2], view[3]) = odometry.time, odometry.twist
+        self.travelled_distance += add_motion(self.memory, self._odometry[self._count],
+                                              self._time, self._measured)
         self._count += 1
         self.last_odometry = odometry
         if odometry.time - INPUT_MEMORY > self._time:
@@ -189,11 +198,12 @@ class Estimator:
             return PoseUpdate(False)
         motions = self._advance(measured.time)
         self._is_replayed = False
-        x, y, theta = self._memory.state[:3].tolist()
+        x, y, theta = self.memory[STATE:STATE + 3].tolist()
         innovation = (measured.pose.x - x, measured.pose.y - y,
                       wrap_angle(measured.pose.theta - theta))
-        is_accepted = correct(self._memory, innovation,
-                              self._settings.believed_covariance(measured), self._pose_gate)
+        noise = self._settings.believed_covariance(measured)
+        is_accepted = correct(self.memory, self._matrices, np.array((*innovation, *noise)),
+                              self._pose_gate)
         if is_accepted:
             self._consecutive_rejections = 0
         else:
@@ -207,47 +217,49 @@ class Estimator:
         :param time: when [s], not before the last odometry.
         :return: ``PushState``.
         """
-        return self.predict_on(time, STOP, 0.0)[0]
+        states: FloatArray = np.zeros(2 * SIZE)
+        self.predict_on(time, STOP, 0.0, states)
+        return PushState(*states[:SIZE].tolist())
 
-    def predict_on(self, time: float, twist: Twist,
-                   duration: float) -> tuple[PushState, PushState]:
+    def predict_on(self, time: float, twist: Twist, duration: float, states: FloatArray) -> None:
         """
         Carry the estimate to a later time, and on from there under an expected motion.
 
         :param time: when [s], not before the last odometry.
         :param twist: mean ``Twist`` of the robot from then on, robot's axes.
         :param duration: how long it lasts [s].
-        :return: ``PushState`` at that time, and after that motion.
-        :raises ValueError: where it is not finite.
+        :param states: numbers of the ``PushState`` at that time, and after that motion, are
+            written, shape (14,).
+        :raises ValueError: where they are not finite.
         """
         self._replay()
-        begin = max(self._time, self.last_odometry.time)
-        now, ahead = predict(self._memory, begin, time, twist, duration)
-        if not math.isfinite(sum(ahead)):
-            raise ValueError(f'state: got {ahead} at {time} s, expected finite numbers')
-        return now, ahead
+        interval = time - max(self._time, self.last_odometry.time)
+        view = self._expected_view
+        view[0], view[1], view[2] = twist
+        if not predict(self.memory, interval, self._expected, duration, states):
+            raise ValueError(f'state: got {states} at {time} s, expected finite numbers')
 
     def _replay(self) -> None:
         """Bring ``latest`` to the time of the last odometry, if it is not there."""
         if not self._is_replayed:
-            replay(self._memory, self._count, self._time)
+            replay(self.memory, self._odometry, self._count, self._time)
             self._is_replayed = True
 
     def _advance(self, time: float) -> tuple[RobotMotion, ...]:
         """Carry state and covariance to a later time; give the motion of the robot meanwhile."""
-        memory = self._memory
-        listed = advance(memory, self._count, self._time, time)
+        kept, motions = self._odometry[:self._count], self._motions
+        listed = advance(self.memory, self._matrices, kept, self._time, time, motions)
         self._time = max(time, self._time)
-        self._count = forget_before(memory, self._count, self._time)
+        kept = kept[kept[:, END] > self._time]
+        self._count = len(kept)
+        self._odometry[:self._count] = kept
         return tuple(RobotMotion(Twist(v_x, v_y, omega), *rest)
-                     for v_x, v_y, omega, *rest in memory.motions[:listed].tolist())
+                     for v_x, v_y, omega, *rest in motions[:listed].tolist())
 
     def _grow(self) -> None:
         """Make room for twice as many motions."""
-        memory = self._memory
-        self._memory = memory._replace(
-            odometry=np.concatenate((memory.odometry, np.zeros_like(memory.odometry))),
-            motions=np.zeros((2 * len(memory.odometry) + 1, MOTION_COLUMNS)))
+        self._odometry = np.concatenate((self._odometry, np.zeros_like(self._odometry)))
+        self._motions = np.zeros((len(self._odometry) + 1, MOTION_COLUMNS))
 
     def _reject(self) -> None:
         """Count a pose outside the gate; widen the gate after several in a row."""
@@ -255,4 +267,4 @@ class Estimator:
         self._consecutive_rejections += 1
         if self._consecutive_rejections >= MAX_CONSECUTIVE_REJECTIONS:
             scale = np.array([COVARIANCE_INFLATION] * 4 + [1.0] * 3)
-            self._memory.covariance[:] *= np.sqrt(np.outer(scale, scale))
+            self._matrices[COVARIANCE] *= np.sqrt(np.outer(scale, scale))

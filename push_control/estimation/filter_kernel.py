@@ -11,14 +11,16 @@ Arrays are written in place, and nothing is allocated.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
-from push_control.estimation.contact_site import rolled_contact, RollingContact
+import numpy as np
+from push_control.estimation.contact_site import contact_site, rolled_contact, SITE_SIZE
+from push_control.estimation.limit_surface_table import TABLE_SIZE
 from push_control.estimation.push_motion import (
     contact_velocity, linearize_step, MotionModel, object_rates, propagated_state, PushState,
 )
 from push_dynamics.compiled import compiled
-from push_model.signals import PoseCovariance, STOP
+from push_model.geometry import FloatArray
 
 # Numbers of a ``PushState``, and how many of them a pose measures.
 SIZE = 7
@@ -29,52 +31,38 @@ ODOMETRY_COLUMNS = 5
 # Columns of motions: velocity, duration [s], path length of the contact [m], heading [rad].
 DURATION, DISTANCE, HEADING = 3, 4, 5
 MOTION_COLUMNS = 6
-# In ``FilterMemory.contact``, beyond the numbers of a ``RollingContact``: 1 where it is lost.
-LOST = 7
-CONTACT_SIZE = 8
 
-
-class FilterMemory(NamedTuple):
-    """
-    All that the filter knows, in arrays.
-
-    :param contact: numbers of the ``RollingContact``, and 1 where contact is lost, shape (8,).
-    :param c_squared: ``LimitSurfaceTable.values``.
-    :param odometry: motions that are kept, one a row, shape (n, 5).
-    :param last: time of the last odometry, and its velocity, shape (4,).
-    :param state: ``PushState`` at the time of the last pose used, shape (7,).
-    :param latest: the same at the time of the last odometry, shape (7,).
-    :param covariance: P, shape (7, 7).
-    :param walk: Q, variances of the random walk of the state per path length, shape (7,).
-    :param center: nominal centre of friction (x, y), and how far it may be from there, shape (3,).
-    :param motions: those that the filter has processed in one call, shape (n, 6).
-    :param scratch: shape (3, 7, 7).
-    """
-
-    contact: Any
-    c_squared: Any
-    odometry: Any
-    last: Any
-    state: Any
-    latest: Any
-    covariance: Any
-    walk: Any
-    center: Any
-    motions: Any
-    scratch: Any
+# Memory of the filter, an array of numbers: compiled functions are given it in 0.1 us. Contact:
+# ``ContactSite.numbers``, and 1 where it is lost.
+SITE = 0
+LOST = SITE + SITE_SIZE
+# Memory: ``LimitSurfaceTable.values`` of the contact [m^2].
+C_SQUARED = LOST + 1
+# Memory: time of the last odometry [s], and its velocity, robot's axes.
+LAST = C_SQUARED + TABLE_SIZE
+# Memory: ``PushState`` at the time of the last pose used, and at that of the last odometry.
+STATE = LAST + 4
+LATEST = STATE + SIZE
+# Memory: Q, variances of the random walk of the state per path length.
+WALK = LATEST + SIZE
+# Memory: nominal centre of friction (x, y), and how far it may be from there [m].
+CENTER = WALK + SIZE
+MEMORY_SIZE = CENTER + 3
+# Matrices, shape (4, 7, 7): P, and those that a function needs for itself.
+COVARIANCE = 0
+SCRATCH = 1
+MATRIX_COUNT = 4
 
 
 @compiled
-def motion_model(memory: FilterMemory) -> MotionModel:
+def motion_model(memory: Any) -> MotionModel:
     """
     Read the contact.
 
-    :param memory: ``FilterMemory``.
+    :param memory: of the filter, shape (``MEMORY_SIZE``,).
     :return: ``MotionModel``.
     """
-    n = memory.contact
-    contact = RollingContact(n[0], n[1], n[2], (n[3], n[4]), n[5], n[6])
-    return MotionModel(contact, n[LOST] > 0.0, memory.c_squared)
+    return MotionModel(contact_site(memory), memory[LOST] > 0.0, memory[C_SQUARED:LAST])
 
 
 @compiled
@@ -90,11 +78,11 @@ def push_state(numbers: Any) -> PushState:
 
 
 @compiled
-def carry(memory: FilterMemory, twist: Any, duration: float, numbers: Any) -> None:
+def carry(memory: Any, twist: Any, duration: float, numbers: Any) -> None:
     """
     Carry a state over one step.
 
-    :param memory: ``FilterMemory``.
+    :param memory: of the filter.
     :param twist: mean motion over the step, robot's axes.
     :param duration: of the step [s].
     :param numbers: of the state, shape (7,), is written.
@@ -106,48 +94,49 @@ def carry(memory: FilterMemory, twist: Any, duration: float, numbers: Any) -> No
 
 
 @compiled
-def replay(memory: FilterMemory, count: int, start: float) -> None:
+def replay(memory: Any, odometry: Any, count: int, start: float) -> None:
     """
     Carry the state to the last odometry, as ``latest``.
 
-    :param memory: ``FilterMemory``.
+    :param memory: of the filter.
+    :param odometry: motions of the robot, one a row, shape (n, 5).
     :param count: number of motions that are kept.
     :param start: time of the state [s].
     """
     for i in range(SIZE):
-        memory.latest[i] = memory.state[i]
+        memory[LATEST + i] = memory[STATE + i]
     for k in range(count):
-        row = memory.odometry[k]
-        duration = min(memory.last[0], row[END]) - max(start, row[BEGIN])
+        row = odometry[k]
+        duration = min(memory[LAST], row[END]) - max(start, row[BEGIN])
         if duration > 0.0:
-            carry(memory, row[VELOCITY:], duration, memory.latest)
+            carry(memory, row[VELOCITY:], duration, memory[LATEST:WALK])
 
 
 @compiled
-def add_motion(memory: FilterMemory, count: int, start: float, time: float, twist: Any) -> float:
+def add_motion(memory: Any, row: Any, start: float, measured: Any) -> float:
     """
     Keep a motion of the robot, and carry ``latest`` on by it.
 
-    :param memory: ``FilterMemory``; ``latest`` is at the time of the last odometry.
-    :param count: number of motions that are kept, less than there is room for.
+    :param memory: of the filter; ``latest`` is at the time of the last odometry.
+    :param row: of the motions of the robot, is written, shape (5,).
     :param start: time of the state [s].
-    :param time: of the odometry, later than the last one [s].
-    :param twist: its velocity, robot's axes.
+    :param measured: time [s] and velocity, robot's axes, of an odometry that is later than the
+        last one, shape (4,).
     :return: path length of the contact since the last odometry [m].
     """
-    last, state = memory.last, push_state(memory.latest)
+    last, state = memory[LAST:STATE], push_state(memory[LATEST:WALK])
+    time, twist = measured[0], measured[1:]
     contact = motion_model(memory).contact
     normal = rolled_contact(contact, state.phi - state.theta).normal
     heading_offset = state.theta + normal - state.phi
     v_x, v_y = contact_velocity(0.0, heading_offset, contact.robot_radius, twist)
     distance = math.sqrt(v_x * v_x + v_y * v_y) * (time - last[0])
-    row = memory.odometry[count]
     row[BEGIN], row[END] = last[0], time
     for i in range(3):
         row[VELOCITY + i] = 0.5 * (last[1 + i] + twist[i])
     duration = time - max(start, last[0])
     if duration > 0.0:
-        carry(memory, row[VELOCITY:], duration, memory.latest)
+        carry(memory, row[VELOCITY:], duration, memory[LATEST:WALK])
     last[0] = time
     for i in range(3):
         last[1 + i] = twist[i]
@@ -155,153 +144,143 @@ def add_motion(memory: FilterMemory, count: int, start: float, time: float, twis
 
 
 @compiled
-def predict(memory: FilterMemory, begin: float, time: float, twist: Any,
-            duration: float) -> tuple[PushState, PushState]:
+def predict(memory: Any, interval: float, twist: Any, duration: float, states: Any) -> bool:
     """
     Carry ``latest`` to a time, and on from there.
 
-    :param memory: ``FilterMemory``.
-    :param begin: time of ``latest`` [s].
-    :param time: now [s].
+    :param memory: of the filter.
+    :param interval: from the time of ``latest`` until now [s].
     :param twist: mean velocity expected from now on, robot's axes.
     :param duration: for how long [s].
-    :return: ``PushState`` now and then.
+    :param states: numbers of the ``PushState`` now and then, are written, shape (14,).
+    :return: whether all of them are finite.
     """
-    numbers = memory.scratch[0, 0]
+    now, then = states[:SIZE], states[SIZE:]
     for i in range(SIZE):
-        numbers[i] = memory.latest[i]
-    if time > begin:
-        carry(memory, memory.last[1:], time - begin, numbers)
-    now = push_state(numbers)
+        now[i] = memory[LATEST + i]
+    if interval > 0.0:
+        carry(memory, memory[LAST + 1:STATE], interval, now)
+    total = 0.0
+    for i in range(SIZE):
+        then[i] = now[i]
     if duration > 0.0:
-        carry(memory, twist, duration, numbers)
-    return now, push_state(numbers)
+        carry(memory, twist, duration, then)
+    # A sum is finite only where all its terms are.
+    for i in range(SIZE):
+        total += then[i]
+    return math.isfinite(total)
 
 
 @compiled
-def advance(memory: FilterMemory, count: int, start: float, end: float) -> int:
+def advance(memory: Any, matrices: Any, odometry: Any, start: float, end: float,
+            motions: Any) -> int:
     """
     Carry state and covariance on, and list the motions of the robot meanwhile.
 
-    :param memory: ``FilterMemory``; ``state``, ``covariance`` and ``motions`` are written.
-    :param count: number of motions that are kept.
+    :param memory: of the filter; the state is written.
+    :param matrices: of the filter; the covariance is written.
+    :param odometry: motions of the robot that are kept, shape (n, 5).
     :param start: time of the state [s].
     :param end: time to which it is carried [s].
+    :param motions: those that the filter has processed, are written, shape (more than n, 6).
     :return: number of motions listed.
     """
     listed = 0
-    for k in range(count):
-        row = memory.odometry[k]
+    for k in range(len(odometry)):
+        row = odometry[k]
         duration = min(end, row[END]) - max(start, row[BEGIN])
         if duration > 0.0:
-            advance_step(memory, row[VELOCITY:], duration, memory.motions[listed])
+            advance_step(memory, matrices, row[VELOCITY:], duration, motions[listed])
             listed += 1
-    beyond = end - max(start, memory.last[0])
+    beyond = end - max(start, memory[LAST])
     if beyond > 0.0:
-        advance_step(memory, memory.last[1:], beyond, memory.motions[listed])
+        advance_step(memory, matrices, memory[LAST + 1:STATE], beyond, motions[listed])
         listed += 1
     return listed
 
 
 @compiled
-def advance_step(memory: FilterMemory, twist: Any, duration: float, motion: Any) -> None:
+def advance_step(memory: Any, matrices: Any, twist: Any, duration: float,
+                 motion: Any) -> None:
     """
     Carry state and covariance over one step.
 
-    :param memory: ``FilterMemory``; ``state`` and ``covariance`` are written.
+    :param memory: of the filter; the state is written.
+    :param matrices: of the filter; the covariance is written.
     :param twist: mean motion over the step, robot's axes.
     :param duration: of the step [s].
-    :param motion: row of ``FilterMemory.motions``, is written.
+    :param motion: row of the motions that the filter has processed, is written, shape (6,).
     """
-    model, state = motion_model(memory), push_state(memory.state)
+    model, state = motion_model(memory), push_state(memory[STATE:LATEST])
     rates = object_rates(model, state, twist)
-    transition, product = memory.scratch[0], memory.scratch[1]
+    covariance, transition = matrices[COVARIANCE], matrices[SCRATCH]
+    product = matrices[SCRATCH + 1]
     distance = linearize_step(state, rates, duration, transition)
-    multiply(transition, memory.covariance, product)
-    multiply(product, transition.T, memory.covariance)
+    multiply(transition, covariance, product)
+    multiply(product, transition.T, covariance)
     after = propagated_state(model, state, rates, twist, duration)
     for i in range(SIZE):
-        memory.covariance[i, i] += distance * memory.walk[i]
-        memory.state[i] = after[i]
+        covariance[i, i] += distance * memory[WALK + i]
+        memory[STATE + i] = after[i]
     for i in range(3):
         motion[i] = twist[i]
     motion[DURATION], motion[DISTANCE], motion[HEADING] = duration, distance, state.phi
 
 
 @compiled
-def forget_before(memory: FilterMemory, count: int, time: float) -> int:
-    """
-    Drop motions that ended before a time.
-
-    :param memory: ``FilterMemory``; the other ones move to the front.
-    :param count: number of motions that are kept.
-    :param time: [s].
-    :return: number of motions that are left.
-    """
-    left = 0
-    for k in range(count):
-        if memory.odometry[k, END] > time:
-            for i in range(ODOMETRY_COLUMNS):
-                memory.odometry[left, i] = memory.odometry[k, i]
-            left += 1
-    return left
-
-
-@compiled
-def correct(memory: FilterMemory, innovation: tuple[float, float, float], noise: PoseCovariance,
-            gate: float) -> bool:
+def correct(memory: Any, matrices: Any, measured: Any, gate: float) -> bool:
     """
     Correct state and covariance by a pose, unless it lies outside the gate.
 
-    :param memory: ``FilterMemory``; ``state`` and ``covariance`` are written.
-    :param innovation: v, measured pose minus that of the state.
-    :param noise: R, ``PoseCovariance`` of the pose.
+    :param memory: of the filter; the state is written.
+    :param matrices: of the filter; the covariance is written.
+    :param measured: v, measured pose minus that of the state, and R, the numbers of the
+        ``PoseCovariance`` of the pose, shape (9,).
     :param gate: largest squared Mahalanobis distance of v.
     :return: whether it lies within the gate.
     """
-    spread, scaled = memory.scratch[0], memory.scratch[1, 0]
-    expect_innovation(memory.covariance, noise, spread)
+    innovation, covariance = measured[:MEASURED], matrices[COVARIANCE]
+    factor, scaled = matrices[SCRATCH], matrices[SCRATCH + 1, 0]
+    expect_innovation(covariance, measured[MEASURED:], factor)
     for i in range(MEASURED):
         scaled[i] = innovation[i]
-    solve_lower(spread, scaled)
+    solve_lower(factor, scaled)
     if scaled[0] ** 2 + scaled[1] ** 2 + scaled[2] ** 2 > gate:
         return False
-    apply_gains(memory, innovation)
-    hold_center(memory.state, memory.center)
+    state = memory[STATE:LATEST]
+    apply_gains(state, matrices, innovation)
+    hold_center(state, memory[CENTER:MEMORY_SIZE])
     return True
 
 
 @compiled
-def expect_innovation(covariance: Any, noise: PoseCovariance, factor: Any) -> None:
+def expect_innovation(covariance: Any, noise: Any, factor: Any) -> None:
     """
     Factorize the covariance of an innovation.
 
     :param covariance: P, shape (7, 7).
-    :param noise: R, ``PoseCovariance`` of the pose.
+    :param noise: R, the upper triangle by rows, shape (6,).
     :param factor: L in the lower triangle of its first three rows, is written.
     """
-    for i in range(MEASURED):
-        for j in range(MEASURED):
-            factor[i, j] = covariance[i, j]
-    factor[0, 0] += noise.x_x
-    factor[1, 0] += noise.x_y
-    factor[2, 0] += noise.x_theta
-    factor[1, 1] += noise.y_y
-    factor[2, 1] += noise.y_theta
-    factor[2, 2] += noise.theta_theta
+    k = 0
+    for j in range(MEASURED):
+        for i in range(j, MEASURED):
+            factor[i, j] = covariance[i, j] + noise[k]
+            k += 1
     factorize(factor)
 
 
 @compiled
-def apply_gains(memory: FilterMemory, innovation: tuple[float, float, float]) -> None:
+def apply_gains(state: Any, matrices: Any, innovation: Any) -> None:
     """
     Correct state and covariance.
 
-    :param memory: ``FilterMemory``, L in its scratch; ``state`` and ``covariance`` are written.
-    :param innovation: v.
+    :param state: numbers of the ``PushState``, shape (7,), is written.
+    :param matrices: of the filter, L the first one in its scratch; the covariance is written.
+    :param innovation: v, shape (3,).
     """
-    state, covariance = memory.state, memory.covariance
-    factor, gain, before = memory.scratch[0], memory.scratch[1, 0], memory.scratch[2]
+    covariance, factor = matrices[COVARIANCE], matrices[SCRATCH]
+    gain, before = matrices[SCRATCH + 1, 0], matrices[SCRATCH + 2]
     for i in range(SIZE):
         for j in range(SIZE):
             before[i, j] = covariance[i, j]
@@ -326,7 +305,7 @@ def hold_center(state: Any, center: Any) -> None:
     Keep the centre of friction near its nominal place.
 
     :param state: shape (7,), is written.
-    :param center: as of ``FilterMemory``.
+    :param center: nominal centre of friction (x, y), and how far it may be from there, shape (3,).
     """
     off_x, off_y = state[4] - center[0], state[5] - center[1]
     off = math.sqrt(off_x * off_x + off_y * off_y)
@@ -395,17 +374,17 @@ def multiply(a: Any, b: Any, product: Any) -> None:
             product[i, j] = total
 
 
-def load_machine_code(memory: FilterMemory) -> None:
+def load_machine_code(memory: FloatArray) -> None:
     """
     Call everything once, so that nothing is compiled or loaded while the robot moves.
 
-    :param memory: ``FilterMemory``, is not changed.
+    :param memory: of the filter, is not changed.
     """
-    copied = FilterMemory(*(array.copy() for array in memory))
-    time = float(memory.last[0])
-    replay(copied, 0, time)
-    add_motion(copied, 0, time, time, STOP)
-    predict(copied, time, time, STOP, 0.0)
-    advance(copied, 0, time, time)
-    forget_before(copied, 0, time)
-    correct(copied, (0.0, 0.0, 0.0), PoseCovariance.from_deviations(1.0, 1.0), 0.0)
+    memory, time = memory.copy(), float(memory[LAST])
+    matrices = np.zeros((MATRIX_COUNT, SIZE, SIZE))
+    odometry, motions = np.zeros((1, ODOMETRY_COLUMNS)), np.zeros((1, MOTION_COLUMNS))
+    replay(memory, odometry, 0, time)
+    add_motion(memory, odometry[0], time, memory[LAST:STATE].copy())
+    predict(memory, 0.0, np.zeros(3), 0.0, np.zeros(2 * SIZE))
+    advance(memory, matrices, odometry[:0], time, time, motions)
+    correct(memory, matrices, np.array((0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0)), 0.0)

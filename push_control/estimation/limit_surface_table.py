@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
-from push_dynamics.compiled import compiled, kernel_array
+from push_dynamics.compiled import compiled, interpreted, kernel_array
 from push_model.friction import friction_weight, LoadTransfer
 from push_model.geometry import Coordinates
 from push_model.parameters import PushedObject
@@ -21,6 +21,8 @@ SPACING = 0.1
 MAX_STEERING_ANGLE = 0.7
 # Smallest tabulated c^2 [m^2], so that supports in one line do not divide by zero.
 MIN_C_SQUARED = 1e-6
+# Number of tabulated angles.
+TABLE_SIZE = 2 * round(MAX_ANGLE / SPACING) + 1
 # Steps of the fixed-point iteration of ``push_angle``. Chosen: the table's error is larger.
 ITERATIONS = 4
 
@@ -150,7 +152,7 @@ class LimitSurfaceTable:
         :param point: C in the object frame (x, y) [m].
         """
         nominal = vehicle(obj, point)
-        count = round(MAX_ANGLE / SPACING)
+        count = TABLE_SIZE // 2
         c_squared: list[float] = []
         forces: list[float] = []
         for alpha in (np.arange(-count, count + 1) * SPACING).tolist():
@@ -163,10 +165,6 @@ class LimitSurfaceTable:
                              -nominal.arm * math.sin(alpha) / omega - nominal.arm ** 2)
         self.values = kernel_array([max(MIN_C_SQUARED, value) for value in c_squared])
         self.forces = kernel_array(np.maximum.accumulate(forces))
-        # Changes nothing; but loads machine code before the robot moves.
-        self.c_squared(0.0)
-        self.push_angle(nominal, 0.0)
-        self.curvatures(nominal, 0.0, 0.0)
 
     def c_squared(self, alpha: float) -> float:
         """
@@ -175,7 +173,7 @@ class LimitSurfaceTable:
         :param alpha: angle from C->F to the velocity imposed at C [rad]; held beyond the table.
         :return: c^2 [m^2].
         """
-        return tabulated_c_squared(self.values, alpha)
+        return interpreted(tabulated_c_squared)(self.values, alpha)
 
     def push_angle(self, vehicle: Vehicle, curvature: float) -> float:
         """
@@ -186,19 +184,8 @@ class LimitSurfaceTable:
         :param curvature: kappa, yaw rate over the speed along C->F [1/m].
         :return: alpha [rad].
         """
-        return angle_of_curvature(self.values, vehicle.arm, vehicle.c_squared, curvature)
-
-    def curvatures(self, vehicle: Vehicle, low: float, high: float) -> tuple[float, float]:
-        """
-        Curvatures for which the force stays between two directions.
-
-        :param vehicle: the object as ``Vehicle``.
-        :param low: least angle of the force from C->F [rad].
-        :param high: greatest angle [rad].
-        :return: (lowest, highest) curvature [1/m].
-        """
-        return curvatures_of_forces(self.values, self.forces, vehicle.arm, vehicle.c_squared, low,
-                                    high)
+        return interpreted(angle_of_curvature)(self.values, vehicle.arm, vehicle.c_squared,
+                                               curvature)
 
 
 def _force_angle(obj: PushedObject, point: Coordinates, push: tuple[float, float],

@@ -7,8 +7,9 @@ from typing import NamedTuple
 from push_control.estimation.contact_site import ContactSite
 from push_control.events import EventReport, PushEvent
 from push_control.observation import Observation
-from push_control.path.path import CurvatureLimits
+from push_control.path.path import CurvatureLimits, wrapped
 from push_control.settings import ControlSettings
+from push_dynamics.compiled import compiled
 from push_model.geometry import Coordinates
 from push_model.signals import Odometry
 
@@ -19,6 +20,11 @@ MAX_PUSH_ANGLE = 1.2
 VERTEX_OVERSHOOT = 0.15
 # Curvature that still counts as a straight push [1/m]. Chosen: a radius of ten metres.
 STRAIGHT_CURVATURE = 0.1
+# How a contact has turned, and what that means.
+STEERABLE = 0
+OFF_VERTEX = 1
+OUT_OF_CONTACT = 2
+JACKKNIFE_EVENTS = (None, PushEvent.TURNED_OFF_VERTEX, PushEvent.PUSH_OUT_OF_CONTACT)
 
 
 def measurement_fault(observation: Observation, last_pose_time: float | None,
@@ -59,21 +65,31 @@ def is_finite_odometry(odometry: Odometry) -> bool:
     return all(map(math.isfinite, (odometry.time, *odometry.pose, *odometry.twist)))
 
 
-def jackknife_fault(site: ContactSite, normal: float, push_angle: float) -> EventReport | None:
+@compiled
+def jackknife_mode(site: ContactSite, normal: float, push_angle: float) -> int:
     """
-    Tell how the contact has turned beyond recovery.
+    Tell whether the contact has turned beyond recovery.
 
     :param site: the ``ContactSite``.
     :param normal: estimated angle of the normal in the object frame [rad].
     :param push_angle: from the normal to the commanded contact velocity [rad].
-    :return: ``EventReport``, or None while it can be steered.
+    :return: ``STEERABLE``, ``OFF_VERTEX`` or ``OUT_OF_CONTACT``.
     """
     low, high = site.normal_limits
     if not low - VERTEX_OVERSHOOT < normal < high + VERTEX_OVERSHOOT:
-        return PushEvent.TURNED_OFF_VERTEX.report()
-    if abs(math.remainder(push_angle, 2.0 * math.pi)) > MAX_PUSH_ANGLE:
-        return PushEvent.PUSH_OUT_OF_CONTACT.report()
-    return None
+        return OFF_VERTEX
+    return OUT_OF_CONTACT if abs(wrapped(push_angle)) > MAX_PUSH_ANGLE else STEERABLE
+
+
+def jackknife_fault(mode: int) -> EventReport | None:
+    """
+    Tell how the contact has turned beyond recovery.
+
+    :param mode: as of ``jackknife_mode``.
+    :return: ``EventReport``, or None while it can be steered.
+    """
+    event = JACKKNIFE_EVENTS[mode]
+    return None if event is None else event.report()
 
 
 class _Sample(NamedTuple):

@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_control.estimation.contact_site import ContactSite, rolled_contact, RollingContact
+from push_control.estimation.contact_site import ContactSite, rolled_contact
 from push_control.estimation.limit_surface_table import LimitSurfaceTable, tabulated_c_squared
 from push_dynamics.compiled import compiled, interpreted
 from push_model import quasi_static, robot_kinematics
@@ -95,12 +95,12 @@ class MotionModel(NamedTuple):
     """
     The numbers of a ``PushMotion``, as compiled functions read them.
 
-    :param contact: the ``RollingContact``.
+    :param contact: the ``ContactSite``.
     :param is_lost: whether the robot does not touch the object.
     :param c_squared: ``LimitSurfaceTable.values`` of the contact [m^2].
     """
 
-    contact: RollingContact
+    contact: ContactSite
     is_lost: bool
     c_squared: Any
 
@@ -219,7 +219,7 @@ class PushMotion(NamedTuple):
     @property
     def model(self) -> MotionModel:
         """The ``MotionModel``."""
-        return MotionModel(self.site.rolling, self.is_lost, self.supports.values)
+        return MotionModel(self.site, self.is_lost, self.supports.values)
 
     def rates(self, state: PushState, twist: Coordinates) -> Rates:
         """

@@ -3,15 +3,19 @@
 import math
 
 from push_control.settings import ControlSettings
-from push_model.geometry import Pose
+from push_dynamics.compiled import compiled, interpreted
+from push_model import robot_kinematics
 from push_model.parameters import RoundRobot
-from push_model.robot_kinematics import center_velocity, yaw_rate
 from push_model.signals import Twist
+
+base_velocity = compiled(robot_kinematics.base_velocity)
+differential_yaw_rate = compiled(robot_kinematics.differential_yaw_rate)
 
 # Mean of exp(-t / T) over the time constant T.
 MEAN_DECAY = 1.0 - math.exp(-1.0)
 
 
+@compiled
 def differential_command(speed: float, angle: float, heading_offset: float,
                          robot_radius: float) -> Twist:
     """
@@ -23,11 +27,13 @@ def differential_command(speed: float, angle: float, heading_offset: float,
     :param robot_radius: R_p [m].
     :return: ``Twist`` in the robot's axes.
     """
-    omega = yaw_rate('differential', robot_radius, angle, heading_offset, 0.0, speed)
+    across = speed * math.sin(heading_offset + angle)
+    omega = differential_yaw_rate(robot_radius, across, math.cos(heading_offset))
     command = holonomic_command(speed, angle, heading_offset, robot_radius, omega)
     return Twist(command.v_x, 0.0, omega)
 
 
+@compiled
 def holonomic_command(speed: float, angle: float, heading_offset: float, robot_radius: float,
                       omega: float) -> Twist:
     """
@@ -40,8 +46,25 @@ def holonomic_command(speed: float, angle: float, heading_offset: float, robot_r
     :param omega: omega_p, chosen yaw rate [rad/s].
     :return: ``Twist`` in the robot's axes.
     """
-    along, across = center_velocity(robot_radius, angle, omega, speed)
-    return Twist(*Pose(0.0, 0.0, heading_offset).rotate((along, across)), omega)
+    direction = heading_offset + angle
+    velocity = speed * math.cos(direction), speed * math.sin(direction)
+    v_x, v_y = base_velocity(heading_offset, robot_radius, velocity, omega)
+    return Twist(v_x, v_y, omega)
+
+
+@compiled
+def scaled_command(command: Twist, max_speed: float, max_yaw_rate: float) -> Twist:
+    """
+    Scale a command into limits; the contact keeps its direction.
+
+    :param command: ``Twist`` in the robot's axes.
+    :param max_speed: of the robot [m/s].
+    :param max_yaw_rate: of the robot [rad/s].
+    :return: ``Twist`` in the robot's axes.
+    """
+    excess = max(1.0, math.hypot(command.v_x, command.v_y) / max_speed,
+                 abs(command.omega) / max_yaw_rate)
+    return Twist(command.v_x / excess, command.v_y / excess, command.omega / excess)
 
 
 def limit_command(command: Twist, robot: RoundRobot) -> Twist:
@@ -52,9 +75,7 @@ def limit_command(command: Twist, robot: RoundRobot) -> Twist:
     :param robot: the ``RoundRobot``.
     :return: ``Twist`` in the robot's axes.
     """
-    excess = max(1.0, math.hypot(command.v_x, command.v_y) / robot.max_speed,
-                 abs(command.omega) / robot.max_yaw_rate)
-    return Twist(command.v_x / excess, command.v_y / excess, command.omega / excess)
+    return interpreted(scaled_command)(command, robot.max_speed, robot.max_yaw_rate)
 
 
 def mean_twist(twist: Twist, command: Twist, time_constant: float) -> Twist:

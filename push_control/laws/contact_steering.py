@@ -3,25 +3,24 @@ Steering at one contact: what contact and drive allow, and the command that give
 
 Angles at the contact, all in the object frame: ``zeta`` from the line C->F to the normal n,
 ``alpha`` from C->F to the velocity imposed at C, and so ``alpha - zeta`` from n to that velocity.
+The functions are compiled: a control step takes a few of them.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from push_control.estimation.contact_site import ContactSite
-from push_control.estimation.limit_surface_table import LimitSurfaceTable
-from push_control.estimation.monitors import jackknife_fault
+from push_control.estimation.contact_site import ContactSite, rolled_contact
+from push_control.estimation.limit_surface_table import angle_of_curvature
+from push_control.estimation.monitors import jackknife_mode, STEERABLE
 from push_control.estimation.push_motion import PushState
-from push_control.events import EventReport
-from push_control.laws.command import differential_command, holonomic_command, limit_command
+from push_control.laws.command import differential_command, holonomic_command, scaled_command
 from push_control.laws.curvature_limits import (
     friction_cone_limits, jackknife_limits, vertex_limits,
 )
-from push_control.path.path import CurvatureLimits
-from push_control.settings import ControlSettings
-from push_model.parameters import PushedObject, RoundRobot
+from push_control.path.path import CurvatureLimits, wrapped
+from push_dynamics.compiled import compiled
 from push_model.quasi_static import Vehicle
-from push_model.signals import STOP, Twist
+from push_model.signals import Twist
 
 # What a rolled contact keeps from the end of a face [m], and from the edges of a vertex [rad].
 # Chosen: the contact is known to some millimetres, the normal to some hundredths.
@@ -34,156 +33,156 @@ ROUND_CONE_FRACTION = 0.3
 MIN_CENTER_DISTANCE = 1e-9
 
 
-class ContactPosture(NamedTuple):
+class Steering(NamedTuple):
     """
-    The contact normal relative to the line C->F.
+    What a robot steers by at its contact, and does not change during a push.
 
-    :param zeta: angle from that line to the normal [rad].
-    :param zeta_rest: where zeta comes to rest on a straight path [rad].
-    :param zeta_limits: (lowest, highest) zeta at which the contact stays on its feature [rad].
+    :param is_differential: whether its base is a differential drive.
+    :param cone_angle: half angle of the whole friction cone that is relied on [rad].
+    :param rolling_gain: of a holonomic base, yaw per path length [1/m].
+    :param max_speed: of the robot [m/s].
+    :param max_yaw_rate: of the robot [rad/s].
+    :param c_squared: ``LimitSurfaceTable.values`` of the contact [m^2].
+    :param forces: ``LimitSurfaceTable.forces`` of the contact [rad].
     """
 
-    zeta: float
-    zeta_rest: float
-    zeta_limits: tuple[float, float]
+    is_differential: bool
+    cone_angle: float
+    rolling_gain: float
+    max_speed: float
+    max_yaw_rate: float
+    c_squared: Any
+    forces: Any
 
 
 class SteeringCommand(NamedTuple):
     """
     What the robot is to do.
 
-    :param twist: ``Twist`` in the robot's axes; STOP where there is a fault.
-    :param fault: ``EventReport`` of a contact that cannot be steered any more, or None.
+    :param twist: ``Twist`` in the robot's axes; STOP where the contact cannot be steered.
+    :param mode: of ``monitors.jackknife_mode``.
     """
 
     twist: Twist
-    fault: EventReport | None = None
+    mode: int
 
 
-class ContactSteering:
-    """One robot at one contact."""
+@compiled
+def curvature_limits(steering: Steering, site: ContactSite, vehicle: Vehicle, normal: float,
+                     cone_fraction: float) -> CurvatureLimits:
+    """
+    Curvatures that the contact survives.
 
-    def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
-                 site: ContactSite, supports: LimitSurfaceTable):
-        """
-        Check that this robot can steer there.
+    :param steering: ``Steering``.
+    :param site: the ``ContactSite``.
+    :param vehicle: the object as ``Vehicle``, as estimated.
+    :param normal: angle of the contact normal in the object frame [rad].
+    :param cone_fraction: fraction of the friction cone that may be used.
+    :return: ``CurvatureLimits``.
+    """
+    cone_angle = cone_fraction * steering.cone_angle
+    if not steering.is_differential:
+        return friction_cone_limits(steering.c_squared, steering.forces, vehicle, normal,
+                                    cone_angle)
+    radius, offset = site.robot_radius, initial_offset(site)
+    steady = jackknife_limits(vehicle, radius, offset, cone_angle)
+    rolled = vertex_limits(vehicle, radius, offset, zeta_limits(site, vehicle, normal))
+    return CurvatureLimits(max(steady.low, rolled.low), min(steady.high, rolled.high))
 
-        :param obj: the nominal ``PushedObject``.
-        :param robot: the ``RoundRobot``.
-        :param settings: ``ControlSettings``.
-        :param site: the ``ContactSite`` at the start.
-        :param supports: the ``LimitSurfaceTable``.
-        :raises ValueError: where it cannot.
-        """
-        self._is_differential = robot.drive == 'differential'
-        if self._is_differential and site.kind != 'vertex':
-            raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
-                             'drive, which cannot steer there, expected a vertex')
-        self._robot = robot
-        self._settings = settings
-        self._supports = supports
-        self._cone_angle = math.atan(settings.friction_fraction
-                                     * obj.contact_friction_coefficient)
 
-    def cone_angle(self, cone_fraction: float) -> float:
-        """
-        Half angle of a part of the friction cone.
+@compiled
+def initial_offset(site: ContactSite) -> float:
+    """
+    D, angle from the robot's heading to the contact normal at the start [rad].
 
-        :param cone_fraction: fraction of the cone that may be used.
-        :return: angle [rad].
-        """
-        return cone_fraction * self._cone_angle
+    :param site: the ``ContactSite``.
+    """
+    return wrapped(site.normal - site.heading)
 
-    def limits(self, site: ContactSite, vehicle: Vehicle, normal: float,
-               cone_fraction: float) -> CurvatureLimits:
-        """
-        Curvatures that the contact survives.
 
-        :param site: the ``ContactSite``.
-        :param vehicle: the object as ``Vehicle``, as estimated.
-        :param normal: angle of the contact normal in the object frame [rad].
-        :param cone_fraction: fraction of the friction cone that may be used.
-        :return: ``CurvatureLimits``.
-        """
-        cone_angle = self.cone_angle(cone_fraction)
-        if not self._is_differential:
-            return friction_cone_limits(self._supports, vehicle, normal, cone_angle)
-        radius, heading_offset = self._robot.radius, site.heading_offset
-        steady = jackknife_limits(vehicle, radius, heading_offset, cone_angle)
-        return steady.intersection(vertex_limits(vehicle, radius, heading_offset,
-                                                 zeta_limits(site, vehicle, normal)))
+@compiled
+def zeta_at_rest(steering: Steering, site: ContactSite, state: PushState) -> float:
+    """
+    Where zeta comes to rest on a straight path [rad].
 
-    def posture(self, site: ContactSite, vehicle: Vehicle, normal: float,
-                state: PushState) -> ContactPosture:
-        """
-        Where the normal is, where it comes to rest on a straight path, and where it may be.
+    :param steering: ``Steering``.
+    :param site: the ``ContactSite``.
+    :param state: ``PushState`` now.
+    """
+    if steering.is_differential:
+        return initial_offset(site)
+    heading = site.heading + centering_of(steering, site, state)
+    centered = rolled_contact(site, heading)
+    to_center = math.atan2(state.p_y - centered.y, state.p_x - centered.x)
+    return wrapped(centered.normal - to_center)
 
-        :param site: the ``ContactSite``.
-        :param vehicle: the object as ``Vehicle``, as estimated.
-        :param normal: angle of the contact normal in the object frame [rad].
-        :param state: ``PushState`` now.
-        :return: ``ContactPosture``.
-        """
-        zeta = math.remainder(normal - vehicle.angle, 2.0 * math.pi)
-        rest = site.heading_offset
-        if not self._is_differential:
-            centered = site.contact_at(site.heading + self._centering_rotation(site, state))
-            to_center = math.atan2(state.p_y - centered.y, state.p_x - centered.x)
-            rest = math.remainder(centered.normal - to_center, 2.0 * math.pi)
-        return ContactPosture(zeta, rest, zeta_limits(site, vehicle, normal))
 
-    def approach(self, site: ContactSite, state: PushState) -> Twist:
-        """
-        Compute the command that closes a gap slowly, along the contact normal.
+@compiled
+def approach_command(steering: Steering, normal: float, state: PushState, speed: float) -> Twist:
+    """
+    Compute the command that closes a gap slowly, along the contact normal.
 
-        :param site: the ``ContactSite``.
-        :param state: ``PushState`` one drive lag ahead.
-        :return: ``Twist`` in the robot's axes.
-        """
-        normal = site.contact_at(state.relative_heading).normal
-        heading_offset = state.theta + normal - state.phi
-        direction = 0.0 if self._is_differential else heading_offset
-        return limit_command(
-            holonomic_command(self._settings.start_speed, 0.0, direction, 0.0, 0.0), self._robot)
+    :param steering: ``Steering``.
+    :param normal: angle of the contact normal in the object frame [rad].
+    :param state: ``PushState`` one drive lag ahead.
+    :param speed: of the robot [m/s].
+    :return: ``Twist`` in the robot's axes.
+    """
+    direction = 0.0 if steering.is_differential else state.theta + normal - state.phi
+    command = holonomic_command(speed, 0.0, direction, 0.0, 0.0)
+    return scaled_command(command, steering.max_speed, steering.max_yaw_rate)
 
-    def command(self, site: ContactSite, vehicle: Vehicle, normal: float, state: PushState, *,
-                curvature: float, speed: float) -> SteeringCommand:
-        """
-        Compute the command that gives z a curvature.
 
-        :param site: the ``ContactSite``.
-        :param vehicle: the object as ``Vehicle``, as estimated.
-        :param normal: angle of the contact normal in the object frame [rad].
-        :param state: ``PushState`` one drive lag ahead.
-        :param curvature: of z [1/m].
-        :param speed: of the contact [m/s].
-        :return: ``SteeringCommand``.
-        """
-        alpha = self._supports.push_angle(vehicle, curvature)
-        angle = vehicle.angle + alpha - normal
-        heading_offset = state.theta + normal - state.phi
-        fault = jackknife_fault(site, normal, angle)
-        if fault is not None:
-            return SteeringCommand(STOP, fault)
-        radius = self._robot.radius
-        if self._is_differential:
-            command = differential_command(speed, angle, heading_offset, radius)
-        else:
-            # The robot turns with the object, and rolls its contact to where it is centred.
-            forward = speed * math.cos(alpha)
-            rotation = state.phi - state.theta - site.heading
-            centering = self._centering_rotation(site, state)
-            omega = (forward * curvature
-                     + self._settings.rolling_gain * speed * (centering - rotation))
-            command = holonomic_command(speed, angle, heading_offset, radius, omega)
-        return SteeringCommand(limit_command(command, self._robot))
+@compiled
+def steering_command(steering: Steering, site: ContactSite, vehicle: Vehicle, state: PushState,
+                     curvature: float, speed: float) -> SteeringCommand:
+    """
+    Compute the command that gives z a curvature.
 
-    def _centering_rotation(self, site: ContactSite, state: PushState) -> float:
+    :param steering: ``Steering``.
+    :param site: the ``ContactSite``.
+    :param vehicle: the object as ``Vehicle``, as estimated.
+    :param state: ``PushState`` one drive lag ahead.
+    :param curvature: of z [1/m].
+    :param speed: of the contact [m/s].
+    :return: ``SteeringCommand``.
+    """
+    normal = rolled_contact(site, state.phi - state.theta).normal
+    alpha = angle_of_curvature(steering.c_squared, vehicle.arm, vehicle.c_squared, curvature)
+    angle = vehicle.angle + alpha - normal
+    heading_offset = state.theta + normal - state.phi
+    mode = jackknife_mode(site, normal, angle)
+    if mode != STEERABLE:
+        return SteeringCommand(Twist(0.0, 0.0, 0.0), mode)
+    radius = site.robot_radius
+    if steering.is_differential:
+        command = differential_command(speed, angle, heading_offset, radius)
+    else:
+        # The robot turns with the object, and rolls its contact to where it is centred.
+        forward = speed * math.cos(alpha)
         rotation = state.phi - state.theta - site.heading
-        return centering_rotation(site, state.center, ROUND_CONE_FRACTION * self._cone_angle,
-                                  rotation)
+        centering = centering_of(steering, site, state)
+        omega = forward * curvature + steering.rolling_gain * speed * (centering - rotation)
+        command = holonomic_command(speed, angle, heading_offset, radius, omega)
+    return SteeringCommand(scaled_command(command, steering.max_speed, steering.max_yaw_rate),
+                           mode)
 
 
+@compiled
+def centering_of(steering: Steering, site: ContactSite, state: PushState) -> float:
+    """
+    Rotation of the robot relative to the object, since the start, that centres the contact [rad].
+
+    :param steering: ``Steering``.
+    :param site: the ``ContactSite``.
+    :param state: ``PushState``.
+    """
+    return centering_rotation(site, (state.p_x, state.p_y),
+                              ROUND_CONE_FRACTION * steering.cone_angle,
+                              state.phi - state.theta - site.heading)
+
+
+@compiled
 def zeta_limits(site: ContactSite, vehicle: Vehicle, normal: float) -> tuple[float, float]:
     """
     Zeta between which the contact stays on its feature.
@@ -193,12 +192,13 @@ def zeta_limits(site: ContactSite, vehicle: Vehicle, normal: float) -> tuple[flo
     :param normal: angle of the contact normal in the object frame [rad].
     :return: (lowest, highest) zeta, within -pi and pi [rad].
     """
-    zeta = math.remainder(normal - vehicle.angle, 2.0 * math.pi)
+    zeta = wrapped(normal - vehicle.angle)
     low, high = site.normal_limits
     return (min(math.pi, max(-math.pi, zeta + low - normal)),
             min(math.pi, max(-math.pi, zeta + high - normal)))
 
 
+@compiled
 def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,
                        rotation: float) -> float:
     """
@@ -217,27 +217,42 @@ def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta:
     :param rotation: the present rotation, from which a round contact takes the shorter path [rad].
     :return: the rotation, bounded by the ends of the vertex or the face [rad].
     """
-    if site.kind == 'vertex':
-        return _vertex_rotation(site, center)
-    if site.kind == 'face':
-        return _face_rotation(site, center)
+    if site.object_radius == 0.0:
+        return vertex_rotation(site, center)
+    if math.isinf(site.object_radius):
+        return face_rotation(site, center)
     normal = site.normal + (1.0 - site.normal_ratio) * rotation
-    return rotation + _round_rotation(site, center, max_zeta, normal)
+    return rotation + round_rotation(site, center, max_zeta, normal)
 
 
-def _vertex_rotation(site: ContactSite, center: tuple[float, float]) -> float:
-    """Rotate the normal into the line C->F, as far as the vertex allows."""
+@compiled
+def vertex_rotation(site: ContactSite, center: tuple[float, float]) -> float:
+    """
+    Rotate the normal into the line C->F, as far as the vertex allows.
+
+    :param site: the ``ContactSite``.
+    :param center: of friction, F [m].
+    :return: rotation of the robot since the start [rad].
+    """
     to_center = math.atan2(center[1] - site.point[1], center[0] - site.point[0])
     low, high = site.normal_limits
     middle, reach = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - ROLLED_VERTEX_MARGIN)
-    offset = math.remainder(to_center - middle, 2.0 * math.pi)
+    offset = wrapped(to_center - middle)
     return middle + min(reach, max(-reach, offset)) - site.normal
 
 
-def _face_rotation(site: ContactSite, center: tuple[float, float]) -> float:
-    """Roll C to the foot of F on the face, as far as the face allows."""
-    n = site.normal
-    present, foot = (y * math.cos(n) - x * math.sin(n) for x, y in (site.point, center))
+@compiled
+def face_rotation(site: ContactSite, center: tuple[float, float]) -> float:
+    """
+    Roll C to the foot of F on the face, as far as the face allows.
+
+    :param site: the ``ContactSite``.
+    :param center: of friction, F [m].
+    :return: rotation of the robot since the start [rad].
+    """
+    cosine, sine = math.cos(site.normal), math.sin(site.normal)
+    present = site.point[1] * cosine - site.point[0] * sine
+    foot = center[1] * cosine - center[0] * sine
     low, high = site.edges
     middle, reach = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - FACE_END_MARGIN)
     if math.isfinite(reach):
@@ -245,11 +260,20 @@ def _face_rotation(site: ContactSite, center: tuple[float, float]) -> float:
     return (present - foot) / site.robot_radius
 
 
-def _round_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,
-                    normal: float) -> float:
-    """Roll a disc until zeta is small enough: the further rotation of the robot."""
-    distance = math.hypot(*center)
-    from_center = math.remainder(math.atan2(center[1], center[0]) - normal, 2.0 * math.pi)
+@compiled
+def round_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,
+                   normal: float) -> float:
+    """
+    Roll a disc until zeta is small enough.
+
+    :param site: the ``ContactSite``.
+    :param center: of friction, F [m].
+    :param max_zeta: zeta that may stay [rad].
+    :param normal: present angle of the normal in the object frame [rad].
+    :return: further rotation of the robot [rad].
+    """
+    distance = math.hypot(center[0], center[1])
+    from_center = wrapped(math.atan2(center[1], center[0]) - normal)
     sine = site.object_radius * math.sin(max_zeta) / max(distance, MIN_CENTER_DISTANCE)
     if sine >= 1.0:
         return 0.0

@@ -7,10 +7,11 @@ heading to it, the normal of a differential drive comes to rest at ``zeta = D - 
 and the contact force lies ``zeta + kappa c^2 / r`` off the normal, where ``c^2 / r = L - r``.
 """
 
-import math
+from typing import Any
 
-from push_control.estimation.limit_surface_table import LimitSurfaceTable
-from push_control.path.path import CurvatureLimits
+from push_control.estimation.limit_surface_table import curvatures_of_forces
+from push_control.path.path import CurvatureLimits, wrapped
+from push_dynamics.compiled import compiled
 from push_model.quasi_static import Vehicle
 
 # Angle that the normal of a steady turn keeps from the edges of the vertex [rad]. Chosen: the
@@ -18,6 +19,7 @@ from push_model.quasi_static import Vehicle
 STEADY_VERTEX_MARGIN = 0.02
 
 
+@compiled
 def jackknife_limits(vehicle: Vehicle, robot_radius: float, heading_offset: float,
                      cone_angle: float) -> CurvatureLimits:
     """
@@ -37,6 +39,7 @@ def jackknife_limits(vehicle: Vehicle, robot_radius: float, heading_offset: floa
                            (heading_offset + cone_angle) / length)
 
 
+@compiled
 def vertex_limits(vehicle: Vehicle, robot_radius: float, heading_offset: float,
                   zeta_limits: tuple[float, float]) -> CurvatureLimits:
     """
@@ -53,18 +56,22 @@ def vertex_limits(vehicle: Vehicle, robot_radius: float, heading_offset: float,
                            (heading_offset - zeta_limits[0] - STEADY_VERTEX_MARGIN) / length)
 
 
-def friction_cone_limits(supports: LimitSurfaceTable, vehicle: Vehicle, normal: float,
+@compiled
+def friction_cone_limits(c_squared: Any, forces: Any, vehicle: Vehicle, normal: float,
                          cone_angle: float) -> CurvatureLimits:
     """
     Limits where the normal is held in the object: a holonomic base that turns along.
 
     The force stays in the cone; on the ellipsoid, ``|zeta + kappa c^2 / r| <= cone``.
 
-    :param supports: the ``LimitSurfaceTable``.
+    :param c_squared: ``LimitSurfaceTable.values`` [m^2].
+    :param forces: ``LimitSurfaceTable.forces`` [rad].
     :param vehicle: the object as ``Vehicle``.
     :param normal: angle of the contact normal in the object frame [rad].
     :param cone_angle: half angle of the friction cone that may be used [rad].
     :return: ``CurvatureLimits``.
     """
-    zeta = math.remainder(normal - vehicle.angle, 2.0 * math.pi)
-    return CurvatureLimits(*supports.curvatures(vehicle, zeta - cone_angle, zeta + cone_angle))
+    zeta = wrapped(normal - vehicle.angle)
+    low, high = curvatures_of_forces(c_squared, forces, vehicle.arm, vehicle.c_squared,
+                                     zeta - cone_angle, zeta + cone_angle)
+    return CurvatureLimits(low, high)

@@ -151,9 +151,9 @@ class PredictiveLaw(SteeringLaw):
 
     def _set_parameters(self, steering: SteeringInput) -> None:
         """Write the parameters, around the last plan shifted by the distance since."""
-        # The preview is relative to where z is now, and so comes after this projection.
-        projection = steering.project_now()
-        self._horizon.path[:] = steering.preview(self._distances)
+        ahead = steering.foresee()
+        projection, pushed = ahead.projection, ahead.vehicle
+        self._horizon.path[:] = ahead.preview(self._distances)
         low, high = steering.limits
         low = min(low, high)
         before = steering.previous_curvature
@@ -169,17 +169,17 @@ class PredictiveLaw(SteeringLaw):
         self._horizon.scalars[:] = HorizonParameters(
             lateral_error=min(saturation, max(-saturation, projection.lateral_error)),
             heading_error=projection.heading_error,
-            zeta=steering.zeta,
+            zeta=ahead.zeta,
             curvature=curvature,
-            wheelbase=steering.vehicle.wheelbase,
-            force_slope=steering.vehicle.c_squared / steering.vehicle.arm,
+            wheelbase=pushed.wheelbase,
+            force_slope=pushed.c_squared / pushed.arm,
             robot_radius=self._robot.radius,
-            zeta_rest=steering.zeta_rest,
+            zeta_rest=ahead.zeta_rest,
             rolling_gain=self._settings.rolling_gain,
             lag_distance=steering.lag_distance,
-            cone_angle=steering.cone_angle,
-            zeta_low=steering.zeta_limits[0],
-            zeta_high=steering.zeta_limits[1],
+            cone_angle=ahead.cone_angle,
+            zeta_low=ahead.zeta_limits[0],
+            zeta_high=ahead.zeta_limits[1],
             lowest=low,
             highest=high,
             first_lowest=max(low, held - max_change),

@@ -9,40 +9,49 @@ from push_model.geometry import FloatArray
 from push_model.quasi_static import Vehicle
 
 
-class SteeringInput(NamedTuple):
+class Foresight(NamedTuple):
     """
-    The push at one instant; lengths are arc lengths of the flat output z [m].
+    What a law needs to know that looks ahead along the path.
 
-    :param projection: ``PathProjection`` of z one drive lag ahead.
-    :param project_now: gives the ``PathProjection`` of z now.
-    :param preview: gives the path's curvatures [1/m] at distances beyond the present one, shape
-        (n,) each.
+    :param projection: ``PathProjection`` of z now.
+    :param preview: gives the path's curvatures [1/m] at distances beyond that, shape (n,) each.
     :param vehicle: the object as ``Vehicle``.
     :param zeta: angle from C->F to the contact normal now [rad].
     :param zeta_rest: where zeta comes to rest on a straight path: the heading offset D of a
         differential drive, else where the contact is rolled to [rad].
     :param zeta_limits: (lowest, highest) zeta at which the contact stays on its feature [rad].
-    :param limits: ``CurvatureLimits``.
     :param cone_angle: half angle of the friction cone that may be used [rad].
-    :param previous_curvature: commanded last [1/m], or None at the start.
-    :param max_change: largest change from it [1/m].
-    :param distance: covered since then.
-    :param lag_distance: by which the drive lags behind.
     """
 
     projection: PathProjection
-    project_now: Callable[[], PathProjection]
     preview: Callable[[FloatArray], FloatArray]
     vehicle: Vehicle
     zeta: float
     zeta_rest: float
     zeta_limits: tuple[float, float]
-    limits: CurvatureLimits
     cone_angle: float
+
+
+class SteeringInput(NamedTuple):
+    """
+    The push at one instant; lengths are arc lengths of the flat output z [m].
+
+    :param projection: ``PathProjection`` of z one drive lag ahead.
+    :param limits: ``CurvatureLimits``.
+    :param previous_curvature: commanded last [1/m], or None at the start.
+    :param max_change: largest change from it [1/m].
+    :param distance: covered since then.
+    :param lag_distance: by which the drive lags behind.
+    :param foresee: gives the ``Foresight``; a law that does not look ahead does not ask for it.
+    """
+
+    projection: PathProjection
+    limits: CurvatureLimits
     previous_curvature: float | None
     max_change: float
     distance: float
     lag_distance: float
+    foresee: Callable[[], Foresight]
 
     def clip(self, curvature: float) -> float:
         """

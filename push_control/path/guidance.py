@@ -1,8 +1,12 @@
 """Guidance: follows the path of z, and plans another one where the present one will not do."""
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 import numpy as np
 from push_control.path.path import (
-    CurvatureLimits, FlatOutputPath, path_to_goal, PathProjection, project_on_path,
+    CurvatureLimits, FlatOutputPath, keeps_to, path_to_goal, PathProjection, project_on_path,
+    PROJECTION_SIZE,
 )
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, Pose
@@ -15,6 +19,8 @@ ARRIVAL_TOLERANCE_RATIO = 0.85
 # supports rub otherwise than their nominal values.
 MIN_CAUTION = 0.5
 CAUTION_FACTOR = 0.8
+# What limits of new paths are asked of, where there is one.
+LimitsSource: TypeAlias = Callable[[], CurvatureLimits]
 # Distances ahead at which a path must keep to the limits [m]. Chosen: one metre, every 0.1 m.
 LOOK_AHEAD_DISTANCES: FloatArray = np.linspace(0.0, 1.0, 11, dtype=np.float64)
 
@@ -36,14 +42,15 @@ class Guidance:
         """
         self._path = path
         self._settings = settings
-        self._s = 0.0
+        # Numbers of the last projection; on a new path, of its start.
+        self._projection: FloatArray = np.zeros(PROJECTION_SIZE)
         self._time_since_replan = settings.replan_period
         self.planned_length = path.length
         self.path_replans = 0
         self.reapproaches = 0
         # Changes nothing; but loads machine code before the robot moves.
-        project_on_path(path, path.at(0.0).pose, 0.0)
-        path.curvature_range(0.0, LOOK_AHEAD_DISTANCES, path.length)
+        project_on_path(path, path.at(0.0).pose, np.zeros(PROJECTION_SIZE))
+        keeps_to(path.rows, 0.0, LOOK_AHEAD_DISTANCES, 0.0, 0.0)
         path.curvatures(0.0, LOOK_AHEAD_DISTANCES)
 
     def project(self, pose: Pose) -> PathProjection:
@@ -53,9 +60,7 @@ class Guidance:
         :param pose: ``Pose`` of z in its goal frame.
         :return: ``PathProjection``.
         """
-        projection = project_on_path(self._path, pose, self._s)
-        self._s = projection.s
-        return projection
+        return project_on_path(self._path, pose, self._projection)
 
     def preview(self, distances: FloatArray) -> FloatArray:
         """
@@ -64,9 +69,9 @@ class Guidance:
         :param distances: beyond the last projection [m], shape (n,).
         :return: curvatures [1/m], shape (n,).
         """
-        return self._path.curvatures(self._s, distances)
+        return self._path.curvatures(self._projection[0], distances)
 
-    def update(self, pose: Pose, projection: PathProjection, *, replan_limits: CurvatureLimits,
+    def update(self, pose: Pose, projection: PathProjection, *, replan_limits: LimitsSource,
                hard_limits: CurvatureLimits, travelled_distance: float,
                dt: float) -> PathProjection:
         """
@@ -74,7 +79,7 @@ class Guidance:
 
         :param pose: ``Pose`` of z in its goal frame.
         :param projection: ``PathProjection`` on the present path.
-        :param replan_limits: ``CurvatureLimits`` for a new path.
+        :param replan_limits: gives the ``CurvatureLimits`` for a new path.
         :param hard_limits: ``CurvatureLimits`` that no path may exceed.
         :param travelled_distance: path length of the contact since the start [m].
         :param dt: time since the last call [s].
@@ -90,7 +95,7 @@ class Guidance:
         if not self._calls_for_replan(projection, hard_limits):
             return projection
         self._time_since_replan = 0.0
-        path = path_to_goal(pose, replan_limits, settings.final_straight)
+        path = path_to_goal(pose, replan_limits(), settings.final_straight)
         if path.length > settings.replan_length_ratio * projection.remaining_distance:
             return projection
         self.path_replans += 1
@@ -121,13 +126,13 @@ class Guidance:
                 * CAUTION_FACTOR ** self.reapproaches)
 
     def arrive(self, pose: Pose, projection: PathProjection,
-               limits: CurvatureLimits) -> PathProjection | None:
+               limits: LimitsSource) -> PathProjection | None:
         """
         Approach the goal again unless the push has come near enough.
 
         :param pose: ``Pose`` of z in its goal frame.
         :param projection: ``PathProjection`` at the end of the present path.
-        :param limits: ``CurvatureLimits`` for the new path.
+        :param limits: gives the ``CurvatureLimits`` for the new path.
         :return: ``PathProjection`` on the new path, or None where there is none.
         """
         if not self.is_off(projection, ARRIVAL_TOLERANCE_RATIO):
@@ -140,29 +145,27 @@ class Guidance:
                    and abs(projection.heading_error) <= settings.replan_heading_error)
         if not is_near:
             return True
-        low, high = self._path.curvature_range(self._s, LOOK_AHEAD_DISTANCES,
-                                               projection.remaining_distance)
-        return high > hard_limits.high or low < hard_limits.low
+        return not keeps_to(self._path.rows, projection.s, LOOK_AHEAD_DISTANCES, *hard_limits)
 
     def _reapproach_in_time(self, pose: Pose, projection: PathProjection,
-                            limits: CurvatureLimits) -> PathProjection:
+                            limits: LimitsSource) -> PathProjection:
         """Approach the goal again before the end of a path that will miss it."""
         if not self.is_off(projection, self._settings.reapproach_tolerance_ratio):
             return projection
         again = self._reapproach(pose, limits)
         return projection if again is None else again
 
-    def _reapproach(self, pose: Pose, limits: CurvatureLimits) -> PathProjection | None:
+    def _reapproach(self, pose: Pose, limits: LimitsSource) -> PathProjection | None:
         """Approach the goal again, as often as the settings allow; None where they do not."""
         if self.reapproaches >= self._settings.max_reapproaches:
             return None
+        path = path_to_goal(pose, limits(), self._settings.final_straight)
         self.reapproaches += 1
-        path = path_to_goal(pose, limits, self._settings.final_straight)
         self.planned_length += path.length
         return self._follow(path, pose)
 
     def _follow(self, path: FlatOutputPath, pose: Pose) -> PathProjection:
         self._path = path
-        self._s = 0.0
+        self._projection[:] = 0.0
         self._time_since_replan = 0.0
         return self.project(pose)

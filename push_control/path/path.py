@@ -33,6 +33,11 @@ MAX_PROJECTION_STEP = 0.2
 MIN_PROJECTION_DIVISOR = 0.5
 # Smallest ratio of chord to arc: that of nearly a full circle.
 MIN_CHORD_RATIO = 0.1
+# Columns of ``FlatOutputPath.rows``, beyond those of the pose.
+CURVATURE = 3
+BEGIN = 4
+# Count of the numbers of a ``PathProjection``.
+PROJECTION_SIZE = 5
 
 
 class CurvatureLimits(NamedTuple):
@@ -72,108 +77,121 @@ class PathPoint(NamedTuple):
     curvature: float
 
 
-class PathNumbers(NamedTuple):
-    """
-    A path, as compiled functions read it.
-
-    :param rows: x, y [m], psi [rad] and curvature [1/m], one row for each sample at equal
-        distances, or for the beginning of each arc, shape (n, 4).
-    :param begins: arc lengths of the rows [m], shape (n,).
-    :param is_sampled: whether the rows are samples. Of arcs, the first row is for what lies before
-        the start.
-    """
-
-    rows: Any
-    begins: Any
-    is_sampled: bool
-
-
 @compiled
-def path_point(path: PathNumbers, s: float) -> PathPoint:
+def path_point(rows: Any, s: float) -> PathPoint:
     """
     Evaluate a path; straight on beyond its ends.
 
-    :param path: ``PathNumbers``.
+    :param rows: ``FlatOutputPath.rows``.
     :param s: arc length from the start [m].
     :return: ``PathPoint``.
     """
-    rows, begins = path.rows, path.begins
-    last = len(begins) - 1
-    if not path.is_sampled:
+    last = len(rows) - 1
+    if not is_sampled(rows):
         index = 0 if s < 0.0 else 1
-        while 0 < index < last and s > begins[index + 1]:
+        while 0 < index < last and s > rows[index + 1, BEGIN]:
             index += 1
-        pose = Pose(rows[index, 0], rows[index, 1], rows[index, 2])
-        return PathPoint(advance_along_arc(pose, s - begins[index], rows[index, 3]),
-                         rows[index, 3])
-    if not 0.0 < s < begins[last]:
+        return PathPoint(advance_along_arc(row_pose(rows[index]), s - rows[index, BEGIN],
+                                           rows[index, CURVATURE]), rows[index, CURVATURE])
+    if not 0.0 < s < rows[last, BEGIN]:
         index = last if s > 0.0 else 0
-        pose = Pose(rows[index, 0], rows[index, 1], rows[index, 2])
-        return PathPoint(advance_along_arc(pose, s - begins[index], 0.0), rows[index, 3])
-    index = min(int(s / begins[1]), last - 1)
-    ratio = s / begins[1] - index
+        return PathPoint(advance_along_arc(row_pose(rows[index]), s - rows[index, BEGIN], 0.0),
+                         rows[index, CURVATURE])
+    index = min(int(s / rows[1, BEGIN]), last - 1)
+    ratio = s / rows[1, BEGIN] - index
     a, b = rows[index], rows[index + 1]
     return PathPoint(Pose(a[0] + ratio * (b[0] - a[0]), a[1] + ratio * (b[1] - a[1]),
                           a[2] + ratio * (b[2] - a[2])), a[3] + ratio * (b[3] - a[3]))
 
 
 @compiled
-def path_curvature(path: PathNumbers, s: float) -> float:
+def is_sampled(rows: Any) -> bool:
     """
-    Evaluate the curvature of a path; 0 beyond its ends.
+    Tell samples from arcs, the first two rows of which begin at 0 alike.
 
-    :param path: ``PathNumbers``.
-    :param s: arc length from the start [m].
-    :return: curvature [1/m].
+    :param rows: ``FlatOutputPath.rows``.
     """
-    last = len(path.begins) - 1
-    if path.is_sampled and not 0.0 <= s <= path.begins[last]:
-        return 0.0
-    return path_point(path, s).curvature
+    return rows[1, BEGIN] > 0.0
 
 
 @compiled
-def read_curvatures(path: PathNumbers, start: float, distances: Any, curvatures: Any) -> None:
+def row_pose(row: Any) -> Pose:
+    """
+    Read the pose of a row.
+
+    :param row: of ``FlatOutputPath.rows``.
+    """
+    return Pose(row[0], row[1], row[2])
+
+
+@compiled
+def path_curvature(rows: Any, s: float) -> float:
+    """
+    Evaluate the curvature of a path; 0 beyond its ends.
+
+    :param rows: ``FlatOutputPath.rows``.
+    :param s: arc length from the start [m].
+    :return: curvature [1/m].
+    """
+    if is_sampled(rows) and not 0.0 <= s <= rows[len(rows) - 1, BEGIN]:
+        return 0.0
+    return path_point(rows, s).curvature
+
+
+@compiled
+def read_curvatures(rows: Any, start: float, distances: Any, curvatures: Any) -> None:
     """
     Evaluate the curvatures of a path; 0 beyond its ends.
 
-    :param path: ``PathNumbers``.
+    :param rows: ``FlatOutputPath.rows``.
     :param start: arc length [m].
     :param distances: beyond it [m], shape (n,).
     :param curvatures: is written [1/m], shape (n,).
     """
     for i in range(len(distances)):
-        curvatures[i] = path_curvature(path, start + distances[i])
+        curvatures[i] = path_curvature(rows, start + distances[i])
 
 
 @compiled
-def curvature_range(path: PathNumbers, start: float, distances: Any,
-                    longest: float) -> CurvatureLimits:
+def keeps_to(rows: Any, start: float, distances: Any, low: float, high: float) -> bool:
     """
-    Find the least and the greatest curvature of a path ahead.
+    Tell whether the curvature of a path ahead, up to its end, keeps to limits.
 
-    :param path: ``PathNumbers``.
+    :param rows: ``FlatOutputPath.rows``.
     :param start: arc length [m].
     :param distances: beyond it [m], shape (n,).
-    :param longest: to which they are shortened [m].
-    :return: ``CurvatureLimits``.
+    :param low: least curvature [1/m].
+    :param high: greatest curvature [1/m].
     """
-    low, high = math.inf, -math.inf
+    longest = rows[len(rows) - 1, BEGIN] - start
     for i in range(len(distances)):
-        curvature = path_curvature(path, start + min(distances[i], longest))
-        low, high = min(low, curvature), max(high, curvature)
-    return CurvatureLimits(low, high)
+        if not low <= path_curvature(rows, start + min(distances[i], longest)) <= high:
+            return False
+    return True
 
 
 class FlatOutputPath:
     """
     A path of z that ends at the origin of its frame, along x.
 
-    ``length``: arc length [m]. ``numbers``: ``PathNumbers``.
+    ``rows``: x, y [m], psi [rad], curvature [1/m] and the arc length at which it begins [m], one
+    row for each sample at equal distances, or for each arc; read-only, shape (n, 5). The last row
+    is the end; of arcs, the first one is for what lies before the start.
     """
 
-    length: float
-    numbers: PathNumbers
+    def __init__(self, rows: FloatArray):
+        """
+        Take the rows.
+
+        :param rows: shape (n, 5).
+        """
+        self.rows = np.ascontiguousarray(rows)
+        self.rows.flags.writeable = False
+
+    @property
+    def length(self) -> float:
+        """Arc length [m]."""
+        return float(self.rows[-1, BEGIN])
 
     def at(self, s: float) -> PathPoint:
         """
@@ -182,7 +200,7 @@ class FlatOutputPath:
         :param s: arc length from the start [m].
         :return: ``PathPoint``.
         """
-        return interpreted(path_point)(self.numbers, s)
+        return interpreted(path_point)(self.rows, s)
 
     def curvatures(self, start: float, distances: FloatArray) -> FloatArray:
         """
@@ -193,20 +211,8 @@ class FlatOutputPath:
         :return: curvatures [1/m], shape (n,).
         """
         curvatures: FloatArray = np.empty(len(distances))
-        read_curvatures(self.numbers, start, distances, curvatures)
+        read_curvatures(self.rows, start, distances, curvatures)
         return curvatures
-
-    def curvature_range(self, start: float, distances: FloatArray,
-                        longest: float) -> CurvatureLimits:
-        """
-        Find the least and the greatest curvature ahead.
-
-        :param start: arc length from the start [m].
-        :param distances: beyond that [m], shape (n,).
-        :param longest: to which they are shortened [m].
-        :return: ``CurvatureLimits``.
-        """
-        return curvature_range(self.numbers, start, distances, longest)
 
 
 class SampledPath(FlatOutputPath):
@@ -228,9 +234,7 @@ class SampledPath(FlatOutputPath):
         count = max(3, math.ceil(length / SPACING) + 1)
         begins = np.linspace(0.0, length, count)
         x, y, psi = (np.interp(begins, arc_lengths, column) for column in dense_poses)
-        rows = np.column_stack((x, y, psi, np.gradient(psi, begins)))
-        self.numbers = PathNumbers(rows, begins, True)
-        self.length = float(length)
+        super().__init__(np.column_stack((x, y, psi, np.gradient(psi, begins), begins)))
 
 
 class FinalStraightPath(FlatOutputPath):
@@ -243,16 +247,23 @@ class FinalStraightPath(FlatOutputPath):
         :param route: ``DubinsPath`` to the beginning of the final approach.
         :param final_straight: length of that [m].
         """
-        self.length = route.length + final_straight
-        # Before the start, on each of the three segments, and beyond them.
-        begins = np.cumsum((0.0, 0.0, *route.lengths))
-        curvatures = np.array((0.0, *route.curvatures, 0.0))
-        pose = route.start
-        poses = [pose, pose]
-        for distance, curvature in zip(route.lengths, route.curvatures):
-            pose = dubins.advance_along_arc(pose, distance, curvature)
-            poses.append(pose)
-        self.numbers = PathNumbers(np.column_stack((poses, curvatures)), begins, False)
+        # Before the start, on each of the three segments and the final approach, and beyond.
+        lengths = (0.0, *route.lengths, final_straight)
+        curvatures = (0.0, *route.curvatures, 0.0, 0.0)
+        poses = [route.start]
+        for distance, curvature in zip(lengths, curvatures):
+            poses.append(dubins.advance_along_arc(poses[-1], distance, curvature))
+        super().__init__(np.column_stack((poses, curvatures, np.cumsum((0.0, *lengths)))))
+
+
+@compiled
+def wrapped(angle: float) -> float:
+    """
+    Wrap an angle to [-pi, pi), as ``geometry.wrap_angle`` does, by what numba knows.
+
+    :param angle: any finite angle [rad].
+    """
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
 
 
 class PathProjection(NamedTuple):
@@ -298,42 +309,44 @@ def path_to_goal(start: Pose, limits: CurvatureLimits, final_straight: float) ->
     return FinalStraightPath(shortest, final_straight)
 
 
-def project_on_path(path: FlatOutputPath, pose: Pose, s: float) -> PathProjection:
+def project_on_path(path: FlatOutputPath, pose: Pose, numbers: FloatArray) -> PathProjection:
     """
     Project a pose on a path, near a given arc length.
 
     :param path: the ``FlatOutputPath``.
     :param pose: ``Pose`` in the goal frame of z.
-    :param s: arc length at which to begin [m].
+    :param numbers: those of the last ``PathProjection``, become those of the new one; the first
+        one is the arc length at which to begin [m].
     :return: ``PathProjection``.
     """
-    return projected(path.numbers, path.length, pose, s)
+    write_projection(path.rows, *pose, numbers)
+    return PathProjection(*numbers.tolist())
 
 
 @compiled
-def projected(path: PathNumbers, length: float, pose: Pose, s: float) -> PathProjection:
+def write_projection(rows: Any, x: float, y: float, theta: float, projection: Any) -> None:
     """
     Project a pose on a path, near a given arc length.
 
-    :param path: ``PathNumbers``.
-    :param length: of the path [m].
-    :param pose: ``Pose`` in the goal frame of z.
-    :param s: arc length at which to begin [m].
-    :return: ``PathProjection``.
+    :param rows: ``FlatOutputPath.rows``.
+    :param x: of the pose in the goal frame of z [m].
+    :param y: of the pose [m].
+    :param theta: of the pose [rad].
+    :param projection: numbers of a ``PathProjection``, is written; it begins with its s.
     """
+    s = projection[0]
     for _ in range(PROJECTION_ITERATIONS):
-        on, curvature = path_point(path, s)
+        on, curvature = path_point(rows, s)
         cosine, sine = math.cos(on.theta), math.sin(on.theta)
-        off_x, off_y = pose.x - on.x, pose.y - on.y
+        off_x, off_y = x - on.x, y - on.y
         ahead, lateral = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
         step = ahead / max(MIN_PROJECTION_DIVISOR, 1.0 - curvature * lateral)
         s += min(MAX_PROJECTION_STEP, max(-MAX_PROJECTION_STEP, step))
-    on, curvature = path_point(path, s)
-    lateral = math.cos(on.theta) * (pose.y - on.y) - math.sin(on.theta) * (pose.x - on.x)
-    # The heading error, within half a turn to either side.
-    off = pose.theta - on.theta
-    off -= 2.0 * math.pi * math.floor(off / (2.0 * math.pi) + 0.5)
-    return PathProjection(s, lateral, off, curvature, length - s)
+    on, curvature = path_point(rows, s)
+    lateral = math.cos(on.theta) * (y - on.y) - math.sin(on.theta) * (x - on.x)
+    off = wrapped(theta - on.theta)
+    projection[0], projection[1], projection[2], projection[3] = s, lateral, off, curvature
+    projection[4] = rows[len(rows) - 1, BEGIN] - s
 
 
 def _flat_output_poses(vehicle: Vehicle, trajectory: PushTrajectory) -> FloatArray:

@@ -10,15 +10,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_control.estimation.monitors import OneSidedMonitor
-from push_control.estimation.push_motion import PushState
+from push_control.estimation.monitors import jackknife_fault, OneSidedMonitor
 from push_control.events import EventReport, PushEvent, sentence
 from push_control.laws.command import contact_speed
-from push_control.laws.steering_law import SteeringInput, SteeringLaw
+from push_control.laws.steering_law import Foresight, SteeringInput, SteeringLaw
 from push_control.observation import Observation
 from push_control.path.guidance import Guidance
 from push_control.path.path import CurvatureLimits, PathProjection, SampledPath
-from push_control.push.contact_model import ContactModel, PushStep
+from push_control.push.contact_model import ContactModel
 from push_control.push.execution import PushExecution
 from push_control.push.status import ControllerStatus, Phase
 from push_control.push.tracking import PushTracker
@@ -69,18 +68,6 @@ class _Motion(NamedTuple):
     speed: float = 0.0
 
 
-class _Estimate(NamedTuple):
-    """
-    Where the push stands.
-
-    :param state: ``PushState`` one drive lag ahead.
-    :param projection: ``PathProjection`` of z, or None before the first step towards a target.
-    """
-
-    state: PushState
-    projection: PathProjection | None = None
-
-
 class _Outcome(NamedTuple):
     """
     How the push has ended, if it has.
@@ -122,19 +109,25 @@ class ClosedLoopPush(PushExecution):
                                     self._model.center, observation.object_pose,
                                     observation.odometry)
         self._motion = _Motion()
-        self._estimate = _Estimate(self._tracker.predict(observation.time, STOP)[0])
+        self._tracker.predict(observation.time, STOP, self._model.states)
         law.reset()
         self._follow(target, replan_requests=0)
+        # Changes nothing; but loads machine code before the robot moves.
+        self._model.observe(self._tracker.filter_memory)
+        self._model.command(0.0, 0.0)
 
     def _follow(self, target: PushTrajectory, replan_requests: int) -> None:
         """Take up a target, at its start."""
         self._guidance = Guidance(SampledPath(self._model.nominal, target), self._settings)
         self._one_sided = OneSidedMonitor(self._settings)
+        goal = Pose(*target.object_poses[-1].tolist())
+        self._model.aim(goal)
         self._target = _Target(
-            Pose(*target.object_poses[-1].tolist()),
+            goal,
             float(np.hypot(*target.contact_twists[:, :2].T).max()),
             self._tracker.travelled_distance, replan_requests)
-        self._estimate = self._estimate._replace(projection=None)
+        # Of z one drive lag ahead; None before the first step towards this target.
+        self._projection: PathProjection | None = None
         self._outcome = _Outcome()
 
     def continue_with(self, target: PushTrajectory, observation: Observation) -> bool:
@@ -147,7 +140,7 @@ class ClosedLoopPush(PushExecution):
         :raises ValueError: where the robot does not touch the object at the target's start.
         """
         site = self._model.initial_site(target)
-        shift = self._estimate.state.pose.inverse() @ Pose(*target.object_poses[0].tolist())
+        shift = self._model.ahead.pose.inverse() @ Pose(*target.object_poses[0].tolist())
         if (observation.time < self._tracker.last_odometry.time
                 or not self._tracker.site.is_same_push(site, shift)):
             return False
@@ -190,22 +183,20 @@ class ClosedLoopPush(PushExecution):
         :param dt: time since the last call [s].
         :return: ``Twist`` in the robot's axes; STOP once ``finished`` or ``failure`` is set.
         """
-        now, ahead = self._tracker.predict(time, self._motion.command)
-        step = self._model.step(now, ahead, self._tracker.site)
-        flat_output = step.flat_output(ahead, self._target.goal)
-        projection = self._guidance.project(flat_output)
+        model = self._model
+        self._tracker.predict(time, self._motion.command, model.states)
+        model.observe(self._tracker.filter_memory)
+        flat_output = model.flat_output
+        projection = self._projection = self._guidance.project(flat_output)
         if self.finished:
-            self._estimate = _Estimate(ahead, projection)
             command = STOP
         elif self._tracker.is_contact_lost:
-            self._estimate = _Estimate(ahead, projection)
-            command = self._close_gap(step, dt)
+            command = self._close_gap(dt)
         else:
-            projection = self._update_path(step, flat_output, projection, dt)
-            self._estimate = _Estimate(ahead, projection)
+            projection = self._projection = self._update_path(flat_output, projection, dt)
             self._check_length()
             has_ended = self.finished or self.failure is not None
-            command = STOP if has_ended else self._steer(step, projection, dt)
+            command = STOP if has_ended else self._steer(projection, dt)
         if command is not self._motion.command:
             self._motion = self._motion._replace(command=command)
         return command
@@ -238,7 +229,8 @@ class ClosedLoopPush(PushExecution):
         :param event: ``EventReport`` of what is out of the ordinary, or None.
         :return: ``ControllerStatus``.
         """
-        (state, projection), goal, guidance = self._estimate, self._target.goal, self._guidance
+        state, projection = self._model.ahead, self._projection
+        goal, guidance = self._target.goal, self._guidance
         return ControllerStatus(
             phase=phase, reason=sentence(event), event=None if event is None else event.reason,
             position_error=math.hypot(state.x - goal.x, state.y - goal.y),
@@ -260,7 +252,7 @@ class ClosedLoopPush(PushExecution):
             solver_failures=self._law.solver.failures,
             solver_failure=self._law.solver.last)
 
-    def _close_gap(self, step: PushStep, dt: float) -> Twist:
+    def _close_gap(self, dt: float) -> Twist:
         """Approach an object out of contact slowly; it lies still meanwhile."""
         fault = self._tracker.detector.approach_fault(self._settings.start_speed * dt)
         failure = fault if self.failure is None else self.failure
@@ -269,23 +261,22 @@ class ClosedLoopPush(PushExecution):
         self._law.reset()
         if failure is not None:
             return STOP
-        return self._model.steering.approach(step.site, step.ahead)
+        return self._model.approach()
 
-    def _update_path(self, step: PushStep, flat_output: Pose, projection: PathProjection,
+    def _update_path(self, flat_output: Pose, projection: PathProjection,
                      dt: float) -> PathProjection:
         """Keep the path or replace it, and end the push at its end."""
-        replan_limits = self._replan_limits(step)
-        hard_limits = self._model.limits(step, step.ahead, self._settings.feedback_cone_fraction)
         projection = self._guidance.update(
-            flat_output, projection, replan_limits=replan_limits, hard_limits=hard_limits,
-            travelled_distance=self.travelled_distance, dt=dt)
+            flat_output, projection, replan_limits=self._replan_limits,
+            hard_limits=self._model.limits_ahead, travelled_distance=self.travelled_distance,
+            dt=dt)
         if abs(projection.lateral_error) > self._max_deviation:
             self._fail(PushEvent.OFF_PATH.report(lateral=abs(projection.lateral_error),
                                                  limit=self._max_deviation))
             return projection
         if projection.remaining_distance > self._settings.stop_distance:
             return projection
-        again = self._guidance.arrive(flat_output, projection, replan_limits)
+        again = self._guidance.arrive(flat_output, projection, self._replan_limits)
         if again is not None:
             return again
         overshoot = max(0.0, flat_output.x)
@@ -297,12 +288,12 @@ class ClosedLoopPush(PushExecution):
             self._outcome = self._outcome._replace(is_finished=True)
         return projection
 
-    def _replan_limits(self, step: PushStep) -> CurvatureLimits:
+    def _replan_limits(self) -> CurvatureLimits:
         """Limits of new paths: a differential drive has no cone to spare to one side."""
         caution = 1.0
         if not self._model.is_differential:
-            caution = self._guidance.cone_fraction(self._model.center_error_ratio(step.ahead))
-        return self._model.limits(step, step.ahead, self._settings.replan_cone_fraction * caution)
+            caution = self._guidance.cone_fraction(self._model.center_error_ratio())
+        return self._model.limits(self._settings.replan_cone_fraction * caution)
 
     def _check_length(self) -> None:
         """Abort a push that goes on much longer than planned."""
@@ -315,21 +306,24 @@ class ClosedLoopPush(PushExecution):
         may_replan = self._target.replan_requests < self._settings.max_replan_requests
         self._outcome = self._outcome._replace(failure=failure, may_replan=may_replan)
 
-    def _steer(self, step: PushStep, projection: PathProjection, dt: float) -> Twist:
+    def _steer(self, projection: PathProjection, dt: float) -> Twist:
         """Choose the curvature, and compute the command that gives it."""
+        settings = self._settings
         elapsed = self._motion.elapsed + dt
         speed = contact_speed(elapsed, projection.remaining_distance, self._target.max_speed,
-                              self._settings)
-        limits = self._model.limits(step, step.now, self._settings.feedback_cone_fraction)
+                              settings)
+        limits = self._model.limits_now
         last, fault = self._motion, self._one_sided.fault(limits, self.travelled_distance)
         if fault is not None:
             self._set_failure(fault)
             self._motion = _Motion(last.command, last.curvature, elapsed, speed)
             return STOP
-        steering = self._steering_input(step, projection, limits, speed, dt)
+        steering = SteeringInput(projection, limits, last.curvature,
+                                 settings.max_curvature_rate * speed * dt, speed * dt,
+                                 speed * self._model.time_constant, self._foresee)
         curvature = steering.clip(self._law.curvature(steering))
-        command, fault = self._model.command(step, curvature, speed)
-        self._set_failure(fault)
+        command, mode = self._model.command(curvature, speed)
+        self._set_failure(jackknife_fault(mode))
         self._motion = _Motion(command, curvature, elapsed, speed)
         return command
 
@@ -338,25 +332,12 @@ class ClosedLoopPush(PushExecution):
         if failure is not self._outcome.failure:
             self._outcome = self._outcome._replace(failure=failure)
 
-    def _steering_input(self, step: PushStep, projection: PathProjection,
-                        limits: CurvatureLimits, speed: float, dt: float) -> SteeringInput:
-        """Gather what the law needs to know."""
-        def project_now() -> PathProjection:
-            return self._guidance.project(step.flat_output(step.now, self._target.goal))
-
-        posture = self._model.steering.posture(step.site, step.vehicle, step.normal_now,
-                                               step.now)
-        return SteeringInput(
-            projection=projection,
-            project_now=project_now,
-            preview=self._guidance.preview,
-            vehicle=step.vehicle,
-            zeta=posture.zeta,
-            zeta_rest=posture.zeta_rest,
-            zeta_limits=posture.zeta_limits,
-            limits=limits,
-            cone_angle=self._model.steering.cone_angle(self._settings.feedback_cone_fraction),
-            previous_curvature=self._motion.curvature,
-            max_change=self._settings.max_curvature_rate * speed * dt,
-            distance=speed * dt,
-            lag_distance=speed * self._model.time_constant)
+    def _foresee(self) -> Foresight:
+        """Gather what a law needs to know that looks ahead along the path."""
+        model = self._model
+        # The preview is relative to where z is now, and so comes after this projection.
+        return Foresight(
+            projection=self._guidance.project(model.flat_output_now),
+            preview=self._guidance.preview, vehicle=model.vehicle, zeta=model.zeta,
+            zeta_rest=model.zeta_rest, zeta_limits=model.zeta_limits,
+            cone_angle=model.cone_angle)

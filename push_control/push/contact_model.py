@@ -1,70 +1,42 @@
-"""The pushed object as the controller models it at one contact: pure functions of the estimate."""
+"""The pushed object as the controller models it at one contact, in numbers of a control step."""
 
-import functools
 import math
-from typing import NamedTuple
 
+import numpy as np
 from push_control.estimation.contact_site import ContactSite, initial_contact_site
+from push_control.estimation.filter_kernel import MEMORY_SIZE, SITE
 from push_control.estimation.limit_surface_table import LimitSurfaceTable
 from push_control.estimation.push_motion import PushMotion, PushState
-from push_control.laws.contact_steering import ContactSteering, SteeringCommand
+from push_control.laws.contact_steering import SteeringCommand
 from push_control.path.path import CurvatureLimits
+from push_control.push import step_kernel
+from push_control.push.step_kernel import (
+    AHEAD, ANGLE, ARM, C_SQUARED, COMMAND, CONE_ANGLE, CONTACT, FEEDBACK_FRACTION, FLAT_AHEAD,
+    FLAT_NOW, FORCES, GOAL, IS_DIFFERENTIAL, LIMITS_AHEAD, LIMITS_NOW, MAX_SPEED, MAX_YAW_RATE,
+    NORMAL_NOW, NOW, PUSH_SIZE, ROLLING_GAIN, SPREAD, START_SPEED, STEP_SIZE, ZETA, ZETA_HIGH,
+    ZETA_LOW, ZETA_REST,
+)
 from push_control.settings import ControlSettings
-from push_model.geometry import Pose
+from push_dynamics.compiled import array_view, interpreted
+from push_model.friction import friction_spread, FrictionSpread, has_heights
+from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.quasi_static import pushed_friction_center, Vehicle, vehicle
+from push_model.quasi_static import (
+    MIN_ARM, pushed_friction_center, Vehicle, vehicle, vehicle_along,
+)
+from push_model.signals import Twist
 from push_model.trajectory import PushTrajectory
-
-
-class PushStep(NamedTuple):
-    """
-    The push at one control step, as estimated.
-
-    :param now: ``PushState`` now.
-    :param ahead: ``PushState`` one drive lag ahead, where the command takes effect.
-    :param site: the ``ContactSite``.
-    :param vehicle: the object as ``Vehicle``, pushed at the contact ahead.
-    :param normal_now: angle of the contact normal in the object frame now [rad].
-    :param normal_ahead: the same one drive lag ahead [rad].
-    """
-
-    now: PushState
-    ahead: PushState
-    site: ContactSite
-    vehicle: Vehicle
-    normal_now: float
-    normal_ahead: float
-
-    def normal(self, state: PushState) -> float:
-        """
-        Contact normal in one of the two states.
-
-        :param state: ``now`` or ``ahead``.
-        :return: its angle in the object frame [rad].
-        """
-        return self.normal_ahead if state is self.ahead else self.normal_now
-
-    def flat_output(self, state: PushState, goal: Pose) -> Pose:
-        """
-        Pose of z in its goal frame: the frame of z where the object is at its goal.
-
-        :param state: ``now`` or ``ahead``.
-        :param goal: ``Pose`` of the object at its goal, in the world.
-        :return: ``Pose``.
-        """
-        x, y = state.pose.transform(self.vehicle.flat_output)
-        goal_x, goal_y = goal.transform(self.vehicle.flat_output)
-        to_goal = Pose(0.0, 0.0, -goal.theta - self.vehicle.angle)
-        return Pose(*to_goal.rotate((x - goal_x, y - goal_y)), state.theta - goal.theta)
 
 
 class ContactModel:
     """
-    One robot at one contact of an object.
+    One robot at one contact of an object, and the push there at the present control step.
 
     ``is_differential``: whether the base is a differential drive. ``nominal``: the nominal object
     as ``Vehicle``, pushed at the start. ``center``: its centre of friction under the push (x, y)
-    [m]. ``steering``: ``ContactSteering``. ``motion``: ``PushMotion``.
+    [m]. ``cone_angle``: half angle of the friction cone that feedback may use [rad]. ``motion``:
+    ``PushMotion``. ``states``: numbers of the ``PushState`` now and one drive lag ahead, which the
+    estimator writes, shape (14,). ``memory``: that of the filter, see ``filter_kernel``.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
@@ -82,13 +54,31 @@ class ContactModel:
         self._robot = robot
         self.is_differential = robot.drive == 'differential'
         site = initial_contact_site(obj, robot, target)
+        if self.is_differential and site.kind != 'vertex':
+            raise ValueError(f'target: got a contact of kind {site.kind!r} for a differential '
+                             'drive, which cannot steer there, expected a vertex')
         self.nominal = vehicle(obj, site.point)
         self.center = pushed_friction_center(obj, site.point)
+        self._transfers_load = has_heights(obj)
         supports = LimitSurfaceTable(obj, site.point)
-        self.steering = ContactSteering(obj, robot, settings, site, supports)
         self.motion = PushMotion(robot.radius, site, supports)
-        # At a vertex all arguments stay the same until the next pose: one entry is enough.
-        self._vehicle = functools.lru_cache(maxsize=1)(self._pushed_at)
+        cone_angle = math.atan(settings.friction_fraction * obj.contact_friction_coefficient)
+        self.cone_angle = settings.feedback_cone_fraction * cone_angle
+        self._push: FloatArray = np.zeros(PUSH_SIZE)
+        self._push[IS_DIFFERENTIAL] = self.is_differential
+        self._push[MAX_SPEED], self._push[MAX_YAW_RATE] = robot.max_speed, robot.max_yaw_rate
+        self._push[ROLLING_GAIN] = settings.rolling_gain
+        self._push[START_SPEED] = settings.start_speed
+        self._push[CONE_ANGLE] = cone_angle
+        self._push[FEEDBACK_FRACTION] = settings.feedback_cone_fraction
+        self._push[SPREAD:GOAL] = friction_spread(obj)
+        self._push[FORCES:PUSH_SIZE] = supports.forces
+        self._step: FloatArray = np.zeros(STEP_SIZE)
+        # The same numbers, which Python reads by this view in a quarter of the time.
+        self._view = array_view(self._step)
+        self.states = self._step[NOW:NORMAL_NOW]
+        self.memory: FloatArray = np.zeros(MEMORY_SIZE)
+        self._limits: FloatArray = np.zeros(2)
 
     @property
     def time_constant(self) -> float:
@@ -105,53 +95,117 @@ class ContactModel:
         """
         return initial_contact_site(self._obj, self._robot, target)
 
-    def step(self, now: PushState, ahead: PushState, site: ContactSite) -> PushStep:
+    def aim(self, goal: Pose) -> None:
         """
-        Look at the push at one control step.
+        Take the goal that the flat output refers to.
 
-        :param now: ``PushState`` now.
-        :param ahead: ``PushState`` one drive lag ahead.
-        :param site: the ``ContactSite`` as it is by now.
-        :return: ``PushStep``.
+        :param goal: ``Pose`` of the object in the world.
         """
-        x, y, normal_ahead = site.contact_at(ahead.phi - ahead.theta)
-        pushed = self._vehicle((x, y), (ahead.p_x, ahead.p_y), ahead.q)
-        normal_now = site.contact_at(now.phi - now.theta).normal
-        return PushStep(now, ahead, site, pushed, normal_now, normal_ahead)
+        self._push[GOAL:FORCES] = goal
 
-    def limits(self, step: PushStep, state: PushState, cone_fraction: float) -> CurvatureLimits:
+    def observe(self, memory: FloatArray) -> None:
         """
-        Curvatures that the contact survives.
+        Look at the push at one control step, ``states`` of which are written.
 
-        :param step: ``PushStep``.
-        :param state: its ``now`` or ``ahead``.
+        :param memory: of the filter, see ``filter_kernel``; of its ``ContactSite`` here.
+        :raises ValueError: where the centre of friction is at the contact: nothing steers there.
+        """
+        self.memory = memory
+        if self._transfers_load:
+            self._transfer_load(self.ahead, step_kernel.contact_site(memory[SITE:]))
+        step_kernel.observe(self._push, memory, self._step)
+        if not self._view[ARM] >= MIN_ARM:
+            raise ValueError(f'center: got {self.ahead.center}, the point of contact, expected a '
+                             'point apart from it')
+
+    def _transfer_load(self, ahead: PushState, site: ContactSite) -> None:
+        """Find the c^2 under the loads that this push shifts; as a spread, alike to all sides."""
+        contact = site.contact_at(ahead.relative_heading)
+        square = vehicle(self._obj, (contact.x, contact.y), ahead.center).c_squared
+        self._push[SPREAD:GOAL] = FrictionSpread(square, 0.0, square)
+
+    @property
+    def ahead(self) -> PushState:
+        """``PushState`` one drive lag ahead."""
+        return PushState(*self._step[AHEAD:NORMAL_NOW].tolist())
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The object as ``Vehicle``, pushed at the contact ahead."""
+        view = self._view
+        return vehicle_along((view[CONTACT], view[CONTACT + 1]), view[ARM], view[ANGLE],
+                             view[C_SQUARED])
+
+    @property
+    def flat_output_now(self) -> Pose:
+        """``Pose`` of z now, in its goal frame: the frame of z where the object is at its goal."""
+        view = self._view
+        return Pose(view[FLAT_NOW], view[FLAT_NOW + 1], view[FLAT_NOW + 2])
+
+    @property
+    def flat_output(self) -> Pose:
+        """The same one drive lag ahead."""
+        view = self._view
+        return Pose(view[FLAT_AHEAD], view[FLAT_AHEAD + 1], view[FLAT_AHEAD + 2])
+
+    @property
+    def limits_now(self) -> CurvatureLimits:
+        """``CurvatureLimits`` of feedback that the contact survives now."""
+        return CurvatureLimits(self._view[LIMITS_NOW], self._view[LIMITS_NOW + 1])
+
+    @property
+    def limits_ahead(self) -> CurvatureLimits:
+        """The same one drive lag ahead."""
+        return CurvatureLimits(self._view[LIMITS_AHEAD], self._view[LIMITS_AHEAD + 1])
+
+    @property
+    def zeta(self) -> float:
+        """Angle from the line C->F to the contact normal now [rad]."""
+        return self._view[ZETA]
+
+    @property
+    def zeta_rest(self) -> float:
+        """Where zeta comes to rest on a straight path [rad]."""
+        return self._view[ZETA_REST]
+
+    @property
+    def zeta_limits(self) -> tuple[float, float]:
+        """Zeta at which the contact stays on its feature, (lowest, highest) [rad]."""
+        return self._view[ZETA_LOW], self._view[ZETA_HIGH]
+
+    def limits(self, cone_fraction: float) -> CurvatureLimits:
+        """
+        Curvatures that the contact survives one drive lag ahead.
+
         :param cone_fraction: fraction of the friction cone that may be used.
         :return: ``CurvatureLimits``.
         """
-        return self.steering.limits(step.site, step.vehicle, step.normal(state), cone_fraction)
+        # Few new paths are drawn: machine code for this would take longer than all of them.
+        interpreted(step_kernel.write_limits)(self._push, self.memory, self._step,
+                                              cone_fraction, self._limits)
+        return CurvatureLimits(*self._limits.tolist())
 
-    def command(self, step: PushStep, curvature: float, speed: float) -> SteeringCommand:
+    def approach(self) -> Twist:
+        """Compute the command that closes a gap slowly, along the contact normal."""
+        interpreted(step_kernel.write_approach)(self._push, self.memory, self._step)
+        return self._command
+
+    def command(self, curvature: float, speed: float) -> SteeringCommand:
         """
         Compute the command that gives z a curvature.
 
-        :param step: ``PushStep``.
         :param curvature: of z [1/m].
         :param speed: of the contact [m/s].
         :return: ``SteeringCommand``.
         """
-        return self.steering.command(step.site, step.vehicle, step.normal_ahead, step.ahead,
-                                     curvature=curvature, speed=speed)
+        mode = step_kernel.write_command(self._push, self.memory, self._step, curvature, speed)
+        return SteeringCommand(self._command, mode)
 
-    def center_error_ratio(self, state: PushState) -> float:
-        """
-        How far the centre of friction is from its nominal place.
+    @property
+    def _command(self) -> Twist:
+        view = self._view
+        return Twist(view[COMMAND], view[COMMAND + 1], view[COMMAND + 2])
 
-        :param state: ``PushState``.
-        :return: distance over that from the contact.
-        """
-        return math.dist(state.center, self.center) / self.nominal.arm
-
-    def _pushed_at(self, point: tuple[float, float], center: tuple[float, float],
-                   c_squared_log: float) -> Vehicle:
-        """See the object as a vehicle, with centre of friction and c^2 as estimated."""
-        return vehicle(self._obj, point, center).with_c_squared_ratio(math.exp(c_squared_log))
+    def center_error_ratio(self) -> float:
+        """Distance of the centre of friction from its nominal place, over that to the contact."""
+        return math.dist(self.ahead.center, self.center) / self.nominal.arm

@@ -5,12 +5,12 @@ from push_control.estimation.contact_site import ContactSite
 from push_control.estimation.dead_reckoning import RobotDeadReckoning, RobotMotion
 from push_control.estimation.estimator import Estimator
 from push_control.estimation.monitors import FollowMonitor
-from push_control.estimation.push_motion import PushMotion, PushState
+from push_control.estimation.push_motion import PushMotion
 from push_control.events import EventReport, PushEvent
 from push_control.laws.command import mean_twist
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
-from push_model.geometry import Coordinates, Pose, wrap_angle
+from push_model.geometry import Coordinates, FloatArray, Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, Twist
 
 
@@ -94,17 +94,23 @@ class PushTracker:
         """
         self._store(self._estimator.add_odometry(odometry))
 
-    def predict(self, time: float, command: Twist) -> tuple[PushState, PushState]:
+    @property
+    def filter_memory(self) -> FloatArray:
+        """Numbers of the filter, see ``filter_kernel``."""
+        return self._estimator.memory
+
+    def predict(self, time: float, command: Twist, states: FloatArray) -> None:
         """
         Predict over delay and drive lag.
 
         :param time: now [s].
         :param command: ``Twist`` that the robot follows.
-        :return: ``PushState`` now, and one drive lag later.
+        :param states: numbers of the ``PushState`` now, and one drive lag later, are written,
+            shape (14,).
         """
         lag = self._time_constant
         motion = mean_twist(self.last_odometry.twist, command, lag)
-        return self._estimator.predict_on(time, motion, lag)
+        self._estimator.predict_on(time, motion, lag, states)
 
     def _store(self, motions: tuple[RobotMotion, ...]) -> None:
         self._robot = self._robot.moved(motions)

@@ -10,10 +10,10 @@ from push_model.quasi_static import vehicle
 from push_model.trajectory import PushTrajectory
 
 UNLIMITED = (-math.inf, math.inf)
-VERTEX = ContactSite('vertex', 0.0, 0.17, 0.0, (-0.2, -0.2), math.pi / 4, math.pi / 4,
+VERTEX = ContactSite(0.0, 0.17, 0.0, (-0.2, -0.2), math.pi / 4, math.pi / 4,
                      (0.0, math.pi / 2))
-FACE = ContactSite('face', 1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, UNLIMITED, (-0.2, 0.2))
-ROUND = ContactSite('round', 0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, -0.1, UNLIMITED)
+FACE = ContactSite(1.0, 0.17, math.inf, (-0.2, 0.03), 0.0, 0.1, UNLIMITED, (-0.2, 0.2))
+ROUND = ContactSite(0.2 / 0.37, 0.17, 0.2, (-0.2, 0.0), 0.0, -0.1, UNLIMITED)
 # The same contacts, with the robot at other angles.
 SITES = {'vertex': VERTEX._replace(normal=0.8, heading=0.6), 'face': FACE,
          'round': ROUND._replace(heading=0.1)}

@@ -11,7 +11,7 @@ from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.settings import ControlSettings
 from push_model.friction import friction_center
 from push_model.geometry import Pose
-from push_model.quasi_static import vehicle
+from push_model.quasi_static import vehicle, vehicle_along
 from push_model.signals import ObjectPose, Odometry, Twist
 import pytest
 
@@ -68,7 +68,8 @@ def test_the_centre_of_friction_is_found():
         error = np.array(found.center) - np.array(true.center)
         assert abs(error @ aside) < 0.004
         seen = vehicle(NOMINAL, VERTEX.point, found.center)
-        seen = seen.with_c_squared_ratio(math.exp(found.q))
+        seen = vehicle_along(seen.contact_point, seen.arm, seen.angle,
+                             math.exp(found.q) * seen.c_squared)
         assert seen.wheelbase == pytest.approx(vehicle(obj, VERTEX.point).wheelbase, rel=0.03)
 
 

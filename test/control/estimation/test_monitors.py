@@ -4,7 +4,8 @@ import math
 
 from helpers.contact_sites import FACE, VERTEX
 from push_control.estimation.monitors import (
-    FollowMonitor, is_finite_odometry, jackknife_fault, measurement_fault, OneSidedMonitor,
+    FollowMonitor, is_finite_odometry, jackknife_fault, jackknife_mode, measurement_fault,
+    OneSidedMonitor,
 )
 from push_control.events import PushEvent
 from push_control.observation import Observation
@@ -64,12 +65,12 @@ def test_every_number_of_an_odometry_counts():
     (0.5, 2.0 * math.pi + 0.5, None)])
 def test_a_contact_that_has_folded_up_is_detected(normal, push_angle, expected):
     """The normal beyond the vertex, or a push away from the object; full turns do not matter."""
-    assert event(jackknife_fault(VERTEX, normal, push_angle)) is expected
+    assert event(jackknife_fault(jackknife_mode(VERTEX, normal, push_angle))) is expected
 
 
 def test_a_face_has_no_end_to_turn_round():
     """Whatever the angle of its normal."""
-    assert jackknife_fault(FACE, 100.0, 0.0) is None
+    assert jackknife_fault(jackknife_mode(FACE, 100.0, 0.0)) is None
 
 
 @pytest.mark.parametrize('ratio, lost', [(0.29, True), (0.31, False), (1.0, False)])

@@ -46,7 +46,8 @@ def test_held_limits_are_where_the_force_leaves_the_cone(tilt):
     """At either limit the contact force lies on the edge of the cone."""
     obj, cone = box(foot=0.18, friction=(0.3, 0.25, 0.35, 0.3)), 0.2
     flat, supports = vehicle(obj, FACE), LimitSurfaceTable(obj, FACE)
-    limits = friction_cone_limits(supports, flat, flat.angle + tilt, cone)
+    limits = friction_cone_limits(supports.values, supports.forces, flat, flat.angle + tilt,
+                                  cone)
     assert limits.low < limits.high
     for curvature, side in ((limits.low, 1.0), (limits.high, -1.0)):
         alpha = supports.push_angle(flat, curvature)

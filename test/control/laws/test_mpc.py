@@ -11,7 +11,7 @@ from push_control.laws.mpc import optimal_weights, PredictiveLaw
 from push_control.laws.mpc_problem import (
     horizon_problem, HorizonParameters, parameter_offsets, straight_step, terminal_root,
 )
-from push_control.laws.steering_law import SolverFailure, SteeringInput
+from push_control.laws.steering_law import Foresight, SolverFailure, SteeringInput
 from push_control.path.path import CurvatureLimits, PathProjection
 from push_control.settings import ControlSettings
 from push_model.parameters import RoundRobot
@@ -28,11 +28,14 @@ STEPS, STEP = SETTINGS.horizon_steps, SETTINGS.horizon_step
 def situation(lateral=0.0, heading=0.0, zeta=0.0, bend=0.0, **changes):
     """Stand beside a path of one curvature, with room to all sides."""
     projection = PathProjection(0.0, lateral, heading, bend, 2.0)
+    ahead = Foresight(
+        projection=projection, preview=lambda distances: np.full(len(distances), bend),
+        vehicle=VEHICLE, zeta=zeta, zeta_rest=0.0, zeta_limits=(-0.7, 0.7), cone_angle=0.3)
+    ahead = ahead._replace(**{name: changes.pop(name) for name in Foresight._fields
+                              if name in changes})
     plain = SteeringInput(
-        projection=projection, project_now=lambda: projection,
-        preview=lambda distances: np.full(len(distances), bend), vehicle=VEHICLE, zeta=zeta,
-        zeta_rest=0.0, zeta_limits=(-0.7, 0.7), limits=CurvatureLimits(-0.6, 0.6), cone_angle=0.3,
-        previous_curvature=None, max_change=0.2, distance=0.003, lag_distance=0.0)
+        projection=projection, limits=CurvatureLimits(-0.6, 0.6), previous_curvature=None,
+        max_change=0.2, distance=0.003, lag_distance=0.0, foresee=lambda: ahead)
     return plain._replace(**changes)
 
 
@@ -106,8 +109,9 @@ def test_the_force_stays_in_its_cone_where_the_closed_form_law_leaves_it():
     slope = VEHICLE.c_squared / VEHICLE.arm
     closed = place.clip(ClosedFormLaw(SETTINGS).curvature(place))
     found = PredictiveLaw(ROBOT, SETTINGS).curvature(place)
-    assert place.zeta + slope * closed > place.cone_angle
-    assert place.zeta + slope * found < place.zeta + slope * closed
+    ahead = place.foresee()
+    assert ahead.zeta + slope * closed > ahead.cone_angle
+    assert ahead.zeta + slope * found < ahead.zeta + slope * closed
 
 
 def test_the_scalars_have_one_order():
@@ -187,7 +191,7 @@ def test_steps_converge_to_the_exact_solution_and_one_step_is_nearly_there(place
 def test_a_broken_problem_is_answered_by_the_closed_form_law():
     """In the same call, counted, with its reason; afterwards the solver answers again."""
     law, good = PredictiveLaw(ROBOT, SETTINGS), situation(0.01, 0.02)
-    bad = good._replace(preview=lambda distances: np.full(len(distances), math.nan))
+    bad = situation(0.01, 0.02, preview=lambda distances: np.full(len(distances), math.nan))
     assert law.curvature(bad) == ClosedFormLaw(SETTINGS).curvature(bad)
     assert law.solver == (1, SolverFailure.PROBLEM_NOT_FINITE)
     fresh = PredictiveLaw(ROBOT, SETTINGS)

@@ -20,7 +20,7 @@ def updated(guidance, pose, travelled=1.0, hard=WIDE, dt=1.0):
     """Project a pose, from wherever the last one was, and update the path."""
     for _ in range(10):
         projection = guidance.project(pose)
-    return guidance.update(pose, projection, replan_limits=WIDE, hard_limits=hard,
+    return guidance.update(pose, projection, replan_limits=lambda: WIDE, hard_limits=hard,
                            travelled_distance=travelled, dt=dt)
 
 
@@ -74,7 +74,7 @@ def test_a_push_that_will_miss_approaches_the_goal_again_as_often_as_allowed():
     assert guidance.planned_length == pytest.approx(planned + found.remaining_distance, abs=1e-6)
     assert guidance.cone_fraction(0.0) < caution
     missed = guidance.project(Pose(0.0, 0.05, 0.0))
-    assert guidance.arrive(Pose(0.0, 0.05, 0.0), missed, WIDE) is None
+    assert guidance.arrive(Pose(0.0, 0.05, 0.0), missed, lambda: WIDE) is None
     assert guidance.reapproaches == 1
 
 
@@ -84,7 +84,7 @@ def test_a_push_within_the_tolerances_has_arrived():
     pose = Pose(0.0, 0.01, 0.01)
     projection = guidance.project(pose)
     assert not guidance.is_off(projection)
-    assert guidance.arrive(pose, projection, WIDE) is None and guidance.reapproaches == 0
+    assert guidance.arrive(pose, projection, lambda: WIDE) is None and guidance.reapproaches == 0
 
 
 def test_new_paths_use_less_of_the_cone_the_less_is_known():

@@ -33,7 +33,7 @@ def test_a_pose_is_projected_on_the_path(s, lateral, rotation):
     """Arc length, lateral error (left positive) and heading error, from a guess nearby."""
     path = SampledPath(vehicle(NOMINAL, VERTEX.point), arc_trajectory(NOMINAL, VERTEX, 0.8, 1.5))
     pose = path.at(s)[0] @ Pose(0.0, lateral, rotation)
-    found = project_on_path(path, pose, s - 0.06)
+    found = project_on_path(path, pose, np.array((s - 0.06, 0.0, 0.0, 0.0, 0.0)))
     assert found[:3] == pytest.approx((s, lateral, rotation), abs=1e-3)
 
 

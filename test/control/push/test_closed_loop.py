@@ -6,7 +6,9 @@ import math
 from helpers.contact_sites import arc_trajectory, FACE, VERTEX
 from helpers.objects import box
 import numpy as np
-from push_control.estimation.contact_site import initial_contact_site
+from push_control.estimation.contact_site import initial_contact_site, SITE_SIZE
+from push_control.estimation.filter_kernel import C_SQUARED, LAST, MEMORY_SIZE
+from push_control.estimation.monitors import jackknife_fault, STEERABLE
 from push_control.estimation.push_motion import PushState
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.observation import Observation
@@ -16,6 +18,7 @@ from push_control.push.status import Phase
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
+from push_model.quasi_static import vehicle
 from push_model.robot_kinematics import contact_velocity
 from push_model.signals import ObjectPose, Odometry, STOP
 import pytest
@@ -27,69 +30,100 @@ ROBOTS = {'differential': (RoundRobot(radius=0.17), VERTEX),
 CURVATURE = 0.3
 
 
-def make_step(drive, log_c_squared=0.0, offset=0.0):
+def make_model(drive, log_c_squared=0.0, offset=0.0, shift=0.0, obj=OBJECT):
     """Model a contact, and look at a push along an arc in its middle."""
     robot, site = ROBOTS[drive]
-    target = arc_trajectory(OBJECT, site, CURVATURE, 1.0)
-    model = ContactModel(OBJECT, robot, SETTINGS, target)
+    target = arc_trajectory(obj, site, CURVATURE, 1.0)
+    model = ContactModel(obj, robot, SETTINGS, target)
+    model.aim(Pose(*target.object_poses[-1].tolist()))
     x, y, theta = target.object_poses[20].tolist()
-    state = PushState(x, y, theta, target.robot_poses[20, 2] + offset, *model.center,
-                      log_c_squared)
-    goal = Pose(*target.object_poses[-1].tolist())
-    return model, model.step(state, state, initial_contact_site(OBJECT, robot, target)), goal
+    state = PushState(x, y, theta, target.robot_poses[20, 2] + offset,
+                      model.center[0] + shift * model.nominal.arm, model.center[1], log_c_squared)
+    model.states[:] = (*state, *state)
+    memory = np.zeros(MEMORY_SIZE)
+    memory[:SITE_SIZE] = initial_contact_site(obj, robot, target).numbers
+    memory[C_SQUARED:LAST] = model.motion.supports.values
+    model.observe(memory)
+    return model
 
 
 @pytest.mark.parametrize('drive', sorted(ROBOTS))
 def test_an_object_on_its_planned_path_has_its_flat_output_there(drive):
     """In the goal frame, the rest of the arc before the origin."""
-    _, step, goal = make_step(drive)
-    z = step.flat_output(step.now, goal)
+    model = make_model(drive)
     left = 19.0 / 39.0
-    assert z.theta == pytest.approx(-CURVATURE * left, abs=1e-9)
-    assert (z.x, z.y) == pytest.approx((-math.sin(CURVATURE * left) / CURVATURE,
-                                        (1.0 - math.cos(CURVATURE * left)) / CURVATURE), abs=1e-9)
+    for z in (model.flat_output, model.flat_output_now):
+        assert z.theta == pytest.approx(-CURVATURE * left, abs=1e-9)
+        assert (z.x, z.y) == pytest.approx((-math.sin(CURVATURE * left) / CURVATURE,
+                                            (1.0 - math.cos(CURVATURE * left)) / CURVATURE),
+                                           abs=1e-9)
 
 
+@pytest.mark.parametrize('heights', [{}, {'contact_height': 0.1, 'center_of_mass_height': 0.1}])
 @pytest.mark.parametrize('drive', sorted(ROBOTS))
-def test_the_estimated_supports_move_the_flat_output(drive):
+def test_the_estimated_supports_move_the_flat_output(drive, heights):
     """With twice the c^2, z is twice as far ahead of the centre of friction."""
-    model, step, _ = make_step(drive, math.log(2.0))
-    assert step.vehicle.c_squared == pytest.approx(2.0 * model.nominal.c_squared)
-    assert model.center_error_ratio(step.now) == 0.0
-    moved = step.now._replace(p_x=step.now.p_x + 0.1 * model.nominal.arm)
-    assert model.center_error_ratio(moved) == pytest.approx(0.1)
+    obj = dataclasses.replace(OBJECT, **heights)
+    model = make_model(drive, math.log(2.0), obj=obj)
+    contact = model.vehicle.contact_point
+    plain = vehicle(obj, contact, model.center)
+    assert model.vehicle[:3] == pytest.approx((plain.arm, 2.0 * plain.c_squared, plain.angle))
+    for axis in (0, 1):
+        assert (model.vehicle.flat_output[axis] - model.center[axis] == pytest.approx(
+            2.0 * (plain.flat_output[axis] - model.center[axis])))
+    assert model.center_error_ratio() == 0.0
+    assert make_model(drive, shift=0.1).center_error_ratio() == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize('drive', sorted(ROBOTS))
 def test_limits_widen_with_the_fraction_of_the_cone(drive):
     """Both ways, around a straight push; none of the cone allows one curvature only."""
-    model, step, _ = make_step(drive)
-    none, half, whole = (model.limits(step, step.now, fraction) for fraction in (0.0, 0.5, 1.0))
+    model = make_model(drive)
+    none, half, whole = (model.limits(fraction) for fraction in (0.0, 0.5, 1.0))
     assert none.low == pytest.approx(none.high, abs=1e-9)
     assert whole.low < half.low < none.low and none.high < half.high < whole.high
+    feedback = model.limits(SETTINGS.feedback_cone_fraction)
+    assert model.limits_ahead == model.limits_now == feedback
 
 
 @pytest.mark.parametrize('drive', sorted(ROBOTS))
 @pytest.mark.parametrize('curvature', [-0.2, 0.0, 0.2])
 def test_the_command_pushes_in_the_direction_that_gives_the_curvature(drive, curvature):
     """At the speed asked for, by the quasi-static model of the estimator."""
-    model, step, _ = make_step(drive)
-    command, fault = model.command(step, curvature, 0.05)
-    assert fault is None
-    gamma = step.now.theta + step.normal(step.now)
-    velocity = contact_velocity(step.now.phi, gamma, 0.17, command)
+    model = make_model(drive)
+    command, mode = model.command(curvature, 0.05)
+    assert mode == STEERABLE
+    state = model.ahead
+    gamma = state.theta + model.motion.site.contact_at(state.relative_heading).normal
+    velocity = contact_velocity(state.phi, gamma, 0.17, command)
     assert math.hypot(*velocity) == pytest.approx(0.05)
-    rates = model.motion.rates(step.now, command)
-    along = step.now.theta + step.vehicle.angle
+    rates = model.motion.rates(state, command)
+    along = state.theta + model.vehicle.angle
     speed = velocity[0] * math.cos(along) + velocity[1] * math.sin(along)
     assert rates.omega / speed == pytest.approx(curvature, abs=0.01)
 
 
+@pytest.mark.parametrize('drive', sorted(ROBOTS))
+def test_a_gap_is_closed_along_the_normal(drive):
+    """By a base that can move so; else ahead, and never turning."""
+    command, site = make_model(drive).approach(), ROBOTS[drive][1]
+    direction = 0.0 if drive == 'differential' else site.heading_offset
+    assert command.omega == 0.0 and (command.v_x, command.v_y) == pytest.approx(
+        (SETTINGS.start_speed * math.cos(direction), SETTINGS.start_speed * math.sin(direction)))
+
+
 def test_a_contact_that_has_folded_up_gets_no_command():
     """The robot has turned round the vertex."""
-    model, step, _ = make_step('differential', offset=1.2)
-    command, fault = model.command(step, 0.0, 0.05)
-    assert command == STOP and fault is not None
+    command, mode = make_model('differential', offset=1.2).command(0.0, 0.05)
+    assert command == STOP and jackknife_fault(mode) is not None
+
+
+def test_nothing_steers_at_the_centre_of_friction():
+    """A contact that is there is refused."""
+    model = make_model('differential')
+    model.states[11:13] = model.vehicle.contact_point
+    with pytest.raises(ValueError, match='the point of contact'):
+        model.observe(model.memory)
 
 
 def test_a_push_that_begins_has_everything_before_it():

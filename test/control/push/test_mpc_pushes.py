@@ -9,6 +9,7 @@ from helpers.push_case import (
 import numpy as np
 from push_control.laws.steering_law import SolverFailure
 from push_control.path.path import CurvatureLimits
+from push_control.push.contact_model import ContactModel
 from push_control.push.status import Phase
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
@@ -52,8 +53,9 @@ def test_the_limits_of_curvature_keep_the_contact_from_jackknifing(monkeypatch):
     case = random_case(7)
     kept = run(case, SETTINGS, 7, SENSORS)
     assert kept.status.phase is Phase.DONE
-    monkeypatch.setattr('push_control.laws.contact_steering.jackknife_limits',
-                        lambda *_: CurvatureLimits(-20.0, 20.0))
+    for name in ('limits_now', 'limits_ahead'):
+        monkeypatch.setattr(ContactModel, name, CurvatureLimits(-20.0, 20.0))
+    monkeypatch.setattr(ContactModel, 'limits', lambda *_: CurvatureLimits(-20.0, 20.0))
     loose = dataclasses.replace(SETTINGS, cone_weight=1e-6)
     assert run(case, loose, 7, SENSORS).status.phase is Phase.FAILED
 

@@ -1,0 +1,202 @@
+"""
+A control step of a push in numbers: where it stands, what the contact allows, and the command.
+
+Compiled functions work on two arrays of numbers: one that a push fills once, when it begins, and
+one that every step fills anew. The names below say which number is which. Python passes an array
+in 0.1 us, where a named tuple takes 2 us and more; so tuples are made in compiled code only.
+"""
+
+import math
+from typing import Any
+
+from push_control.estimation.contact_site import contact_site, rolled_contact
+from push_control.estimation.filter_kernel import C_SQUARED as FILTER_C_SQUARED
+from push_control.estimation.filter_kernel import LAST as FILTER_LAST
+from push_control.estimation.filter_kernel import push_state, SIZE
+from push_control.estimation.limit_surface_table import TABLE_SIZE
+from push_control.laws.contact_steering import (
+    approach_command, curvature_limits, Steering, steering_command, zeta_at_rest, zeta_limits,
+)
+from push_control.path.path import wrapped
+from push_dynamics.compiled import compiled
+from push_model import friction, quasi_static
+from push_model.friction import FrictionSpread
+from push_model.geometry import Pose
+from push_model.quasi_static import Vehicle
+
+c_squared_along = compiled(friction.c_squared_along)
+vehicle_along = compiled(quasi_static.vehicle_along)
+
+# Push, what does not change while it goes on: the robot.
+IS_DIFFERENTIAL = 0
+MAX_SPEED = 1
+MAX_YAW_RATE = 2
+ROLLING_GAIN = 3
+START_SPEED = 4
+# Push: half angle of the friction cone that is relied on [rad], and the fraction of it that
+# feedback may use.
+CONE_ANGLE = 5
+FEEDBACK_FRACTION = 6
+# Push: ``FrictionSpread`` of the nominal supports [m^2].
+SPREAD = 7
+# Push: goal of the object in the world (x, y) [m], theta [rad].
+GOAL = 10
+# Push: ``LimitSurfaceTable.forces`` [rad].
+FORCES = 13
+PUSH_SIZE = FORCES + TABLE_SIZE
+
+# Step: ``PushState`` now, and one drive lag ahead, where the command takes effect.
+NOW = 0
+AHEAD = NOW + SIZE
+# Step: angle of the contact normal in the object frame, now and ahead [rad].
+NORMAL_NOW = AHEAD + SIZE
+NORMAL_AHEAD = NORMAL_NOW + 1
+# Step: the object as ``Vehicle``, pushed at the contact ahead: C [m], r [m], angle of C->F [rad]
+# and c^2 [m^2].
+CONTACT = NORMAL_AHEAD + 1
+ARM = CONTACT + 2
+ANGLE = ARM + 1
+C_SQUARED = ANGLE + 1
+# Step: z in its goal frame (x, y) [m], theta [rad], now and ahead.
+FLAT_NOW = C_SQUARED + 1
+FLAT_AHEAD = FLAT_NOW + 3
+# Step: lowest and highest curvature of feedback, now and ahead [1/m].
+LIMITS_NOW = FLAT_AHEAD + 3
+LIMITS_AHEAD = LIMITS_NOW + 2
+# Step: the ``Posture`` of the contact [rad].
+ZETA = LIMITS_AHEAD + 2
+ZETA_REST = ZETA + 1
+ZETA_LOW = ZETA + 2
+ZETA_HIGH = ZETA + 3
+# Step: the command, robot's axes [m/s, m/s, rad/s].
+COMMAND = ZETA_HIGH + 1
+STEP_SIZE = COMMAND + 3
+
+
+@compiled
+def steering_of(push: Any, memory: Any) -> Steering:
+    """
+    Read what the robot steers by.
+
+    :param push: numbers of the push, shape (``PUSH_SIZE``,).
+    :param memory: of the filter, see ``filter_kernel``.
+    :return: ``Steering``.
+    """
+    return Steering(push[IS_DIFFERENTIAL] > 0.0, push[CONE_ANGLE], push[ROLLING_GAIN],
+                    push[MAX_SPEED], push[MAX_YAW_RATE], memory[FILTER_C_SQUARED:FILTER_LAST],
+                    push[FORCES:PUSH_SIZE])
+
+
+@compiled
+def step_vehicle(step: Any) -> Vehicle:
+    """
+    Read the object as it is pushed.
+
+    :param step: numbers of the step, shape (``STEP_SIZE``,).
+    :return: ``Vehicle``.
+    """
+    return vehicle_along((step[CONTACT], step[CONTACT + 1]), step[ARM], step[ANGLE],
+                         step[C_SQUARED])
+
+
+@compiled
+def observe(push: Any, memory: Any, step: Any) -> None:
+    """
+    Look at the push at one control step: all from ``NORMAL_NOW`` up to ``ZETA_HIGH``.
+
+    :param push: numbers of the push, shape (``PUSH_SIZE``,).
+    :param memory: of the filter, see ``filter_kernel``.
+    :param step: numbers of the step, both states of which are given, shape (``STEP_SIZE``,).
+    """
+    site = contact_site(memory)
+    now, ahead = push_state(step[NOW:AHEAD]), push_state(step[AHEAD:NORMAL_NOW])
+    frame = rolled_contact(site, ahead.phi - ahead.theta)
+    step[NORMAL_NOW] = rolled_contact(site, now.phi - now.theta).normal
+    step[NORMAL_AHEAD] = frame.normal
+    step[CONTACT], step[CONTACT + 1] = frame.x, frame.y
+    step[ARM] = math.hypot(ahead.p_x - frame.x, ahead.p_y - frame.y)
+    step[ANGLE] = math.atan2(ahead.p_y - frame.y, ahead.p_x - frame.x)
+    spread = FrictionSpread(push[SPREAD], push[SPREAD + 1], push[SPREAD + 2])
+    step[C_SQUARED] = math.exp(ahead.q) * c_squared_along(spread, step[ANGLE])
+    vehicle = step_vehicle(step)
+    goal = Pose(push[GOAL], push[GOAL + 1], push[GOAL + 2])
+    write_flat_output(vehicle, Pose(now.x, now.y, now.theta), goal, step[FLAT_NOW:FLAT_AHEAD])
+    write_flat_output(vehicle, Pose(ahead.x, ahead.y, ahead.theta), goal,
+                      step[FLAT_AHEAD:LIMITS_NOW])
+    steering, fraction = steering_of(push, memory), push[FEEDBACK_FRACTION]
+    for normal, limits in ((NORMAL_NOW, LIMITS_NOW), (NORMAL_AHEAD, LIMITS_AHEAD)):
+        step[limits], step[limits + 1] = curvature_limits(steering, site, vehicle, step[normal],
+                                                          fraction)
+    normal = step[NORMAL_NOW]
+    step[ZETA] = wrapped(normal - vehicle.angle)
+    step[ZETA_REST] = zeta_at_rest(steering, site, now)
+    step[ZETA_LOW], step[ZETA_HIGH] = zeta_limits(site, vehicle, normal)
+
+
+@compiled
+def write_flat_output(vehicle: Vehicle, pose: Pose, goal: Pose, flat: Any) -> None:
+    """
+    Pose of z in its goal frame: the frame of z where the object is at its goal.
+
+    :param vehicle: the object as ``Vehicle``.
+    :param pose: ``Pose`` of the object in the world.
+    :param goal: ``Pose`` of the object at its goal, in the world.
+    :param flat: (x, y) [m], theta [rad], is written.
+    """
+    x, y = vehicle.flat_output
+    cosine, sine = math.cos(pose.theta), math.sin(pose.theta)
+    goal_cosine, goal_sine = math.cos(goal.theta), math.sin(goal.theta)
+    off_x = pose.x + cosine * x - sine * y - (goal.x + goal_cosine * x - goal_sine * y)
+    off_y = pose.y + sine * x + cosine * y - (goal.y + goal_sine * x + goal_cosine * y)
+    along = goal.theta + vehicle.angle
+    flat[0] = math.cos(along) * off_x + math.sin(along) * off_y
+    flat[1] = math.cos(along) * off_y - math.sin(along) * off_x
+    flat[2] = pose.theta - goal.theta
+
+
+@compiled
+def write_limits(push: Any, memory: Any, step: Any, cone_fraction: float, limits: Any) -> None:
+    """
+    Curvatures that the contact survives one drive lag ahead, with a part of the friction cone.
+
+    :param push: numbers of the push.
+    :param memory: of the filter.
+    :param step: numbers of the step, observed.
+    :param cone_fraction: fraction of the friction cone that may be used.
+    :param limits: lowest and highest curvature [1/m], are written, shape (2,).
+    """
+    limits[0], limits[1] = curvature_limits(steering_of(push, memory), contact_site(memory),
+                                            step_vehicle(step), step[NORMAL_AHEAD], cone_fraction)
+
+
+@compiled
+def write_approach(push: Any, memory: Any, step: Any) -> None:
+    """
+    Compute the command that closes a gap slowly.
+
+    :param push: numbers of the push.
+    :param memory: of the filter.
+    :param step: numbers of the step, observed; the command is written.
+    """
+    command = approach_command(steering_of(push, memory), step[NORMAL_AHEAD],
+                               push_state(step[AHEAD:NORMAL_NOW]), push[START_SPEED])
+    step[COMMAND], step[COMMAND + 1], step[COMMAND + 2] = command
+
+
+@compiled
+def write_command(push: Any, memory: Any, step: Any, curvature: float, speed: float) -> int:
+    """
+    Compute the command that gives z a curvature.
+
+    :param push: numbers of the push.
+    :param memory: of the filter.
+    :param step: numbers of the step, observed; the command is written.
+    :param curvature: of z [1/m].
+    :param speed: of the contact [m/s].
+    :return: mode of ``monitors.jackknife_mode``.
+    """
+    command, mode = steering_command(steering_of(push, memory), contact_site(memory),
+                                     step_vehicle(step), push_state(step[AHEAD:NORMAL_NOW]),
+                                     curvature, speed)
+    step[COMMAND], step[COMMAND + 1], step[COMMAND + 2] = command
+    return mode
