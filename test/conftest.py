@@ -11,6 +11,9 @@ LONGEST = ('test/study/', 'test/scenario/test_dds_task.py', 'test/scenario/test_
            'test/scenario/test_dds_replay.py', 'test/control/push/test_mpc_pushes.py',
            'test/control/task/test_supervisor.py', 'test/ros/test_commander.py',
            'test/ros/test_nodes.py')
+# Processes of tests beyond the number of cores. Chosen: about so many wait, for nodes, for time to
+# pass or for another process to compile what they need too; each takes 3 s to collect the tests.
+WAITING = 2
 
 
 @pytest.hookimpl(hookwrapper=True)
@@ -32,8 +35,8 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers():
-    """Take one process more than there are cores, as tests with nodes wait for these."""
-    return len(os.sched_getaffinity(0)) + 1
+    """Take more processes than there are cores, as tests with nodes wait for these."""
+    return len(os.sched_getaffinity(0)) + WAITING
 
 
 @pytest.hookimpl(optionalhook=True)
