@@ -1,8 +1,8 @@
 """The catalogue lists every study once, in the order of the thesis."""
 
-from helpers.study_outcomes import outcome_of
+from helpers.study_outcomes import chosen_values, outcome_of, values_of
 from push_study import catalogue
-from push_study.framework.parameters import read_chosen_values
+from push_study.framework.study import Study
 from push_study.maps import drive_map, object_map, stable_regions
 import pytest
 
@@ -36,7 +36,7 @@ def test_titles_and_captions_change_with_the_values():
             ('2.15', {}, 'at 0.5 m/s'), ('2.15', {'speed': 2.0}, 'at 2 m/s'),
             ('2.11', {}, ': stable'), ('2.11', {'ahead': 0.7}, ': unstable')):
         study = by_figure[figure]
-        assert words in study.title_of(study.values(read_chosen_values(), overrides))
+        assert words in study.title_of(study.values(chosen_values(), overrides))
     for figure, overrides, words in (
             ('2.11', {}, 'nearer to the contact'), ('2.11', {'ahead': 0.7}, 'further away'),
             ('2.16', {}, 'overshoots'), ('2.16', {'speed': 0.3}, 'without overshoot')):
@@ -50,12 +50,11 @@ def test_every_value_of_the_table_is_used():
                             if parameter.captioned is None} for study in catalogue.studies()}
     known[object_map.NAME] = {parameter.name for parameter in stable_regions.PARAMETERS}
     known[drive_map.NAME] = {parameter.name for parameter in drive_map.PARAMETERS}
-    for figure, section in read_chosen_values().items():
+    for figure, section in chosen_values().items():
         names = set().union(*known.values()) if figure == 'all' else known[figure]
         assert set(section) <= names, figure
 
 
 @pytest.mark.parametrize('study', catalogue.studies(), ids=lambda study: study.figure)
-def test_every_parameter_of_a_study_has_a_value(study):
-    values = study.values(read_chosen_values())
-    assert [value.parameter for value in values] == list(study.parameters)
+def test_every_parameter_of_a_study_has_a_value(study: Study) -> None:
+    assert [value.parameter for value in values_of(study)] == list(study.parameters)

@@ -3,7 +3,7 @@
 import math
 
 from benchmarks.controller import cases
-from helpers.study_outcomes import by_figure, numbers, outcome_of, values_of
+from helpers.study_outcomes import by_figure, numbers, outcome_of, quick_outcome_of, values_of
 import numpy as np
 from push_control.settings import ControlSettings
 from push_model.friction import friction_center
@@ -35,9 +35,9 @@ def outcome(figure):
     return outcome_of(STUDIES[figure])
 
 
-def findings(figure, **overrides):
+def findings(figure: str) -> dict[str, float]:
     """Return the findings of a figure as numbers."""
-    return numbers(outcome_of(STUDIES[figure], **overrides) if overrides else outcome(figure))
+    return numbers(outcome(figure))
 
 
 def test_sensors_are_those_of_the_benchmarks_and_filters_have_their_defaults():
@@ -107,8 +107,8 @@ def test_spikes_of_the_pushing_angle_are_new_paths():
 
 
 def test_repeated_pushes_differ_by_the_errors_of_the_sensors():
-    found = numbers(outcome_of(STUDIES['4.14'], seeds=2))
-    table = outcome_of(STUDIES['4.14'], seeds=2).tables['ends']
+    outcome = quick_outcome_of(STUDIES['4.14'])
+    found, table = numbers(outcome), outcome.tables['ends']
     assert len(set(table['feedback_position_error_m'])) == 2
     assert found['median_mobile_center'] < 2.0 < found['median_feedback'] < 15.0
 
@@ -139,7 +139,7 @@ def test_a_robot_wider_than_the_box_is_deep_is_stable_in_open_loop():
 
 
 def test_random_friction_costs_several_times_as_much_in_open_loop():
-    found = findings('4.7', seeds=2)
+    found = numbers(quick_outcome_of(STUDIES['4.7']))
     assert max(found[OPEN_LOOP], found[OBJECT_FRAME]) > 2.0 * max(found[FEEDBACK], found[MPC])
     assert found['wins'] >= 1.0 and found['worst_feedback'] < 10.0
     assert found['feedback_low'] <= found['feedback'] <= found['feedback_high']
@@ -158,7 +158,7 @@ def test_the_interval_of_a_median_covers_it_in_most_samples():
 
 
 def test_other_objects_are_steered_better_than_open_loop():
-    found = findings('disturbed-objects', seeds=2)
+    found = numbers(quick_outcome_of(STUDIES['disturbed-objects']))
     assert found['worst_open_loop'] > 2.0 * max(found['worst_feedback'], found['worst_mpc'])
     assert found['worst_feedback'] < 3.0
 

@@ -1,6 +1,7 @@
 """Maps of what a drive can steer round an object."""
 
 import dataclasses
+import functools
 
 from helpers.study_outcomes import numbers, run_in_memory
 import numpy as np
@@ -12,6 +13,7 @@ from push_study.maps import drive_map
 import pytest
 
 
+@functools.lru_cache(maxsize=None)
 def outcome(robot='disc_017', object_name='box_04', contacts=12, **changes):
     """Compute the map for a robot of ``config/robots``, some of its fields changed."""
     obj = read_object(config_file(f'objects/{object_name}.yaml'))
