@@ -27,7 +27,7 @@ from push_model.dynamics import (
 from push_model.geometry import FloatArray
 from push_model.parameters import Drive
 from push_model.robot_kinematics import center_velocity, yaw_rate
-from push_planner.push_parameters import contact_frame, PushKind, PushParameters
+from push_planner.push_parameters import contact_frame, cos_and_sin, PushKind, PushParameters
 
 
 class Node(NamedTuple):
@@ -179,10 +179,10 @@ def contact_impulse(kind: PushKind, parameters: PushParameters, node: Node,
     """
     phi = node.theta if kind == 'held' else node.phi
     delta, c_x, c_y = contact_frame(parameters, node.theta, phi)
-    before = delta + node.rho
-    v_x, v_y = ca.cos(before), ca.sin(before)
+    v_x, v_y = cos_and_sin(delta + node.rho)
     if change is not None:
-        v_x, v_y = ca.cos(before + change) - v_x, ca.sin(before + change) - v_y
+        after_x, after_y = cos_and_sin(delta + node.rho + change)
+        v_x, v_y = after_x - v_x, after_y - v_y
     state = State(0.0, 0.0, 0.0, 0.0, delta, c_x, c_y)
     w_jump, j_n, j_t = impulse(parameters.terms, state, v_x, v_y)
     return ContactImpulse(w_jump, j_n / parameters.terms.mass, j_t / parameters.terms.mass)

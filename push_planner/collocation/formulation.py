@@ -185,9 +185,9 @@ def _step_data(problem: PushProblem, mesh: Mesh) -> FloatArray:
     weight = 1.0 if problem.settings.motion_model == 'dynamic' else 0.0
     end = mesh.end_v_squared
     fastest = np.sqrt(np.maximum(mesh.v_squared, end))
-    return np.column_stack([mesh.lengths, mesh.free_fractions, weight * mesh.v_squared,
-                            weight * mesh.v_squared_slopes, mesh.may_steer,
-                            max_angle_rate(problem) / fastest, end])
+    return np.array([mesh.lengths, mesh.free_fractions, weight * mesh.v_squared,
+                     weight * mesh.v_squared_slopes, mesh.may_steer,
+                     max_angle_rate(problem) / fastest, end]).T
 
 
 def _limits(problem: PushProblem) -> Limits:
@@ -246,8 +246,8 @@ def _first_guess(problem: PushProblem, route: InitialRoute, formulation: Formula
         rho = _segment_means(rho, mesh.may_steer)
     nodes = nodes.copy()
     largest = GUESS_ANGLE_FRACTION * formulation.bounds.angle
-    nodes[:, 1] = np.clip(rho, -largest, largest)
-    return Solution(free_length, nodes, np.diff(nodes[:, 1]), rates)
+    rho = nodes[:, 1] = np.minimum(np.maximum(rho, -largest), largest)
+    return Solution(free_length, nodes, rho[1:] - rho[:-1], rates)
 
 
 def _segment_means(rho: FloatArray, may_steer: FloatArray) -> FloatArray:

@@ -137,6 +137,11 @@ class _Judgement(NamedTuple):
     error: float
     excess: float
 
+    @property
+    def is_finite(self) -> bool:
+        """Whether all steps have numbers; the largest of some is one where only some have."""
+        return math.isfinite(self.violation + self.merit + self.error)
+
     def is_solution(self, barrier: float) -> bool:
         """
         Tell whether it solves the program with a barrier parameter, accurately enough to go on.
@@ -213,7 +218,7 @@ def _iterate(memory: '_Memory') -> tuple[bool, int]:
     violations: collections.deque[float] = collections.deque(maxlen=STAGNANT_ITERATES)
     for count in range(MAX_ITERATIONS):
         violations.append(present.violation)
-        if not math.isfinite(present.error) or _is_stagnant(violations):
+        if not present.is_finite or _is_stagnant(violations):
             return False, count
         while present.is_solution(memory.tuning[0]):
             if memory.tuning[0] <= LAST_BARRIER:
@@ -321,9 +326,15 @@ class _Memory:
         self._multipliers = slice(-_size(shapes.slacks), None)
         self.common, self.data = np.zeros(step['common']), np.zeros((n, step['data']))
         self.bounds, self.tuning = np.zeros(len(Bounds._fields)), np.zeros(len(Tuning._fields))
-        # Of all steps, the start, and the end; pivots of all steps, and two of the start.
-        self._measures, self._limits = np.zeros((n + 2, step['measures'])), np.zeros((n + 2, 2))
-        self._pivots = np.zeros(n + 2)
+        # Of all steps, the start, and the end.
+        self._measures, self._judged = (np.zeros((n + 2 + more, step['measures']))
+                                        for more in (0, 1))
+        # Of the start, all steps, and the end.
+        self._limits = np.zeros((n + 2, 2))
+        # Of all steps from the end, and then the start: row 0 is that of the end, without any.
+        self._flaws = np.zeros((n + 2, 1))
+        self._judge = functions.judge.bind({
+            'before': self._judged[:-1], 'present': self._measures, 'so_far': self._judged[1:]})
         views = _Views(primal, primal_step, dual, dual_step, rows)
         recursion = _Recursion.allocate(functions, n, states)
         evaluate_first, self._start = self._bind_start(functions, views, recursion)
@@ -350,8 +361,8 @@ class _Memory:
             functions.start.bind({
                 **given, 'values': recursion.values[0], 'linear': recursion.linear[0],
                 'dx': primal_step['z'][0, :states], 'ds': primal_step['first'],
-                'dy': dual_step['first'], 'deta': dual_step['eta'], 'limits': self._limits[n],
-                'pivots': self._pivots[n:]}))
+                'dy': dual_step['first'], 'deta': dual_step['eta'], 'limits': self._limits[0],
+                'flaws_next': self._flaws[n], 'flaws': self._flaws[n + 1]}))
 
     def _bind_steps(self, functions: NewtonFunctions, views: _Views, recursion: _Recursion
                     ) -> tuple[Evaluation, Evaluation, Evaluation]:
@@ -372,12 +383,12 @@ class _Memory:
                 'dx_next': dz[1:, :states], 'dcontrols': dz[:n, states:],
                 'ds': primal_step['step'], 'dy': dual_step['step'],
                 'dfollowing': dual_step['costates'][1:], 'dnu': dual_step['nu'],
-                'limits': self._limits[:n]}),
+                'limits_before': self._limits[:n], 'limits': self._limits[1:n + 1]}),
             functions.recur.bind({
                 'record': record[::-1], 'values_next': values[:0:-1],
                 'linear_next': linear[:0:-1], 'tuning': self.tuning, 'values': values[-2::-1],
                 'linear': linear[-2::-1], 'gain': gains[::-1], 'lead': leads[::-1],
-                'pivot': self._pivots[:n, None][::-1]}))
+                'flaws_next': self._flaws[:n], 'flaws': self._flaws[1:n + 1]}))
 
     def _bind_end(self, functions: NewtonFunctions, views: _Views,
                   recursion: _Recursion) -> tuple[Evaluation, Evaluation]:
@@ -394,7 +405,7 @@ class _Memory:
             functions.expand_end.bind({
                 **given, 'dx': primal_step['z'][n, :states], 'ds': primal_step['end'],
                 'dy': dual_step['end'], 'dgoal': dual_step['goal'],
-                'limits': self._limits[n + 1]}))
+                'limits_before': self._limits[n], 'limits': self._limits[n + 1]}))
 
     def set_program(self, common: FloatArray, data: FloatArray, bounds: Bounds) -> None:
         """Take the parameters of a program."""
@@ -428,8 +439,8 @@ class _Memory:
         """Evaluate all rows and their derivatives, and judge them."""
         for evaluation in self._evaluations:
             evaluation()
-        violation, log_slacks, cost = self._measures[:, :3].sum(axis=0).tolist()
-        primal, dual, excess = self._measures[:, 3:].max(axis=0).tolist()
+        self._judge()
+        violation, log_slacks, cost, primal, dual, excess = self._judged[-1].tolist()
         return _Judgement(violation, cost - self.tuning[0] * log_slacks, max(primal, dual), excess)
 
     def find_step(self) -> bool:
@@ -439,7 +450,7 @@ class _Memory:
             self.tuning[1] = regularization
             self._recur()
             self._start()
-            if self._pivots.min() > 0.0:
+            if self._flaws[-1, 0] == 0.0:
                 for expansion in self._expansions:
                     expansion()
                 return True
@@ -448,7 +459,7 @@ class _Memory:
 
     def longest_steps(self) -> tuple[float, float]:
         """Fractions of the step, primal and dual, that keep slacks and multipliers positive."""
-        primal, dual = self._limits.max(axis=0).tolist()
+        primal, dual = self._limits[-1].tolist()
         return min(1.0, TO_EDGE / max(primal, 1e-9)), min(1.0, TO_EDGE / max(dual, 1e-9))
 
 

@@ -29,8 +29,9 @@ from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.transcription import PushRows, SMOOTHNESS
 
 # Numbers of a step that are judged after each evaluation: sums of violations and of log s, cost,
-# largest dual and complementary errors.
+# largest dual and complementary errors. The first three are summed up over all steps.
 MEASURES = ('violation', 'log_slacks', 'cost', 'primal_error', 'dual_error', 'excess')
+SUMS = 3
 # How much the end may miss the goal per multiplier in one step [m]. Chosen: the multiplier follows
 # from step to step, so that it is only the speed of that; small, and large against rounding.
 DUAL_REGULARIZATION = 1e-6
@@ -77,15 +78,17 @@ class NewtonFunctions(NamedTuple):
     :param evaluate_first: of the start.
     :param evaluate: of every step.
     :param evaluate_end: of the end.
-    :param recur: Riccati recursion over one step.
-    :param start: step of the start.
-    :param expand: step of every step.
-    :param expand_end: step of the end.
+    :param judge: measures of all blocks, taken together one by one.
+    :param recur: Riccati recursion over one step; counts pivots that are not positive.
+    :param start: step of the start; counts its own pivots, too.
+    :param expand: step of every step; keeps the tightest limits of the blocks so far.
+    :param expand_end: step of the end; does the same.
     """
 
     evaluate_first: RowFunction
     evaluate: RowFunction
     evaluate_end: RowFunction
+    judge: RowFunction
     recur: RowFunction
     start: RowFunction
     expand: RowFunction
@@ -189,8 +192,8 @@ class _Builder:
         evaluate, expand = self._of_step()
         evaluate_first, start = self._of_first()
         evaluate_end, expand_end = self._of_end()
-        return NewtonFunctions(evaluate_first, evaluate, evaluate_end, self._recursion(), start,
-                               expand, expand_end)
+        return NewtonFunctions(evaluate_first, evaluate, evaluate_end, _judge(),
+                               self._recursion(), start, expand, expand_end)
 
     def _box(self, x: Any, has_range: bool) -> list[Any]:
         bounds = self._bounds
@@ -250,14 +253,16 @@ class _Builder:
         found = ca.tril2symm(values) @ dx_next + linear
         ds = slack_offset + slack_by_kept @ kept
         dy, limits = g.changes(ds, self._tuning.barrier)
+        before = ca.SX.sym('limits_before', 2)
         nu_found = nu_offset + nu_by_kept @ kept + nu_by_next @ found
         return _function('expand', {
             'dx': dx, 'gain': gain, 'lead': lead, 'record': _packed(self._record),
             'expansion': _packed(parts), 'values_next': values, 'linear_next': linear, **g.given,
-            'following': following, 'nu': nu, 'tuning': self._tuning_column},
+            'following': following, 'nu': nu, 'tuning': self._tuning_column,
+            'limits_before': before},
             {'dx_next': dx_next, 'dcontrols': ca.vertcat(kept[states], offset + by_kept @ kept),
              'ds': ds, 'dy': dy, 'dfollowing': found - following, 'dnu': nu_found - nu,
-             'limits': limits})
+             'limits': ca.fmax(before, limits)})
 
     def _recursion(self) -> RowFunction:
         states = self._states
@@ -271,11 +276,12 @@ class _Builder:
         gain = -both[states, :states] / pivot
         lead = -slope[states] / pivot
         found = both[:states, :states] + both[:states, states] @ gain
+        flaws = ca.SX.sym('flaws_next')
         return _function('recur', {
             'record': _packed(self._record), 'values_next': values, 'linear_next': linear,
-            'tuning': self._tuning_column},
+            'tuning': self._tuning_column, 'flaws_next': flaws},
             {'values': _lower(found), 'linear': slope[:states] + both[:states, states] * lead,
-             'gain': ca.densify(gain), 'lead': lead, 'pivot': pivot})
+             'gain': ca.densify(gain), 'lead': lead, 'flaws': flaws + _flaw(pivot)})
 
     def _of_first(self) -> tuple[RowFunction, RowFunction]:
         """Build evaluation and step of the start."""
@@ -312,9 +318,11 @@ class _Builder:
         eta_found = -inverse.T @ (gradient + hessian @ dx)[bound]
         ds = g.jacobian @ dx + g.rows - g.slacks
         dy, limits = g.changes(ds, barrier)
-        start = _function('start', {**given, 'values': values, 'linear': linear}, {
+        flaws = ca.SX.sym('flaws_next')
+        start = _function('start', {**given, 'values': values, 'linear': linear,
+                                    'flaws_next': flaws}, {
             'dx': dx, 'ds': ds, 'dy': dy, 'deta': eta_found - eta, 'limits': limits,
-            'pivots': ca.vertcat(reduced[0, 0], determinant)})
+            'flaws': flaws + _flaw(reduced[0, 0]) + _flaw(determinant)})
         return evaluate, start
 
     def _of_end(self) -> tuple[RowFunction, RowFunction]:
@@ -336,10 +344,24 @@ class _Builder:
         dx = ca.SX.sym('dx', self._states)
         ds = g.jacobian @ dx + g.rows - g.slacks
         dy, limits = g.changes(ds, barrier)
-        expand = _function('expand_end', {**given, 'dx': dx}, {
-            'ds': ds, 'dy': dy, 'limits': limits,
+        before = ca.SX.sym('limits_before', 2)
+        expand = _function('expand_end', {**given, 'dx': dx, 'limits_before': before}, {
+            'ds': ds, 'dy': dy, 'limits': ca.fmax(before, limits),
             'dgoal': (equalities + of_equalities @ dx) / DUAL_REGULARIZATION})
         return evaluate, expand
+
+
+@functools.lru_cache(maxsize=1)
+def _judge() -> RowFunction:
+    """Build what adds up the first measures, and keeps the largest of the others."""
+    before, present = ca.SX.sym('before', len(MEASURES)), ca.SX.sym('present', len(MEASURES))
+    return _function('judge', {'before': before, 'present': present}, {'so_far': ca.vertcat(
+        before[:SUMS] + present[:SUMS], ca.fmax(before[SUMS:], present[SUMS:]))})
+
+
+def _flaw(pivot: Any) -> Any:
+    """Whether a pivot is not positive, also where it is no number: 1 or 0."""
+    return ca.if_else(pivot > 0.0, 0.0, 1.0)
 
 
 def _value_symbols(states: int) -> tuple[Any, Any]:

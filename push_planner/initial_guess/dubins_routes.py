@@ -13,7 +13,7 @@ import numpy as np
 from push_model.dubins import dubins_paths
 from push_model.geometry import Pose
 from push_planner.initial_guess.first_guess import Route
-from push_planner.initial_guess.steady_turns import steady_turns, SteadyTurn, TurnKey
+from push_planner.initial_guess.steady_turns import SteadyTurn, turn_limits, TurnKey
 from push_planner.problem import PushProblem
 
 # Pushing speed up to which routes use the tightest turns [m/s], and the fraction of them beyond.
@@ -57,7 +57,7 @@ def tightest_turns(problem: PushProblem) -> Optional[TurnPair]:
     parameters = problem.push_parameters
     key = TurnKey(parameters.supports, tuple(parameters.column()), offset,
                   settings.pushing_speed ** 2 if dynamic else 0.0)
-    turns = steady_turns(key).limits(slope, max_angle, offset)
+    turns = turn_limits(key, slope, max_angle)
     if turns is None or not (turns[0].curvature > 0.0 > turns[1].curvature):
         return None
     if is_fast(problem):

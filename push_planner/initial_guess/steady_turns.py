@@ -117,6 +117,19 @@ class TurnKey(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
+def turn_limits(key: TurnKey, slope: float,
+                max_angle: float) -> Optional[tuple[SteadyTurn, SteadyTurn]]:
+    """
+    Find the tightest steady turns; see ``SteadyTurns.limits``.
+
+    :param key: ``TurnKey``.
+    :param slope: tangent of the half-angle of the cone, infinite where it does not count.
+    :param max_angle: largest pushing angle [rad].
+    """
+    return steady_turns(key).limits(slope, max_angle, key.offset)
+
+
+@functools.lru_cache(maxsize=64)
 def steady_turns(key: TurnKey) -> SteadyTurns:
     """
     Tabulate the steady turns.

@@ -95,7 +95,7 @@ class Steering(NamedTuple):
     :param gains: K_k, shape (n, 7).
     :param leads: l_k, shape (n, 7).
     :param by_length: L_0[S], response of the end to S, shape (7,).
-    :param strength: G, shape (7, 7).
+    :param strength: G but for the part of S, shape (7, 7).
     """
 
     values: FloatArray
@@ -173,11 +173,8 @@ def solve_steering(maps: FloatArray) -> Steering:
     memory.solve_riccati()
     memory.costates[-1] = np.eye(7)
     memory.solve_costates()
-    by_length = memory.costates[0, 6].copy()
-    found = Steering(memory.values.copy(), memory.gains.copy(), memory.leads.copy(), by_length,
-                     memory.leads.T @ memory.pulls)
-    found.strength[:] += np.outer(by_length, by_length) / found.length_cost
-    return found
+    return Steering(memory.values.copy(), memory.gains.copy(), memory.leads.copy(),
+                    memory.costates[0, 6].copy(), memory.strengths[0].copy())
 
 
 def feed_forward(steering: Steering, end_weights: FloatArray, miss: FloatArray) -> Correction:
@@ -188,11 +185,10 @@ def feed_forward(steering: Steering, end_weights: FloatArray, miss: FloatArray) 
     :param end_weights: diagonal of Q_n, shape (7,).
     :param miss: m, deviation of the end from the goal, shape (7,).
     """
-    # y = W (1 + W G W)^-1 W m with W^2 = Q_n, where some weights are 0.
-    roots = np.sqrt(end_weights)
-    y = roots * np.linalg.solve(np.eye(7) + roots[:, None] * steering.strength * roots,
-                                roots * miss)
-    free_length = -float(steering.by_length @ y) / steering.length_cost
+    (y,), (found,) = _recursions().aim({
+        'strength': steering.strength.reshape(1, 49), 'by_length': steering.by_length,
+        'length_cost': np.array([steering.length_cost]), 'weights': end_weights, 'miss': miss})
+    free_length = float(found[0])
     # All gains respond to the longer path from the first step on.
     return Correction(-(steering.leads @ y + steering.gains[:, 6] * free_length), free_length)
 
@@ -339,16 +335,18 @@ class _SteeringMemory:
     def __init__(self, count: int) -> None:
         self.maps, self.values = np.zeros((count, 7, 8)), np.zeros((count + 1, 7, 7))
         self.gains, self.costates = np.zeros((count, 7)), np.zeros((count + 1, 7, 7))
-        self.leads, self.pulls = np.zeros((count, 7)), np.zeros((count, 7))
-        maps, values, costates = (array.reshape(len(array), -1)
-                                  for array in (self.maps, self.values, self.costates))
+        self.leads, self.strengths = np.zeros((count, 7)), np.zeros((count + 1, 7, 7))
+        maps, values, costates, strengths = (
+            array.reshape(len(array), -1)
+            for array in (self.maps, self.values, self.costates, self.strengths))
         self.solve_riccati = _recursions().riccati.bind({
             'map': maps[::-1], 'next_values': values[:0:-1], 'values': values[-2::-1],
             'gains': self.gains[::-1]})
         self.solve_costates = _recursions().costates.bind({
             'map': maps[::-1], 'next_values': values[:0:-1], 'gains': self.gains[::-1],
             'next_costates': costates[:0:-1], 'costates': costates[-2::-1],
-            'leads': self.leads[::-1], 'pulls': self.pulls[::-1]})
+            'leads': self.leads[::-1], 'next_strength': strengths[:0:-1],
+            'strength': strengths[-2::-1]})
 
 
 @functools.lru_cache(maxsize=32)
@@ -363,10 +361,11 @@ def _steering_memory(count: int, thread: int) -> _SteeringMemory:
 
 
 class _Recursions(NamedTuple):
-    """One step of the recursions of P_k and K_k, and of L_k."""
+    """One step of the recursions of P_k and K_k, and of L_k and G; y and x_0[S] of a miss."""
 
     riccati: RowFunction
     costates: RowFunction
+    aim: RowFunction
 
 
 @functools.lru_cache(maxsize=1)
@@ -382,8 +381,24 @@ def _recursions() -> _Recursions:
         # What rounding makes unsymmetric would grow from step to step.
         ca.densify(ca.tril2symm(ca.tril(values))), cross / cost]),
         ['map', 'next_values'], ['values', 'gains'])
-    pulls = columns @ b
-    costates = ca.Function('costates', [rows, following, gains, columns], ca.cse([
-        ca.densify(columns @ transition - pulls @ gains.T), pulls / cost, pulls]),
-        ['map', 'next_values', 'gains', 'next_costates'], ['costates', 'leads', 'pulls'])
-    return _Recursions(RowFunction(riccati), RowFunction(costates))
+    pulls, so_far = columns @ b, ca.SX.sym('next_strength', 7, 7)
+    costates = ca.Function('costates', [rows, following, gains, columns, so_far], ca.cse([
+        ca.densify(columns @ transition - pulls @ gains.T), pulls / cost,
+        so_far + pulls @ pulls.T / cost]),
+        ['map', 'next_values', 'gains', 'next_costates', 'next_strength'],
+        ['costates', 'leads', 'strength'])
+    return _Recursions(RowFunction(riccati), RowFunction(costates), _aim())
+
+
+def _aim() -> RowFunction:
+    """Build y and x_0[S] of a miss; y = W (1 + W G W)^-1 W m with W^2 = Q_n, as Q_n has zeros."""
+    strength, by_length = ca.SX.sym('strength', 7, 7), ca.SX.sym('by_length', 7)
+    length_cost, weights, miss = (ca.SX.sym('length_cost'), ca.SX.sym('weights', 7),
+                                  ca.SX.sym('miss', 7))
+    roots = ca.diag(ca.sqrt(weights))
+    total = strength + by_length @ by_length.T / length_cost
+    y = roots @ ca.solve(ca.SX.eye(7) + roots @ total @ roots, roots @ miss)
+    given = [strength, by_length, length_cost, weights, miss]
+    return RowFunction(ca.Function(
+        'aim', given, ca.cse([y, -ca.dot(by_length, y) / length_cost]),
+        ['strength', 'by_length', 'length_cost', 'weights', 'miss'], ['y', 'free_length']))

@@ -262,18 +262,13 @@ class _Division(NamedTuple):
         :param graded: fractions of the parts of each of the first steps.
         :param equal: number of parts of each step after them, which are equal.
         """
-        counts = np.append([len(one) for one in graded], equal)
-        nodes = np.zeros(len(counts) + 1, dtype=int)
-        np.cumsum(counts, out=nodes[1:])
-        step = np.repeat(np.arange(len(counts)), counts)
-        parts = np.zeros((len(step), 2))
-        first = nodes[len(graded)]
-        parts[first:, 0] = (1.0 / equal)[step[first:] - len(graded)]
-        parts[first:, 1] = parts[first:, 0] * (np.arange(first, len(step)) - nodes[step[first:]])
+        counts = np.array([*map(len, graded), *equal.tolist()])
+        step, equal_parts, nodes = _equal_division(counts.tobytes())
+        parts = equal_parts.copy()
         for begin, fractions in zip(nodes.tolist(), graded):
             part = parts[begin:begin + len(fractions)]
             part[:, 0] = fractions
-            part[1:, 1] = np.cumsum(fractions[:-1])
+            np.cumsum(fractions[:-1], out=part[1:, 1])
         return cls(step, parts, nodes)
 
     def repeated(self, times: int) -> '_Division':
@@ -285,6 +280,22 @@ class _Division(NamedTuple):
         shift = np.repeat(np.arange(times), len(self.step))
         return _Division(np.tile(self.step, times) + shift * (len(self.nodes) - 1),
                          np.tile(self.parts, (times, 1)), self.nodes)
+
+
+@functools.lru_cache(maxsize=64)
+def _equal_division(counts: bytes) -> _Division:
+    """
+    Divide steps into equal parts; most pushes of one length are divided alike.
+
+    :param counts: number of parts of each step, as bytes.
+    """
+    of_steps = np.frombuffer(counts, dtype=int)
+    nodes = np.zeros(len(of_steps) + 1, dtype=int)
+    np.cumsum(of_steps, out=nodes[1:])
+    step = np.repeat(np.arange(len(of_steps)), of_steps)
+    fractions = (1.0 / of_steps)[step]
+    return _Division(step, np.array([
+        fractions, fractions * (np.arange(len(step)) - nodes[step])]).T.copy(), nodes)
 
 
 class _PartMemory:
