@@ -148,18 +148,18 @@ def refine(problem: PushProblem, formulation: Formulation, solution: Solution,
     :return: ``RefinedPush``; None where the integration breaks down.
     """
     rollout = ClosedLoopRollout(problem, formulation, solution.free_length)
-    best: Optional[_Iterate] = None
+    best: Optional[RefinedPush] = None
+    least = math.inf
     for iterate in _iterates(problem, formulation, solution, rollout, former):
-        if not math.isfinite(iterate.miss) or (
-                best is not None and iterate.miss > MIN_IMPROVEMENT * best.miss):
+        if not math.isfinite(iterate.miss) or iterate.miss > MIN_IMPROVEMENT * least:
             break
-        best = iterate
-        if iterate.miss < SMALL_MISS:
+        # Collected at once, as the next run takes the memory.
+        best = RefinedPush(rollout.collect(iterate.run, iterate.free_length), iterate.free_length,
+                           solution, iterate.steering)
+        least = iterate.miss
+        if least < SMALL_MISS:
             break
-    if best is None:
-        return None
-    return RefinedPush(rollout.collect(best.run, best.free_length), best.free_length, solution,
-                       best.steering)
+    return best
 
 
 def solve_steering(maps: FloatArray) -> Steering:

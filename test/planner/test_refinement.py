@@ -1,15 +1,21 @@
 """Refinement: its backward and forward pass on a small linear-quadratic problem, and in use."""
 
+import math
+
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
+from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_planner.collocation.formulation import formulate
 from push_planner.collocation.nlp_solver import nlp_solver
+from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
 from push_planner.integration.refinement import (
     CHANGE_COST, feed_forward, FEEDBACK_END_WEIGHTS, FREE_LENGTH_COST, goal_miss, refine,
     SMALL_MISS, solve_steering, STRAIGHT_END_WEIGHTS, WEIGHTS,
 )
+from push_planner.problem import PushProblem
+from push_planner.settings import PlannerSettings
 import pytest
 
 STEPS = 5
@@ -105,6 +111,27 @@ def test_a_refined_push_ends_at_its_goal(push):
     assert refined.rollout.s[-1] == pytest.approx(
         formulation.mesh.step_lengths(refined.free_length).sum())
     np.testing.assert_allclose(samples[-1], refined.rollout.nodes[-1], atol=1e-12)
+
+
+def test_samples_are_those_of_the_push_that_is_kept():
+    """Also where the correction after it, of a bin that turns about a support, makes it worse."""
+    friction = (0.507, 0.281, 0.434)
+    bin_ = PushedObject(2.315, supports=tuple(
+        Support(0.1827 * math.cos(angle), 0.1827 * math.sin(angle), mu)
+        for angle, mu in zip((0.0, 2.1, 4.2), friction)), radius=0.22835)
+    problem = PushProblem(
+        bin_, RoundRobot(0.17, 'holonomic'), Contact('round', 0, -1.648), Pose(0.0, 0.0, 0.0),
+        math.pi - 1.648, math.pi - 1.648, Pose(0.01646, -0.69748, -2.48488),
+        PlannerSettings(pushing_speed=0.25, final_straight=0.0, deceleration=0.0))
+    refined = []
+    for route in routes(problem, tightest_turns(problem)):
+        formulation, guess = formulate(problem, route)
+        result = push_solver(formulation.dimensions).solve(formulation, guess)
+        refined.append(result.solution and refine(problem, formulation, result.solution))
+    kept = [push.rollout for push in refined if push]
+    assert len(kept) > 3
+    for rollout in kept:
+        np.testing.assert_allclose(rollout.samples[-1], rollout.nodes[-1], atol=1e-12)
 
 
 @pytest.mark.parametrize('robot', [HOLONOMIC, DIFFERENTIAL], ids=lambda robot: robot.drive)
