@@ -51,6 +51,7 @@ def friction_weight(capacity: Any, v_x: Any, v_y: Any, smoothing: Any) -> Any:
     return capacity / (v_x * v_x + v_y * v_y + smoothing * smoothing) ** 0.5
 
 
+@functools.lru_cache(maxsize=256)
 def friction_center(obj: PushedObject) -> tuple[float, float]:
     """
     Centre of friction F in the object frame, ``p_F = sum q_i s_i / sum q_i`` [m].

@@ -18,6 +18,11 @@ from push_planner.push_parameters import PushKind, PushParameters
 from push_planner.settings import PlannerSettings
 
 
+# Of the last objects and contacts: of one object some problems are planned, as its goal moves.
+_vehicle = functools.lru_cache(maxsize=256)(vehicle)
+_object_terms = functools.lru_cache(maxsize=256)(ObjectTerms.of)
+
+
 class PlanningFailed(Exception):
     """
     There is no plan.
@@ -102,7 +107,7 @@ class PushProblem:
             elif self.contact.kind == 'round':
                 base_x, base_y = 0.0, 0.0
                 disc_radius = self.obj.radius
-        return PushParameters(ObjectTerms.of(self.obj), base_x, base_y, self.start_normal,
+        return PushParameters(_object_terms(self.obj), base_x, base_y, self.start_normal,
                               self.rolling.normal_ratio, effective_radius, face_radius,
                               disc_radius, self.robot.radius, self.heading_offset)
 
@@ -129,7 +134,7 @@ class PushProblem:
     @functools.cached_property
     def vehicle(self) -> Vehicle:
         """The object seen as a vehicle that is pushed at the contact."""
-        return vehicle(self.obj, self.contact_point)
+        return _vehicle(self.obj, self.contact_point)
 
     @functools.cached_property
     def rolling(self) -> RollingConstants:
