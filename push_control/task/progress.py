@@ -17,7 +17,8 @@ MIN_CONE_FRACTION = 0.4
 ATTEMPTS_PER_REDUCTION = 2
 # Looks from other sides at an object that may be at its goal; chosen: all round it.
 MAX_INSPECTIONS = 3
-# Stops by the safety layer in one task; chosen: one may be a person, and one the next time.
+# Stops by the safety layer since the object last came nearer to its goal; chosen: one may be a
+# person, and one the next time.
 MAX_SAFETY_STOPS = 3
 # Pushes in a row that may leave the object pose as it was, to the last digit; chosen: the robot
 # may have missed the object once or twice, and a tracker that is frozen from the start shows no
@@ -172,7 +173,7 @@ class ProgressMonitor:
         return GoalCheck.UNCERTAIN
 
     def _note_progress(self, error: float, remaining_time: float | None) -> None:
-        ratio = self.settings.improvement_ratio
+        ratio, is_first = self.settings.improvement_ratio, math.isinf(self._least_error)
         is_nearer = error < ratio * self._least_error
         is_sooner = remaining_time is not None and remaining_time < ratio * self._least_time
         if is_nearer:
@@ -182,6 +183,7 @@ class ProgressMonitor:
         if is_nearer or is_sooner:
             self._attempts = 0
             self._waypoints = 0
+            self._safety_stops = self._safety_stops if is_first else 0
             self._last_failure = ''
 
     @property

@@ -6,8 +6,8 @@ from helpers.objects import box
 from push_control.settings import ControlSettings
 from push_control.task.perception import ObjectAtRest
 from push_control.task.progress import (
-    CAUTION_FACTOR, GoalCheck, MAX_INSPECTIONS, MIN_CONE_FRACTION, ProgressMonitor,
-    WAYPOINTS_PER_ATTEMPT,
+    CAUTION_FACTOR, GoalCheck, MAX_INSPECTIONS, MAX_SAFETY_STOPS, MIN_CONE_FRACTION,
+    ProgressMonitor, WAYPOINTS_PER_ATTEMPT,
 )
 from push_control.task.settings import aimed_tolerances, SupervisionSettings
 from push_model.geometry import Pose
@@ -50,6 +50,17 @@ def test_attempts_count_from_the_last_progress():
     monitor.check_goal(beside_goal(0.4), GOAL)
     monitor.count_attempt('slipped')
     assert 'slipped' in monitor.abort_reason
+
+
+def test_stops_by_the_safety_layer_count_from_the_last_progress():
+    """A long task is not ended by what it has got over each time, a fault that lasts ends it."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    for error in (0.5, 0.3, 0.1):
+        monitor.check_goal(beside_goal(error), GOAL)
+        for _ in range(MAX_SAFETY_STOPS - 1):
+            assert not monitor.count_safety_stop()
+            monitor.check_goal(beside_goal(0.99 * error), GOAL)
+    assert monitor.count_safety_stop()
 
 
 def test_pushes_to_waypoints_as_planned_are_no_failures():
