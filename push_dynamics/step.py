@@ -35,6 +35,9 @@ from push_dynamics.support_friction import Velocity, write_friction_forces
 ROUNDING = 1e-14
 # Residual of the velocity above which a step counts as unsolved [m/s]: chosen, 0.1 mm/s.
 UNSOLVED_RESIDUAL = 1e-4
+# Velocity [m/s], [rad/s] below which the object rests: chosen, in an hour it moves by less than its
+# pose is rounded to. Friction that is viscous near rest would let it slow down for ever.
+REST_SPEED = 1e-20
 # Fraction of a step by which a duration may exceed a whole number of steps, for its rounding.
 STEP_ROUNDING = 1e-9
 
@@ -120,6 +123,8 @@ def add_energies(state: Any, body: Any, guess: Velocity, contact: ContactGeometr
 def move_object(state: Any, solution: StepSolution, h: float) -> None:
     """Write pose, velocity, acceleration and contact of the object at the end of the step."""
     v_x, v_y, omega = solution.velocity
+    if max(abs(v_x), abs(v_y), abs(omega)) < REST_SPEED:
+        v_x, v_y, omega = 0.0, 0.0, 0.0
     # Across a change of mode the acceleration jumps: it predicts nothing then.
     rate = 1.0 / h if solution.impulse.mode == state[MODE] else 0.0
     state[A_X] = rate * (v_x - state[V_X])

@@ -192,6 +192,20 @@ def test_out_of_reach_the_robot_moves_alone(obj):
     assert np.hypot(*ends[0].numbers(layout.X, layout.Y)) > 0.02
 
 
+@pytest.mark.parametrize('obj', OBJECTS, ids=IDS)
+def test_an_object_that_nobody_pushes_comes_to_rest(obj):
+    """Viscous friction near rest alone would leave it a velocity, and every step all its work."""
+    twist = Twist(0.1, -0.05, 0.2)
+    kernel = Kernel(obj, Pose(0.0, 0.0, 0.3), Pose(-9.0, 0.0, 0.0), twist, command=Twist())
+    # It slides on for at most v / (mu g), and slows down from there by a factor in every step.
+    friction = sum(obj.capacities) / obj.mass
+    advance(*kernel.arguments(), 2.0 * math.hypot(*twist) / friction + 20 * STEP, STEP)
+    slid = kernel.numbers(layout.X, layout.Y, layout.THETA)
+    assert not kernel.numbers(*range(layout.V_X, layout.A_OMEGA + 1)).any()
+    advance(*kernel.arguments(), 1.0, STEP)
+    assert np.array_equal(kernel.numbers(layout.X, layout.Y, layout.THETA), slid)
+
+
 def test_local_capacities_are_those_of_the_floor_under_each_support():
     obj = box()
     supports = kernel_array(support_rows(obj, obj.capacities, [1.0] * 4))
