@@ -16,6 +16,7 @@ import functools
 import hashlib
 import importlib
 from importlib import util
+import operator
 import os
 import pathlib
 import sys
@@ -66,10 +67,6 @@ class CompiledFunction:
         functools.update_wrapper(self, function)
         self.py_func = function
 
-    def __call__(self, *arguments: Any, **named: Any) -> Any:
-        """Call the machine code."""
-        return self.dispatcher(*arguments, **named)
-
     @functools.cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher for calls from Python."""
@@ -103,6 +100,9 @@ class CompiledFunction:
         name = f'{self.py_func.__module__}.{self.py_func.__qualname__}'.replace('.', '-')
         dispatcher.compile = _in_turn(dispatcher.compile, folder / name)
         return dispatcher
+
+    # A call goes straight to the dispatcher: a method here would take as long as some functions do.
+    __call__ = property(operator.attrgetter('dispatcher'))
 
     @property
     def is_loaded(self) -> bool:
