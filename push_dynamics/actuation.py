@@ -47,10 +47,11 @@ def limit_command(robot: RoundRobot, command: Twist) -> Twist:
     :raises ValueError: where a component is not finite, or asks a differential drive to move
         sideways.
     """
-    command = Twist(*(float(value) for value in command))
-    for name, value in zip(Twist._fields, command):
-        if not math.isfinite(value):
-            raise ValueError(f'command.{name}: got {value}, expected a finite number')
+    command = Twist(*map(float, command))
+    if not all(map(math.isfinite, command)):
+        name, value = next(field for field in command._asdict().items()
+                           if not math.isfinite(field[1]))
+        raise ValueError(f'command.{name}: got {value}, expected a finite number')
     if robot.drive == 'differential' and command.v_y != 0.0:
         raise ValueError(f'command.v_y: got {command.v_y:g} m/s, expected 0 from a differential '
                          'drive')

@@ -101,8 +101,8 @@ class CompiledFunction:
         dispatcher.compile = _in_turn(dispatcher.compile, folder / name)
         return dispatcher
 
-    # A call goes straight to the dispatcher: a method here would take as long as some functions do.
-    __call__ = property(operator.attrgetter('dispatcher'))
+    # Calls go straight to the dispatcher: a method here would take as long as some functions do.
+    __call__: Any = property(operator.attrgetter('dispatcher'))
 
     @property
     def is_loaded(self) -> bool:

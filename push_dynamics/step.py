@@ -35,8 +35,8 @@ from push_dynamics.support_friction import Velocity, write_friction_forces
 ROUNDING = 1e-14
 # Residual of the velocity above which a step counts as unsolved [m/s]: chosen, 0.1 mm/s.
 UNSOLVED_RESIDUAL = 1e-4
-# Velocity [m/s], [rad/s] below which the object rests: chosen, in an hour it moves by less than its
-# pose is rounded to. Friction that is viscous near rest would let it slow down for ever.
+# Velocity [m/s], [rad/s] below which the object rests: chosen, in an hour it moves by less than
+# its pose is rounded to. Friction that is viscous near rest would let it slow down for ever.
 REST_SPEED = 1e-20
 # Fraction of a step by which a duration may exceed a whole number of steps, for its rounding.
 STEP_ROUNDING = 1e-9

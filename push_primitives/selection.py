@@ -137,18 +137,16 @@ def push_costs(primitives: PushPrimitives, query: SelectionQuery, displacements:
     table, cost_to_go = primitives.table, primitives.cost_to_go
     costs = np.full(displacements.shape[::2], math.inf)
     steps = np.flatnonzero(_is_long_enough(table.lengths, query.goal))
-    means = np.einsum('k,nklc->nlc', weights, displacements[:, :, steps])
-    grid = np.indices(means.shape[:2]).reshape(2, -1)
     push_times = table.lengths / query.pushing_speed + primitives.settings.push_time
-    estimates = np.empty(grid.shape[1])
-    _expected_costs(cost_to_go.values, cost_to_go.distances, cost_to_go.headings,
-                    np.ascontiguousarray(means[:, None]), np.ones(1), table.faces, grid[0],
-                    grid[1], np.array(query.goal), estimates)
-    estimates += push_times[steps[grid[1]]]
-    estimates += estimate_travel_times(primitives, query.robot_pose)[grid[0]]
-    count = min(EXPECTED_COUNT, len(estimates))
-    promising = np.sort(np.argpartition(estimates, count - 1)[:count])
-    numbers, columns = grid[0][promising], steps[grid[1][promising]]
+    estimates = np.empty((len(table.faces), len(steps)))
+    _costs_of_means(cost_to_go.values, cost_to_go.distances, cost_to_go.headings, displacements,
+                    weights, table.faces, steps, np.array(query.goal), np.empty(3), estimates)
+    estimates += push_times[steps]
+    estimates += estimate_travel_times(primitives, query.robot_pose)[:, None]
+    count = min(EXPECTED_COUNT, estimates.size)
+    promising = np.sort(np.argpartition(estimates, count - 1, axis=None)[:count])
+    numbers, columns = np.divmod(promising, len(steps))
+    columns = steps[columns]
     expected = np.empty(count)
     _expected_costs(cost_to_go.values, cost_to_go.distances, cost_to_go.headings, displacements,
                     weights, table.faces, numbers, columns, np.array(query.goal), expected)
@@ -272,3 +270,24 @@ def _expected_costs(values: Any, distances: Any, headings: Any, displacements: A
                                              goal[2], displacements[number, k, step],
                                              faces[number])
         expected[m] = total
+
+
+@compiled
+def _costs_of_means(values: Any, distances: Any, headings: Any, displacements: Any, weights: Any,
+                    faces: Any, steps: IntArray, goal: Any, mean: Any, costs: Any) -> None:
+    """
+    Write the cost-to-go after the mean effect of every push.
+
+    :param values: as of ``_expected_costs``, as are the others.
+    :param steps: numbers of the lengths, shape (m,).
+    :param mean: scratch, 3 numbers.
+    :param costs: shape (n, m) [s], is written.
+    """
+    for n in range(faces.shape[0]):
+        for m in range(steps.shape[0]):
+            for j in range(3):
+                mean[j] = 0.0
+                for k in range(weights.shape[0]):
+                    mean[j] += weights[k] * displacements[n, k, steps[m], j]
+            costs[n, m] = cost_after(values, distances, headings, goal[0], goal[1], goal[2], mean,
+                                     faces[n])

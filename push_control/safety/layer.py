@@ -178,8 +178,8 @@ class SafetyLayer:
         if self._object_pose is None or measured is not self._object_pose[0]:
             continued = self._heading_check.believed(measured)
             self._object_pose = measured, self._pose_check.believed(continued)
-        return observation._replace(object_pose=self._object_pose[1],
-                                    pose_doubt=self._pose_check.doubt)
+        return Observation(observation.time, observation.odometry, self._object_pose[1],
+                           self._pose_check.doubt)
 
     def filter(self, command: Twist, time: float) -> Twist:
         """

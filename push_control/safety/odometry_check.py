@@ -10,6 +10,7 @@ leads along another direction than its twist, which shows over a distance, howev
 
 from collections import deque
 import math
+from typing import NamedTuple
 
 from push_control.safety.odometry_rows import (
     compare_motions, continue_row, EXPECTED_X, Motions, row_of, TIME, TRAVELLED, X,
@@ -271,46 +272,23 @@ class OdometryCheck:
                           if last - course[TRAVELLED] >= least_distance), None)
             if first is None:
                 continue
-            fault = self._direction_error(first, EARLY_TOLERANCE, ratio)
+            fault = _direction_error(_course_from(first, self._course[-1]), EARLY_TOLERANCE, ratio)
             if fault and self._last is not None:
                 self.restart(self._last)
                 return fault
         return None
 
     def _check_direction(self, odometry: Odometry) -> SafetyReport | None:
-        if self._course[-1][TRAVELLED] - self._course[0][TRAVELLED] < DIRECTION_DISTANCE:
+        course = _course_from(self._course[0], self._course[-1])
+        if course.travelled < DIRECTION_DISTANCE:
             return None
         constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_TOLERANCE
-        fault = (self._direction_error(self._course[0], constant, DIRECTION_RATIO)
-                 or self._lateral_error(constant))
+        fault = (_direction_error(course, constant, DIRECTION_RATIO)
+                 or _lateral_error(course, constant))
         if fault is not None:
             # A robot that stands adds nothing to its course, in which the error would stay.
             self.restart(odometry)
         return fault
-
-    def _lateral_error(self, constant: float) -> SafetyReport | None:
-        """Compare the course with its twists, across the direction of these."""
-        travelled, (x, y), expected = _along_course(self._course[0], self._course[-1])
-        heading = math.atan2(expected[1], expected[0])
-        along, lateral = Pose(0.0, 0.0, -heading).rotate((x, y))
-        if abs(lateral) <= constant + LATERAL_RATIO * travelled:
-            return None
-        return SafetyReason.ODOMETRY_DIRECTION.report(
-            moved=math.hypot(x, y), angle=math.degrees(math.atan2(lateral, along)))
-
-    def _direction_error(self, first: FloatArray, constant: float,
-                         ratio: float) -> SafetyReport | None:
-        """Compare the course since one of its places with its twists, to a tolerance."""
-        travelled, moved, expected = _along_course(first, self._course[-1])
-        if distance(moved, expected) <= constant + ratio * travelled:
-            return None
-        angle = wrap_angle(math.atan2(moved[1], moved[0]) - math.atan2(expected[1], expected[0]))
-        has_direction = math.hypot(*expected) > LEAST_EXPECTED_RATIO * travelled
-        if abs(angle) < LEAST_DIRECTION_ERROR or not has_direction:
-            return SafetyReason.ODOMETRY_SCALE.report(moved=math.hypot(*moved),
-                                                      expected=math.hypot(*expected))
-        return SafetyReason.ODOMETRY_DIRECTION.report(moved=math.hypot(*moved),
-                                                      angle=math.degrees(angle))
 
 
 def integrated_step(last: Odometry, odometry: Odometry) -> Pose:
@@ -329,10 +307,40 @@ def integrated_step(last: Odometry, odometry: Odometry) -> Pose:
     return Pose(x, y, rotation)
 
 
-def _along_course(first: FloatArray, last: FloatArray,
-                  ) -> tuple[float, tuple[float, float], tuple[float, float]]:
+class _Course(NamedTuple):
     """Path length between two rows [m], and motion by poses and by twists, in the world [m]."""
+
+    travelled: float
+    moved: tuple[float, float]
+    expected: tuple[float, float]
+
+
+def _course_from(first: FloatArray, last: FloatArray) -> _Course:
     difference: list[float] = (last - first).tolist()
     x, y = difference[X:X + 2]
     expected_x, expected_y = difference[EXPECTED_X:EXPECTED_X + 2]
-    return difference[TRAVELLED], (x, y), (expected_x, expected_y)
+    return _Course(difference[TRAVELLED], (x, y), (expected_x, expected_y))
+
+
+def _lateral_error(course: _Course, constant: float) -> SafetyReport | None:
+    """Compare a course with its twists, across the direction of these."""
+    heading = math.atan2(course.expected[1], course.expected[0])
+    along, lateral = Pose(0.0, 0.0, -heading).rotate(course.moved)
+    if abs(lateral) <= constant + LATERAL_RATIO * course.travelled:
+        return None
+    return SafetyReason.ODOMETRY_DIRECTION.report(
+        moved=math.hypot(*course.moved), angle=math.degrees(math.atan2(lateral, along)))
+
+
+def _direction_error(course: _Course, constant: float, ratio: float) -> SafetyReport | None:
+    """Compare a course with its twists, to a tolerance."""
+    travelled, moved, expected = course
+    if distance(moved, expected) <= constant + ratio * travelled:
+        return None
+    angle = wrap_angle(math.atan2(moved[1], moved[0]) - math.atan2(expected[1], expected[0]))
+    has_direction = math.hypot(*expected) > LEAST_EXPECTED_RATIO * travelled
+    if abs(angle) < LEAST_DIRECTION_ERROR or not has_direction:
+        return SafetyReason.ODOMETRY_SCALE.report(moved=math.hypot(*moved),
+                                                  expected=math.hypot(*expected))
+    return SafetyReason.ODOMETRY_DIRECTION.report(moved=math.hypot(*moved),
+                                                  angle=math.degrees(angle))

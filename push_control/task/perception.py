@@ -323,8 +323,8 @@ class TaskPerception:
             self._has_jumped = False
             step = integrated_step(last, odometry)
         if last is not None and is_new:
-            moved = step or last.pose.inverse() @ odometry.pose
-            self._displacements.drive(math.hypot(moved.x, moved.y))
+            self._displacements.drive(distance(last.pose, odometry.pose) if step is None
+                                      else math.hypot(step.x, step.y))
         self.localization.predict(odometry, step)
 
     def _corrected(self, odometry: Odometry) -> Odometry:

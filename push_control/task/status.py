@@ -24,12 +24,16 @@ class TaskState(enum.Enum):
     @property
     def is_standing(self) -> bool:
         """Whether the robot stands, and goes on only on request of the user."""
-        return self in (TaskState.IDLE, TaskState.DONE, TaskState.FAILED, TaskState.PAUSED)
+        return self in STANDING_STATES
 
     @property
     def is_final(self) -> bool:
         """Whether the task is over, well or not."""
-        return self in (TaskState.DONE, TaskState.FAILED)
+        return self in FINAL_STATES
+
+
+FINAL_STATES = (TaskState.DONE, TaskState.FAILED)
+STANDING_STATES = (TaskState.IDLE, TaskState.PAUSED, *FINAL_STATES)
 
 
 class TaskFailure(enum.Enum):
