@@ -2,7 +2,7 @@
 
 import contextlib
 import sys
-from typing import Any, Callable, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Sequence, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from push_model.files.flat_values import parameter_specs
@@ -11,14 +11,8 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry
 from push_navigation.settings import DriveSettings, MapSettings
-from push_planner.plan import Plan
-from push_planner.problem import PlannerSettings, PlanningFailed
-from push_planner.ros.sequence_planner import (
-    describe_task_plan, PlannerParameters, SequenceRequestHandler,
-)
-from push_planner.settings import TaskSettings
-from push_planner.single_push.replanning import plan_from_measurements
-from push_planner.single_push.site_selection import SiteChoice
+from push_planner.ros.parameters import PlannerParameters
+from push_planner.settings import PlannerSettings, TaskSettings
 from push_ros.conversions.map import map_text
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
@@ -33,6 +27,12 @@ from push_ros.topics import PLANNER
 from push_ros.transforms.world import Handlers, WorldFrame
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+
+if TYPE_CHECKING:  # What plans is imported where it is first used, behind the first report.
+    from push_planner.plan import Plan
+    from push_planner.problem import PlanningFailed
+    from push_planner.ros.sequence_planner import SequenceRequestHandler
+    from push_planner.single_push.site_selection import SiteChoice
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', PlannerSettings),
             ('drive.', DriveSettings), ('task.', TaskSettings), ('map.', MapSettings),
@@ -105,7 +105,7 @@ class PlannerNode(ManagedNode):
         everything else is in it.
     """
 
-    _sequences: SequenceRequestHandler
+    _sequences: 'SequenceRequestHandler'
     _measured: _MeasurementTopics | None = None
 
     def __init__(self) -> None:
@@ -126,6 +126,7 @@ class PlannerNode(ManagedNode):
 
     def configure(self) -> None:
         """Compile the planner of sequences, and load what pushes do, where they are planned."""
+        from push_planner.ros.sequence_planner import SequenceRequestHandler
         self._sequences = SequenceRequestHandler(self._present_parameters, self._world_frame)
 
     def activate(self) -> None:
@@ -292,6 +293,7 @@ class PlannerNode(ManagedNode):
     def _answer(self, stamp: Time, plan: Callable[[], str], *,
                 publishes_failure: bool = True) -> ServiceAnswer:
         """Plan and publish; return whether there is a plan, and what was reported."""
+        from push_planner.problem import PlanningFailed
         self._answering = stamp if publishes_failure else None
         try:
             text = plan()
@@ -321,6 +323,7 @@ class PlannerNode(ManagedNode):
 
     def _plan_push(self, request: PlanRequest, stamp: Time) -> str:
         """Plan one push from the newest measurements, and publish it."""
+        from push_planner.single_push.replanning import plan_from_measurements
         parameters, (measured, odometry) = self._present_parameters, self._measurements()
         choice = plan_from_measurements(request.obj, parameters.robot, measured, odometry,
                                         request.goal, parameters.planner,
@@ -336,9 +339,9 @@ class PlannerNode(ManagedNode):
         messages = self._sequences.messages(task_plan, stamp)
         self._plans.publish(messages.plan)
         self._paths.publish(messages.path)
-        return self._report(OK, *describe_task_plan(task_plan))
+        return self._report(OK, *messages.description)
 
-    def _publish(self, choice: SiteChoice, robot_pose: Pose, stamp: Time) -> str:
+    def _publish(self, choice: 'SiteChoice', robot_pose: Pose, stamp: Time) -> str:
         plan, trajectory = choice.plan, choice.plan.trajectory
         self._plans.publish(to_plan_message(trajectory, stamp, self._world_frame))
         self._paths.publish(to_path_message(trajectory.object_poses.tolist(), stamp,
@@ -359,7 +362,7 @@ class PlannerNode(ManagedNode):
         self.reporter.report(level, text, values)
         return text
 
-    def _report_failure(self, failure: PlanningFailed) -> str:
+    def _report_failure(self, failure: 'PlanningFailed') -> str:
         values = dict(failure.report)
         sites = values.pop('sites', ())
         return self._report(ERROR, failure.reason, {

@@ -24,7 +24,8 @@ from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
 from push_planner.problem import PlanningFailed
-from push_planner.ros.sequence_planner import PlannerParameters, SequenceRequestHandler
+from push_planner.ros.parameters import PlannerParameters
+from push_planner.ros.sequence_planner import SequenceRequestHandler
 from push_ros.conversions.map import to_map_message
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_plan_message

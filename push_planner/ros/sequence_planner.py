@@ -3,18 +3,16 @@
 from typing import Any, Mapping, NamedTuple
 
 from push_model.geometry import Pose
-from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_navigation.footprint_clearing import FootprintClearing
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.settings import DriveSettings, MapSettings
 from push_planner.map_search.kept_sequence import KeptSequence
 from push_planner.map_search.planner import warm_up as warm_up_search
 from push_planner.primitive_push.planner import warm_up
 from push_planner.problem import PlanningFailed
+from push_planner.ros.parameters import PlannerParameters
 from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.sequence.steps import sequence_poses
-from push_planner.settings import PlannerSettings, TaskSettings
 from push_ros.conversions.plan import to_path_message, to_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.map_reader import MapChange, MapReader, ReadMap
@@ -23,24 +21,11 @@ from push_ros.map_reader import MapChange, MapReader, ReadMap
 PATH_SPACING = 0.05
 
 
-class PlannerParameters(NamedTuple):
-    """
-    Parameters of the planner, by section.
+class Description(NamedTuple):
+    """What diagnostics say of a plan: a sentence, and values by name."""
 
-    :param object: the ``PushedObject`` to be prepared for.
-    :param robot: the ``RoundRobot``.
-    :param planner: ``PlannerSettings``.
-    :param drive: ``DriveSettings``; for sequences.
-    :param task: ``TaskSettings``; for sequences.
-    :param map_settings: ``MapSettings``; for sequences.
-    """
-
-    object: PushedObject
-    robot: RoundRobot
-    planner: PlannerSettings
-    drive: DriveSettings
-    task: TaskSettings
-    map_settings: MapSettings
+    text: str
+    values: Mapping[str, Any]
 
 
 class SequencePlanMessages(NamedTuple):
@@ -49,10 +34,12 @@ class SequencePlanMessages(NamedTuple):
 
     :param plan: ``trajectory_msgs/MultiDOFJointTrajectory`` of its first push.
     :param path: ``nav_msgs/Path`` of the object through all pushes.
+    :param description: ``Description`` for diagnostics.
     """
 
     plan: Any
     path: Any
+    description: Description
 
 
 class SequenceRequestHandler:
@@ -192,22 +179,12 @@ class SequenceRequestHandler:
         if task_plan.kept is not None:
             poses += [push.end for push in task_plan.kept.pushes]
         return SequencePlanMessages(to_plan_message(trajectory, stamp, self._frame),
-                                    to_path_message(poses, stamp, self._frame))
+                                    to_path_message(poses, stamp, self._frame),
+                                    _description(task_plan))
 
 
-class Description(NamedTuple):
-    """What diagnostics say of a plan: a sentence, and values by name."""
-
-    text: str
-    values: Mapping[str, Any]
-
-
-def describe_task_plan(task_plan: TaskPlan) -> Description:
-    """
-    Describe a sequence in words and values.
-
-    :param task_plan: ``TaskPlan``.
-    """
+def _description(task_plan: TaskPlan) -> Description:
+    """Describe a sequence in words and values."""
     count, first = len(task_plan.pushes), task_plan.pushes[0]
     noun = 'push' if count == 1 else 'pushes'
     expected = 'expected ' if task_plan.trajectory.style.is_unsteered else ''

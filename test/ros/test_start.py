@@ -58,10 +58,14 @@ def test_a_node_is_imported_with_one_thread_and_without_collections(
     assert gc.isenabled()
 
 
-def test_the_controller_does_not_import_what_only_some_modes_need():
-    """Either mode takes as long as all the rest."""
-    code = ('import sys, push_control.controller_node; '
+@pytest.mark.parametrize('node, left_out', [
+    ('push_control.controller_node', ('push_control.task.supervisor', 'push_planner')),
+    ('push_planner.planner_node', ('push_primitives', 'push_planner.sequence',
+                                   'push_planner.single_push', 'push_planner.map_search'))])
+def test_a_node_does_not_import_what_its_first_message_does_not_need(node, left_out):
+    """The modes of the controller, and all that plans, take as long as all the rest."""
+    code = (f'import sys, {node}; '
             'print([name for name in sys.modules if name in ("casadi", "numba", "scipy") '
-            'or name.startswith(("push_control.task.supervisor", "push_planner"))])')
+            f'or name.startswith({left_out})])')
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
     assert done.stdout == '[]\n'

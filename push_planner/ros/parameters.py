@@ -1,0 +1,27 @@
+"""Parameters of the planner's node."""
+
+from typing import NamedTuple
+
+from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.settings import DriveSettings, MapSettings
+from push_planner.settings import PlannerSettings, TaskSettings
+
+
+class PlannerParameters(NamedTuple):
+    """
+    Parameters of the planner, by section.
+
+    :param object: the ``PushedObject`` to be prepared for.
+    :param robot: the ``RoundRobot``.
+    :param planner: ``PlannerSettings``.
+    :param drive: ``DriveSettings``; for sequences.
+    :param task: ``TaskSettings``; for sequences.
+    :param map_settings: ``MapSettings``; for sequences.
+    """
+
+    object: PushedObject
+    robot: RoundRobot
+    planner: PlannerSettings
+    drive: DriveSettings
+    task: TaskSettings
+    map_settings: MapSettings
