@@ -199,14 +199,17 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
     bodies = [_with_friction(obj, factors, friction) for factors, friction
               in zip(draws.support_factors, draws.contact_frictions.tolist())]
     displacements = np.zeros((len(starts), len(bodies), len(lengths), 3))
-    _simulate(
-        starts, kinds.curvatures,
+    common = (
         np.array([body_numbers(body, robot, SMOOTHING) for body in bodies]),
         np.array([support_rows(body, body.capacities, [1.0] * len(body.supports))
                   for body in bodies]),
         np.array(obj.outline or NO_OUTLINE, dtype=float), np.array(drive_numbers(robot)),
-        np.array(lengths, dtype=float), displacements, np.zeros(STATE_SIZE),
-        np.zeros(2 * len(obj.supports)), np.zeros(3), np.zeros((0, PATCH_SIZE)))
+        np.array(lengths, dtype=float))
+    memory = (np.zeros(STATE_SIZE), np.zeros(2 * len(obj.supports)), np.zeros(3),
+              np.zeros((0, PATCH_SIZE)))
+    # One by one: a signal is noticed between two calls.
+    for start, curvature, rows in zip(starts, kinds.curvatures.tolist(), displacements):
+        _simulate(start, curvature, *common, rows, *memory)
     return PrimitiveTable(
         places, kinds.place_indices,
         np.array([places[place].face for place in kinds.place_indices.tolist()]), kinds.tilts,
@@ -239,19 +242,18 @@ def _with_friction(obj: PushedObject, factors: FloatArray, friction: float) -> P
 
 
 @compiled
-def _simulate(starts: Any, curvatures: Any, bodies: Any, supports: Any, outline: Any, drive: Any,
+def _simulate(start: Any, curvature: float, bodies: Any, supports: Any, outline: Any, drive: Any,
               lengths: Any, displacements: Any, state: Any, forces: Any, command: Any,
               floor: Any) -> None:
     """
-    Simulate every primitive under every guess of friction.
+    Simulate a primitive under every guess of friction.
 
-    Arguments are as in ``push_dynamics.step``, with a row for each primitive or guess;
-    ``displacements``, shape (n, K, L, 3), is written; the last four are memory to work with.
+    Arguments are as in ``push_dynamics.step``, with a row for each guess; ``displacements``, shape
+    (K, L, 3), is written; the last four are memory to work with.
     """
-    for i in range(starts.shape[0]):
-        for k in range(bodies.shape[0]):
-            _simulate_one(starts[i], curvatures[i], bodies[k], supports[k], outline, drive,
-                          lengths, displacements[i, k], state, forces, command, floor)
+    for k in range(bodies.shape[0]):
+        _simulate_one(start, curvature, bodies[k], supports[k], outline, drive, lengths,
+                      displacements[k], state, forces, command, floor)
 
 
 @compiled

@@ -130,10 +130,15 @@ def solve_cost_to_go(table: PrimitiveTable, settings: CostSettings | None = None
     best = np.zeros(shape[0])
     for rounds in HIGH_ROUNDS if from_above else ROUNDS:
         memory = _selection(values, len(actions.times))
-        _keep_best_actions(values, distances, headings, actions, kept, memory)
+        # By headings and by distances: a signal is noticed between two calls.
+        for k in range(0, len(headings), SELECTION_STRIDE):
+            _keep_best_actions(values, distances, headings, actions, kept, memory, k)
         for _ in range(rounds):
-            _spread_actions(values, distances, headings, actions, kept, memory)
-            _sweep(values, distances, headings, arrived, actions, kept, contact_times, best)
+            for i in range(len(distances)):
+                _spread_actions(values, distances, headings, actions, kept, memory, i)
+            # From small distances outwards.
+            for i in range(len(distances)):
+                _sweep(values, distances, headings, arrived, actions, kept, contact_times, best, i)
     return CostToGo(values, distances, headings)
 
 
@@ -214,50 +219,48 @@ def _selection(values: NDArray[np.float32], action_count: int) -> Selection:
 
 @compiled
 def _keep_best_actions(values: Any, distances: Any, headings: Any, actions: Any, kept: Any,
-                       memory: Selection) -> None:
-    """Write the best actions of some states, by face, judged by their mean effect."""
-    for k in range(0, values.shape[3], SELECTION_STRIDE):
-        for action in range(actions.times.shape[0]):
-            heading = wrap_angles(headings[k] - actions.means[action, 2])
-            position = locate(headings, heading)
-            memory.heading_indices[action] = position.cell
-            memory.heading_fractions[action] = position.fraction
-        for i in range(values.shape[1]):
-            for j in range(0, values.shape[2], SELECTION_STRIDE):
-                bearing = 2.0 * math.pi * j / values.shape[2]
-                x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
-                _reset_selection(values, distances, headings, actions, x, y, headings[k],
-                                 kept[i, max(0, j - SELECTION_STRIDE), k], memory)
-                _keep_best_of_state(values, distances, actions, x, y, kept[i, j, k], memory)
+                       memory: Selection, k: int) -> None:
+    """Write the best actions of some states of a heading, by face, judged by their mean effect."""
+    for action in range(actions.times.shape[0]):
+        heading = wrap_angles(headings[k] - actions.means[action, 2])
+        position = locate(headings, heading)
+        memory.heading_indices[action] = position.cell
+        memory.heading_fractions[action] = position.fraction
+    for i in range(values.shape[1]):
+        for j in range(0, values.shape[2], SELECTION_STRIDE):
+            bearing = 2.0 * math.pi * j / values.shape[2]
+            x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
+            _reset_selection(values, distances, headings, actions, x, y, headings[k],
+                             kept[i, max(0, j - SELECTION_STRIDE), k], memory)
+            _keep_best_of_state(values, distances, actions, x, y, kept[i, j, k], memory)
 
 
 @compiled
 def _spread_actions(values: Any, distances: Any, headings: Any, actions: Any, kept: Any,
-                    memory: Selection) -> None:
-    """Choose the best actions of every state among its own and those of the states beside."""
+                    memory: Selection, i: int) -> None:
+    """Choose the best actions of all states at a distance among theirs and those beside."""
     bearings = values.shape[2]
-    for i in range(values.shape[1]):
-        for j in range(bearings):
-            bearing = 2.0 * math.pi * j / bearings
-            x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
-            for k in range(values.shape[3]):
-                for face in range(values.shape[0]):
-                    own, costs = kept[i, j, k, face], memory.costs[face]
-                    for n in range(own.shape[0]):
-                        memory.candidates[n] = own[n]
-                        own[n] = -1
-                        costs[n] = math.inf
-                    _offer(values, distances, headings, actions, x, y, headings[k], own, costs,
-                           memory.candidates, face)
-                    for step in (-1, 1):
+    for j in range(bearings):
+        bearing = 2.0 * math.pi * j / bearings
+        x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
+        for k in range(values.shape[3]):
+            for face in range(values.shape[0]):
+                own, costs = kept[i, j, k, face], memory.costs[face]
+                for n in range(own.shape[0]):
+                    memory.candidates[n] = own[n]
+                    own[n] = -1
+                    costs[n] = math.inf
+                _offer(values, distances, headings, actions, x, y, headings[k], own, costs,
+                       memory.candidates, face)
+                for step in (-1, 1):
+                    _offer(values, distances, headings, actions, x, y, headings[k], own,
+                           costs, kept[i, (j + step + bearings) % bearings, k, face], face)
+                    if 0 <= i + step < values.shape[1]:
                         _offer(values, distances, headings, actions, x, y, headings[k], own,
-                               costs, kept[i, (j + step + bearings) % bearings, k, face], face)
-                        if 0 <= i + step < values.shape[1]:
-                            _offer(values, distances, headings, actions, x, y, headings[k], own,
-                                   costs, kept[i + step, j, k, face], face)
-                        if 0 <= k + step < values.shape[3]:
-                            _offer(values, distances, headings, actions, x, y, headings[k], own,
-                                   costs, kept[i, j, k + step, face], face)
+                               costs, kept[i + step, j, k, face], face)
+                    if 0 <= k + step < values.shape[3]:
+                        _offer(values, distances, headings, actions, x, y, headings[k], own,
+                               costs, kept[i, j, k + step, face], face)
 
 
 @compiled
@@ -340,23 +343,22 @@ def _insert(costs: Any, kept: Any, cost: float, action: Any) -> None:
 
 @compiled
 def _sweep(values: Any, distances: Any, headings: Any, arrived: Any, actions: Any, kept: Any,
-           contact_times: Any, best: Any) -> None:
-    """Improve the values of all states by their kept actions, from small distances outwards."""
-    for i in range(values.shape[1]):
-        for j in range(values.shape[2]):
-            bearing = 2.0 * math.pi * j / values.shape[2]
-            x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
-            for k in range(values.shape[3]):
-                if arrived[i, j, k]:
-                    continue
-                for face in range(values.shape[0]):
-                    best[face] = _best_cost(values, distances, headings, actions, x, y,
-                                            headings[k], kept[i, j, k, face])
-                for face in range(values.shape[0]):
-                    value = math.inf
-                    for other in range(values.shape[0]):
-                        value = min(value, contact_times[face, other] + best[other])
-                    values[face, i, j, k] = value
+           contact_times: Any, best: Any, i: int) -> None:
+    """Improve the values of all states at a distance by their kept actions."""
+    for j in range(values.shape[2]):
+        bearing = 2.0 * math.pi * j / values.shape[2]
+        x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
+        for k in range(values.shape[3]):
+            if arrived[i, j, k]:
+                continue
+            for face in range(values.shape[0]):
+                best[face] = _best_cost(values, distances, headings, actions, x, y,
+                                        headings[k], kept[i, j, k, face])
+            for face in range(values.shape[0]):
+                value = math.inf
+                for other in range(values.shape[0]):
+                    value = min(value, contact_times[face, other] + best[other])
+                values[face, i, j, k] = value
 
 
 @compiled
