@@ -40,8 +40,8 @@ SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('planner.', Plan
 DYNAMIC_GROUPS = ('planner.', 'drive.', 'task.')
 SETTABLE = {spec.name: DYNAMIC for prefix, cls in SECTIONS if prefix in DYNAMIC_GROUPS
             for spec in parameter_specs(cls, prefix)}
-# Period at which a request waits for measurements [s]; chosen: that of slow object poses.
-MEASUREMENT_WAIT = 0.05
+# Period at which a request looks for what it waits for [s]; chosen: that of slow object poses.
+WAIT_PERIOD = 0.05
 # Longest wait of ``planner/replan`` for measurements [s]; chosen: on a busy machine it takes some
 # tenths of a second until publishers have been met.
 DISCOVERY_WAIT = 1.0
@@ -67,7 +67,7 @@ class PlannerNode(ManagedNode):
 
     A request brings the object that is to be pushed. The object of the parameters is the one for
     which the node prepares itself at its start; for another one that takes a while when its first
-    request comes, unless it was done in former runs.
+    request comes, unless it was done in former runs. Others are answered meanwhile.
 
     The plan of one push starts from the newest measurements, for which a request waits; while the
     robot pushes it starts from the present motion, at the site where it pushes. With
@@ -138,7 +138,7 @@ class PlannerNode(ManagedNode):
             self._on_map, self._refuse_map, self._sequences.move_map, is_latched=True)),
             real_time=True)
         self.subscribe('push_request', self._on_request, real_time=True)
-        self._timer = self.create_timer(MEASUREMENT_WAIT, self.guarded(self._plan_when_measured),
+        self._timer = self.create_timer(WAIT_PERIOD, self.guarded(self._plan_when_possible),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._timer.cancel()
         self._map_timer = self.create_timer(MAP_PERIOD, self.guarded(self._take_map),
@@ -182,7 +182,7 @@ class PlannerNode(ManagedNode):
         return self._measured
 
     def _forget(self) -> None:
-        # A request of one push that waits for measurements, and its stamp.
+        # A request that waits for measurements or for the primitives of its object, and its stamp.
         self._pending: tuple[PlanRequest, Time] | None = None
         # Stamp of the request that is being answered, or None.
         self._answering: Time | None = None
@@ -256,27 +256,39 @@ class PlannerNode(ManagedNode):
             return
         self.get_logger().debug(f'plans to the goal {request.goal}')
         self._last_request = request
-        if self._plans_sequences:
-            self._answer(stamp, lambda: self._plan_sequence(request, stamp))
-            return
         self._pending = request, stamp
-        self._plan_when_measured()
+        self._plan_when_possible()
 
-    def _plan_when_measured(self) -> None:
+    def _plan_when_possible(self) -> None:
         """Plan what was requested, or look again a little later."""
         if self._pending is None:
             self._timer.cancel()
-        elif missing := self._listen().missing:
-            self._report(WARN, f'has a goal and waits for {" and ".join(missing)}')
+            return
+        request, stamp = self._pending
+        if self._waits(request):
             self._timer.reset()
-        else:
-            (request, stamp), self._pending = self._pending, None
-            self._answer(stamp, lambda: self._plan_push(request, stamp))
+            return
+        self._pending = None
+        plan = self._plan_sequence if self._plans_sequences else self._plan_push
+        self._answer(stamp, lambda: plan(request, stamp))
+
+    def _waits(self, request: PlanRequest) -> bool:
+        """Report what a request has to wait for, if anything."""
+        if not self._plans_sequences:
+            missing = self._listen().missing
+            if missing:
+                self._report(WARN, f'has a goal and waits for {" and ".join(missing)}')
+            return bool(missing)
+        is_waiting = self._sequences.prepares(request)
+        if is_waiting:
+            self._report(OK, 'finds out what pushes do to the object; the first time this takes '
+                             'a minute or two')
+        return is_waiting
 
     async def _replan(self) -> ServiceAnswer:
         if self._last_request is not None:
             await self.wait_until(lambda: not self.is_active or not self._listen().missing,
-                                  MEASUREMENT_WAIT, DISCOVERY_WAIT)
+                                  WAIT_PERIOD, DISCOVERY_WAIT)
         if not self.is_active:
             return INACTIVE
         if self._last_request is None:
@@ -284,7 +296,7 @@ class PlannerNode(ManagedNode):
         missing = self._listen().missing
         if missing:
             return ServiceAnswer(False, f'has received no {" and no ".join(missing)} yet')
-        request, self._pending = self._last_request, None
+        request = self._last_request
         stamps = [newest.message.header.stamp for newest in self._listen()]
         stamp = max(stamps, key=nanoseconds)
         return self._answer(stamp, lambda: self._plan_from_measurements(request, stamp),
@@ -324,6 +336,7 @@ class PlannerNode(ManagedNode):
     def _plan_push(self, request: PlanRequest, stamp: Time) -> str:
         """Plan one push from the newest measurements, and publish it."""
         from push_planner.single_push.replanning import plan_from_measurements
+        self._pending = None
         parameters, (measured, odometry) = self._present_parameters, self._measurements()
         choice = plan_from_measurements(request.obj, parameters.robot, measured, odometry,
                                         request.goal, parameters.planner,

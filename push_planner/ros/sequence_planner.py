@@ -11,6 +11,7 @@ from push_planner.map_search.planner import warm_up as warm_up_search
 from push_planner.primitive_push.planner import warm_up
 from push_planner.problem import PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
+from push_planner.ros.primitive_loader import PrimitiveLoader
 from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.sequence.steps import sequence_poses
 from push_ros.conversions.plan import to_path_message, to_plan_message
@@ -58,6 +59,7 @@ class SequenceRequestHandler:
         self.clearing = FootprintClearing(parameters.map_settings, parameters.object,
                                           parameters.robot)
         self._cleared_object = parameters.object
+        self._loader = PrimitiveLoader()
         # What is left of the last sequence.
         self._kept: KeptSequence | None = None
         self.set_parameters(parameters)
@@ -138,6 +140,16 @@ class SequenceRequestHandler:
         :raises MessageRefused: where it cannot be used.
         """
         return from_request_message(message, self._frame)
+
+    def prepares(self, request: PlanRequest) -> bool:
+        """
+        Find out what pushes do to the object of a request, and tell whether that takes a while.
+
+        :param request: ``PlanRequest``.
+        """
+        parameters = self._parameters
+        return self._plans_unsteered_pushes and self._loader.loads(
+            request, parameters.robot, parameters.drive)
 
     def plan(self, request: PlanRequest) -> TaskPlan:
         """

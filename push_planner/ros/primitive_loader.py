@@ -1,0 +1,52 @@
+"""Loading of what pushes do to an object, which is made first where the object is new."""
+
+import contextlib
+import threading
+
+from push_model.parameters import RoundRobot
+from push_model.plan_request import PlanRequest
+from push_navigation.settings import DriveSettings
+from push_planner.primitive_push.planner import checked_request, primitives_for
+from push_planner.problem import PlanningFailed
+
+# Time that loading may take before the node goes on meanwhile [s]; chosen: a file takes some tens
+# of milliseconds, what is in memory far less, and a new object seconds.
+LOADING_TIME = 0.1
+THREAD_NAME = 'primitives'
+
+
+class PrimitiveLoader:
+    """
+    Loads the primitives of the object of a request on a thread of its own.
+
+    Making them takes some hundred calls of compiled functions, between which others can run.
+    """
+
+    def __init__(self) -> None:
+        """Start without a request."""
+        self._request: PlanRequest | None = None
+        self._thread = threading.Thread()
+
+    def loads(self, request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> bool:
+        """
+        Begin to load, unless that was done, and tell whether it goes on; one after the other.
+
+        :param request: ``PlanRequest``, the same one each time.
+        :param robot: the ``RoundRobot``.
+        :param drive: ``DriveSettings``.
+        """
+        if request is not self._request:
+            if self._thread.is_alive():
+                return True
+            self._request = request
+            self._thread = threading.Thread(target=_load, args=(request, robot, drive),
+                                            name=THREAD_NAME, daemon=True)
+            self._thread.start()
+            self._thread.join(LOADING_TIME)
+        return self._thread.is_alive()
+
+
+def _load(request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> None:
+    # Whoever plans fails again, and says so.
+    with contextlib.suppress(PlanningFailed):
+        primitives_for(checked_request(request, robot), robot, drive)
