@@ -491,18 +491,22 @@ def test_other_services_are_answered_while_a_plan_waits_for_measurements(planner
     replan = planner.client(Trigger, 'planner/replan')
     state = planner.client(GetState, f'{PLANNER}/get_state')
 
-    def listens():
-        return planner.node.count_subscribers('odom') > 0
+    def change_state(transition):
+        planner.request(ChangeState, f'{PLANNER}/change_state', ChangeState.Request(
+            transition=Transition(id=transition)))
+
+    def listeners():
+        return planner.node.count_subscribers('odom')
 
     def is_overtaken():
-        # The planner forgets what it has measured.
-        for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_ACTIVATE):
-            planner.request(ChangeState, f'{PLANNER}/change_state', ChangeState.Request(
-                transition=Transition(id=transition)))
-        planner.wait_until(lambda: not listens())
+        # The planner forgets what it has measured. Active, it clears its map of the robot.
+        change_state(Transition.TRANSITION_DEACTIVATE)
+        planner.wait_until(lambda: listeners() == 0)
+        change_state(Transition.TRANSITION_ACTIVATE)
         answered(planner, request(2.7))
+        planner.wait_until(lambda: listeners() == 1)
         first = replan.call_async(Trigger.Request())
-        planner.wait_until(lambda: listens() or first.done())
+        planner.wait_until(lambda: listeners() == 2 or first.done())
         second = state.call_async(GetState.Request())
         planner.wait_until(second.done)
         is_waiting = not first.done()
