@@ -3,7 +3,8 @@ Mesh of a push: its collocation steps, and the speed over them.
 
 A push is divided into sections: acceleration, main section, deceleration, final straight. The
 sections have fixed lengths, but for the main one, whose free length S is a variable of the
-program. The steps of a section are equally long.
+program. The steps of a section are equally long, but for shorter ones at both ends of the main
+section.
 """
 
 import dataclasses
@@ -32,6 +33,12 @@ SPEED_FACTOR = 3.0
 # Longest segment over the wheelbase. Measured: of 120 pushes of squares and random boxes, 95 %
 # come within 0.2 % of the best of 24 random starts with finer meshes; with 1 it is 0.35 %.
 SEGMENT_RATIO = 2.0 / 3.0
+# Number of shorter segments at either end of the main section, and their length over that of the
+# others. Measured: angles change fastest where a push begins, and towards the heading at the goal.
+# Of 100 pushes of a square each, with as many segments, those with a straight end take 0.45 % less
+# time (mean, at most 1.5 %), those of a differential drive at a vertex 0.28 %; others as much.
+END_SEGMENTS = 2
+END_SEGMENT_RATIO = 0.5
 # Longest segment of a differential drive that ends straight, over that of others. Measured: its
 # heading settles within its radius; in segments as long as the wheelbase 40 pushes took 1.6 % more
 # (median, at most 3.7 %).
@@ -41,7 +48,7 @@ STRAIGHT_DRIVE_RATIO = 0.75
 @dataclasses.dataclass(frozen=True, eq=False)
 class MeshSection:
     """
-    Equal steps of a push.
+    Steps of a push, equal but for those at both ends.
 
     :param steps: n, their number.
     :param length: fixed length of the section [m]; 0 in the main section.
@@ -49,6 +56,7 @@ class MeshSection:
     :param v_squared: V at its begin [m^2/s^2].
     :param v_squared_slope: dV/ds [m/s^2].
     :param may_steer: 1 where the pushing angle may change, else 0, shape (n,).
+    :param end_ratio: length of the steps at both ends over that of the others.
     """
 
     steps: int
@@ -57,11 +65,19 @@ class MeshSection:
     v_squared: float
     v_squared_slope: float
     may_steer: FloatArray
+    end_ratio: float = 1.0
+
+    def step_fractions(self) -> FloatArray:
+        """Lengths of the steps over that of the section."""
+        lengths = np.ones(self.steps)
+        lengths[:END_SEGMENTS] = lengths[-END_SEGMENTS:] = self.end_ratio
+        return lengths / lengths.sum()
 
     def step_v_squared(self) -> FloatArray:
         """Squared speeds V at the begins of the steps [m^2/s^2]."""
-        return np.full(self.steps, self.v_squared) + (
-            self.v_squared_slope * self.length / self.steps * np.arange(self.steps, dtype=float))
+        fractions = self.step_fractions()
+        begins = self.length * (np.cumsum(fractions) - fractions)
+        return self.v_squared + self.v_squared_slope * begins
 
 
 class Mesh(NamedTuple):
@@ -90,9 +106,9 @@ class Mesh(NamedTuple):
 
         :param sections: of the push, in order.
         """
-        lengths = np.concatenate([np.full(s.steps, s.length / s.steps) for s in sections])
+        lengths = np.concatenate([s.length * s.step_fractions() for s in sections])
         return cls(lengths,
-                   np.concatenate([np.full(s.steps, s.free_fraction / s.steps) for s in sections]),
+                   np.concatenate([s.free_fraction * s.step_fractions() for s in sections]),
                    np.concatenate([s.step_v_squared() for s in sections]),
                    np.concatenate([np.full(s.steps, s.v_squared_slope) for s in sections]),
                    np.concatenate([s.may_steer for s in sections]), float(lengths.sum()))
@@ -168,7 +184,8 @@ def _segment_count(problem: PushProblem, path_length: float, profile: SpeedProfi
 
 def _main_section(segments: int, v_squared: float, jumps: bool) -> MeshSection:
     if not jumps:
-        return MeshSection(segments, 0.0, 1.0, v_squared, 0.0, np.full(segments, 1.0))
+        return MeshSection(segments, 0.0, 1.0, v_squared, 0.0, np.full(segments, 1.0),
+                           END_SEGMENT_RATIO)
     steps_per_segment = max(1, MIN_CONSTANT_ANGLE_STEPS // segments)
     steps = segments * steps_per_segment
     # The angle jumps at the begin of a segment, but for the first one, where it is set anyhow.

@@ -72,6 +72,17 @@ def test_constant_angles_jump_once_per_segment():
     assert mesh.may_steer[~main].sum() == 0.0
 
 
+@pytest.mark.parametrize('segments', [2, 3, 5, 24])
+def test_segments_at_both_ends_of_the_main_section_are_shorter(segments):
+    """Where there are more than four; and a push backwards would have the same mesh."""
+    mesh, _ = mesh_of(0.2, segments=segments, segment_length=20.0, deceleration=0.0)
+    fractions = mesh.free_fractions[mesh.free_fractions > 0.0]
+    shorter = fractions < 0.75 * fractions.max()
+    assert np.flatnonzero(shorter).tolist() == ([0, 1, segments - 2, segments - 1]
+                                                if segments > 4 else [])
+    np.testing.assert_array_equal(fractions, fractions[::-1])
+
+
 def test_a_refined_mesh_has_twice_the_segments():
     coarse, fine = (mesh_of(3.0, refined)[0] for refined in (False, True))
     counts = [np.count_nonzero(mesh.free_fractions) for mesh in (coarse, fine)]
