@@ -142,6 +142,7 @@ class Approach(Behavior):
                 perception.localization.inflate_covariance(gap)
                 contact_deviation = 0.5 * gap
             perception.update_from_contact(obj, robot, contact_deviation)
+            perception.on_unexpected_contact()
             self.failure_reason = 'the robot has run into the object'
         elif has_moved(planned, pose, settings):
             perception.on_object_moved(obj, robot, planned)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
 from push_control.events import EventReport
+from push_control.localization.contact_evidence import Contact, ContactEvidence
 from push_control.localization.displacement import Displacement, DisplacementWatch
 from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble, RobotMemory
 from push_control.observation import Observation
@@ -240,10 +241,9 @@ class TaskPerception:
         self._is_outlier = False
         self._observation: Observation | None = None
         self._unexplained_moves = 0
-        # Pose of the object before a push that has not been seen to move it, and how many in a row
-        # did not.
+        # Pose of the object before a push that has not been seen to move it.
         self._pose_before_push: Pose | None = None
-        self._vain_pushes = 0
+        self._evidence = ContactEvidence()
         # Motions of the object that are not the robot's: time of the last one, and what was
         # estimated of the robot before it.
         self._displacements = DisplacementWatch()
@@ -296,6 +296,7 @@ class TaskPerception:
             self._memory_before = self._memory
         elif displacement is Displacement.RETURNED and self._memory_before is not None:
             localization.restore_robot(self._memory_before, *RETURN_STD)
+            self._evidence.clear()
         if displacement is not Displacement.NONE:
             self._displaced_at = measured.time
         if localization.is_initialized:
@@ -426,12 +427,20 @@ class TaskPerception:
 
     @property
     def pose_doubt(self) -> str:
-        """What is odd about object poses where pushes are in vain; empty where nothing is."""
-        shift = self._displacements.shift
-        if shift is None or self._vain_pushes == 0:
+        """What contacts show of object poses, or of the robot; empty where all fits."""
+        doubt, shift = self._evidence.doubt, self._displacements.shift
+        if not doubt:
             return ''
-        return (f'the object poses have jumped by {math.hypot(shift.x, shift.y):.2f} m and '
-                f'{math.degrees(abs(shift.theta)):.0f} deg, and the object is not where they are')
+        if shift is not None:
+            doubt += (f', which have jumped by {math.hypot(shift.x, shift.y):.2f} m and '
+                      f'{math.degrees(abs(shift.theta)):.0f} deg')
+        return doubt + (': they are of another object or of the robot, mirrored or in other axes, '
+                        'or the robot is elsewhere')
+
+    @property
+    def is_refuted(self) -> bool:
+        """Whether contacts have shown that robot and object are not where they seem to be."""
+        return self._evidence.is_refuting
 
     @property
     def was_displaced(self) -> bool:
@@ -476,9 +485,14 @@ class TaskPerception:
         if self._measured_contact(obj, robot).gap < 0.0:
             self.update_from_contact(obj, robot, deviation)
 
-    def on_push_succeeded(self) -> None:
-        """Note that a push went well, so that the robot is where it is estimated to be."""
-        self._unexplained_moves = self._vain_pushes = 0
+    def on_push_succeeded(self, contact: Contact = Contact.PUSHED) -> None:
+        """
+        Note that a push has moved the object, so that the robot is where it is estimated to be.
+
+        :param contact: ``Contact``, but for those that have not moved it.
+        """
+        self._unexplained_moves = 0
+        self._evidence.add(contact, self.localization.position_deviation)
 
     def on_push_unseen(self, before: Pose) -> None:
         """
@@ -497,15 +511,23 @@ class TaskPerception:
         if (distance(found.pose, before) > PUSHED_SIGMAS * found.position_error
                 or abs(wrap_angle(found.pose.theta - before.theta))
                 > PUSHED_SIGMAS * found.heading_error):
-            self._vain_pushes = 0
+            self._evidence.add(Contact.TAPPED, self.localization.position_deviation)
         else:
             self.on_push_in_vain()
 
     def on_push_in_vain(self) -> None:
         """Note that a push has not moved the object: after some, the robot is elsewhere."""
-        self._vain_pushes += 1
-        if self._vain_pushes >= VAIN_PUSHES:
+        self._evidence.add(Contact.IN_VAIN, self.localization.position_deviation)
+        if self._evidence.vain_pushes >= VAIN_PUSHES:
             self.localization.inflate_covariance(*VAIN_STD)
+
+    def forget_contacts(self) -> None:
+        """Begin another task: what contacts have shown may have been mended."""
+        self._evidence.clear()
+
+    def on_unexpected_contact(self) -> None:
+        """Note that the robot has run into an object that should not be there."""
+        self._evidence.add(Contact.UNEXPECTED, self.localization.position_deviation)
 
     def on_object_moved(self, obj: PushedObject, robot: RoundRobot, before: Pose) -> None:
         """

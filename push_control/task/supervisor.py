@@ -162,9 +162,12 @@ class Supervisor:
     @property
     def reason(self) -> str:
         """One sentence on the present state, empty while all is well."""
+        state = self._entered.state
         reason = self._hindrance or self._entered.reason
-        if reason or self._entered.state is not TaskState.PUSH:
+        if reason or state.is_standing:
             return reason
+        if state is not TaskState.PUSH:
+            return self._perception.pose_doubt
         return self._entered.push.reason if self._behavior is None else self._behavior.push_reason
 
     @property
@@ -238,6 +241,7 @@ class Supervisor:
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal = Pose(*pose)
         self._progress = ProgressMonitor(self._settings, self._aim)
+        self._perception.forget_contacts()
         self._unrest_time = 0.0
         self._entered = dataclasses.replace(self._entered, pushes=0, recoveries=0, history=())
         if self._entered.state is not TaskState.PAUSED:
@@ -497,7 +501,7 @@ class Supervisor:
             self._enter(TaskState.DONE)
         elif check is GoalCheck.UNSEEN:
             self._inspect(object_at_rest)
-        elif check is GoalCheck.MISSED and self._progress.abort_reason:
+        elif check is GoalCheck.MISSED and (self._progress.abort_reason or perception.is_refuted):
             self._abort()
         elif check is GoalCheck.MISSED:
             self._behaviors.correct_overlap(perception)
@@ -513,6 +517,9 @@ class Supervisor:
     def _abort(self) -> None:
         """Give the task up for want of progress, and say what measurements have to do with it."""
         reason, failure = self._progress.abort_reason, self._progress.failure
+        if not reason:
+            self._fail(TaskFailure.NO_PROGRESS, self._perception.pose_doubt)
+            return
         doubts = self._perception.pose_doubt, self._perception.odometry_doubt
         if failure is TaskFailure.NO_PROGRESS:
             reason = '; '.join([reason, *filter(None, doubts)])
