@@ -6,6 +6,7 @@ to the commands on their way to the base.
 """
 
 from collections import deque
+from collections.abc import Callable
 import enum
 import math
 from typing import Any, NamedTuple
@@ -62,6 +63,10 @@ class Word(enum.Enum):
     NEAR_TIMEOUT = 'near the time-out'
     # The tracker sees another object, which stands 0.6 m away.
     OF_ANOTHER_OBJECT = 'of another object'
+    # The axes of the tracker are left-handed: y and the heading have the other sign.
+    MIRRORED = 'mirrored'
+    # The tag is on the robot.
+    OF_THE_ROBOT = 'of the robot'
     # Noise of 2 cm and 0.02 rad besides, which is not stated.
     NOISY = 'noisy'
 
@@ -69,7 +74,11 @@ class Word(enum.Enum):
 # What can be done only to some inputs; all else to anything.
 FURTHER_WORDS = {Word.SLIPPING: 'odometry', Word.IN_WORLD_AXES: 'odometry command',
                  Word.SHARED: 'command', Word.OUTLIERS: 'pose', Word.NEAR_TIMEOUT: 'pose',
-                 Word.OF_ANOTHER_OBJECT: 'pose', Word.NOISY: 'pose'}
+                 Word.OF_ANOTHER_OBJECT: 'pose', Word.MIRRORED: 'pose',
+                 Word.OF_THE_ROBOT: 'pose', Word.NOISY: 'pose'}
+# Those that show the object, or what is taken for it, elsewhere.
+POSE_WORDS = (Word.GARBAGE, Word.WRONG, Word.OUTLIERS, Word.OF_ANOTHER_OBJECT, Word.MIRRORED,
+              Word.OF_THE_ROBOT, Word.NOISY)
 
 
 class Fault(NamedTuple):
@@ -147,6 +156,7 @@ class Injection:
         self._last: Any = None
         self._count = 0
         self._late: deque[tuple[float, Any]] = deque()
+        self._robot_pose: Callable[[], Pose] = lambda: Pose(0.0, 0.0, 0.0)
         # Object pose at the beginning, beside which another object stands.
         self._place: Pose | None = None
         # Odometry as it is and as it comes, where wheels slip.
@@ -228,6 +238,7 @@ class Injection:
 
     def _spoil_measurements(self, simulation: Simulation) -> None:
         take = simulation.next_measurement
+        self._robot_pose = lambda: simulation.truth.robot_pose
         kind = Odometry if self._fault.input is Input.ODOMETRY else ObjectPose
 
         def next_measurement() -> Odometry | ObjectPose:
@@ -254,7 +265,7 @@ class Injection:
             return None
         if word is Word.STUCK:
             return measured if self._last is None else self._last._replace(time=measured.time)
-        if word in (Word.GARBAGE, Word.WRONG, Word.OUTLIERS, Word.OF_ANOTHER_OBJECT, Word.NOISY):
+        if word in POSE_WORDS:
             return measured._replace(pose=self._spoilt_pose(measured.pose))
         if self._is_aged:
             self._late.append((measured.time + self._rng.uniform(LEAST_AGE, GREATEST_AGE),
@@ -280,6 +291,8 @@ class Injection:
             return Pose(*rng.uniform(-3.0, 3.0, 3).tolist())
         if word is Word.WRONG:
             return Pose(pose.x + OFFSET.x, pose.y, wrap_angle(pose.theta + OFFSET.theta))
+        if word is Word.MIRRORED:
+            return Pose(pose.x, -pose.y, -pose.theta)
         if word is Word.OUTLIERS:
             x, y = Pose(0.0, 0.0, rng.uniform(-math.pi, math.pi)).rotate(
                 (rng.uniform(0.0, OUTLIER_DISTANCE), 0.0))
@@ -289,7 +302,9 @@ class Injection:
         if word is Word.OF_ANOTHER_OBJECT:
             self._place = self._place or pose
             pose = Pose(self._place.x + OTHER_OBJECT.x, self._place.y, OTHER_OBJECT.theta)
-        noise = OTHER_NOISE if word is Word.OF_ANOTHER_OBJECT else NOISE
+        if word is Word.OF_THE_ROBOT:
+            pose = self._robot_pose()
+        noise = NOISE if word is Word.NOISY else OTHER_NOISE
         return Pose(*(a + b for a, b in zip(pose, rng.normal(0.0, noise, 3).tolist())))
 
     def _after_slip(self, measured: Any) -> Any:

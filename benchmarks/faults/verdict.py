@@ -154,11 +154,13 @@ def deviation_limit(fault: Fault) -> float:
 
 def offset_of(fault: Fault) -> float:
     """
-    Return by how much the object seems to be displaced [m].
+    Return by how much the object seems to be displaced [m]; infinite: anywhere.
 
     :param fault: the ``Fault``.
     """
     if fault.input is not Input.POSE:
         return 0.0
+    if fault.word in (Word.MIRRORED, Word.OF_THE_ROBOT):
+        return math.inf
     offset = {Word.WRONG: OFFSET, Word.OF_ANOTHER_OBJECT: OTHER_OBJECT}.get(fault.word)
     return 0.0 if offset is None else math.hypot(offset.x, offset.y)

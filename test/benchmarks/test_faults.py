@@ -3,7 +3,7 @@
 import math
 
 from benchmarks.faults.campaign import Case, draw, run
-from benchmarks.faults.injection import Fault, Input, SIMULATED, Word, words_of
+from benchmarks.faults.injection import Fault, Injection, Input, SIMULATED, Word, words_of
 from benchmarks.faults.process_rig import (
     append_process_row, process_faults, ProcessRow, read_process_rows,
 )
@@ -13,6 +13,8 @@ from benchmarks.faults.random_faults import (
 from benchmarks.faults.report import Findings, table, write_report
 from benchmarks.faults.row import Ending, Row
 from benchmarks.faults.soak import append_task, read_tasks, Sample, SoakTask
+from benchmarks.faults.verdict import simulated_record
+from push_scenario.definition.loader import load_scenario
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -64,6 +66,15 @@ def test_a_task_gives_up_where_a_fault_stays(kind, word, text):
     """And names it."""
     row = run(Case(TASK, Fault(kind, word, 1.2, math.inf)))
     assert row.ending is Ending.FAILED and row.is_explained and text in row.reason
+
+
+@pytest.mark.parametrize('word', [Word.OF_ANOTHER_OBJECT, Word.MIRRORED, Word.OF_THE_ROBOT])
+def test_a_task_whose_tracker_shows_something_else_is_given_up_and_named(word: Word) -> None:
+    """After some contacts that do not fit: the robot does not try for minutes."""
+    fault = Fault(Input.POSE, word, 0.0, math.inf)
+    found = simulated_record(load_scenario(TASK), [Injection(fault)], 100.0)
+    assert found.ending is Ending.FAILED and found.record.tape['time'][-1] < 60.0
+    assert ': they are of another object or of the robot, mirrored' in found.reason
 
 
 @pytest.mark.parametrize('scenario', [PUSH, TASK])
