@@ -244,7 +244,7 @@ def correct(memory: Any, matrices: Any, measured: Any, gate: float) -> bool:
     expect_innovation(covariance, measured[MEASURED:], factor)
     for i in range(MEASURED):
         scaled[i] = innovation[i]
-    solve_lower(factor, scaled)
+    solve_lower(factor, scaled, MEASURED)
     if scaled[0] ** 2 + scaled[1] ** 2 + scaled[2] ** 2 > gate:
         return False
     state = memory[STATE:LATEST]
@@ -267,7 +267,7 @@ def expect_innovation(covariance: Any, noise: Any, factor: Any) -> None:
         for i in range(j, MEASURED):
             factor[i, j] = covariance[i, j] + noise[k]
             k += 1
-    factorize(factor)
+    factorize(factor, MEASURED)
 
 
 @compiled
@@ -287,8 +287,8 @@ def apply_gains(state: Any, matrices: Any, innovation: Any) -> None:
     for i in range(SIZE):
         for j in range(MEASURED):
             gain[j] = before[i, j]
-        solve_lower(factor, gain)
-        solve_upper(factor, gain)
+        solve_lower(factor, gain, MEASURED)
+        solve_upper(factor, gain, MEASURED)
         for j in range(MEASURED):
             state[i] += gain[j] * innovation[j]
             for k in range(SIZE):
@@ -315,13 +315,14 @@ def hold_center(state: Any, center: Any) -> None:
 
 
 @compiled
-def factorize(matrix: Any) -> None:
+def factorize(matrix: Any, size: int) -> None:
     """
     Replace the lower triangle of a positive definite matrix by that of its Cholesky factor.
 
-    :param matrix: its first three rows and columns are meant, is written.
+    :param matrix: its first rows and columns are meant, is written.
+    :param size: their number.
     """
-    for j in range(MEASURED):
+    for j in range(size):
         for k in range(j + 1):
             total = matrix[j, k]
             for m in range(k):
@@ -330,29 +331,31 @@ def factorize(matrix: Any) -> None:
 
 
 @compiled
-def solve_lower(factor: Any, values: Any) -> None:
+def solve_lower(factor: Any, values: Any, size: int) -> None:
     """
     Solve ``L x = b`` in place.
 
     :param factor: L.
     :param values: b, is replaced by x.
+    :param size: number of rows.
     """
-    for j in range(MEASURED):
+    for j in range(size):
         for m in range(j):
             values[j] -= factor[j, m] * values[m]
         values[j] /= factor[j, j]
 
 
 @compiled
-def solve_upper(factor: Any, values: Any) -> None:
+def solve_upper(factor: Any, values: Any, size: int) -> None:
     """
     Solve ``L' x = b`` in place.
 
     :param factor: L.
     :param values: b, is replaced by x.
+    :param size: number of rows.
     """
-    for j in range(MEASURED - 1, -1, -1):
-        for m in range(j + 1, MEASURED):
+    for j in range(size - 1, -1, -1):
+        for m in range(j + 1, size):
             values[j] -= factor[m, j] * values[m]
         values[j] /= factor[j, j]
 

@@ -1,12 +1,18 @@
 """The predictive law: one step of sequential quadratic programming per control step."""
 
+from collections.abc import Callable, Iterable
 import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
+from push_control.laws.mpc_kernel import (
+    keeps_constraints, QuadraticProgram, shift_plan, solve_unconstrained, write_constraints,
+    write_cost,
+)
 from push_control.laws.mpc_problem import (
-    horizon_problem, HorizonParameters, HorizonWeights, parameter_offsets, terminal_root,
+    constraint_count, horizon_problem, HorizonParameters, HorizonWeights, Linearization,
+    parameter_offsets, quadratic_solver, terminal_root,
 )
 from push_control.laws.steering_law import (
     SolverFailure, SolverReport, SteeringInput, SteeringLaw,
@@ -66,17 +72,36 @@ class HorizonSolver:
         :param weights: ``HorizonWeights``.
         """
         steps = settings.horizon_steps
-        function = horizon_problem(robot.drive, steps, settings.horizon_step, weights).step
+        problem = horizon_problem(robot.drive, steps, settings.horizon_step, weights)
         offsets = parameter_offsets(steps)
         self.p: FloatArray = np.zeros(offsets[-1])
         self.scalars, self.root, self.path, self.guess = np.split(self.p, offsets[1:-1])
         self.solution = HorizonSolution(np.zeros(steps), np.zeros(1), np.zeros(1))
-        # The buffer must live as long as what runs on it.
-        self._buffer: Any
-        self._buffer, self._run = function.buffer()
-        self._buffer.set_arg(0, self.p.data)
-        for index, result in enumerate(self.solution):
-            self._buffer.set_res(index, result.data)
+        # Casadi has matrices by columns.
+        rows, soft = (problem.linear.size1_out(part) for part in (1, 3))
+        self._linear = Linearization(np.zeros(rows), np.zeros((steps, rows)),
+                                     np.zeros((3, soft)), np.zeros((steps, soft)))
+        self._slack_weight = weights.slack
+        constraints, size = constraint_count(steps), steps + 1
+        self._bounds: FloatArray = np.zeros((2, constraints + size))
+        (lba, uba), (lbx, ubx) = self._bounds[:, :constraints], self._bounds[:, constraints:]
+        self._program = QuadraticProgram(
+            np.zeros((size, size)), np.zeros(size), np.zeros((size, constraints)), lba, uba, lbx,
+            ubx)
+        # What does not depend on the guess: the slack, and each change of U from one to the next.
+        a, changes = self._program.a, 2 * soft + np.arange(steps - 1)
+        a[steps, :soft], a[steps, soft:2 * soft] = -1.0, 1.0
+        a[np.arange(steps - 1), changes], a[np.arange(1, steps), changes] = -1.0, 1.0
+        self._factor: FloatArray = np.zeros((steps, steps))
+        self._x: FloatArray = np.zeros(size)
+        self._linearize = _buffered(problem.linear, (self.p,), self._linear)
+        self._optimize = _buffered(quadratic_solver(steps), self._program, (self._x,))
+        # Changes nothing that lasts, but loads machine code before the robot moves.
+        self.scalars[:] = 1.0
+        shift_plan(self.path, 0.0, 1.0, 1.0, self.guess)
+        self.solve()
+        for array in (self.p, *self.solution):
+            array[:] = 0.0
 
     def solve(self) -> HorizonSolution:
         """
@@ -84,8 +109,45 @@ class HorizonSolver:
 
         :return: ``HorizonSolution``.
         """
-        self._run()
-        return self.solution
+        solution, linear, program = self.solution, self._linear, self._program
+        self._linearize()
+        write_cost(linear.residuals, linear.slopes, self._slack_weight, program.h, program.g)
+        solve_unconstrained(self.guess, program.h, program.g, self._factor, solution.curvatures)
+        solution.slack[0] = solution.violation[0] = 0.0
+        if not keeps_constraints(self.scalars, self.guess, linear.soft, linear.soft_slopes,
+                                 solution.curvatures):
+            write_constraints(self.scalars, self.guess, linear.soft, linear.soft_slopes,
+                              program.a, self._bounds)
+            self._optimize()
+            np.add(self.guess, self._x[:-1], out=solution.curvatures)
+            solution.slack[0] = self._x[-1]
+            rows = np.concatenate((self._x @ program.a, self._x))
+            lower, upper = self._bounds
+            solution.violation[0] = max((rows - upper).max(), (lower - rows).max())
+        return solution
+
+
+def _buffered(function: Any, arguments: Iterable[FloatArray],
+              results: Iterable[FloatArray]) -> Callable[[], None]:
+    """
+    Let a casadi function read and write arrays in place.
+
+    :param function: ``casadi.Function``.
+    :param arguments: one array for each argument, by columns.
+    :param results: one array for each result, by columns.
+    :return: what evaluates it.
+    """
+    buffer, run = function.buffer()
+    for index, argument in enumerate(arguments):
+        buffer.set_arg(index, argument.data)
+    for index, result in enumerate(results):
+        buffer.set_res(index, result.data)
+
+    def evaluate(_: Any = buffer) -> None:
+        # The buffer must live as long as what runs on it.
+        run()
+
+    return evaluate
 
 
 class PredictiveLaw(SteeringLaw):
@@ -160,9 +222,8 @@ class PredictiveLaw(SteeringLaw):
         if self._curvature is None or before is None:
             curvature = self._start_plan(steering, low, high)
         else:
-            curvature = self._shift_plan(steering, self._curvature, before)
+            curvature = self._shift_plan(steering, self._curvature, before, low, high)
         self._curvature = curvature
-        np.clip(self._horizon.guess, low, high, out=self._horizon.guess)
         max_change = UNLIMITED_CHANGE if before is None else steering.max_change
         held = min(high, max(low, curvature if before is None else before))
         saturation = self._settings.lateral_saturation
@@ -191,18 +252,17 @@ class PredictiveLaw(SteeringLaw):
         root = terminal_root(self._robot.drive, self._settings.horizon_step, self._weights,
                              steering.lag_distance)
         self._horizon.root[:] = root.ravel(order='F')
-        self._horizon.guess[:] = self._horizon.path
+        shift_plan(self._horizon.path, 0.0, low, high, self._horizon.guess)
         before = steering.previous_curvature
         return min(high, max(low, self._horizon.path[0] if before is None else before))
 
-    def _shift_plan(self, steering: SteeringInput, curvature: float, before: float) -> float:
+    def _shift_plan(self, steering: SteeringInput, curvature: float, before: float, low: float,
+                    high: float) -> float:
         """Begin with the last plan; give the present curvature, which lags [1/m]."""
         lag = steering.lag_distance
         decay = math.exp(-steering.distance / lag) if lag > 0.0 else 0.0
         shift = steering.distance / self._settings.horizon_step
-        steps = np.arange(len(self._horizon.guess))
-        self._horizon.guess[:] = np.interp(steps + shift, steps,
-                                           self._horizon.solution.curvatures)
+        shift_plan(self._horizon.solution.curvatures, shift, low, high, self._horizon.guess)
         return before + decay * (curvature - before)
 
 

@@ -127,17 +127,32 @@ class SoftConstraints(NamedTuple):
     high: Any
 
 
+class Linearization(NamedTuple):
+    """
+    The problem around the guess, before it is made a quadratic program.
+
+    :param residuals: vector whose squared norm is the cost, shape (n,).
+    :param slopes: of these by U, one row for each of U, shape (N, n).
+    :param soft: values of soft constraints and their bounds [rad], shape (3, m).
+    :param soft_slopes: of these values by U, one row for each of U, shape (N, m).
+    """
+
+    residuals: Any
+    slopes: Any
+    soft: Any
+    soft_slopes: Any
+
+
 class HorizonProblem(NamedTuple):
     """
     Casadi functions of the parameters p.
 
-    :param step: one step of sequential quadratic programming; gives U, the largest violation of a
-        soft constraint, and that of a hard one.
+    :param linear: ``Linearization`` around the guess.
     :param expressions: of (U, p): residuals, and values and bounds of the soft constraints, to be
         solved by other means.
     """
 
-    step: ca.Function
+    linear: ca.Function
     expressions: ca.Function
 
 
@@ -162,9 +177,10 @@ def horizon_problem(drive: Drive, steps: int, step: float,
     residuals = _residuals(states, ca.reshape(root, 3, 3), path, u, step=step, weights=weights)
     soft = _soft_constraints(parameters, states, u)
     expressions = ca.Function('problem', [u, p], [residuals, *soft])
-    qp = _linearized(parameters, residuals, soft, u, slack_weight=weights.slack)
-    qp = ca.substitute([ca.densify(part) for part in qp], [u], [plan])
-    return HorizonProblem(_solved(ca.Function('qp', [p], qp, {'cse': True}), steps), expressions)
+    linear = Linearization(residuals, ca.jacobian(residuals, u), ca.horzcat(*soft),
+                           ca.jacobian(soft.values, u))
+    linear = ca.substitute([ca.densify(part) for part in linear], [u], [plan])
+    return HorizonProblem(ca.Function('linear', [p], linear, {'cse': True}), expressions)
 
 
 # While the solver fails, each command begins a plan, mostly with the lag of the one before.
@@ -273,48 +289,29 @@ def _soft_constraints(parameters: HorizonParameters, states: list[Any],
     return SoftConstraints(ca.vertcat(*force, *zeta), low, high)
 
 
-class _QuadraticProgram(NamedTuple):
-    """``min 0.5 x^T H x + g^T x`` with ``lba <= A x <= uba`` and ``lbx <= x <= ubx``."""
+def constraint_count(steps: int) -> int:
+    """
+    Count the rows of the quadratic program: soft constraints from both sides, and changes of U.
 
-    h: Any
-    g: Any
-    a: Any
-    lba: Any
-    uba: Any
-    lbx: Any
-    ubx: Any
+    :param steps: number of steps N.
+    """
+    return 5 * steps - 1
 
 
-def _linearized(parameters: HorizonParameters, residuals: Any, soft: SoftConstraints, u: Any, *,
-                slack_weight: float) -> _QuadraticProgram:
-    """Give the QP in (change of U, slack) around U (Gauss-Newton)."""
-    values, low, high = soft
-    residual_slopes, value_slopes = ca.jacobian(residuals, u), ca.jacobian(values, u)
-    hessian = ca.diagcat(ca.mtimes(residual_slopes.T, residual_slopes), slack_weight)
-    gradient = ca.vertcat(ca.mtimes(residual_slopes.T, residuals), slack_weight)
-    ones = ca.SX.ones(values.numel())
-    changes = u[1:] - u[:-1]
-    # Soft constraints from above and from below, and changes of the curvature, which are hard.
-    rows = ca.vertcat(ca.horzcat(value_slopes, -ones), ca.horzcat(value_slopes, ones),
-                      ca.horzcat(ca.jacobian(changes, u), ca.SX(changes.numel(), 1)))
-    far = UNBOUNDED * ones
-    max_change = parameters.max_change * ca.SX.ones(changes.numel())
-    lower = ca.vertcat(-far, low - values, -max_change - changes)
-    upper = ca.vertcat(high - values, far, max_change - changes)
-    count = u.numel() - 1
-    least = ca.vertcat(parameters.first_lowest, *[parameters.lowest] * count) - u
-    most = ca.vertcat(parameters.first_highest, *[parameters.highest] * count) - u
-    return _QuadraticProgram(hessian, gradient, rows, lower, upper, ca.vertcat(least, 0.0),
-                             ca.vertcat(most, MAX_SLACK))
+@lru_cache(maxsize=8)
+def quadratic_solver(steps: int) -> ca.Function:
+    """
+    Make the solver of ``min 0.5 x' H x + g' x``, ``lba <= A x <= uba``, ``lbx <= x <= ubx``.
 
-
-def _solved(qp: Any, steps: int) -> ca.Function:
-    """Give the solution of the QP as a function of the parameters."""
-    p = ca.MX.sym('p', qp.size1_in(0))
-    h, g, a, lba, uba, lbx, ubx = qp(p)
-    solver = ca.conic('solver', SOLVER, {'h': h.sparsity(), 'a': a.sparsity()},
+    :param steps: number of steps N; x are the changes of U and the slack.
+    :return: casadi function of (H, g, A, lba, uba, lbx, ubx); gives x.
+    """
+    rows, size = constraint_count(steps), steps + 1
+    inputs = [ca.MX.sym(name, *shape) for name, shape in (
+        ('h', (size, size)), ('g', (size, 1)), ('a', (rows, size)), ('lba', (rows, 1)),
+        ('uba', (rows, 1)), ('lbx', (size, 1)), ('ubx', (size, 1)))]
+    solver = ca.conic('solver', SOLVER, {'h': inputs[0].sparsity(), 'a': inputs[2].sparsity()},
                       {'error_on_fail': False, 'daqp': {'iter_limit': ITERATION_LIMIT}})
+    h, g, a, lba, uba, lbx, ubx = inputs
     x = solver(h=h, g=g, a=a, lba=lba, uba=uba, lbx=lbx, ubx=ubx)['x']
-    rows = ca.mtimes(a, x)
-    violation = ca.mmax(ca.vertcat(rows - uba, lba - rows, x - ubx, lbx - x))
-    return ca.Function('step', [p], [p[-steps:] + x[:-1], x[-1], violation])
+    return ca.Function('solve', inputs, [x])

@@ -7,7 +7,7 @@ import casadi as ca
 from helpers.push_case import box
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
-from push_control.laws.mpc import optimal_weights, PredictiveLaw
+from push_control.laws.mpc import HorizonSolver, optimal_weights, PredictiveLaw
 from push_control.laws.mpc_problem import (
     horizon_problem, HorizonParameters, parameter_offsets, straight_step, terminal_root,
 )
@@ -136,22 +136,42 @@ def test_the_scalars_have_one_order():
     assert all(np.shares_memory(part, horizon.p) for part in parts)
 
 
+def solved(p):
+    """Take one step from the guess."""
+    solver = HorizonSolver(ROBOT, SETTINGS, optimal_weights(SETTINGS))
+    solver.p[:] = p
+    return solver.solve().curvatures
+
+
 @pytest.mark.parametrize('name, sign', [('first_lowest', -1.0), ('first_highest', 1.0)])
 def test_the_problem_reads_a_field_where_the_law_writes_it(name, sign):
     """The first curvature is at the bound that binds, and follows it."""
     weights = optimal_weights(SETTINGS)
-    step = horizon_problem('differential', STEPS, STEP, weights).step
     root = terminal_root('differential', STEP, weights, 0.015)
     p = numbers((-0.09 * sign, -0.4 * sign, 0.0, 0.0), root)
     for bound in (0.2 * sign, 0.15 * sign):
         p[HorizonParameters._fields.index(name)] = bound
-        assert np.array(step(p)[0]).ravel()[0] == pytest.approx(bound, abs=1e-6)
+        assert solved(p)[0] == pytest.approx(bound, abs=1e-6)
+
+
+@pytest.mark.parametrize('place', [(1e-3, 2e-3, 0.0, 0.0), (-2e-3, 0.0, 0.05, 0.01)])
+def test_where_no_constraint_binds_it_is_the_least_squares_solution(place):
+    """By numpy; with a bound that cuts it off, the solver of the quadratic program agrees."""
+    weights = optimal_weights(SETTINGS)
+    p = numbers(place, terminal_root('differential', STEP, weights, 0.015))
+    linear = horizon_problem('differential', STEPS, STEP, weights).linear
+    residuals, slopes = (np.array(part) for part in linear(p)[:2])
+    expected = np.linalg.lstsq(slopes, -residuals.ravel(), rcond=None)[0]
+    assert solved(p) == pytest.approx(expected, abs=1e-9)
+    side = 'first_highest' if expected[0] > 0.0 else 'first_lowest'
+    p[HorizonParameters._fields.index(side)] = expected[0] * (1.0 - 1e-6)
+    assert solved(p) == pytest.approx(expected, abs=1e-5)
 
 
 def converged(place):
     """Solve the same problem by ipopt, and by steps around the last solution."""
     weights = optimal_weights(SETTINGS)
-    step, problem = horizon_problem('differential', STEPS, STEP, weights)
+    _, problem = horizon_problem('differential', STEPS, STEP, weights)
     p = numbers(place, terminal_root('differential', STEP, weights, 0.015))
     u, slack = ca.SX.sym('u', STEPS), ca.SX.sym('slack')
     residuals, soft, low, high = problem(u, p)
@@ -163,11 +183,11 @@ def converged(place):
         {'ipopt.print_level': 0, 'print_time': False, 'ipopt.tol': 1e-10})
     first = [0.2] + [0.6] * (STEPS - 1)
     exact = solver(ubg=0.0, lbx=[-x for x in first] + [0.0], ubx=first + [10.0])
-    once = np.array(step(p)[0]).ravel()
+    once = solved(p)
     many = once
     for _ in range(15):
         p[-STEPS:] = many
-        many = np.array(step(p)[0]).ravel()
+        many = solved(p)
 
     def cost_of(inputs):
         values, bounds, *_ = problem(inputs, p)
