@@ -204,15 +204,24 @@ def _in_turn(compile_function: Callable[..., Any], path: pathlib.Path) -> Callab
     """
     lock = importlib.import_module('numba.core.compiler_lock').global_compiler_lock
 
+    def load_or_compile(signature: Any) -> Any:
+        try:
+            return compile_function(signature)
+        except (AttributeError, ImportError):
+            # Its list names the types of arguments, of which one is gone, as after an update.
+            for index in path.parent.rglob('*.nbi'):
+                index.unlink(missing_ok=True)
+            return compile_function(signature)
+
     def compile_in_turn(signature: Any) -> Any:
         # First the lock of the compiler: another thread that has it may want this file.
         with lock:
             if path in _reserved_here:
-                return compile_function(signature)
+                return load_or_compile(signature)
             _reserved_here.add(path)
             try:
                 with reserved(path):
-                    return compile_function(signature)
+                    return load_or_compile(signature)
             finally:
                 _reserved_here.remove(path)
     return compile_in_turn

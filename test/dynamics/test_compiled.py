@@ -45,3 +45,26 @@ def test_processes_that_start_together_compile_once(tmp_path):
         process.stdin.flush()
     printed = sorted(process.communicate()[0].split() for process in processes)
     assert printed == [['1024.0', '0'], ['1024.0', '2']]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+def test_machine_code_for_a_type_that_is_gone_is_made_again(tmp_path):
+    """As where an update has renamed it, in a module elsewhere."""
+    for folder in ('functions', 'types', 'cache'):
+        (tmp_path / folder).mkdir()
+    (tmp_path / 'functions' / 'rectangle.py').write_text(
+        'from push_dynamics.compiled import compiled\n\n'
+        '@compiled\ndef area(size):\n    return size.x * size.y\n')
+    environment = {**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path / 'cache'),
+                   'PYTHONPATH': os.pathsep.join([str(tmp_path / 'functions'),
+                                                  str(tmp_path / 'types'), *sys.path])}
+    for name in ('Size', 'Extent', 'Extent'):
+        (tmp_path / 'types' / f'{name.lower()}s.py').write_text(
+            f"from typing import NamedTuple\n\n{name} = NamedTuple('{name}', x=float, y=float)\n")
+        script = (f'import rectangle, {name.lower()}s\n'
+                  f'print(rectangle.area({name.lower()}s.{name}(2.0, 3.0)))')
+        done = subprocess.run([sys.executable, '-c', script], env=environment, text=True,
+                              capture_output=True, check=True)
+        assert done.stdout.strip() == '6.0'
+        (tmp_path / 'types' / 'sizes.py').unlink(missing_ok=True)
