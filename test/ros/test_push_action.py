@@ -173,6 +173,39 @@ def test_feedback_comes_until_a_goal_is_cancelled(client):
     client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].IDLE)
 
 
+@pytest.mark.parametrize('measurements', [0, 1, 3, 10])
+def test_a_goal_may_be_cancelled_at_any_moment(client: Client, measurements: int) -> None:
+    """Before the base was checked or anything measured, too; the next goal is served."""
+    handle, result = client.send(GOAL)
+    for _ in range(measurements):
+        client.measure()
+    cancelled = handle.cancel_goal_async()
+    client.b.wait_until(cancelled.done)
+    assert len(cancelled.result().goals_canceling) == 1
+    client.measure_until(result.done)
+    assert result.result().status == GoalStatus.STATUS_CANCELED
+    assert result.result().result.error_code == client.action.Result.NONE
+    assert result.result().result.error_msg
+    assert client.result(OBJECT).status == GoalStatus.STATUS_SUCCEEDED
+
+
+def test_a_client_that_is_gone_leaves_its_goal_to_the_next_one(client: Client) -> None:
+    """Nobody is there for the result of the first goal; the second one is pursued."""
+    node = client.b.node_beside('short_lived')
+    gone = ActionClient(node, client.action, 'push_object')
+    client.b.wait_until(gone.server_is_ready)
+    sent = gone.send_goal_async(client.action.Goal(goal_pose=stamped(GOAL)))
+    client.b.wait_until(sent.done)
+    assert sent.result().accepted
+    client.measure_until_planning()
+    gone.destroy()
+    client.b.executor.remove_node(node)
+    node.destroy_node()
+    ended = client.result(OBJECT)
+    assert ended.status == GoalStatus.STATUS_SUCCEEDED and ended.result.pushes == 0
+    client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].REACHED)
+
+
 @pytest.mark.parametrize('fields, pose, code, text', [
     ({}, Pose(math.nan, 0.0, 0.0), 'INVALID_GOAL', 'expected finite numbers'),
     ({'position_tolerance': -0.1}, GOAL, 'INVALID_GOAL', 'position_tolerance: got -0.1'),
