@@ -2,6 +2,7 @@
 
 import gc
 import os
+from typing import Any, Iterator
 
 import pytest
 
@@ -17,7 +18,7 @@ WAITING = 2
 
 
 @pytest.hookimpl(hookwrapper=True)
-def pytest_collection():
+def pytest_collection() -> Iterator[None]:
     """Collect no garbage while tests are collected, a sixth of that time; what is there stays."""
     gc.disable()
     yield
@@ -25,7 +26,7 @@ def pytest_collection():
     gc.enable()
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest entries, then files with nodes, then those with slow tests."""
     marked = {marker: {item.path for item in items if item.get_closest_marker(marker)}
               for marker in ('dds', 'slow')}
@@ -34,13 +35,13 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers():
+def pytest_xdist_auto_num_workers() -> int:
     """Take more processes than there are cores, as tests with nodes wait for these."""
     return len(os.sched_getaffinity(0)) + WAITING
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config, log):
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Hand out an entry of ``LONGEST`` or a file at a time, in the order of the tests."""
     # Not installed everywhere.
     from xdist.scheduler import LoadFileScheduling
@@ -50,13 +51,13 @@ def pytest_xdist_make_scheduler(config, log):
     return scheduler
 
 
-def rank(nodeid):
+def rank(nodeid: str) -> int:
     """Return the place of a test among ``LONGEST``, or one behind all of them."""
     return next((place for place, entry in enumerate(LONGEST) if nodeid.startswith(entry)),
                 len(LONGEST))
 
 
-def group(nodeid):
+def group(nodeid: str) -> str:
     """Return the name of what a test shares a process with."""
     place = rank(nodeid)
     return LONGEST[place] if place < len(LONGEST) else nodeid.split('::', 1)[0]

@@ -6,6 +6,7 @@ import numpy as np
 from push_control.estimation.contact_site import ContactSite
 from push_control.path.path import flat_output_pose
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject
 from push_model.quasi_static import vehicle
 from push_model.trajectory import PushTrajectory
 
@@ -19,7 +20,8 @@ SITES = {'vertex': VERTEX._replace(normal=0.8, heading=0.6), 'face': FACE,
          'round': ROUND._replace(heading=0.1)}
 
 
-def arc_trajectory(obj, site, curvature, length):
+def arc_trajectory(obj: PushedObject, site: ContactSite, curvature: float,
+                   length: float) -> PushTrajectory:
     """Carry the flat output along an arc; contact and robot follow."""
     local = flat_output_pose(vehicle(obj, site.point))
     base = Pose(*site.point, site.normal) @ Pose(-site.robot_radius, 0.0,

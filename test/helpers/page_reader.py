@@ -3,6 +3,7 @@
 import asyncio
 import json
 import threading
+from typing import Any
 from urllib.parse import urlsplit
 
 from helpers.extras import import_extra
@@ -17,23 +18,23 @@ class PageReader:
     :param url: of the page.
     """
 
-    def __init__(self, url):
-        self.received = []
+    def __init__(self, url: str) -> None:
+        self.received: list[dict[str, Any]] = []
         self._url = url
         self._loop = asyncio.new_event_loop()
-        self._socket = None
+        self._socket: Any = None
         threading.Thread(target=self._loop.run_until_complete, args=[self._read()],
                          daemon=True).start()
 
-    def send(self, **command):
+    def send(self, **command: Any) -> None:
         """Send a command, once connected."""
         asyncio.run_coroutine_threadsafe(self._socket.send_json(command), self._loop).result(60)
 
-    def of_kind(self, kind):
+    def of_kind(self, kind: str) -> list[dict[str, Any]]:
         """List the messages of a kind."""
         return [message for message in self.received if message['type'] == kind]
 
-    async def _read(self):
+    async def _read(self) -> None:
         aiohttp = import_extra('aiohttp', 'play')
         async with aiohttp.ClientSession() as session:
             async with session.ws_connect(_socket(self._url),
@@ -42,11 +43,11 @@ class PageReader:
                     self.received += json.loads(message.data)
 
 
-def is_refused(url, **headers):
+def is_refused(url: str, **headers: str) -> bool:
     """Tell whether a page with other headers would be refused."""
     aiohttp = import_extra('aiohttp', 'play')
 
-    async def connect():
+    async def connect() -> bool:
         async with aiohttp.ClientSession() as session:
             try:
                 async with session.ws_connect(_socket(url), headers={**_headers(url), **headers}):
@@ -57,11 +58,11 @@ def is_refused(url, **headers):
     return asyncio.run(connect())
 
 
-def _socket(url):
+def _socket(url: str) -> str:
     """Address of the socket beside a page, with its token."""
     return urlsplit(url)._replace(path='/socket').geturl()
 
 
-def _headers(url):
+def _headers(url: str) -> dict[str, str]:
     """Say that the page itself asks."""
     return {'Origin': f'http://{urlsplit(url).netloc}'}

@@ -1,21 +1,23 @@
 """Paths that several tests drive along."""
 
 import math
-from typing import NamedTuple
+from typing import Any, Iterator, NamedTuple
 
 import numpy as np
 from push_dynamics.actuation import chord_velocity, track_command
 from push_dynamics.layout import MAX_ACCELERATION, MAX_YAW_ACCELERATION, TIME_CONSTANT
 from push_model.contact import find_contact
-from push_model.geometry import Pose, wrap_angle
-from push_navigation.path import differential_path, holonomic_path
+from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.path import differential_path, holonomic_path, Path
 from push_navigation.path_follower import PathFollower
+from push_navigation.settings import DriveSettings
 
 # An arc to the left between straight lines, and a corner.
 CURVE = [(1.0, 0.0, 0.0), (1.3, 0.3, 0.5 * math.pi), (1.3, 1.0, 0.0), (0.5, 1.5, 0.0)]
 
 
-def curved_path(drive='differential', scale=1.0):
+def curved_path(drive: str = 'differential', scale: float = 1.0) -> Path:
     """Return a path with an arc and a corner."""
     waypoints = [(scale * x, scale * y, arc_angle) for x, y, arc_angle in CURVE]
     start, goal = Pose(0.0, 0.0, 0.4), Pose(scale * 0.5, scale * 1.5, -2.0)
@@ -24,7 +26,8 @@ def curved_path(drive='differential', scale=1.0):
     return differential_path(start, goal, waypoints, [False] * len(waypoints))
 
 
-def approaches(obj, count, seed, radius=0.17):
+def approaches(obj: PushedObject, count: int, seed: int,
+               radius: float = 0.17) -> Iterator[tuple[Pose, Pose, Pose]]:
     """Yield (object pose, robot in contact behind a push, pose at its next contact)."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
@@ -52,13 +55,14 @@ class DrivenApproach(NamedTuple):
     """
 
     follower: PathFollower
-    poses: np.ndarray
+    poses: FloatArray
     time: float
     aside: float
     turned: float
 
 
-def drive_along(path, robot, settings, end_speed, *, lag=None, dt=0.02, **options):
+def drive_along(path: Path, robot: RoundRobot, settings: DriveSettings, end_speed: float, *,
+                lag: float | None = None, dt: float = 0.02, **options: Any) -> DrivenApproach:
     """Follow a path with the compiled actuation, until the follower has finished or missed."""
     follower = PathFollower(robot, settings, path, end_speed=end_speed, **options)
     drive = np.zeros(64)

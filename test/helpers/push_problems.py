@@ -1,10 +1,11 @@
 """Pushes that several planner tests ask for."""
 
 import math
+from typing import Any
 
 from helpers.objects import bin_, box
 from push_model.geometry import Pose
-from push_model.parameters import Contact, RoundRobot
+from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_planner.problem import PlannerSettings, PushProblem
 
 DIFFERENTIAL = RoundRobot(radius=0.17, drive='differential')
@@ -15,8 +16,9 @@ ROUND = Contact('round', 0, math.pi)
 DIAGONAL = math.pi / 4
 
 
-def vertex_problem(goal, robot=DIFFERENTIAL, normal=0.0, heading=0.0, obj=None,
-                   start=Pose(0.0, 0.0, -DIAGONAL), **settings):
+def vertex_problem(goal: Pose, robot: RoundRobot = DIFFERENTIAL, normal: float = 0.0,
+                   heading: float = 0.0, obj: PushedObject | None = None,
+                   start: Pose = Pose(0.0, 0.0, -DIAGONAL), **settings: Any) -> PushProblem:
     """
     Push a box at vertex 0; in the start pose's axes turned by 45 degrees, straight ahead is +x.
 
@@ -29,13 +31,15 @@ def vertex_problem(goal, robot=DIFFERENTIAL, normal=0.0, heading=0.0, obj=None,
                        PlannerSettings(**settings))
 
 
-def face_problem(goal, robot=HOLONOMIC, start=Pose(0.0, 0.0, 0.0), offset=0.0, **settings):
+def face_problem(goal: Pose, robot: RoundRobot = HOLONOMIC, start: Pose = Pose(0.0, 0.0, 0.0),
+                 offset: float = 0.0, **settings: Any) -> PushProblem:
     """Push a box at its face 3, whose normal is the object's +x axis."""
     return PushProblem(box(), robot, Contact('face', 3, offset), start, start.theta, start.theta,
                        goal, PlannerSettings(**settings))
 
 
-def round_problem(goal, robot=HOLONOMIC, start=Pose(0.0, 0.0, 0.0), **settings):
+def round_problem(goal: Pose, robot: RoundRobot = HOLONOMIC, start: Pose = Pose(0.0, 0.0, 0.0),
+                  **settings: Any) -> PushProblem:
     """Push a bin along its +x axis."""
     return PushProblem(bin_(), robot, ROUND, start, start.theta, start.theta, goal,
                        PlannerSettings(**settings))

@@ -5,10 +5,13 @@ import math
 from helpers.objects import bin_, box
 from helpers.push_problems import DIFFERENTIAL, HOLONOMIC
 import numpy as np
-from push_model.geometry import Pose
+from push_model.geometry import FloatArray, Pose
+from push_model.parameters import PushedObject, RoundRobot
 from push_planner.sequence.costs import SequenceCosts
-from push_planner.sequence.kinematics import complete_rotations, solve_straights
-from push_planner.sequence.primitives import primitive_table
+from push_planner.sequence.kinematics import (
+    complete_rotations, IntArray, SequenceMotions, solve_straights,
+)
+from push_planner.sequence.primitives import primitive_table, PrimitiveTable
 from push_planner.sequence.steps import Move, PushSequence
 from push_planner.settings import PlannerSettings, TaskSettings
 
@@ -28,19 +31,21 @@ FIRST_TIME = 10.0
 CHANGE_TIME = 9.0
 
 
-def table_of(obj, robot):
+def table_of(obj: PushedObject, robot: RoundRobot) -> PrimitiveTable:
     """Return the primitives of an object and a robot."""
     return primitive_table(obj, robot, SETTINGS, TASK, 0.3)
 
 
-def simple_costs(table, change=CHANGE_TIME, longest=math.inf):
+def simple_costs(table: PrimitiveTable, change: float = CHANGE_TIME,
+                 longest: float = math.inf) -> SequenceCosts:
     """Return costs that are the same for all first pushes, and for all changes of location."""
     apart = table.locations[:, None] != table.locations
     return SequenceCosts(np.full(len(apart), FIRST_TIME), np.where(apart, change, 0.0), SPEED,
                          longest)
 
 
-def random_moves(table, count, rng, number=400, repeat=0.0):
+def random_moves(table: PrimitiveTable, count: int, rng: np.random.Generator, number: int = 400,
+                 repeat: float = 0.0) -> IntArray:
     """Draw numbers of primitives; each repeats the one before with a probability."""
     moves = rng.integers(len(table.primitives), size=(number, count))
     again = rng.uniform(size=moves.shape) < repeat
@@ -49,7 +54,8 @@ def random_moves(table, count, rng, number=400, repeat=0.0):
     return moves
 
 
-def random_motions(table, moves, goal, rng):
+def random_motions(table: PrimitiveTable, moves: IntArray, goal: Pose,
+                   rng: np.random.Generator) -> tuple[IntArray, FloatArray, SequenceMotions]:
     """
     Draw rotations and least straights, and complete them to motions.
 
@@ -64,7 +70,7 @@ def random_motions(table, moves, goal, rng):
     return moves[reached], least[reached], motions.select(reached)
 
 
-def sequence_of(moves, motions, row):
+def sequence_of(moves: IntArray, motions: SequenceMotions, row: int) -> PushSequence:
     """Return one sequence out of many."""
     return PushSequence(tuple(map(Move, moves[row].tolist(), motions.rotations[row].tolist(),
                                   motions.straight_before[row].tolist(),

@@ -4,6 +4,8 @@ import dataclasses
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
+from push_model.geometry import Pose
 from push_model.trajectory import PushTrajectory
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.placement import Placement
@@ -15,7 +17,7 @@ from push_sim_node.tape_row import COLUMNS
 TIMES = np.linspace(0.0, 10.0, 501)
 
 
-def make_tape(**columns):
+def make_tape(**columns: ArrayLike) -> Tape:
     """Tape over ``TIMES`` whose other columns are 0."""
     rows = np.zeros((len(TIMES), len(COLUMNS)))
     for name, values in {'time': TIMES, **columns}.items():
@@ -23,7 +25,8 @@ def make_tape(**columns):
     return Tape(COLUMNS, rows)
 
 
-def straight_plan(length=2.0, heading=0.0, origin=(0.0, 0.0)):
+def straight_plan(length: float = 2.0, heading: float = 0.0,
+                  origin: tuple[float, float] = (0.0, 0.0)) -> PushTrajectory:
     """Plan a push straight ahead from an origin; the robot does not move in it."""
     distance = np.linspace(0.0, length, 21)
     poses = np.column_stack([origin[0] + distance * math.cos(heading),
@@ -31,7 +34,8 @@ def straight_plan(length=2.0, heading=0.0, origin=(0.0, 0.0)):
     return PushTrajectory(np.linspace(0.0, 10.0, 21), *([poses, np.zeros((21, 3))] * 3))
 
 
-def make_result(tape, plan, goal, outcome=Outcome.DONE):
+def make_result(tape: Tape, plan: PushTrajectory, goal: Pose,
+                outcome: Outcome = Outcome.DONE) -> RunResult:
     """Run of the straight scenario with another goal."""
     scenario = dataclasses.replace(load_scenario('straight_push'),
                                    goal=Placement(*goal))
