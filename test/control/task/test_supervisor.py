@@ -227,9 +227,10 @@ def test_lost_poses_are_waited_for():
 class Bench:
     """A supervisor and measurements of a robot and an object that do not move."""
 
-    def __init__(self, robot=Pose(2.0, 0.0, 0.0), settings=SUPERVISION):
-        self.supervisor = Supervisor(box(), RoundRobot(radius=0.17), ControlSettings(), DRIVE,
-                                     settings)
+    def __init__(self, robot: Pose = Pose(2.0, 0.0, 0.0),
+                 settings: SupervisionSettings = SUPERVISION) -> None:
+        self.supervisor = Supervisor(box(), RoundRobot(radius=0.17, max_speed=0.3),
+                                     ControlSettings(), DRIVE, settings)
         self.robot, self.time = robot, 0.0
 
     def run(self, duration):
