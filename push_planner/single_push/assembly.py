@@ -130,6 +130,9 @@ def acceptance_error(push: SolvedPush) -> str:
         return f're-integration misses the goal by {1e3 * error.position_error:.2f} mm'
     if not error.heading_error <= settings.heading_tolerance:
         return f're-integration misses the goal by {math.degrees(error.heading_error):.2f} deg'
+    if not push.path_length <= settings.max_path_length:
+        return (f'the push is {push.path_length:.1f} m long, at most '
+                f'{settings.max_path_length:g} m is accepted')
     usage = push.largest_force_angle / push.problem.friction_angle
     if settings.angle_limit == 'cone' and not usage <= 1.0:
         return f'the contact force leaves the friction cone by a factor {usage:.2f}'
