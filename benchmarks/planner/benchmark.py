@@ -16,7 +16,7 @@ import time
 from typing import Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.planner.goals import families, mid_face, ProblemMaker, problems
-from benchmarks.planner.measure import Answer, collect, measure
+from benchmarks.planner.measure import Answer, collect, measure, whole_plan
 from benchmarks.planner.nlp_solvers import compare_solvers, Quality, quality, SolverRun
 from benchmarks.planner.report import picture, text
 from benchmarks.planner.shooting import shoot, Shot
@@ -27,7 +27,6 @@ from push_model.geometry import Pose, wrap_angle
 from push_planner.plan import Plan
 from push_planner.problem import InitialMotion, PlanningFailed, PushProblem
 from push_planner.single_push.continuation import ROUTE
-from push_planner.single_push.planner import plan_push
 
 DESCRIPTION = 'Benchmark of the planner: goals reached, CPU time, quality of plans.'
 SQUARE = 'square, mid-face, holonomic'
@@ -98,7 +97,7 @@ def family(name: str, make: ProblemMaker, count: int, warm: int) -> list[Answer]
 
 def _quietly(problem: PushProblem) -> Optional[Plan]:
     try:
-        return plan_push(problem)
+        return whole_plan(problem)
     except PlanningFailed:
         return None
 
@@ -129,13 +128,13 @@ def _warm_start(change: Callable[[Plan, np.random.Generator], PushProblem],
                 problem: PushProblem) -> Optional[WarmStart]:
     """Plan twice; None where there is no plan from nothing."""
     rng = np.random.default_rng((MOVED_SEED, int(1e6 * abs(problem.goal.x))))
-    before = plan_push(problem)
+    before = whole_plan(problem)
     changed = change(before, rng)
     try:
         began = time.process_time()
-        first = plan_push(changed)
+        first = whole_plan(changed)
         between = time.process_time()
-        again = plan_push(changed, before)
+        again = whole_plan(changed, before)
         ended = time.process_time()
     except PlanningFailed:
         return None

@@ -8,6 +8,7 @@ from benchmarks.planner.check import Replay, replay
 from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
 from benchmarks.progress_bar import progress
 from push_model.geometry import distance
+from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.single_push.planner import plan_push
 
@@ -46,11 +47,25 @@ def collect(items: Sequence[Item], title: str, work: Callable[[Item], Result]) -
     return done
 
 
+def whole_plan(problem: PushProblem, previous: Plan | None = None) -> Plan:
+    """
+    Plan, and make also what is otherwise made when it is read: samples, switches and report.
+
+    :param problem: the ``PushProblem``.
+    :param previous: ``Plan`` to go on from, or None.
+    :raises PlanningFailed: where there is no plan.
+    """
+    found = plan_push(problem, previous)
+    # Reading the report samples the motion.
+    _ = found.report
+    return found
+
+
 def measure(problem: PushProblem) -> Answer:
     """Plan once, and simulate the plan in open loop."""
     began = time.process_time()
     try:
-        found = plan_push(problem)
+        found = whole_plan(problem)
     except PlanningFailed as failure:
         return Answer(problem, time.process_time() - began, fault=str(failure))
     cpu = time.process_time() - began

@@ -4,8 +4,8 @@ import statistics
 import time
 from typing import Callable
 
+from benchmarks.planner.measure import whole_plan
 from benchmarks.planner.shooting import shoot
-from push_planner.single_push.planner import plan_push
 from push_study import catalogue
 from push_study.chapter3.setup import push_problem
 from push_study.framework.parameters import read_chosen_values
@@ -42,8 +42,8 @@ def main() -> None:
         rows[count] = []
         for goal in (values.goal, values.asymmetrical_goal):
             problem = push_problem(values, values.speed, count, goal=goal)
-            plan_push(problem)
-            planned = cpu_time(lambda: plan_push(problem), REPETITIONS)
+            whole_plan(problem)
+            planned = cpu_time(lambda: whole_plan(problem), REPETITIONS)
             shot = (cpu_time(lambda: shoot(problem, count), 1) if count <= MOST_SHOT else None)
             rows[count].append((planned, shot))
     print('| segments | symmetrical: planner s (relative) | single shooting s (relative) | '
