@@ -81,8 +81,9 @@ def measure(kind: str, count: int, seed: int, title: str, faces: int = 4) -> lis
         began = time.process_time()
         try:
             # Its report counts, as it does of a plan.
-            _ = choose_site(obj, robot, ORIGIN, goal,
-                            PlannerSettings(pushing_speed=float(speed), **settings)).report
+            chosen = choose_site(obj, robot, ORIGIN, goal,
+                                 PlannerSettings(pushing_speed=float(speed), **settings))
+            _ = chosen.plan.report
             found = True
         except PlanningFailed:
             found = False
