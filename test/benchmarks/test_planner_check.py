@@ -4,10 +4,11 @@ import dataclasses
 import math
 
 from benchmarks.planner.check import replay, SECTION_LENGTH
-from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
+from helpers.push_problems import (
+    DIFFERENTIAL, face_problem, HOLONOMIC, plan_fixtures, vertex_problem,
+)
 import numpy as np
 from push_model.geometry import Pose
-from push_planner.single_push.planner import plan_push
 from push_planner.verification.verification import verify
 import pytest
 
@@ -19,18 +20,7 @@ PROBLEMS = {
     'holonomic': vertex_problem(Pose(9.0, -4.0, 0.5), HOLONOMIC, **LONG),
     'quasi-static': face_problem(Pose(-3.0, 1.0, 2.0), motion_model='quasi_static', **LONG),
 }
-
-
-@pytest.fixture(scope='module')
-def plans():
-    """All plans, made once."""
-    return {name: plan_push(problem) for name, problem in PROBLEMS.items()}
-
-
-@pytest.fixture(params=PROBLEMS)
-def answer(request, plans):
-    """One plan after the other."""
-    return plans[request.param]
+plans, answer = plan_fixtures(PROBLEMS)
 
 
 def test_long_plans_are_followed_to_their_goal(answer):

@@ -1,12 +1,15 @@
 """Pushes that several planner tests ask for."""
 
 import math
-from typing import Any
+from typing import Any, Mapping
 
 from helpers.objects import bin_, box
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
+from push_planner.plan import Plan
 from push_planner.problem import PlannerSettings, PushProblem
+from push_planner.single_push.planner import plan_push
+import pytest
 
 DIFFERENTIAL = RoundRobot(radius=0.17, drive='differential')
 HOLONOMIC = RoundRobot(radius=0.17, drive='holonomic')
@@ -43,3 +46,20 @@ def round_problem(goal: Pose, robot: RoundRobot = HOLONOMIC, start: Pose = Pose(
     """Push a bin along its +x axis."""
     return PushProblem(bin_(), robot, ROUND, start, start.theta, start.theta, goal,
                        PlannerSettings(**settings))
+
+
+def plan_fixtures(problems: Mapping[str, PushProblem]) -> tuple[Any, Any]:
+    """
+    Make the fixtures ``plans``, all plans of a module, and ``answer``, one after the other.
+
+    :param problems: name -> what is planned, once in the module.
+    """
+    @pytest.fixture(scope='module')
+    def plans() -> dict[str, Plan]:
+        return {name: plan_push(problem) for name, problem in problems.items()}
+
+    @pytest.fixture(params=problems)
+    def answer(request: pytest.FixtureRequest, plans: dict[str, Plan]) -> Plan:
+        return plans[request.param]
+
+    return plans, answer

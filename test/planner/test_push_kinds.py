@@ -5,7 +5,9 @@ import dataclasses
 import math
 
 from helpers.objects import box
-from helpers.push_problems import face_problem, HOLONOMIC, round_problem, vertex_problem
+from helpers.push_problems import (
+    face_problem, HOLONOMIC, plan_fixtures, round_problem, vertex_problem,
+)
 import numpy as np
 from push_model.contact import face_length
 from push_model.geometry import Pose
@@ -46,18 +48,7 @@ ANSWERED = {
     'limited angle': face_problem(BENT, IDEAL, angle_limit='angle', max_pushing_angle=0.2),
     'unlimited': face_problem(BENT, IDEAL, angle_limit='none', pushing_speed=0.1),
 }
-
-
-@pytest.fixture(scope='module')
-def plans():
-    """All plans, made once."""
-    return {name: plan_push(problem) for name, problem in ANSWERED.items()}
-
-
-@pytest.fixture(params=ANSWERED)
-def answer(request, plans):
-    """One plan after the other."""
-    return plans[request.param]
+plans, answer = plan_fixtures(ANSWERED)
 
 
 def test_it_reaches_its_goal_when_integrated_again(answer):

@@ -5,7 +5,7 @@ import math
 
 from helpers.objects import box
 from helpers.push_problems import (
-    DIAGONAL, DIFFERENTIAL, face_problem, HOLONOMIC, round_problem, vertex_problem,
+    DIAGONAL, DIFFERENTIAL, face_problem, HOLONOMIC, plan_fixtures, round_problem, vertex_problem,
 )
 import numpy as np
 from push_model.geometry import Pose
@@ -27,18 +27,7 @@ PROBLEMS = {
     'face, holonomic, fast': face_problem(Pose(1.5, -0.4, -0.7), pushing_speed=0.45),
     'round, holonomic': round_problem(Pose(1.0, 0.5, 1.0)),
 }
-
-
-@pytest.fixture(scope='module')
-def plans():
-    """All plans, made once."""
-    return {name: plan_push(problem) for name, problem in PROBLEMS.items()}
-
-
-@pytest.fixture(params=PROBLEMS)
-def answer(request, plans):
-    """One plan after the other."""
-    return plans[request.param]
+plans, answer = plan_fixtures(PROBLEMS)
 
 
 def test_a_plan_reaches_its_goal_when_integrated_again(answer):
