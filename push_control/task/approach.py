@@ -4,7 +4,7 @@ import math
 
 from push_control.push.start import robot_start_pose
 from push_control.task.behavior import Behavior, BehaviorContext
-from push_control.task.path_execution import displacement, PathExecution
+from push_control.task.path_execution import blocks, displacement, PathExecution
 from push_control.task.perception import has_moved, TaskPerception
 from push_control.task.primitive_push import push_line, touch_speed
 from push_model.geometry import distance, Pose
@@ -12,6 +12,7 @@ from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.approach.approach_path import plan_approach
+from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 
@@ -64,6 +65,15 @@ class Approach(Behavior):
         self._paths_driven = 0
         self._first_object_pose: Pose | None = None
         self._moved_distance = OVERLAP_TOLERANCE
+
+    def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """
+        Tell whether a new map has an obstacle on the path where the former one has none.
+
+        :param occupancy_map: the new ``OccupancyMap``, or None for open floor.
+        :param pose: ``Pose`` of the robot.
+        """
+        return blocks(self._execution, self._context.occupancy_map, occupancy_map, pose)
 
     def pause(self) -> None:
         """Forget the path; the next step plans another one."""

@@ -7,6 +7,7 @@ from push_control.push.status import ControllerStatus
 from push_control.settings import ControlSettings
 from push_control.task.perception import TaskPerception
 from push_control.task.settings import SupervisionSettings
+from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
 from push_navigation.occupancy_map import OccupancyMap
@@ -59,6 +60,15 @@ class Behavior(abc.ABC):
     @abc.abstractmethod
     def pause(self) -> None:
         """Note that the robot stands for now; the next step goes on from wherever it is."""
+
+    def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """
+        Tell whether a new map has an obstacle in the way; a push watches the map by itself.
+
+        :param occupancy_map: the new ``OccupancyMap``, or None for open floor.
+        :param pose: ``Pose`` of the robot.
+        """
+        return False
 
     @property
     def push_reason(self) -> str:

@@ -2,16 +2,20 @@
 
 import abc
 
+import numpy as np
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.perception import TaskPerception
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
-from push_navigation.path import Path
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import Path, sample_path
 from push_navigation.path_follower import PathFollower
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
 
+# Spacing at which a path is checked against a map [m]; chosen: below the cells of most maps.
+SPACING = 0.02
 # Displacement that counts as motion [m]; chosen: above the noise of odometry at rest.
 MOTION_THRESHOLD = 0.005
 # A path may take this many times its travel time, and the stall time-out besides; chosen.
@@ -53,7 +57,8 @@ class PathExecution:
         """
         self._follower = PathFollower(robot, drive, path, end_speed=end_speed,
                                       handover_distance=handover_distance)
-        self._radius = robot.radius
+        self._robot = robot
+        self._path = path
         self._stall_timeout = stall_timeout
         self._time_left = (
             TRAVEL_TIME_FACTOR * travel_time(path, robot, drive, end_speed=end_speed)
@@ -68,6 +73,18 @@ class PathExecution:
         """Whether the robot has come beside an end that it was to pass, and stops."""
         return self._follower.missed
 
+    def is_free(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """
+        Tell whether what is left of the path touches no obstacle.
+
+        :param occupancy_map: the ``OccupancyMap``, or None for open floor.
+        :param pose: ``Pose`` of the robot.
+        """
+        poses = sample_path(self._path, self._robot, SPACING)
+        nearest = int(np.hypot(*(poses[:, :2] - pose[:2]).T).argmin())
+        return (occupancy_map is None
+                or occupancy_map.robot_is_free(self._robot, poses[nearest:], 0.0))
+
     def step(self, pose: Pose, dt: float) -> Twist:
         """
         Compute the command.
@@ -79,7 +96,7 @@ class PathExecution:
         self._time_left -= dt
         self._standing_time += dt
         if (self._last_motion is None
-                or displacement(self._last_motion, pose, self._radius) > MOTION_THRESHOLD):
+                or displacement(self._last_motion, pose, self._robot.radius) > MOTION_THRESHOLD):
             self._last_motion = pose
             self._standing_time = 0.0
         command = self._follower.step(pose, dt)
@@ -123,6 +140,15 @@ class PathBehavior(Behavior):
         :raises ValueError: with the reason, where there should be a path and is none.
         """
 
+    def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """
+        Tell whether a new map has an obstacle on the path where the former one has none.
+
+        :param occupancy_map: the new ``OccupancyMap``, or None for open floor.
+        :param pose: ``Pose`` of the robot.
+        """
+        return blocks(self._execution, self.context.occupancy_map, occupancy_map, pose)
+
     def pause(self) -> None:
         """Forget the path; the next step plans another one."""
         self._execution = None
@@ -153,3 +179,17 @@ class PathBehavior(Behavior):
         self.finished = execution.finished or execution.has_missed_end
         self.failure_reason = execution.failure_reason
         return command
+
+
+def blocks(execution: PathExecution | None, former: OccupancyMap | None,
+           occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+    """
+    Tell whether a new map has an obstacle on a path where the former one has none.
+
+    :param execution: the ``PathExecution``, or None where the robot stands.
+    :param former: ``OccupancyMap``, or None for open floor.
+    :param occupancy_map: the new one.
+    :param pose: ``Pose`` of the robot.
+    """
+    return (execution is not None and not execution.is_free(occupancy_map, pose)
+            and execution.is_free(former, pose))

@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import math
 
+from helpers.maps import walled_room
 from helpers.objects import box
 import numpy as np
 from push_control.observation import Observation
@@ -23,7 +24,7 @@ from push_scenario.definition.task import Task
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from push_sim_node.sensors import SensorSettings
-from push_sim_node.simulation import SimulationSettings
+from push_sim_node.simulation import Simulation, SimulationSettings
 import pytest
 
 # Plans and simulated pushes take some seconds each.
@@ -162,6 +163,27 @@ def test_a_moved_object_gets_another_plan(state, method):
     assert result.status.recoveries >= 1
     assert any(once.time < change.time < once.time + 3.0 and change.reason
                for change in result.status.history)
+
+
+def test_an_obstacle_of_a_new_map_on_the_path_is_driven_round() -> None:
+    """The path that leads through it is given up at once, and the task is done all the same."""
+    place: list[tuple[float, float]] = []
+
+    def show_obstacle(simulation: Simulation, supervisor: Supervisor) -> None:
+        pose, twist = simulation.truth.robot_pose, simulation.truth.robot_twist
+        x, y = pose.rotate(twist[:2])
+        speed = math.hypot(x, y)
+        # What the robot covers in some seconds, far from where the object is pushed.
+        x, y = pose.x + 0.45 * x / speed, pose.y + 0.45 * y / speed
+        place.append((x, y))
+        supervisor.set_map(walled_room((x - 0.08, x + 0.08, y - 0.08, y + 0.08)))
+    once = Once(TaskState.APPROACH, show_obstacle, delay=1.0)
+    result = simulate(task('holonomic'), intervene=once)
+    changes = [change for change in result.status.history if 'new map' in change.reason]
+    assert len(changes) == 1 and changes[0].time - once.time < 0.1
+    assert result.outcome is Outcome.DONE
+    robots = np.array(result.tape.poses('robot'))[:, :2]
+    assert np.hypot(*(robots - place[0]).T).min() > 0.17 + 0.05
 
 
 def test_an_unsteered_push_follows_an_object_that_is_moved():
