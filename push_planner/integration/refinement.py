@@ -71,9 +71,6 @@ FINE_ROLLOUTS = 5
 MISS_WEIGHTS = np.array([0.0, 0.02, 1.0, 1.0, 1.0, 0.02, 0.0])
 # Miss that is small enough [m, rad]. Chosen: 20 um, a fiftieth of the tolerance of a plan.
 SMALL_MISS = 2e-5
-# Miss of a coarse rollout beyond which a fine one takes its place [m, rad]. Chosen: far more than
-# a solution of the program misses, and less than what Newton's method leaves where it fails.
-LARGE_MISS = 0.1
 # Ratio by which the miss must shrink for another rollout to be worth it.
 MIN_IMPROVEMENT = 0.9
 
@@ -246,13 +243,9 @@ def _iterates(problem: PushProblem, formulation: Formulation, solution: Solution
         begins[1:] += (former.rollout.nodes - former.solution.nodes)[1:-1]
         changes += former.rollout.changes - former.solution.changes * may_steer
         free_length += former.free_length - former.solution.free_length
-    track = ReferenceTrack(begins, changes, steering.gains[:, :6])
-    run = rollout.run(track, free_length, coarse=former is None)
+    run = rollout.run(ReferenceTrack(begins, changes, steering.gains[:, :6]), free_length,
+                      coarse=former is None)
     miss = goal_miss(problem, formulation, run.nodes[-1])
-    if former is None and not _size(miss) < LARGE_MISS:
-        # In sharp turns Newton's method fails on coarse parts.
-        run = rollout.run(track, free_length)
-        miss = goal_miss(problem, formulation, run.nodes[-1])
     if not math.isfinite(_size(miss)):
         return
     if former is not None:
