@@ -7,9 +7,9 @@ from typing import NamedTuple
 from push_control.estimation.contact_site import ContactSite
 from push_control.events import EventReport, PushEvent
 from push_control.observation import Observation
-from push_control.path.path import CurvatureLimits, wrapped
+from push_control.path.path import CurvatureLimits
 from push_control.settings import ControlSettings
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_model.geometry import Coordinates
 from push_model.signals import Odometry
 
@@ -78,7 +78,7 @@ def jackknife_mode(site: ContactSite, normal: float, push_angle: float) -> int:
     low, high = site.normal_limits
     if not low - VERTEX_OVERSHOOT < normal < high + VERTEX_OVERSHOOT:
         return OFF_VERTEX
-    return OUT_OF_CONTACT if abs(wrapped(push_angle)) > MAX_PUSH_ANGLE else STEERABLE
+    return OUT_OF_CONTACT if abs(wrap_angles(push_angle)) > MAX_PUSH_ANGLE else STEERABLE
 
 
 def jackknife_fault(mode: int) -> EventReport | None:

@@ -17,8 +17,8 @@ from push_control.laws.command import differential_command, holonomic_command, s
 from push_control.laws.curvature_limits import (
     friction_cone_limits, jackknife_limits, vertex_limits,
 )
-from push_control.path.path import CurvatureLimits, wrapped
-from push_dynamics.compiled import compiled
+from push_control.path.path import CurvatureLimits
+from push_dynamics.compiled import compiled, wrap_angles
 from push_model.quasi_static import Vehicle
 from push_model.signals import Twist
 
@@ -97,7 +97,7 @@ def initial_offset(site: ContactSite) -> float:
 
     :param site: the ``ContactSite``.
     """
-    return wrapped(site.normal - site.heading)
+    return wrap_angles(site.normal - site.heading)
 
 
 @compiled
@@ -114,7 +114,7 @@ def zeta_at_rest(steering: Steering, site: ContactSite, state: PushState) -> flo
     heading = site.heading + centering_of(steering, site, state)
     centered = rolled_contact(site, heading)
     to_center = math.atan2(state.p_y - centered.y, state.p_x - centered.x)
-    return wrapped(centered.normal - to_center)
+    return wrap_angles(centered.normal - to_center)
 
 
 @compiled
@@ -192,7 +192,7 @@ def zeta_limits(site: ContactSite, vehicle: Vehicle, normal: float) -> tuple[flo
     :param normal: angle of the contact normal in the object frame [rad].
     :return: (lowest, highest) zeta, within -pi and pi [rad].
     """
-    zeta = wrapped(normal - vehicle.angle)
+    zeta = wrap_angles(normal - vehicle.angle)
     low, high = site.normal_limits
     return (min(math.pi, max(-math.pi, zeta + low - normal)),
             min(math.pi, max(-math.pi, zeta + high - normal)))
@@ -237,7 +237,7 @@ def vertex_rotation(site: ContactSite, center: tuple[float, float]) -> float:
     to_center = math.atan2(center[1] - site.point[1], center[0] - site.point[0])
     low, high = site.normal_limits
     middle, reach = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - ROLLED_VERTEX_MARGIN)
-    offset = wrapped(to_center - middle)
+    offset = wrap_angles(to_center - middle)
     return middle + min(reach, max(-reach, offset)) - site.normal
 
 
@@ -273,7 +273,7 @@ def round_rotation(site: ContactSite, center: tuple[float, float], max_zeta: flo
     :return: further rotation of the robot [rad].
     """
     distance = math.hypot(center[0], center[1])
-    from_center = wrapped(math.atan2(center[1], center[0]) - normal)
+    from_center = wrap_angles(math.atan2(center[1], center[0]) - normal)
     sine = site.object_radius * math.sin(max_zeta) / max(distance, MIN_CENTER_DISTANCE)
     if sine >= 1.0:
         return 0.0

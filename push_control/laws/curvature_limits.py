@@ -10,8 +10,8 @@ and the contact force lies ``zeta + kappa c^2 / r`` off the normal, where ``c^2 
 from typing import Any
 
 from push_control.estimation.limit_surface_table import curvatures_of_forces
-from push_control.path.path import CurvatureLimits, wrapped
-from push_dynamics.compiled import compiled
+from push_control.path.path import CurvatureLimits
+from push_dynamics.compiled import compiled, wrap_angles
 from push_model.quasi_static import Vehicle
 
 # Angle that the normal of a steady turn keeps from the edges of the vertex [rad]. Chosen: the
@@ -71,7 +71,7 @@ def friction_cone_limits(c_squared: Any, forces: Any, vehicle: Vehicle, normal: 
     :param cone_angle: half angle of the friction cone that may be used [rad].
     :return: ``CurvatureLimits``.
     """
-    zeta = wrapped(normal - vehicle.angle)
+    zeta = wrap_angles(normal - vehicle.angle)
     low, high = curvatures_of_forces(c_squared, forces, vehicle.arm, vehicle.c_squared,
                                      zeta - cone_angle, zeta + cone_angle)
     return CurvatureLimits(low, high)

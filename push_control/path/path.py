@@ -9,7 +9,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_dynamics.compiled import compiled, interpreted
+from push_dynamics.compiled import compiled, interpreted, wrap_angles
 from push_model import dubins
 from push_model.dubins import dubins_paths, DubinsPath
 from push_model.geometry import FloatArray, Pose
@@ -256,16 +256,6 @@ class FinalStraightPath(FlatOutputPath):
         super().__init__(np.column_stack((poses, curvatures, np.cumsum((0.0, *lengths)))))
 
 
-@compiled
-def wrapped(angle: float) -> float:
-    """
-    Wrap an angle to [-pi, pi), as ``geometry.wrap_angle`` does, by what numba knows.
-
-    :param angle: any finite angle [rad].
-    """
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
-
-
 class PathProjection(NamedTuple):
     """
     A pose, projected on a path.
@@ -344,7 +334,7 @@ def write_projection(rows: Any, x: float, y: float, theta: float, projection: An
         s += min(MAX_PROJECTION_STEP, max(-MAX_PROJECTION_STEP, step))
     on, curvature = path_point(rows, s)
     lateral = math.cos(on.theta) * (y - on.y) - math.sin(on.theta) * (x - on.x)
-    off = wrapped(theta - on.theta)
+    off = wrap_angles(theta - on.theta)
     projection[0], projection[1], projection[2], projection[3] = s, lateral, off, curvature
     projection[4] = rows[len(rows) - 1, BEGIN] - s
 

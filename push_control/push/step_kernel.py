@@ -17,8 +17,7 @@ from push_control.estimation.limit_surface_table import TABLE_SIZE
 from push_control.laws.contact_steering import (
     approach_command, curvature_limits, Steering, steering_command, zeta_at_rest, zeta_limits,
 )
-from push_control.path.path import wrapped
-from push_dynamics.compiled import compiled
+from push_dynamics.compiled import compiled, wrap_angles
 from push_model import friction, quasi_static
 from push_model.friction import FrictionSpread
 from push_model.geometry import Pose
@@ -128,7 +127,7 @@ def observe(push: Any, memory: Any, step: Any) -> None:
         step[limits], step[limits + 1] = curvature_limits(steering, site, vehicle, step[normal],
                                                           fraction)
     normal = step[NORMAL_NOW]
-    step[ZETA] = wrapped(normal - vehicle.angle)
+    step[ZETA] = wrap_angles(normal - vehicle.angle)
     step[ZETA_REST] = zeta_at_rest(steering, site, now)
     step[ZETA_LOW], step[ZETA_HIGH] = zeta_limits(site, vehicle, normal)
 
