@@ -314,6 +314,7 @@ class _StopSignal:
     def __init__(self) -> None:
         self.is_starting = True
         self._has_come = False
+        self._is_armed = False
         self._former_handlers = {number: signal.signal(number, self._remember)
                                  for number in (signal.SIGINT, signal.SIGTERM)}
         self._former_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
@@ -328,20 +329,23 @@ class _StopSignal:
             raise KeyboardInterrupt
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
+        if self._is_armed:
+            raise KeyboardInterrupt
 
     def _repeat(self, dropped: Any) -> None:
-        if issubclass(dropped.exc_type, KeyboardInterrupt):
-            signal.setitimer(signal.ITIMER_REAL, REPEAT_TIME)
-        else:
+        if not issubclass(dropped.exc_type, KeyboardInterrupt):
             self._former_hook(dropped)
+        elif self._is_armed:
+            signal.setitimer(signal.ITIMER_REAL, REPEAT_TIME)
 
     def arm(self) -> None:
         """Interrupt what is still under way after a while."""
+        self._is_armed = True
         signal.setitimer(signal.ITIMER_REAL, ENDING_TIME)
 
     def disarm(self) -> None:
         """Interrupt nothing any more: what is left to do is the end."""
+        self._is_armed = False
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
     def __call__(self) -> bool:

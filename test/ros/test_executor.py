@@ -49,6 +49,27 @@ class Busy(PolledNode):
 sys.exit(run(Busy, []))
 """
 
+# What its end has to do, while an interrupt is dropped that came late.
+LATE_INTERRUPT = """
+        class Dropped:
+            def __del__(self):
+                raise KeyboardInterrupt
+        Dropped()
+        time.sleep(0.1)
+        print('closed', flush=True)
+"""
+
+
+def test_a_late_interrupt_does_not_disturb_the_end():
+    """One that was dropped in a callback of a C library is not repeated any more."""
+    script = SCRIPT.replace("        print('closed', flush=True)\n", LATE_INTERRUPT)
+    process = subprocess.Popen([sys.executable, '-c', script], stdin=subprocess.DEVNULL, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert process.stdout.readline() == 'works\n'
+    process.send_signal(signal.SIGINT)
+    output = process.communicate()[0]
+    assert (process.returncode, output) == (0, 'closed\n')
+
 
 @pytest.mark.parametrize('numbers', [[signal.SIGINT], [signal.SIGTERM],
                                      [signal.SIGINT, signal.SIGINT, signal.SIGTERM]])
