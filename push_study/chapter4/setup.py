@@ -57,7 +57,7 @@ STYLES: dict[Law, dict[str, Any]] = {
 CONTROL: dict[Law, dict[str, Any]] = {
     OPEN_LOOP: {'control_law': 'open_loop'}, OBJECT_FRAME: {}, FEEDBACK: {},
     MPC: {'control_law': 'mpc'},
-    OWN_PATH: {'replan_min_distance': 0.0, 'replan_lateral_error': 1e-9, 'replan_period': 60.0,
+    OWN_PATH: {'replan_min_distance': 0.0, 'replan_lateral_error': 1e-3, 'replan_period': 60.0,
                'replan_length_ratio': 10.0},
     ONE_PATH: {'replan_period': 60.0},
     # Chosen: ten times the default.
