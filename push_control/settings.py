@@ -91,7 +91,7 @@ class ControlSettings:
     replan_min_distance: float = quantity(
         'path length before the first new path', 'm', 0.0, 5.0, default=0.3)
     replan_lateral_error: float = quantity(
-        'lateral error that calls for a new path; 0: any', 'm', 0.0, 1.0, default=0.03)
+        'lateral error that calls for a new path', 'm', above=0.0, high=1.0, default=0.03)
     replan_heading_error: float = quantity(
         'heading error that calls for a new path', 'rad', above=0.0, high=1.0, default=0.05)
     replan_length_ratio: float = quantity(
