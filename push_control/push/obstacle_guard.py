@@ -1,4 +1,4 @@
-"""Guard of an unsteered push in a map: ends it before object or robot meet an obstacle."""
+"""Obstacles of a map in the way of a push, and a guard that ends it before they are met."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,3 +62,25 @@ class ObstacleGuard:
     def _clearances(self, object_poses: ArrayLike, robot_poses: ArrayLike) -> list[float]:
         robot = float(self._map.clearance(np.asarray(robot_poses)[:, :2]).min())
         return [self._map.object_clearance(self._obj, object_poses), robot - self._robot.radius]
+
+
+def blocks_push(target: PushTrajectory, obj: PushedObject, robot: RoundRobot,
+                former: OccupancyMap | None, occupancy_map: OccupancyMap | None,
+                robot_pose: Pose) -> bool:
+    """
+    Tell whether a new map has an obstacle in the way of a push where the former one has none.
+
+    :param target: ``PushTrajectory``, of which that counts which is left.
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param former: ``OccupancyMap``, or None for open floor.
+    :param occupancy_map: the new one.
+    :param robot_pose: ``Pose`` of the robot.
+    """
+    nearest = int(np.hypot(*(target.robot_poses[:, :2] - robot_pose[:2]).T).argmin())
+    objects, robots = target.object_poses[nearest:], target.robot_poses[nearest:]
+
+    def is_free(floor: OccupancyMap | None) -> bool:
+        return floor is None or (floor.object_is_free(obj, objects, 0.0)
+                                 and floor.robot_is_free(robot, robots, 0.0))
+    return not is_free(occupancy_map) and is_free(former)

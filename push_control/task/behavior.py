@@ -63,7 +63,7 @@ class Behavior(abc.ABC):
 
     def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
         """
-        Tell whether a new map has an obstacle in the way; a push watches the map by itself.
+        Tell whether a new map has an obstacle in the way where the former one has none.
 
         :param occupancy_map: the new ``OccupancyMap``, or None for open floor.
         :param pose: ``Pose`` of the robot.

@@ -14,7 +14,7 @@ import numpy as np
 from push_control.laws.braking import braking_distance
 from push_control.localization.contact_evidence import Contact
 from push_control.localization.push_ensemble import PushEnsemble
-from push_control.push.obstacle_guard import ObstacleGuard
+from push_control.push.obstacle_guard import blocks_push, ObstacleGuard
 from push_control.push.rollout_law import RolloutLaw
 from push_control.push.status import ControllerStatus, Phase
 from push_control.settings import ControlSettings
@@ -23,6 +23,7 @@ from push_control.task.perception import TaskPerception
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
 from push_primitives.store import PushPrimitives
 from push_primitives.table import PrimitiveTable
 
@@ -180,7 +181,9 @@ class PrimitivePush(Behavior):
         super().__init__()
         self._robot = context.robot
         self._obj = context.obj
+        self._map = context.occupancy_map
         self._ensemble = ensemble
+        self._target = target
         self._line = push_line(target)
         self._speed = pushing_speed(target)
         self._touch_speed = touch_speed(target)
@@ -189,8 +192,8 @@ class PrimitivePush(Behavior):
             face_at(primitives.table, self._line.start), goal, max(self._speed, 0.05))
         self._progress = _Progress(self._line, context.control)
         self._memory = ensemble.remember_robot()
-        self._guard = None if context.occupancy_map is None else ObstacleGuard(
-            context.occupancy_map, context.obj, context.robot, target)
+        self._guard = None if self._map is None else ObstacleGuard(
+            self._map, context.obj, context.robot, target)
 
     @property
     def push_status(self) -> ControllerStatus:
@@ -203,6 +206,16 @@ class PrimitivePush(Behavior):
             travelled_distance=self._progress.pushed, friction_center=ensemble.friction_center,
             object_pose=ensemble.object_pose, robot_pose=ensemble.pose,
             in_contact=ensemble.contact_ratio > 0.5)
+
+    def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """
+        Tell whether a new map has an obstacle in the way of the push where the former has none.
+
+        :param occupancy_map: the new ``OccupancyMap``, or None for open floor.
+        :param pose: ``Pose`` of the robot.
+        """
+        return blocks_push(self._target, self._obj, self._robot, self._map, occupancy_map,
+                           pose)
 
     def pause(self) -> None:
         """End the push: the robot stands."""

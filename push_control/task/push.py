@@ -4,12 +4,14 @@ from typing import Any, Callable
 
 import numpy as np
 from push_control.push.controller import Controller
+from push_control.push.obstacle_guard import blocks_push
 from push_control.push.status import ControllerStatus, Phase
 from push_control.task.behavior import Behavior, BehaviorContext
 from push_control.task.perception import TaskPerception
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
 
 # Standard deviation of the gap at the end of a push, in which the robot is in contact [m]; chosen.
 GAP_STD = 0.005
@@ -47,6 +49,17 @@ class SupervisedPush(Behavior):
     def push_status(self) -> ControllerStatus:
         """The ``ControllerStatus``."""
         return self._controller.status
+
+    def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """
+        Tell whether a new map has an obstacle in the way of the push where the former has none.
+
+        :param occupancy_map: the new ``OccupancyMap``, or None for open floor.
+        :param pose: ``Pose`` of the robot.
+        """
+        context = self._context
+        return blocks_push(self._target, context.obj, context.robot, context.occupancy_map,
+                           occupancy_map, pose)
 
     def pause(self) -> None:
         """Do nothing: the controller waits by itself."""

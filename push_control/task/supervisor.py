@@ -268,14 +268,14 @@ class Supervisor:
 
     def set_map(self, occupancy_map: OccupancyMap | None) -> None:
         """
-        Set the map for the next path; a path that it blocks is given up.
+        Set the map for the next path; a path or push that it blocks is given up.
 
         :param occupancy_map: the ``OccupancyMap``, or None for open floor.
         """
         self._behaviors.occupancy_map = occupancy_map
         if self._behavior is not None and self._behavior.is_blocked(
                 occupancy_map, self._perception.robot_pose):
-            self._recover('the new map has an obstacle on the path of the robot')
+            self._recover('the new map has an obstacle in the way')
             self._update_status()
         self._progress.forget_planning_failures()
 

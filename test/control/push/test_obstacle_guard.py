@@ -3,7 +3,7 @@
 from helpers.maps import walled_room
 from helpers.objects import box
 from helpers.unsteered_pushes import IDEAL, unsteered_push
-from push_control.push.obstacle_guard import ObstacleGuard, REACTION_TIME
+from push_control.push.obstacle_guard import blocks_push, ObstacleGuard, REACTION_TIME
 from push_model.geometry import Pose
 import pytest
 
@@ -41,3 +41,18 @@ def test_a_push_ends_before_the_wall(end, kept):
 def test_what_moves_off_the_wall_goes_on():
     """However near it is at first."""
     assert stopping_place(guard(2.2), heading=-1.0) is None
+
+
+def test_a_new_map_blocks_what_is_left_of_a_push() -> None:
+    """And not what is behind it or beside it, nor what the former map has as well."""
+    start = Pose(-0.2 - IDEAL.radius, 0.0, 0.0)
+    target = unsteered_push(BOX, start, 0.5)
+    ahead, beside = walled_room((0.4, 0.5, -0.1, 0.1)), walled_room((0.4, 0.5, 0.3, 0.5))
+    end = Pose(*target.robot_poses[-1])
+    assert blocks_push(target, BOX, IDEAL, None, ahead, start)
+    assert not blocks_push(target, BOX, IDEAL, None, beside, start)
+    assert not blocks_push(target, BOX, IDEAL, ahead, ahead, start)
+    assert not blocks_push(target, BOX, IDEAL, ahead, None, start)
+    behind = walled_room((-0.5, -0.35, -0.1, 0.1))
+    assert blocks_push(target, BOX, IDEAL, None, behind, start)
+    assert not blocks_push(target, BOX, IDEAL, None, behind, end)

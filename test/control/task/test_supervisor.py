@@ -186,6 +186,29 @@ def test_an_obstacle_of_a_new_map_on_the_path_is_driven_round() -> None:
     assert np.hypot(*(robots - place[0]).T).min() > 0.17 + 0.05
 
 
+def test_a_push_ends_before_an_obstacle_of_a_new_map() -> None:
+    """At once; what is planned next is the planner's, which has a map of its own."""
+    place: list[tuple[float, float]] = []
+
+    def show_obstacle(simulation: Simulation, supervisor: Supervisor) -> None:
+        truth = simulation.truth
+        x, y = truth.robot_pose.rotate(truth.robot_twist[:2])
+        speed = math.hypot(x, y)
+        # Where the object would be in some seconds.
+        x, y = truth.object_pose.x + 0.4 * x / speed, truth.object_pose.y + 0.4 * y / speed
+        place.append((x, y))
+        supervisor.set_map(walled_room((x - 0.04, x + 0.04, y - 0.04, y + 0.04)))
+    once = Once(TaskState.PUSH, show_obstacle, delay=1.0)
+    result = simulate(task('holonomic'), intervene=once)
+    end = next(change for change in result.status.history if 'new map' in change.reason)
+    assert end.time - once.time < 0.1
+    following = next(change.time for change in result.status.history
+                     if change.time > end.time and change.state is TaskState.PUSH)
+    until = result.tape['time'] < following
+    objects = np.array(result.tape.poses('object'))[until, :2]
+    assert np.hypot(*(objects - place[0]).T).min() > 0.3
+
+
 def test_an_unsteered_push_follows_an_object_that_is_moved():
     """It is no failure: the push goes on, or the next one is planned from what is seen."""
     once = Once(TaskState.PUSH, move_object, delay=1.5)
