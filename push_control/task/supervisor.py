@@ -38,8 +38,9 @@ from push_primitives.simplification import simplified_object
 # Time after the end of a push from which on the object may be at rest [s]; chosen: longer than the
 # latency of its poses (0.08 s in the scenarios), and than it slides on.
 SETTLING_TIME = 0.3
-
-
+# Time from where there is no plan, or no path to where it begins, until another plan is requested
+# [s]; chosen: attempts outlast a map that is wrong for some seconds.
+RETRY_TIME = 1.0
 # Time for which the safety layer may hold the robot until the task is given up [s]; chosen: a base
 # that restarts is back by then.
 STOP_TIME_LIMIT = 10.0
@@ -132,6 +133,8 @@ class Supervisor:
         self._moving_since: float | None = None
         # Long waits for that, in all, since the last push [s].
         self._unrest_time = 0.0
+        # Before that no other plan is requested [s].
+        self._retry_time = -math.inf
         # Why the robot has to stand besides, one sentence, or empty.
         self._hold_reason = ''
         self._watch = MeasurementWatch()
@@ -243,6 +246,7 @@ class Supervisor:
         self._progress = ProgressMonitor(self._settings, self._aim)
         self._perception.forget_contacts()
         self._unrest_time = 0.0
+        self._retry_time = -math.inf
         self._entered = dataclasses.replace(self._entered, pushes=0, recoveries=0, history=())
         if self._entered.state is not TaskState.PAUSED:
             self._restart(self._entered.state, 'new goal')
@@ -489,7 +493,7 @@ class Supervisor:
             if now - self._pending.since > settings.plan_timeout:
                 self._recover(f'no plan within {settings.plan_timeout:g} s')
             return
-        if self._goal is None:
+        if self._goal is None or now < self._retry_time:
             return
         perception.judge_push()
         object_at_rest = perception.object_at_rest
@@ -588,6 +592,8 @@ class Supervisor:
 
     def _recover(self, failure_reason: str) -> None:
         self._progress.count_attempt(failure_reason)
+        if self._entered.state in (TaskState.PLAN, TaskState.APPROACH):
+            self._retry_time = self._perception.time + RETRY_TIME
         self._entered = dataclasses.replace(self._entered,
                                             recoveries=self._entered.recoveries + 1)
         self._enter(TRANSITIONS[self._entered.state].failure, failure_reason)

@@ -11,7 +11,7 @@ from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
-from push_control.task.supervisor import Supervisor
+from push_control.task.supervisor import RETRY_TIME, Supervisor
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
@@ -207,6 +207,24 @@ def test_a_push_ends_before_an_obstacle_of_a_new_map() -> None:
     until = result.tape['time'] < following
     objects = np.array(result.tape.poses('object'))[until, :2]
     assert np.hypot(*(objects - place[0]).T).min() > 0.3
+
+
+def test_a_map_that_is_wrong_for_some_seconds_is_outlasted() -> None:
+    """The robot, which stands in an obstacle of it, waits between its attempts to plan."""
+    def spoil(simulation: Simulation, supervisor: Supervisor) -> None:
+        x, y, _ = simulation.truth.robot_pose
+        supervisor.set_map(walled_room((x - 0.3, x + 0.3, y - 0.3, y + 0.3)))
+    once = Once(TaskState.APPROACH, spoil, delay=0.5)
+
+    def intervene(simulation: Simulation, supervisor: Supervisor) -> None:
+        once(simulation, supervisor)
+        if once.time is not None and simulation.time >= once.time + 5.0:
+            supervisor.set_map(None)
+    result = simulate(task('differential'), intervene=intervene)
+    failures = [change.time for change in result.status.history
+                if 'in an obstacle of the map' in change.reason]
+    assert len(failures) >= 2 and np.diff(failures).min() > RETRY_TIME - 0.05
+    check_reached(result)
 
 
 def test_an_unsteered_push_follows_an_object_that_is_moved():
