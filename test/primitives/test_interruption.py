@@ -2,9 +2,10 @@
 
 import signal
 import time
+from typing import Callable, Iterator
 
 from helpers.objects import bin_
-from push_primitives.table import build_table, draw_friction, FrictionDraws
+from push_primitives.table import build_table, draw_friction, FrictionDraws, PrimitiveTable
 from push_primitives.value_iteration import solve_cost_to_go
 import pytest
 
@@ -15,16 +16,16 @@ EARLY, SOON = 0.02, 0.1
 
 
 @pytest.fixture(scope='module')
-def table():
+def table() -> PrimitiveTable:
     """Return the table of a bin for nominal friction only."""
     return build_table(BIN, RADIUS,
                        draws=FrictionDraws(*(array[:1] for array in draw_friction(BIN))))
 
 
 @pytest.fixture
-def interrupt_after():
+def interrupt_after() -> Iterator[Callable[[float], object]]:
     """Return a function that interrupts this process when it has taken so much CPU time [s]."""
-    def interrupt(number, frame):
+    def interrupt(number: int, frame: object) -> None:
         raise KeyboardInterrupt
 
     former = signal.signal(signal.SIGVTALRM, interrupt)

@@ -66,7 +66,7 @@ def test_values_are_found_by_their_names():
     assert status_values(status) == {'since': '2.5', 'state': 'push'}
 
 
-def logged_lines(count, duration, clock_rate):
+def logged_lines(count: int, duration: float, clock_rate: float) -> list[str]:
     """Return the lines of a log to which so many come within a while, and of 10 s more."""
     throttle, lines = LogThrottle(), []
     for index in range(count):

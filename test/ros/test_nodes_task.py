@@ -491,14 +491,14 @@ def test_other_services_are_answered_while_a_plan_waits_for_measurements(planner
     replan = planner.client(Trigger, 'planner/replan')
     state = planner.client(GetState, f'{PLANNER}/get_state')
 
-    def change_state(transition):
+    def change_state(transition: int) -> None:
         planner.request(ChangeState, f'{PLANNER}/change_state', ChangeState.Request(
             transition=Transition(id=transition)))
 
-    def listeners():
+    def listeners() -> int:
         return planner.node.count_subscribers('odom')
 
-    def is_overtaken():
+    def is_overtaken() -> bool:
         # The planner forgets what it has measured. Active, it clears its map of the robot.
         change_state(Transition.TRANSITION_DEACTIVATE)
         planner.wait_until(lambda: listeners() == 0)

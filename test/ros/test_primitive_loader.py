@@ -1,6 +1,7 @@
 """Primitives of a new object are made beside the node, those of one request after the other."""
 
 import threading
+from typing import Iterator
 
 from helpers.objects import bin_
 from push_model.geometry import Pose
@@ -20,16 +21,16 @@ TIMEOUT = 400.0
 class Making:
     """Stands for what takes long: each request goes on until it is told to end."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.is_failing = False
-        self.goals = []
-        self.ends = {}
+        self.goals: list[float] = []
+        self.ends: dict[float, threading.Event] = {}
 
-    def end(self, goal):
+    def end(self, goal: float) -> None:
         """Let the making for a goal end."""
         self.ends.setdefault(goal, threading.Event()).set()
 
-    def __call__(self, request, robot, drive):
+    def __call__(self, request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> None:
         self.goals.append(request.goal.x)
         assert self.ends.setdefault(request.goal.x, threading.Event()).wait(TIMEOUT)
         if self.is_failing:
@@ -37,7 +38,7 @@ class Making:
 
 
 @pytest.fixture
-def making(monkeypatch):
+def making(monkeypatch: pytest.MonkeyPatch) -> Iterator[Making]:
     """Make primitives under control of the test."""
     making = Making()
     monkeypatch.setattr(primitive_loader, 'primitives_for', making)
@@ -46,12 +47,12 @@ def making(monkeypatch):
         end.set()
 
 
-def request(x):
+def request(x: float) -> PlanRequest:
     """Make a request with a goal."""
     return PlanRequest(Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0), Pose(x, 0.0, 0.0), bin_(feet=4))
 
 
-def loads_after_a_while(loader, wanted):
+def loads_after_a_while(loader: PrimitiveLoader, wanted: PlanRequest) -> bool:
     """Wait until nothing is made any more, and ask then."""
     for thread in threading.enumerate():
         if thread.name == THREAD_NAME:

@@ -14,6 +14,7 @@ from push_control.laws.mpc_problem import (
 from push_control.laws.steering_law import Foresight, SolverFailure, SteeringInput
 from push_control.path.path import CurvatureLimits, PathProjection
 from push_control.settings import ControlSettings
+from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 from push_model.quasi_static import vehicle
 import pytest
@@ -136,7 +137,7 @@ def test_the_scalars_have_one_order():
     assert all(np.shares_memory(part, horizon.p) for part in parts)
 
 
-def solved(p):
+def solved(p: FloatArray) -> FloatArray:
     """Take one step from the guess."""
     solver = HorizonSolver(ROBOT, SETTINGS, optimal_weights(SETTINGS))
     solver.p[:] = p

@@ -198,7 +198,7 @@ def test_a_base_that_now_and_then_follows_less_closely_is_stopped_once():
         assert driven(layer, base, command, 3.0, heed=loaded)[1] is None
 
 
-def after_a_gap(delay, duration):
+def after_a_gap(delay: float, duration: float) -> tuple[SafetyLayer, Base, Twist]:
     """Drive, and let a while pass in which the base stops by itself for want of commands."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'], delay)
     command = Twist(0.2, 0.0, 1.0)
