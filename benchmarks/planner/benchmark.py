@@ -13,14 +13,15 @@ import functools
 import math
 from pathlib import Path
 import time
-from typing import Callable, NamedTuple, Optional, Sequence
+from typing import Callable, Optional, Sequence
 
 from benchmarks.planner.goals import families, mid_face, ProblemMaker, problems
 from benchmarks.planner.measure import Answer, collect, measure, whole_plan
-from benchmarks.planner.nlp_solvers import compare_solvers, Quality, quality, SolverRun
+from benchmarks.planner.nlp_solvers import compare_solvers, Quality, quality
 from benchmarks.planner.report import picture, text
+from benchmarks.planner.results import Results, WarmStart
 from benchmarks.planner.shooting import shoot, Shot
-from benchmarks.planner.sites import Choice, choices, KINDS
+from benchmarks.planner.sites import choices, KINDS
 from benchmarks.planner.vehicle_bound import BoundComparison
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
@@ -43,50 +44,6 @@ OFF_PATH = np.array([0.003, 0.003, 0.005])
 SEGMENT_COUNTS = 12, 24, 48, 96, 192
 SLOW_SPEEDS = (0.25,)
 FACE_COUNTS = 3, 4, 6, 8, 12
-
-
-class WarmStart(NamedTuple):
-    """
-    A push planned from nothing, and from the plan before.
-
-    :param first: CPU time from nothing [s].
-    :param on: CPU time from the plan before [s].
-    :param duration: time of the push over that from nothing.
-    :param went_on: whether the plan before led to it.
-    """
-
-    first: float
-    on: float
-    duration: float
-    went_on: bool
-
-
-class Results(NamedTuple):
-    """
-    All measurements.
-
-    :param kinds: name -> ``Answer`` of each push.
-    :param first: CPU time of the first plan [s].
-    :param shots: (segments, pairs of ``Answer`` and ``Shot``).
-    :param warm_starts: what has changed -> per goal, ``WarmStart``.
-    :param quality: name -> ``Quality`` of each push.
-    :param bounded: name -> (time over the vehicle bound, over the upper one) of each push.
-    :param solvers: ``SolverRun`` of each solver.
-    :param starts: number of random starts.
-    :param sites: name of a drive -> ``Choice`` of each goal.
-    :param growth: (what, number, CPU times [s]).
-    """
-
-    kinds: dict[str, list[Answer]]
-    first: float
-    shots: list[tuple[int, list[tuple[Answer, Shot]]]]
-    warm_starts: dict[str, list[WarmStart]]
-    quality: dict[str, list[Quality]]
-    bounded: dict[str, list[tuple[float, float]]]
-    solvers: list[SolverRun]
-    starts: int
-    sites: dict[str, list[Choice]]
-    growth: list[tuple[str, int, list[float]]]
 
 
 def family(name: str, make: ProblemMaker, count: int, warm: int) -> list[Answer]:

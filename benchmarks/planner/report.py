@@ -1,22 +1,18 @@
 """Report of the benchmark of the planner: text and a figure."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import Any, Sequence, TYPE_CHECKING
+from typing import Any, Sequence
 
 from benchmarks.planner.goals import DIFFERENTIAL
 from benchmarks.planner.measure import Answer
 from benchmarks.planner.nlp_solvers import OWN
+from benchmarks.planner.results import Results
 from benchmarks.planner.tables import (
     bound_table, faults, growth_table, kind_table, quality_table, shot_table, site_table,
     solver_table, speed_table, table, warm_start_table,
 )
 from benchmarks.report_template import fill_template
 import numpy as np
-
-if TYPE_CHECKING:
-    from benchmarks.planner.benchmark import Results
 
 TEXT = Path(__file__).with_name('planner.md.in')
 # Aims that were set for the planner, as ratios of CPU times in one run: a whole plan over a
