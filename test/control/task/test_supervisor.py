@@ -344,10 +344,10 @@ def test_a_failed_request_is_repeated_where_something_has_changed():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     for change in changes * 3:
-        bench.run(1.0)
+        bench.run(RETRY_TIME + 0.5)
         bench.supervisor.on_planning_failed(PlanFailure.BLOCKED, 'the goal is behind a wall')
         change(bench)
-    bench.run(1.0)
+    bench.run(RETRY_TIME + 0.5)
     assert bench.supervisor.plan_request is not None
 
 
