@@ -29,7 +29,9 @@ import pytest
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
+from rclpy.action.client import ClientGoalHandle
 from rclpy.parameter import Parameter
+from rclpy.task import Future
 
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
@@ -155,6 +157,16 @@ def test_a_goal_where_the_object_is_is_reached(client):
     assert client.statuses[-1].object_name == 'box_04'
 
 
+def cancel(client: Client, handle: ClientGoalHandle, result: Future) -> None:
+    """Cancel the goal, and wait until it has ended as cancelled."""
+    cancelled = handle.cancel_goal_async()
+    client.b.wait_until(cancelled.done)
+    assert len(cancelled.result().goals_canceling) == 1
+    client.measure_until(result.done)
+    assert result.result().status == GoalStatus.STATUS_CANCELED
+    assert result.result().result.error_code == client.action.Result.NONE
+
+
 def test_feedback_comes_until_a_goal_is_cancelled(client):
     """The robot waits for its plan; the client is told so with the errors, and may cancel."""
     handle, result = client.send(GOAL)
@@ -164,12 +176,7 @@ def test_feedback_comes_until_a_goal_is_cancelled(client):
     assert last.status.position_error == pytest.approx(
         math.dist(OBJECT[:2], GOAL[:2]), abs=1e-3)
     assert (last.status.push_number, last.status.pushes_done) == (0, 0)
-    cancelled = handle.cancel_goal_async()
-    client.b.wait_until(cancelled.done)
-    assert len(cancelled.result().goals_canceling) == 1
-    client.measure_until(result.done)
-    assert result.result().status == GoalStatus.STATUS_CANCELED
-    assert result.result().result.error_code == client.action.Result.NONE
+    cancel(client, handle, result)
     client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].IDLE)
 
 
@@ -179,12 +186,7 @@ def test_a_goal_may_be_cancelled_at_any_moment(client: Client, measurements: int
     handle, result = client.send(GOAL)
     for _ in range(measurements):
         client.measure()
-    cancelled = handle.cancel_goal_async()
-    client.b.wait_until(cancelled.done)
-    assert len(cancelled.result().goals_canceling) == 1
-    client.measure_until(result.done)
-    assert result.result().status == GoalStatus.STATUS_CANCELED
-    assert result.result().result.error_code == client.action.Result.NONE
+    cancel(client, handle, result)
     assert result.result().result.error_msg
     assert client.result(OBJECT).status == GoalStatus.STATUS_SUCCEEDED
 
