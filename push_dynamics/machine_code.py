@@ -11,6 +11,9 @@ An evaluation runs over many rows: row k of every argument and result is an arra
 of a result may be rows of an argument too, one further on, so that a row goes on from the one
 before. Where no row does, several are evaluated at once, in the lanes of the processor's vectors.
 Rows of a gathered argument are picked by numbers, so that several rows may have the same one.
+
+Evaluations that follow one another may be one call, a ``RowSequence``: what one leaves in an
+array, the next ones read there.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -130,25 +133,39 @@ class RowFunction:
             array.__array_interface__['data'][0] for array in pointed))
         strides = (ctypes.c_int64 * len(rows))(
             *(array.strides[0] // ITEM_SIZE if array.ndim == 2 else 0 for array in rows))
-        evaluate = functools.partial(self._code.entry, ctypes.addressof(addresses),
-                                     ctypes.addressof(strides))
-        return BoundRows(evaluate, count, (self._code, pointed, addresses, strides))
+        call = _Call(self._code.address, ctypes.addressof(addresses), ctypes.addressof(strides))
+        evaluate = functools.partial(self._code.entry, *call[1:])
+        return BoundRows(evaluate, count, (self._code, pointed, addresses, strides), call)
+
+
+class _Call(NamedTuple):
+    """Addresses of machine code, and of its first two arguments; the third one is a count."""
+
+    function: int
+    addresses: int
+    strides: int
 
 
 class BoundRows:
     """
     A function that is bound to arrays.
 
+    Attributes: ``count``, the number of all rows; ``call``, the ``_Call`` of machine code, None
+    where there is none.
+
     :param evaluate: function of the number of rows, from the first one.
     :param count: number of all rows.
     :param pointed: what machine code points to, and so must live as long as this.
+    :param call: see above.
     """
 
-    def __init__(self, evaluate: Callable[[int], Any], count: int, pointed: Any) -> None:
+    def __init__(self, evaluate: Callable[[int], Any], count: int, pointed: Any,
+                 call: Optional[_Call] = None) -> None:
         """Keep what is bound."""
         self._evaluate = evaluate
-        self._count = count
+        self.count = count
         self._pointed = pointed
+        self.call = call
 
     def __call__(self, count: Optional[int] = None) -> None:
         """
@@ -156,7 +173,44 @@ class BoundRows:
 
         :param count: number of rows, from the first one; None for all.
         """
-        self._evaluate(self._count if count is None else count)
+        self._evaluate(self.count if count is None else count)
+
+
+class RowSequence:
+    """
+    Functions that are bound to arrays, evaluated one after the other by one call.
+
+    Attributes: ``counts``, the number of rows of each, from the first one, at least 1: all rows,
+    unless another number is put in its place.
+
+    :param parts: ``BoundRows`` in their order, and sequences of such.
+    """
+
+    def __init__(self, *parts: 'BoundRows | RowSequence') -> None:
+        """List the calls."""
+        self._parts: list[BoundRows] = []
+        for part in parts:
+            self._parts += [part] if isinstance(part, BoundRows) else part._parts
+        count = len(self._parts)
+        # Of each call the function, its two addresses, and the number of rows.
+        self._calls = np.zeros((count, 4), dtype=np.int64)
+        self.counts: IntArray = self._calls[:, 3]
+        self.counts[:] = [part.count for part in self._parts]
+        self._code = _sequence_code()
+        self._evaluate: Callable[[], Any] = self._evaluate_parts
+        calls = [part.call for part in self._parts if part.call is not None]
+        if self._code is not None and len(calls) == count:
+            self._calls[:, :3] = calls
+            self._evaluate = functools.partial(
+                self._code.entry, self._calls.__array_interface__['data'][0], None, count)
+
+    def _evaluate_parts(self) -> None:
+        for part, count in zip(self._parts, self.counts.tolist()):
+            part(count)
+
+    def __call__(self) -> None:
+        """Evaluate all."""
+        self._evaluate()
 
 
 class _Memory(NamedTuple):
@@ -168,10 +222,11 @@ class _Memory(NamedTuple):
 
 
 class _Code(NamedTuple):
-    """Machine code: the engine that owns it, and its entry."""
+    """Machine code: the engine that owns it, its entry, and the address of that."""
 
     engine: Any
     entry: Any
+    address: int
 
 
 def _check_rows(name: str, array: FloatArray, size: int, count: int) -> None:
@@ -212,10 +267,40 @@ def _compile(function: Any, lanes: int, gathered: Sequence[str]) -> Any:
     llvm = _llvm()
     if llvm is None:
         return None
+    return _assemble(llvm, _translate(function, llvm.llvm_version_info[0], lanes, gathered))
+
+
+@functools.lru_cache(maxsize=1)
+def _sequence_code() -> Any:
+    """Compile calls of rows of ``_Call`` and count; None where there is no compiler."""
+    llvm = _llvm()
+    if llvm is None:
+        return None
+    opaque = llvm.llvm_version_info[0] >= FIRST_OPAQUE_VERSION
+    number, table, function = ('ptr', 'ptr', 'ptr') if opaque else (
+        'i64*', 'double**', 'void (double**, i64*, i64)*')
+    record = ['function', 'addresses', 'strides', 'rows']
+    lines = [f'define void @rows({number} %calls, {number} %unused, i64 %count) {{', 'entry:',
+             '  br label %call', 'call:', '  %k = phi i64 [0, %entry], [%k.next, %call]',
+             f'  %first = mul i64 %k, {len(record)}']
+    for i, name in enumerate(record):
+        lines += [f'  %{name}.index = add i64 %first, {i}',
+                  f'  %{name}.place = getelementptr i64, {number} %calls, i64 %{name}.index',
+                  f'  %{name} = load i64, {number} %{name}.place']
+    lines += [f'  %called = inttoptr i64 %function to {function}',
+              f'  %a = inttoptr i64 %addresses to {table}',
+              f'  %s = inttoptr i64 %strides to {number}',
+              f'  call void %called({table} %a, {number} %s, i64 %rows)',
+              '  %k.next = add i64 %k, 1', '  %more = icmp slt i64 %k.next, %count',
+              '  br i1 %more, label %call, label %done', 'done:', '  ret void', '}']
+    return _assemble(llvm, '\n'.join(lines))
+
+
+def _assemble(llvm: Any, text: str) -> _Code:
+    """Compile a function ``rows`` in LLVM's language, or load its machine code."""
     cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=cpu, features=features, opt=OPTIMIZATION, jit=True)
-    text = _translate(function, llvm.llvm_version_info[0], lanes, gathered)
     key = repr((text, cpu, features, llvm.llvm_version_info, OPTIMIZATION)).encode()
     file = _cache_file(hashlib.sha256(key).hexdigest())
     if file is None or not file.exists():
@@ -229,7 +314,8 @@ def _compile(function: Any, lanes: int, gathered: Sequence[str]) -> Any:
     engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(code))
     engine.finalize_object()
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
-    return _Code(engine, prototype(engine.get_function_address('rows')))
+    address = engine.get_function_address('rows')
+    return _Code(engine, prototype(address), address)
 
 
 def _cache_file(name: str) -> Optional[pathlib.Path]:

@@ -12,13 +12,14 @@ the last barrier parameter: then a step or two of Newton's method are enough.
 """
 
 import collections
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 import functools
 import math
 import threading
 from typing import NamedTuple, Optional
 
 import numpy as np
+from push_dynamics.machine_code import BoundRows, RowSequence
 from push_model.geometry import FloatArray
 from push_planner.collocation.dimensions import Dimensions
 from push_planner.collocation.newton_step import (
@@ -43,8 +44,6 @@ FIRST_SLACK = 0.1
 # on the central path. Measured: 198 pushes under way take 2.6 iterations; with 1e-3 it is 2.9.
 RESUMED_SLACK = 1e-4
 CENTRALITY = 10.0
-# Fraction of the way to the edge that a step goes.
-TO_EDGE = 0.99
 MAX_ITERATIONS = 40
 # Successive iterates whose violations agree up to a ratio, where the method gives up. Measured: of
 # 250 attempts at programs without a solution 94 % end so, after half as many iterations; of 556
@@ -58,9 +57,6 @@ REGULARIZATION_FACTOR = 10.0
 MAX_REGULARIZATION = 1e4
 # Least improvement that the filter asks for, of either value.
 FILTER_MARGIN = 1e-5
-
-
-Evaluation = Callable[[], None]
 
 
 class _Beginning(NamedTuple):
@@ -245,18 +241,12 @@ def _is_stagnant(violations: collections.deque[float]) -> bool:
 
 def _search(memory: '_Memory', entries: list[_Judgement]) -> Optional[_Judgement]:
     """Shorten the step until the filter accepts it."""
-    primal, dual = memory.primal.copy(), memory.dual.copy()
-    longest, longest_dual = memory.longest_steps()
-    length = longest
-    for _ in range(MAX_HALVINGS):
-        memory.primal[:] = primal + length * memory.primal_step
-        memory.dual[:] = dual + longest_dual * memory.dual_step
-        found = memory.evaluate()
+    for halvings in range(MAX_HALVINGS):
+        found = memory.halve_step() if halvings else memory.take_step()
         if all(found.violation <= (1.0 - FILTER_MARGIN) * entry.violation
                or found.merit <= entry.merit - FILTER_MARGIN * entry.violation
                for entry in entries):
             return found
-        length *= 0.5
     return None
 
 
@@ -333,22 +323,33 @@ class _Memory:
         self._limits = np.zeros((n + 2, 2))
         # Of all steps from the end, and then the start: row 0 is that of the end, without any.
         self._flaws = np.zeros((n + 2, 1))
-        self._judge = functions.judge.bind({
+        judge = functions.judge.bind({
             'before': self._judged[:-1], 'present': self._measures, 'so_far': self._judged[1:]})
         views = _Views(primal, primal_step, dual, dual_step, rows)
         recursion = _Recursion.allocate(functions, n, states)
-        evaluate_first, self._start = self._bind_start(functions, views, recursion)
-        evaluate, expand, self._recur = self._bind_steps(functions, views, recursion)
+        evaluate_first, start = self._bind_start(functions, views, recursion)
+        evaluate, expand, recur = self._bind_steps(functions, views, recursion)
         evaluate_end, expand_end = self._bind_end(functions, views, recursion)
-        self._evaluations = evaluate_first, evaluate, evaluate_end
-        self._expansions = expand, expand_end
+        self._before, self._dual_before = np.zeros_like(self.primal), np.zeros_like(self.dual)
+        lengths = np.zeros(2)
+        self._length = lengths[:1]
+        advance = _advance(functions, self._before, self.primal_step, lengths[:1], self.primal)
+        advance_dual = _advance(functions, self._dual_before, self.dual_step, lengths[1:],
+                                self.dual)
+        step_lengths = functions.step_lengths.bind({'limits': self._limits[-1],
+                                                    'lengths': lengths})
+        self._evaluate = RowSequence(evaluate_first, evaluate, evaluate_end, judge)
+        self._find_step = RowSequence(recur, start)
+        self._repeat_step = RowSequence(advance, self._evaluate)
+        self._take_step = RowSequence(expand, expand_end, step_lengths, advance_dual,
+                                      self._repeat_step)
 
     @property
     def _given(self) -> dict[str, FloatArray]:
         return {'common': self.common, 'bounds': self.bounds, 'tuning': self.tuning}
 
     def _bind_start(self, functions: NewtonFunctions, views: _Views,
-                    recursion: _Recursion) -> tuple[Evaluation, Evaluation]:
+                    recursion: _Recursion) -> tuple[BoundRows, BoundRows]:
         """Bind the evaluation and the step of the start."""
         primal, primal_step, dual, dual_step, rows = views
         n, states = recursion.gains.shape
@@ -365,7 +366,7 @@ class _Memory:
                 'flaws_next': self._flaws[n], 'flaws': self._flaws[n + 1]}))
 
     def _bind_steps(self, functions: NewtonFunctions, views: _Views, recursion: _Recursion
-                    ) -> tuple[Evaluation, Evaluation, Evaluation]:
+                    ) -> tuple[BoundRows, BoundRows, BoundRows]:
         """Bind the evaluation, the step and the recursion of all steps."""
         primal, primal_step, dual, dual_step, rows = views
         record, expansion, values, linear, gains, leads = recursion
@@ -391,7 +392,7 @@ class _Memory:
                 'flaws_next': self._flaws[:n], 'flaws': self._flaws[1:n + 1]}))
 
     def _bind_end(self, functions: NewtonFunctions, views: _Views,
-                  recursion: _Recursion) -> tuple[Evaluation, Evaluation]:
+                  recursion: _Recursion) -> tuple[BoundRows, BoundRows]:
         """Bind the evaluation and the step of the end."""
         primal, primal_step, dual, dual_step, rows = views
         n, states = recursion.gains.shape
@@ -437,9 +438,10 @@ class _Memory:
 
     def evaluate(self) -> _Judgement:
         """Evaluate all rows and their derivatives, and judge them."""
-        for evaluation in self._evaluations:
-            evaluation()
-        self._judge()
+        self._evaluate()
+        return self._judgement()
+
+    def _judgement(self) -> _Judgement:
         violation, log_slacks, cost, primal, dual, excess = self._judged[-1].tolist()
         return _Judgement(violation, cost - self.tuning[0] * log_slacks, max(primal, dual), excess)
 
@@ -448,19 +450,31 @@ class _Memory:
         regularization = 0.0
         while regularization <= MAX_REGULARIZATION:
             self.tuning[1] = regularization
-            self._recur()
-            self._start()
+            self._find_step()
             if self._flaws[-1, 0] == 0.0:
-                for expansion in self._expansions:
-                    expansion()
                 return True
             regularization = max(FIRST_REGULARIZATION, REGULARIZATION_FACTOR * regularization)
         return False
 
-    def longest_steps(self) -> tuple[float, float]:
-        """Fractions of the step, primal and dual, that keep slacks and multipliers positive."""
-        primal, dual = self._limits[-1].tolist()
-        return min(1.0, TO_EDGE / max(primal, 1e-9)), min(1.0, TO_EDGE / max(dual, 1e-9))
+    def take_step(self) -> _Judgement:
+        """Take as much of the step as keeps slacks and multipliers positive."""
+        self._before[:], self._dual_before[:] = self.primal, self.dual
+        self._take_step()
+        return self._judgement()
+
+    def halve_step(self) -> _Judgement:
+        """Take half as much of the step of the variables and slacks as before."""
+        self._length *= 0.5
+        self._repeat_step()
+        return self._judgement()
+
+
+def _advance(functions: NewtonFunctions, before: FloatArray, step: FloatArray,
+             length: FloatArray, present: FloatArray) -> BoundRows:
+    """Bind a step of all numbers of flat arrays."""
+    return functions.advance.bind({
+        'before': before[:, None], 'step': step[:, None], 'length': length,
+        'present': present[:, None]})
 
 
 @functools.lru_cache(maxsize=64)

@@ -35,6 +35,10 @@ SUMS = 3
 # How much the end may miss the goal per multiplier in one step [m]. Chosen: the multiplier follows
 # from step to step, so that it is only the speed of that; small, and large against rounding.
 DUAL_REGULARIZATION = 1e-6
+# Fraction of the way to the edge that a step goes.
+TO_EDGE = 0.99
+# Least of the limits on a step that counts: a step is never longer than itself.
+LEAST_LIMIT = 1e-9
 
 
 class Bounds(NamedTuple):
@@ -83,6 +87,8 @@ class NewtonFunctions(NamedTuple):
     :param start: step of the start; counts its own pivots, too.
     :param expand: step of every step; keeps the tightest limits of the blocks so far.
     :param expand_end: step of the end; does the same.
+    :param step_lengths: fractions of the step, primal and dual, that the tightest limits allow.
+    :param advance: a number after a fraction of its step.
     """
 
     evaluate_first: RowFunction
@@ -93,6 +99,8 @@ class NewtonFunctions(NamedTuple):
     start: RowFunction
     expand: RowFunction
     expand_end: RowFunction
+    step_lengths: RowFunction
+    advance: RowFunction
 
 
 @functools.lru_cache(maxsize=32)
@@ -193,7 +201,7 @@ class _Builder:
         evaluate_first, start = self._of_first()
         evaluate_end, expand_end = self._of_end()
         return NewtonFunctions(evaluate_first, evaluate, evaluate_end, _judge(),
-                               self._recursion(), start, expand, expand_end)
+                               self._recursion(), start, expand, expand_end, *_advance())
 
     def _box(self, x: Any, has_range: bool) -> list[Any]:
         bounds = self._bounds
@@ -357,6 +365,18 @@ def _judge() -> RowFunction:
     before, present = ca.SX.sym('before', len(MEASURES)), ca.SX.sym('present', len(MEASURES))
     return _function('judge', {'before': before, 'present': present}, {'so_far': ca.vertcat(
         before[:SUMS] + present[:SUMS], ca.fmax(before[SUMS:], present[SUMS:]))})
+
+
+@functools.lru_cache(maxsize=1)
+def _advance() -> tuple[RowFunction, RowFunction]:
+    """Build what keeps slacks and multipliers positive, and takes the step."""
+    limits, length = ca.SX.sym('limits', 2), ca.SX.sym('length')
+    before, step = ca.SX.sym('before'), ca.SX.sym('step')
+    return (
+        _function('step_lengths', {'limits': limits}, {
+            'lengths': ca.fmin(1.0, TO_EDGE / ca.fmax(limits, LEAST_LIMIT))}),
+        _function('advance', {'before': before, 'step': step, 'length': length}, {
+            'present': before + length * step}, is_independent=True))
 
 
 def _flaw(pivot: Any) -> Any:

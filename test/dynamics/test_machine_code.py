@@ -1,8 +1,10 @@
 """Machine code of casadi functions: the same numbers as casadi's, row by row."""
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
-from push_dynamics.machine_code import RowFunction
+from push_dynamics.machine_code import RowFunction, RowSequence
 import pytest
 
 
@@ -68,6 +70,24 @@ def test_a_call_evaluates_as_many_rows_as_it_is_given(options):
         found.append((results, [np.array(scalar_function()(row, y)).ravel() for row in x]))
     for results, expected in found:
         np.testing.assert_allclose(results, expected, rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize('options', [{}, {'is_compiled': False}], ids=str)
+def test_a_sequence_goes_on_from_what_its_parts_leave(options: dict[str, Any]) -> None:
+    """Each over all its rows, or the first ones; sequences of sequences are one."""
+    x = ca.SX.sym('x')
+    twice = RowFunction(ca.Function('twice', [x], [2.0 * x], ['x'], ['next']), **options)
+    more = RowFunction(ca.Function('more', [x], [x + 1.0], ['x'], ['next']), **options)
+    first, second, third = np.array([[1.0], [2.0], [3.0]]), np.zeros((3, 1)), np.zeros((3, 1))
+    inner = RowSequence(twice.bind({'x': first, 'next': second}))
+    sequence = RowSequence(inner, more.bind({'x': second, 'next': third}))
+    sequence()
+    assert third.ravel().tolist() == [3.0, 5.0, 7.0]
+    first[:] = 10.0
+    sequence.counts[:] = 2, 1
+    sequence()
+    assert second.ravel().tolist() == [20.0, 20.0, 6.0]
+    assert third.ravel().tolist() == [21.0, 5.0, 7.0]
 
 
 def test_rows_of_another_size_are_refused():
