@@ -5,6 +5,9 @@ A costmap of what a laser sees shows the object, and maybe the robot, as obstacl
 when they were seen. No obstacle of the floor can be where either has been since. Of cells beside
 these places only those are cleared that do not go on as an obstacle beyond them: a wall beside the
 object stays whole, while the rim of the object is cleared that the laser saw too far out.
+
+A costmap goes on to show the object where it has been until that place is seen again. So a cell
+that was cleared of the object stays so in later maps until one of them shows it free.
 """
 
 from collections import deque
@@ -33,6 +36,22 @@ class _Stay(NamedTuple):
 
     pose: Pose
     until: float
+
+
+class _Clearing(NamedTuple):
+    """
+    What became of a map.
+
+    :param occupancy_map: the ``OccupancyMap`` as it came.
+    :param object_cells: its cells that are cleared of the object, shape (rows, columns).
+    :param cells: those that are cleared in all, shape (rows, columns).
+    :param result: the ``OccupancyMap`` without them.
+    """
+
+    occupancy_map: OccupancyMap
+    object_cells: BoolArray
+    cells: BoolArray
+    result: OccupancyMap
 
 
 class _Trail:
@@ -70,8 +89,6 @@ class FootprintClearing:
         self._settings = settings
         self._robot = _Trail(inflate((), robot.radius, 0.0))
         self.set_object(obj)
-        # The last map and what became of it.
-        self._former: tuple[OccupancyMap, BoolArray, OccupancyMap] | None = None
 
     @property
     def is_enabled(self) -> bool:
@@ -80,11 +97,12 @@ class FootprintClearing:
 
     def set_object(self, obj: PushedObject) -> None:
         """
-        Turn to another object, which has been nowhere yet.
+        Turn to another object, which has been nowhere yet; the former one is an obstacle now.
 
         :param obj: the ``PushedObject``.
         """
         self._object = _Trail(inflate(obj.outline, obj.radius, 0.0))
+        self._former: _Clearing | None = None
 
     def record(self, time: float, object_pose: Pose | None, robot_pose: Pose | None) -> None:
         """
@@ -100,7 +118,7 @@ class FootprintClearing:
 
     def clear(self, occupancy_map: OccupancyMap, stamp: float) -> OccupancyMap:
         """
-        Clear the footprints.
+        Clear the footprints; called for every map, as later ones are cleared by what was before.
 
         :param occupancy_map: the ``OccupancyMap`` as it came.
         :param stamp: its time [s].
@@ -109,22 +127,36 @@ class FootprintClearing:
         if not self.is_enabled:
             return occupancy_map
         since = stamp - self._settings.footprint_clearing_time
+        margin, former = self._settings.footprint_clearing_margin, self._former
         cells = np.zeros_like(occupancy_map.occupied)
-        for trail in (self._object, self._robot):
-            _mark(occupancy_map, trail.shape, trail.since(since),
-                  self._settings.footprint_clearing_margin, cells)
-        if self._former is not None:
-            former_map, former_cells, result = self._former
-            if former_map is occupancy_map and np.array_equal(former_cells, cells):
-                return result
+        if former is not None:
+            _carry_over(former, occupancy_map, cells)
+        _mark(occupancy_map, self._object.shape, self._object.since(since), margin, cells)
+        object_cells = cells.copy()
+        _mark(occupancy_map, self._robot.shape, self._robot.since(since), margin, cells)
+        if (former is not None and former.occupancy_map is occupancy_map
+                and np.array_equal(former.cells, cells)):
+            return former.result
         result = occupancy_map.freed(cells)
-        self._former = occupancy_map, cells, result
+        self._former = _Clearing(occupancy_map, object_cells, cells, result)
         return result
+
+
+def _carry_over(former: _Clearing, occupancy_map: OccupancyMap, cells: BoolArray) -> None:
+    """Mark the cells that were cleared of the object, and have not been seen free since."""
+    rows, columns = np.nonzero(former.object_cells)
+    centers = former.occupancy_map.resolution * np.stack((columns + 0.5, rows + 0.5), axis=1)
+    places = occupancy_map.to_map(former.occupancy_map.from_map(centers))
+    columns, rows = np.floor(places / occupancy_map.resolution).astype(int).T
+    height, width = cells.shape
+    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+    cells[rows[inside], columns[inside]] = True
+    cells &= occupancy_map.occupied
 
 
 def _mark(occupancy_map: OccupancyMap, shape: InflatedObstacle, poses: list[Pose],
           margin: float, cells: BoolArray) -> None:
-    """Mark the occupied cells that a body has made."""
+    """Mark the occupied cells that a body has made, besides those that are marked already."""
     if not poses:
         return
     size, resolution = _radius(shape), occupancy_map.resolution
@@ -135,7 +167,7 @@ def _mark(occupancy_map: OccupancyMap, shape: InflatedObstacle, poses: list[Pose
         return
     points = occupancy_map.from_map(resolution * np.stack((columns + 0.5, rows + 0.5), axis=1))
     away = _distances(shape, poses, points, size + rim)
-    inside = away < 0.0
+    inside = (away < 0.0) | cells[rows, columns]
     obstacles = _obstacle_numbers(rows, columns, ~inside)
     goes_on = np.isin(obstacles, np.unique(obstacles[away > margin]))
     cleared = inside | ~goes_on

@@ -120,6 +120,8 @@ class SequenceRequestHandler:
             parameters = self._parameters
             warm_up_search(parameters.object, parameters.robot, parameters.drive)
         self._map = found
+        # Its cells tell which of those of the object are still shown in later ones.
+        self.clearing.clear(found.occupancy_map, found.stamp)
         return None if found.change is not MapChange.NEW else found.message
 
     def move_map(self, correction: Pose) -> None:
