@@ -1,19 +1,22 @@
 """Refinement: its backward and forward pass on a small linear-quadratic problem, and in use."""
 
+import dataclasses
 import math
 
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
-from push_planner.collocation.formulation import formulate
-from push_planner.collocation.nlp_solver import nlp_solver
+from push_planner.collocation.formulation import formulate, Formulation
+from push_planner.collocation.nlp_solver import nlp_solver, Solution
 from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
 from push_planner.integration.refinement import (
     CHANGE_COST, feed_forward, FEEDBACK_END_WEIGHTS, FREE_LENGTH_COST, goal_miss, refine,
     SMALL_MISS, solve_steering, STRAIGHT_END_WEIGHTS, WEIGHTS,
 )
+from push_planner.integration.rollout import ClosedLoopRollout, ReferenceTrack
+from push_planner.integration.trajectory import largest_force_angle
 from push_planner.problem import PushProblem
 from push_planner.settings import PlannerSettings
 import pytest
@@ -132,6 +135,47 @@ def test_samples_are_those_of_the_push_that_is_kept():
     assert len(kept) > 3
     for rollout in kept:
         np.testing.assert_allclose(rollout.samples[-1], rollout.nodes[-1], atol=1e-12)
+
+
+def whip() -> tuple[PushProblem, Formulation, Solution]:
+    """Solve a push whose last steps turn the object sharply, about one of its supports."""
+    corners = ((-0.34129, -0.20137), (0.34129, -0.20137), (0.34129, 0.20137), (-0.34129, 0.20137))
+    box = PushedObject(2.7128, supports=tuple(Support(x, y, mu) for (x, y), mu in zip(
+        corners, (0.29913, 0.37949, 0.47730, 0.45410))), outline=corners)
+    heading = math.atan2(0.24, 0.374)
+    robot = RoundRobot(0.1, 'differential', max_speed=5.0, max_yaw_rate=50.0,
+                       max_acceleration=100.0, max_yaw_acceleration=1000.0)
+    problem = PushProblem(
+        box, robot, Contact('vertex', 0), Pose(0.0, 0.0, 0.0), heading, heading,
+        Pose(0.17337, -1.40254, 0.60840),
+        PlannerSettings(pushing_speed=0.1, final_straight=0.0, deceleration=0.0,
+                        max_path_length=100.0))
+    formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
+    solution = push_solver(formulation.dimensions).solve(formulation, guess).solution
+    assert solution is not None
+    return problem, formulation, solution
+
+
+def test_a_push_that_ends_in_a_sharp_turn_is_refined() -> None:
+    """
+    It meets the goal, and its contact force stays within the cone of friction.
+
+    Coarse parts and very fine ones lead there as well: where Newton's method fails, they are
+    divided.
+    """
+    problem, formulation, solution = whip()
+    refined = refine(problem, formulation, solution)
+    assert refined is not None
+    nodes = refined.rollout.nodes
+    assert np.abs(goal_miss(problem, formulation, nodes[-1])[2:5]).max() < SMALL_MISS
+    assert largest_force_angle(refined.rollout) < problem.friction_angle
+    track = ReferenceTrack(nodes[:-1], refined.rollout.changes, refined.steering.gains[:, :6])
+    for spacing, coarse in ((0.015, True), (0.0015, False)):
+        settings = dataclasses.replace(problem.settings, sample_spacing=spacing)
+        rollout = ClosedLoopRollout(dataclasses.replace(problem, settings=settings), formulation,
+                                    refined.free_length)
+        again = rollout.run(track, refined.free_length, coarse)
+        np.testing.assert_allclose(again.nodes, nodes, atol=1e-3)
 
 
 @pytest.mark.parametrize('robot', [HOLONOMIC, DIFFERENTIAL], ids=lambda robot: robot.drive)

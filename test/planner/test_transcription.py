@@ -47,8 +47,8 @@ def drive(problem, change, length, count, smoothing=1e-3, jumps=False, angle=0.1
     part_function(problem.kind, parameters.supports, jumps).bind({
         'state': states[:-1], 'step': steps, 'part': parts, 'restarts': np.zeros(1),
         'column': parameters.column(), 'next_state': states[1:], 'begin': unused,
-        'samples': samples, 'forces': forces, 'first_force': first_forces},
-        np.zeros(count, dtype=int))()
+        'samples': samples, 'forces': forces, 'first_force': first_forces,
+        'residual': np.zeros((count, 1))}, np.zeros(count, dtype=int))()
     return Driven(states[-1, :6], samples.reshape(-1, 6), forces.reshape(-1, 2), first_forces[0])
 
 
