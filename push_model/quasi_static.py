@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Sequence
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
 from push_model.friction import (
     c_squared, ellipsoid_c_squared, friction_center, friction_weight, has_heights, load_gradients,
     LoadTransfer, slide_direction, SlidingSupport, transferred_capacities,
@@ -28,6 +27,8 @@ EXTRA_EVALUATIONS = 1
 # iterations; chosen: each shrinks the change by mu z over the distance, far below 1.
 CENTER_TOLERANCE = 1e-12
 CENTER_ITERATIONS = 50
+# Columns of ``sliding_rows``.
+SLIDING_COLUMNS = 5
 # Smallest distance of a contact from the centre of friction [m]: nearer, nothing steers. Chosen:
 # far below any object, far above rounding.
 MIN_ARM = 1e-6
@@ -133,26 +134,74 @@ def straight_push(obj: PushedObject, contact_point: tuple[float, float], angle: 
     :param center: centre of friction under the push, where it is known [m].
     :return: ``StraightPush``.
     """
-    push = np.array([math.cos(angle), math.sin(angle)])
-    across = np.array([-push[1], push[0]])
-    places = np.array([(support.x, support.y) for support in obj.supports])
-    friction = np.array([support.friction_coefficient for support in obj.supports])
-    gradients = np.array(load_gradients(obj))
-    transfer = LoadTransfer.of(obj)
-    capacities = np.array(obj.capacities)
-    if transfer is not None:
-        capacities = np.array(transferred_capacities(transfer, (
-            SlidingSupport(capacity, *support, *push)
-            for capacity, support in zip(obj.capacities, transfer.supports))))
-    mean = capacities @ places / capacities.sum()
-    x, y = (places - mean) @ push, (places - mean) @ across
-    by_x, by_y = friction * (gradients @ push), friction * (gradients @ across)
-    height = obj.contact_height
-    sideways = height * (by_y @ y + height * by_y.sum() * (by_x @ y) / (1.0 - height * by_x.sum()))
-    reached = mean if center is None else np.array(center)
-    arm = float((reached - contact_point) @ push)
-    square = float(capacities @ x ** 2 / capacities.sum()) * arm / (arm - float(sideways))
-    return StraightPush((float(reached[0]), float(reached[1])), square)
+    slide = straight_slide(obj.contact_height, sliding_rows(obj), angle)
+    x, y = slide.center if center is None else center
+    arm = (x - contact_point[0]) * math.cos(angle) + (y - contact_point[1]) * math.sin(angle)
+    return StraightPush((x, y), slide.c_squared * arm / (arm - slide.shift))
+
+
+class StraightSlide(NamedTuple):
+    """
+    What sliding in one direction makes of the supports, wherever the object is pushed.
+
+    :param center: centre of friction under the transferred loads, object frame (x, y) [m].
+    :param c_squared: ``<x_i^2>`` about it [m^2].
+    :param shift: Z of ``straight_push`` [m].
+    """
+
+    center: tuple[float, float]
+    c_squared: float
+    shift: float
+
+
+def sliding_rows(obj: PushedObject) -> list[tuple[float, ...]]:
+    """
+    List what ``straight_slide`` reads of the supports.
+
+    :param obj: the ``PushedObject``.
+    :return: x, y [m], capacity at rest q [N], and ``mu eta`` (x, y) [1/m] of each support.
+    """
+    return [(support.x, support.y, capacity, support.friction_coefficient * gradient[0],
+             support.friction_coefficient * gradient[1])
+            for support, capacity, gradient in zip(obj.supports, obj.capacities,
+                                                   load_gradients(obj))]
+
+
+def straight_slide(height: float, rows: Any, angle: float) -> StraightSlide:
+    """
+    Evaluate the supports of an object that slides in one direction e at constant speed.
+
+    Their total friction F acts against e, and the loads balance the moment ``z_C F e``: capacities
+    are ``q_i + z_C F mu_i eta_i . e``, whose sum is F, so ``F = sum q_i / (1 - z_C sum mu_i eta_i
+    . e)``. Works on arrays and lists alike, and inside numba.
+
+    :param height: of the contact, z_C [m].
+    :param rows: ``sliding_rows``.
+    :param angle: of e in the object frame [rad].
+    :return: ``StraightSlide``.
+    """
+    e_x, e_y = math.cos(angle), math.sin(angle)
+    at_rest = along = across = 0.0
+    for row in rows:
+        at_rest += row[2]
+        along += row[3] * e_x + row[4] * e_y
+        across += row[4] * e_x - row[3] * e_y
+    total = at_rest / (1.0 - height * along)
+    mean_x = mean_y = 0.0
+    for row in rows:
+        weight = row[2] / total + height * (row[3] * e_x + row[4] * e_y)
+        mean_x += weight * row[0]
+        mean_y += weight * row[1]
+    square = by_along = by_across = 0.0
+    for row in rows:
+        weight = row[2] / total + height * (row[3] * e_x + row[4] * e_y)
+        x = (row[0] - mean_x) * e_x + (row[1] - mean_y) * e_y
+        y = (row[1] - mean_y) * e_x - (row[0] - mean_x) * e_y
+        square += weight * x * x
+        by_along += (row[3] * e_x + row[4] * e_y) * y
+        by_across += (row[4] * e_x - row[3] * e_y) * y
+    shift = height * (by_across + height * across * by_along / (1.0 - height * along))
+    return StraightSlide((mean_x, mean_y), square, shift)
 
 
 def pushed_friction_center(obj: PushedObject, contact_point: Coordinates) -> tuple[float, float]:

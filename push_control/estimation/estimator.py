@@ -23,7 +23,7 @@ from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.settings import ControlSettings
 from push_dynamics.compiled import array_view
 from push_model.geometry import Coordinates, FloatArray, wrap_angle
-from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_model.signals import ObjectPose, Odometry, Twist
 
 # How long odometry is kept to be replayed from a late pose [s]. Chosen: far above the latency of
 # any pose that is not stale.
@@ -126,11 +126,9 @@ class Estimator:
         self._matrices[COVARIANCE] = covariance
         self._motions: FloatArray = np.zeros((FIRST_CAPACITY + 1, MOTION_COLUMNS))
         self._odometry: FloatArray = np.zeros((FIRST_CAPACITY, ODOMETRY_COLUMNS))
-        # Time and velocity of an odometry, and the velocity that is expected from now on.
+        # Time and velocity of an odometry.
         self._measured: FloatArray = np.zeros(4)
-        self._expected: FloatArray = np.zeros(3)
         self._measured_view = array_view(self._measured)
-        self._expected_view = array_view(self._expected)
         self._time = min(pose.time, odometry.time)
         # The first odometry holds since the start.
         self._odometry[0] = self._time, odometry.time, *odometry.twist
@@ -218,26 +216,18 @@ class Estimator:
         :return: ``PushState``.
         """
         states: FloatArray = np.zeros(2 * SIZE)
-        self.predict_on(time, STOP, 0.0, states)
+        predict(self.memory, self.interval_until(time), np.zeros(3), 0.0, states)
         return PushState(*states[:SIZE].tolist())
 
-    def predict_on(self, time: float, twist: Twist, duration: float, states: FloatArray) -> None:
+    def interval_until(self, time: float) -> float:
         """
-        Carry the estimate to a later time, and on from there under an expected motion.
+        Bring ``latest`` of the memory up to date, and tell how far that is from a later time.
 
         :param time: when [s], not before the last odometry.
-        :param twist: mean ``Twist`` of the robot from then on, robot's axes.
-        :param duration: how long it lasts [s].
-        :param states: numbers of the ``PushState`` at that time, and after that motion, are
-            written, shape (14,).
-        :raises ValueError: where they are not finite.
+        :return: [s].
         """
         self._replay()
-        interval = time - max(self._time, self.last_odometry.time)
-        view = self._expected_view
-        view[0], view[1], view[2] = twist
-        if not predict(self.memory, interval, self._expected, duration, states):
-            raise ValueError(f'state: got {states} at {time} s, expected finite numbers')
+        return time - max(self._time, self.last_odometry.time)
 
     def _replay(self) -> None:
         """Bring ``latest`` to the time of the last odometry, if it is not there."""

@@ -78,6 +78,7 @@ def limit_command(command: Twist, robot: RoundRobot) -> Twist:
     return interpreted(scaled_command)(command, robot.max_speed, robot.max_yaw_rate)
 
 
+@compiled
 def mean_twist(twist: Twist, command: Twist, time_constant: float) -> Twist:
     """
     Mean motion over one time constant while a first-order drive follows a command.
@@ -88,7 +89,7 @@ def mean_twist(twist: Twist, command: Twist, time_constant: float) -> Twist:
     :return: ``Twist``, to be applied for ``time_constant``.
     """
     if time_constant == 0.0:
-        return Twist(*command)
+        return command
     return Twist(command.v_x + (twist.v_x - command.v_x) * MEAN_DECAY,
                  command.v_y + (twist.v_y - command.v_y) * MEAN_DECAY,
                  command.omega + (twist.omega - command.omega) * MEAN_DECAY)

@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import numpy as np
 from push_control.path.path import (
-    CurvatureLimits, FlatOutputPath, keeps_to, path_to_goal, PathProjection, project_on_path,
+    CurvatureLimits, FlatOutputPath, path_to_goal, PathProjection, project_on_path,
     PROJECTION_SIZE,
 )
 from push_control.settings import ControlSettings
@@ -21,15 +21,15 @@ MIN_CAUTION = 0.5
 CAUTION_FACTOR = 0.8
 # What limits of new paths are asked of, where there is one.
 LimitsSource: TypeAlias = Callable[[], CurvatureLimits]
-# Distances ahead at which a path must keep to the limits [m]. Chosen: one metre, every 0.1 m.
-LOOK_AHEAD_DISTANCES: FloatArray = np.linspace(0.0, 1.0, 11, dtype=np.float64)
 
 
 class Guidance:
     """
     Follows a path, and decides when to leave it for another.
 
-    ``planned_length``: length of the first path and of all further approaches [m].
+    ``rows``: those of the path. ``projection``: numbers of the last ``PathProjection``; on a new
+    path, of its start. ``planned_length``: length of the first path and of all further approaches
+    [m].
     ``path_replans``: number of new paths. ``reapproaches``: number of further approaches.
     """
 
@@ -42,16 +42,15 @@ class Guidance:
         """
         self._path = path
         self._settings = settings
-        # Numbers of the last projection; on a new path, of its start.
-        self._projection: FloatArray = np.zeros(PROJECTION_SIZE)
+        self.rows = path.rows
+        self.projection: FloatArray = np.zeros(PROJECTION_SIZE)
         self._time_since_replan = settings.replan_period
         self.planned_length = path.length
         self.path_replans = 0
         self.reapproaches = 0
         # Changes nothing; but loads machine code before the robot moves.
         project_on_path(path, path.at(0.0).pose, np.zeros(PROJECTION_SIZE))
-        keeps_to(path.rows, 0.0, LOOK_AHEAD_DISTANCES, 0.0, 0.0)
-        path.curvatures(0.0, LOOK_AHEAD_DISTANCES)
+        path.curvatures(0.0, self.projection)
 
     def project(self, pose: Pose) -> PathProjection:
         """
@@ -60,7 +59,16 @@ class Guidance:
         :param pose: ``Pose`` of z in its goal frame.
         :return: ``PathProjection``.
         """
-        return project_on_path(self._path, pose, self._projection)
+        return project_on_path(self._path, pose, self.projection)
+
+    @property
+    def last_projection(self) -> PathProjection:
+        """The last ``PathProjection``."""
+        return PathProjection(*self.projection.tolist())
+
+    def restart(self) -> None:
+        """Look for the next projection at the start of the path."""
+        self.projection[:] = 0.0
 
     def preview(self, distances: FloatArray) -> FloatArray:
         """
@@ -69,18 +77,18 @@ class Guidance:
         :param distances: beyond the last projection [m], shape (n,).
         :return: curvatures [1/m], shape (n,).
         """
-        return self._path.curvatures(self._projection[0], distances)
+        return self._path.curvatures(self.projection[0], distances)
 
-    def update(self, pose: Pose, projection: PathProjection, *, replan_limits: LimitsSource,
-               hard_limits: CurvatureLimits, travelled_distance: float,
+    def update(self, pose: Pose, projection: PathProjection, *, is_kept: bool,
+               replan_limits: LimitsSource, travelled_distance: float,
                dt: float) -> PathProjection:
         """
-        Plan a new path if errors or limits call for it and it is worth its length.
+        Plan a new path if the present one cannot be kept and another is worth its length.
 
         :param pose: ``Pose`` of z in its goal frame.
         :param projection: ``PathProjection`` on the present path.
+        :param is_kept: whether z is near the present path, and that keeps to the limits.
         :param replan_limits: gives the ``CurvatureLimits`` for a new path.
-        :param hard_limits: ``CurvatureLimits`` that no path may exceed.
         :param travelled_distance: path length of the contact since the start [m].
         :param dt: time since the last call [s].
         :return: ``PathProjection`` on the path that is followed from now on.
@@ -92,7 +100,7 @@ class Guidance:
             return projection
         if projection.remaining_distance < settings.reapproach_distance:
             return self._reapproach_in_time(pose, projection, replan_limits)
-        if not self._calls_for_replan(projection, hard_limits):
+        if is_kept:
             return projection
         self._time_since_replan = 0.0
         path = path_to_goal(pose, replan_limits(), settings.final_straight)
@@ -139,14 +147,6 @@ class Guidance:
             return None
         return self._reapproach(pose, limits)
 
-    def _calls_for_replan(self, projection: PathProjection, hard_limits: CurvatureLimits) -> bool:
-        settings = self._settings
-        is_near = (abs(projection.lateral_error) <= settings.replan_lateral_error
-                   and abs(projection.heading_error) <= settings.replan_heading_error)
-        if not is_near:
-            return True
-        return not keeps_to(self._path.rows, projection.s, LOOK_AHEAD_DISTANCES, *hard_limits)
-
     def _reapproach_in_time(self, pose: Pose, projection: PathProjection,
                             limits: LimitsSource) -> PathProjection:
         """Approach the goal again before the end of a path that will miss it."""
@@ -166,6 +166,7 @@ class Guidance:
 
     def _follow(self, path: FlatOutputPath, pose: Pose) -> PathProjection:
         self._path = path
-        self._projection[:] = 0.0
+        self.rows = path.rows
+        self.restart()
         self._time_since_replan = 0.0
         return self.project(pose)

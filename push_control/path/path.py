@@ -33,6 +33,10 @@ MAX_PROJECTION_STEP = 0.2
 MIN_PROJECTION_DIVISOR = 0.5
 # Smallest ratio of chord to arc: that of nearly a full circle.
 MIN_CHORD_RATIO = 0.1
+# Distances ahead at which a path must keep to the limits: spacing [m] and number. Chosen: one
+# metre, every 0.1 m.
+LOOK_AHEAD_SPACING = 0.1
+LOOK_AHEAD_COUNT = 11
 # Columns of ``FlatOutputPath.rows``, beyond those of the pose.
 CURVATURE = 3
 BEGIN = 4
@@ -153,21 +157,36 @@ def read_curvatures(rows: Any, start: float, distances: Any, curvatures: Any) ->
 
 
 @compiled
-def keeps_to(rows: Any, start: float, distances: Any, low: float, high: float) -> bool:
+def keeps_to(rows: Any, start: float, low: float, high: float) -> bool:
     """
     Tell whether the curvature of a path ahead, up to its end, keeps to limits.
 
     :param rows: ``FlatOutputPath.rows``.
     :param start: arc length [m].
-    :param distances: beyond it [m], shape (n,).
     :param low: least curvature [1/m].
     :param high: greatest curvature [1/m].
     """
     longest = rows[len(rows) - 1, BEGIN] - start
-    for i in range(len(distances)):
-        if not low <= path_curvature(rows, start + min(distances[i], longest)) <= high:
+    for i in range(LOOK_AHEAD_COUNT):
+        distance = min(i * LOOK_AHEAD_SPACING, longest)
+        if not low <= path_curvature(rows, start + distance) <= high:
             return False
     return True
+
+
+@compiled
+def is_kept(rows: Any, projection: Any, errors: Any, limits: Any) -> bool:
+    """
+    Tell whether a path can be kept: z is near it, and ahead of z it keeps to the limits.
+
+    :param rows: ``FlatOutputPath.rows``.
+    :param projection: numbers of the ``PathProjection`` of z, shape (5,).
+    :param errors: lateral [m] and heading error [rad] up to which z is near, shape (2,).
+    :param limits: least and greatest curvature [1/m], shape (2,).
+    """
+    if abs(projection[1]) > errors[0] or abs(projection[2]) > errors[1]:
+        return False
+    return keeps_to(rows, projection[0], limits[0], limits[1])
 
 
 class FlatOutputPath:

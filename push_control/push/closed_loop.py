@@ -56,13 +56,11 @@ class _Motion(NamedTuple):
     """
     What was commanded last.
 
-    :param command: the ``Twist``.
     :param curvature: of z [1/m], or None where the law starts afresh.
     :param elapsed: time since the robot set out [s].
     :param speed: of the contact [m/s].
     """
 
-    command: Twist = STOP
     curvature: float | None = None
     elapsed: float = 0.0
     speed: float = 0.0
@@ -105,16 +103,17 @@ class ClosedLoopPush(PushExecution):
         self._max_deviation = settings.max_path_deviation or DEVIATION_RATIO * obj.size
         self._law = law
         self._model = ContactModel(obj, robot, settings, target)
-        self._tracker = PushTracker(self._model.motion, self._model.time_constant, settings,
-                                    self._model.center, observation.object_pose,
-                                    observation.odometry)
+        self._time_constant = robot.time_constant
+        self._tracker = PushTracker(self._model.motion, settings, self._model.center,
+                                    observation.object_pose, observation.odometry)
         self._motion = _Motion()
-        self._tracker.predict(observation.time, STOP, self._model.states)
         law.reset()
         self._follow(target, replan_requests=0)
-        # Changes nothing; but loads machine code before the robot moves.
-        self._model.observe(self._tracker.filter_memory)
+        # Also loads machine code before the robot moves.
+        self._look(observation.time)
         self._model.command(0.0, 0.0)
+        self._model.stop()
+        self._guidance.restart()
 
     def _follow(self, target: PushTrajectory, replan_requests: int) -> None:
         """Take up a target, at its start."""
@@ -168,7 +167,8 @@ class ClosedLoopPush(PushExecution):
 
         :param odometry: ``Odometry`` to process meanwhile, or None.
         """
-        self._motion = self._motion._replace(command=STOP, elapsed=0.0)
+        self._motion = self._motion._replace(elapsed=0.0)
+        self._model.stop()
         # A robot that was to stop at the goal may have gone on: judged again from where it stands.
         self._outcome = self._outcome._replace(is_finished=False)
         self._law.reset()
@@ -183,23 +183,26 @@ class ClosedLoopPush(PushExecution):
         :param dt: time since the last call [s].
         :return: ``Twist`` in the robot's axes; STOP once ``finished`` or ``failure`` is set.
         """
-        model = self._model
-        self._tracker.predict(time, self._motion.command, model.states)
-        model.observe(self._tracker.filter_memory)
-        flat_output = model.flat_output
-        projection = self._projection = self._guidance.project(flat_output)
+        is_kept = self._look(time)
+        projection = self._projection = self._guidance.last_projection
         if self.finished:
             command = STOP
         elif self._tracker.is_contact_lost:
             command = self._close_gap(dt)
         else:
-            projection = self._projection = self._update_path(flat_output, projection, dt)
+            projection = self._projection = self._update_path(projection, is_kept, dt)
             self._check_length()
             has_ended = self.finished or self.failure is not None
             command = STOP if has_ended else self._steer(projection, dt)
-        if command is not self._motion.command:
-            self._motion = self._motion._replace(command=command)
+        if command is STOP:
+            self._model.stop()
         return command
+
+    def _look(self, time: float) -> bool:
+        """Look at the push; tell whether its path can be kept."""
+        tracker = self._tracker
+        interval = tracker.interval_until(time)
+        return self._model.look(tracker.filter_memory, interval, self._guidance)
 
     @property
     def finished(self) -> bool:
@@ -263,13 +266,13 @@ class ClosedLoopPush(PushExecution):
             return STOP
         return self._model.approach()
 
-    def _update_path(self, flat_output: Pose, projection: PathProjection,
+    def _update_path(self, projection: PathProjection, is_kept: bool,
                      dt: float) -> PathProjection:
         """Keep the path or replace it, and end the push at its end."""
+        flat_output = self._model.flat_output
         projection = self._guidance.update(
-            flat_output, projection, replan_limits=self._replan_limits,
-            hard_limits=self._model.limits_ahead, travelled_distance=self.travelled_distance,
-            dt=dt)
+            flat_output, projection, is_kept=is_kept, replan_limits=self._replan_limits,
+            travelled_distance=self.travelled_distance, dt=dt)
         if abs(projection.lateral_error) > self._max_deviation:
             self._fail(PushEvent.OFF_PATH.report(lateral=abs(projection.lateral_error),
                                                  limit=self._max_deviation))
@@ -316,15 +319,15 @@ class ClosedLoopPush(PushExecution):
         last, fault = self._motion, self._one_sided.fault(limits, self.travelled_distance)
         if fault is not None:
             self._set_failure(fault)
-            self._motion = _Motion(last.command, last.curvature, elapsed, speed)
+            self._motion = _Motion(last.curvature, elapsed, speed)
             return STOP
         steering = SteeringInput(projection, limits, last.curvature,
                                  settings.max_curvature_rate * speed * dt, speed * dt,
-                                 speed * self._model.time_constant, self._foresee)
+                                 speed * self._time_constant, self._foresee)
         curvature = steering.clip(self._law.curvature(steering))
         command, mode = self._model.command(curvature, speed)
         self._set_failure(jackknife_fault(mode))
-        self._motion = _Motion(command, curvature, elapsed, speed)
+        self._motion = _Motion(curvature, elapsed, speed)
         return command
 
     def _set_failure(self, failure: EventReport | None) -> None:

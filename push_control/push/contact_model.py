@@ -4,25 +4,27 @@ import math
 
 import numpy as np
 from push_control.estimation.contact_site import ContactSite, initial_contact_site
-from push_control.estimation.filter_kernel import MEMORY_SIZE, SITE
+from push_control.estimation.filter_kernel import MEMORY_SIZE
 from push_control.estimation.limit_surface_table import LimitSurfaceTable
 from push_control.estimation.push_motion import PushMotion, PushState
 from push_control.laws.contact_steering import SteeringCommand
+from push_control.path.guidance import Guidance
 from push_control.path.path import CurvatureLimits
 from push_control.push import step_kernel
 from push_control.push.step_kernel import (
-    AHEAD, ANGLE, ARM, C_SQUARED, COMMAND, CONE_ANGLE, CONTACT, FEEDBACK_FRACTION, FLAT_AHEAD,
-    FLAT_NOW, FORCES, GOAL, IS_DIFFERENTIAL, LIMITS_AHEAD, LIMITS_NOW, MAX_SPEED, MAX_YAW_RATE,
-    NORMAL_NOW, NOW, PUSH_SIZE, ROLLING_GAIN, SPREAD, START_SPEED, STEP_SIZE, ZETA, ZETA_HIGH,
-    ZETA_LOW, ZETA_REST,
+    AHEAD, ANGLE, ARM, C_SQUARED, CENTER_AT_CONTACT, COMMAND, CONE_ANGLE, CONTACT, CONTACT_HEIGHT,
+    EXPECTED, FEEDBACK_FRACTION, FLAT_AHEAD, FLAT_NOW, FORCES, GOAL, INTERVAL,
+    IS_DIFFERENTIAL, LARGEST_ERRORS, LIMITS_NOW, MAX_SPEED, MAX_YAW_RATE, NORMAL_NOW, NOT_FINITE,
+    NOW, PATH_IS_KEPT, PUSH_SIZE, ROLLING_GAIN, SPREAD, START_SPEED, STEP_SIZE, TIME_CONSTANT,
+    ZETA, ZETA_HIGH, ZETA_LOW, ZETA_REST,
 )
 from push_control.settings import ControlSettings
 from push_dynamics.compiled import array_view, interpreted
-from push_model.friction import friction_spread, FrictionSpread, has_heights
+from push_model.friction import friction_spread, has_heights
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.quasi_static import (
-    MIN_ARM, pushed_friction_center, Vehicle, vehicle, vehicle_along,
+    pushed_friction_center, SLIDING_COLUMNS, sliding_rows, Vehicle, vehicle, vehicle_along,
 )
 from push_model.signals import Twist
 from push_model.trajectory import PushTrajectory
@@ -35,8 +37,7 @@ class ContactModel:
     ``is_differential``: whether the base is a differential drive. ``nominal``: the nominal object
     as ``Vehicle``, pushed at the start. ``center``: its centre of friction under the push (x, y)
     [m]. ``cone_angle``: half angle of the friction cone that feedback may use [rad]. ``motion``:
-    ``PushMotion``. ``states``: numbers of the ``PushState`` now and one drive lag ahead, which the
-    estimator writes, shape (14,). ``memory``: that of the filter, see ``filter_kernel``.
+    ``PushMotion``. ``memory``: that of the filter, see ``filter_kernel``.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
@@ -59,7 +60,6 @@ class ContactModel:
                              'drive, which cannot steer there, expected a vertex')
         self.nominal = vehicle(obj, site.point)
         self.center = pushed_friction_center(obj, site.point)
-        self._transfers_load = has_heights(obj)
         supports = LimitSurfaceTable(obj, site.point)
         self.motion = PushMotion(robot.radius, site, supports)
         cone_angle = math.atan(settings.friction_fraction * obj.contact_friction_coefficient)
@@ -67,23 +67,24 @@ class ContactModel:
         self._push: FloatArray = np.zeros(PUSH_SIZE)
         self._push[IS_DIFFERENTIAL] = self.is_differential
         self._push[MAX_SPEED], self._push[MAX_YAW_RATE] = robot.max_speed, robot.max_yaw_rate
+        self._push[TIME_CONSTANT] = robot.time_constant
         self._push[ROLLING_GAIN] = settings.rolling_gain
         self._push[START_SPEED] = settings.start_speed
         self._push[CONE_ANGLE] = cone_angle
         self._push[FEEDBACK_FRACTION] = settings.feedback_cone_fraction
-        self._push[SPREAD:GOAL] = friction_spread(obj)
+        self._push[LARGEST_ERRORS:SPREAD] = (settings.replan_lateral_error,
+                                             settings.replan_heading_error)
+        self._push[SPREAD:CONTACT_HEIGHT] = friction_spread(obj)
+        self._push[CONTACT_HEIGHT] = obj.contact_height
         self._push[FORCES:PUSH_SIZE] = supports.forces
+        # Without heights loads stay as they are at rest, and none of these is read.
+        rows = sliding_rows(obj) if has_heights(obj) else []
+        self._supports: FloatArray = np.reshape(rows, (-1, SLIDING_COLUMNS))
         self._step: FloatArray = np.zeros(STEP_SIZE)
         # The same numbers, which Python reads by this view in a quarter of the time.
         self._view = array_view(self._step)
-        self.states = self._step[NOW:NORMAL_NOW]
         self.memory: FloatArray = np.zeros(MEMORY_SIZE)
         self._limits: FloatArray = np.zeros(2)
-
-    @property
-    def time_constant(self) -> float:
-        """Time constant of the robot's drive [s]."""
-        return self._robot.time_constant
 
     def initial_site(self, target: PushTrajectory) -> ContactSite:
         """
@@ -103,26 +104,31 @@ class ContactModel:
         """
         self._push[GOAL:FORCES] = goal
 
-    def observe(self, memory: FloatArray) -> None:
+    def look(self, memory: FloatArray, interval: float, guidance: Guidance) -> bool:
         """
-        Look at the push at one control step, ``states`` of which are written.
+        Look at the push at one control step, and project z ahead on its path.
 
         :param memory: of the filter, see ``filter_kernel``; of its ``ContactSite`` here.
-        :raises ValueError: where the centre of friction is at the contact: nothing steers there.
+        :param interval: from the time of its ``latest`` until now [s].
+        :param guidance: ``Guidance``, the projection of which is written.
+        :return: whether z is near its path, and that keeps to the limits.
+        :raises ValueError: where the states are not finite, or the centre of friction is at the
+            contact: nothing steers there.
         """
         self.memory = memory
-        if self._transfers_load:
-            self._transfer_load(self.ahead, step_kernel.contact_site(memory[SITE:]))
-        step_kernel.observe(self._push, memory, self._step)
-        if not self._view[ARM] >= MIN_ARM:
+        self._view[INTERVAL] = interval
+        found = step_kernel.look(self._push, self._supports, memory, self._step, guidance.rows,
+                                 guidance.projection)
+        if found == NOT_FINITE:
+            raise ValueError(f'state: got {self._step[NOW:NORMAL_NOW]}, expected finite numbers')
+        if found == CENTER_AT_CONTACT:
             raise ValueError(f'center: got {self.ahead.center}, the point of contact, expected a '
                              'point apart from it')
+        return found == PATH_IS_KEPT
 
-    def _transfer_load(self, ahead: PushState, site: ContactSite) -> None:
-        """Find the c^2 under the loads that this push shifts; as a spread, alike to all sides."""
-        contact = site.contact_at(ahead.relative_heading)
-        square = vehicle(self._obj, (contact.x, contact.y), ahead.center).c_squared
-        self._push[SPREAD:GOAL] = FrictionSpread(square, 0.0, square)
+    def stop(self) -> None:
+        """Expect that the robot is commanded to stand until the next command."""
+        self._step[COMMAND:EXPECTED] = 0.0
 
     @property
     def ahead(self) -> PushState:
@@ -152,11 +158,6 @@ class ContactModel:
     def limits_now(self) -> CurvatureLimits:
         """``CurvatureLimits`` of feedback that the contact survives now."""
         return CurvatureLimits(self._view[LIMITS_NOW], self._view[LIMITS_NOW + 1])
-
-    @property
-    def limits_ahead(self) -> CurvatureLimits:
-        """The same one drive lag ahead."""
-        return CurvatureLimits(self._view[LIMITS_AHEAD], self._view[LIMITS_AHEAD + 1])
 
     @property
     def zeta(self) -> float:

@@ -1,6 +1,8 @@
 """
 A control step of a push in numbers: where it stands, what the contact allows, and the command.
 
+A step takes two calls: ``look``, before the law, and ``write_command``, after it.
+
 Compiled functions work on two arrays of numbers: one that a push fills once, when it begins, and
 one that every step fills anew. The names below say which number is which. Python passes an array
 in 0.1 us, where a named tuple takes 2 us and more; so tuples are made in compiled code only.
@@ -12,36 +14,45 @@ from typing import Any
 from push_control.estimation.contact_site import contact_site, rolled_contact
 from push_control.estimation.filter_kernel import C_SQUARED as FILTER_C_SQUARED
 from push_control.estimation.filter_kernel import LAST as FILTER_LAST
-from push_control.estimation.filter_kernel import push_state, SIZE
+from push_control.estimation.filter_kernel import predict, push_state, SIZE
+from push_control.estimation.filter_kernel import STATE as FILTER_STATE
 from push_control.estimation.limit_surface_table import TABLE_SIZE
+from push_control.laws.command import mean_twist
 from push_control.laws.contact_steering import (
     approach_command, curvature_limits, Steering, steering_command, zeta_at_rest, zeta_limits,
 )
+from push_control.path.path import is_kept, write_projection
 from push_dynamics.compiled import compiled, wrap_angles
 from push_model import friction, quasi_static
 from push_model.friction import FrictionSpread
 from push_model.geometry import Pose
-from push_model.quasi_static import Vehicle
+from push_model.quasi_static import MIN_ARM, Vehicle
+from push_model.signals import Twist
 
 c_squared_along = compiled(friction.c_squared_along)
+straight_slide = compiled(quasi_static.straight_slide)
 vehicle_along = compiled(quasi_static.vehicle_along)
 
 # Push, what does not change while it goes on: the robot.
 IS_DIFFERENTIAL = 0
 MAX_SPEED = 1
 MAX_YAW_RATE = 2
-ROLLING_GAIN = 3
-START_SPEED = 4
+TIME_CONSTANT = 3
+ROLLING_GAIN = 4
+START_SPEED = 5
 # Push: half angle of the friction cone that is relied on [rad], and the fraction of it that
 # feedback may use.
-CONE_ANGLE = 5
-FEEDBACK_FRACTION = 6
-# Push: ``FrictionSpread`` of the nominal supports [m^2].
-SPREAD = 7
+CONE_ANGLE = 6
+FEEDBACK_FRACTION = 7
+# Push: lateral and heading error of z up to which its path is kept [m, rad].
+LARGEST_ERRORS = 8
+# Push: ``FrictionSpread`` of the nominal supports [m^2], and the height of the contact [m].
+SPREAD = 10
+CONTACT_HEIGHT = 13
 # Push: goal of the object in the world (x, y) [m], theta [rad].
-GOAL = 10
+GOAL = 14
 # Push: ``LimitSurfaceTable.forces`` [rad].
-FORCES = 13
+FORCES = 17
 PUSH_SIZE = FORCES + TABLE_SIZE
 
 # Step: ``PushState`` now, and one drive lag ahead, where the command takes effect.
@@ -67,9 +78,19 @@ ZETA = LIMITS_AHEAD + 2
 ZETA_REST = ZETA + 1
 ZETA_LOW = ZETA + 2
 ZETA_HIGH = ZETA + 3
-# Step: the command, robot's axes [m/s, m/s, rad/s].
-COMMAND = ZETA_HIGH + 1
-STEP_SIZE = COMMAND + 3
+# Step: from the time of ``latest`` of the filter until now [s].
+INTERVAL = ZETA_HIGH + 1
+# Step: the command, which the robot follows up to the next step, and the mean motion meanwhile,
+# robot's axes [m/s, m/s, rad/s].
+COMMAND = INTERVAL + 1
+EXPECTED = COMMAND + 3
+STEP_SIZE = EXPECTED + 3
+
+# What a look at the push finds: whether the path can be kept, or why it cannot be told.
+PATH_IS_KEPT = 0
+PATH_IS_LEFT = 1
+NOT_FINITE = 2
+CENTER_AT_CONTACT = 3
 
 
 @compiled
@@ -99,11 +120,41 @@ def step_vehicle(step: Any) -> Vehicle:
 
 
 @compiled
-def observe(push: Any, memory: Any, step: Any) -> None:
+def look(push: Any, supports: Any, memory: Any, step: Any, rows: Any, projection: Any) -> int:
     """
-    Look at the push at one control step: all from ``NORMAL_NOW`` up to ``ZETA_HIGH``.
+    Look at the push at one control step: predict, observe, and project z ahead on its path.
 
     :param push: numbers of the push, shape (``PUSH_SIZE``,).
+    :param supports: ``sliding_rows`` where a push shifts loads, else none, shape (k, 5).
+    :param memory: of the filter, ``latest`` of which is at the time of the last odometry.
+    :param step: numbers of the step, is written up to the command, shape (``STEP_SIZE``,).
+    :param rows: ``FlatOutputPath.rows``.
+    :param projection: numbers of the last ``PathProjection``, become those of z ahead.
+    :return: ``PATH_IS_KEPT``, ``PATH_IS_LEFT`` where errors or curvatures exceed what they may,
+        ``NOT_FINITE`` or ``CENTER_AT_CONTACT``.
+    """
+    lag = push[TIME_CONSTANT]
+    last, command = memory[FILTER_LAST + 1:FILTER_STATE], step[COMMAND:EXPECTED]
+    step[EXPECTED], step[EXPECTED + 1], step[EXPECTED + 2] = mean_twist(
+        Twist(last[0], last[1], last[2]), Twist(command[0], command[1], command[2]), lag)
+    if not predict(memory, step[INTERVAL], step[EXPECTED:STEP_SIZE], lag, step[NOW:NORMAL_NOW]):
+        return NOT_FINITE
+    observe(push, supports, memory, step)
+    if not step[ARM] >= MIN_ARM:
+        return CENTER_AT_CONTACT
+    write_projection(rows, step[FLAT_AHEAD], step[FLAT_AHEAD + 1], step[FLAT_AHEAD + 2],
+                     projection)
+    errors, limits = push[LARGEST_ERRORS:SPREAD], step[LIMITS_AHEAD:ZETA]
+    return PATH_IS_KEPT if is_kept(rows, projection, errors, limits) else PATH_IS_LEFT
+
+
+@compiled
+def observe(push: Any, supports: Any, memory: Any, step: Any) -> None:
+    """
+    Evaluate what follows from the states of a step: from ``NORMAL_NOW`` up to ``ZETA_HIGH``.
+
+    :param push: numbers of the push, shape (``PUSH_SIZE``,).
+    :param supports: ``sliding_rows`` where a push shifts loads, else none, shape (k, 5).
     :param memory: of the filter, see ``filter_kernel``.
     :param step: numbers of the step, both states of which are given, shape (``STEP_SIZE``,).
     """
@@ -115,8 +166,8 @@ def observe(push: Any, memory: Any, step: Any) -> None:
     step[CONTACT], step[CONTACT + 1] = frame.x, frame.y
     step[ARM] = math.hypot(ahead.p_x - frame.x, ahead.p_y - frame.y)
     step[ANGLE] = math.atan2(ahead.p_y - frame.y, ahead.p_x - frame.x)
-    spread = FrictionSpread(push[SPREAD], push[SPREAD + 1], push[SPREAD + 2])
-    step[C_SQUARED] = math.exp(ahead.q) * c_squared_along(spread, step[ANGLE])
+    nominal = straight_c_squared(push, supports, step[ANGLE], step[ARM])
+    step[C_SQUARED] = math.exp(ahead.q) * nominal
     vehicle = step_vehicle(step)
     goal = Pose(push[GOAL], push[GOAL + 1], push[GOAL + 2])
     write_flat_output(vehicle, Pose(now.x, now.y, now.theta), goal, step[FLAT_NOW:FLAT_AHEAD])
@@ -130,6 +181,23 @@ def observe(push: Any, memory: Any, step: Any) -> None:
     step[ZETA] = wrap_angles(normal - vehicle.angle)
     step[ZETA_REST] = zeta_at_rest(steering, site, now)
     step[ZETA_LOW], step[ZETA_HIGH] = zeta_limits(site, vehicle, normal)
+
+
+@compiled
+def straight_c_squared(push: Any, supports: Any, angle: float, arm: float) -> float:
+    """
+    Evaluate the nominal c^2 of a straight push, under the loads that it shifts [m^2].
+
+    :param push: numbers of the push.
+    :param supports: ``sliding_rows`` where a push shifts loads, else none, shape (k, 5).
+    :param angle: direction from C to F in the object frame [rad].
+    :param arm: r [m].
+    """
+    if len(supports) == 0:
+        spread = FrictionSpread(push[SPREAD], push[SPREAD + 1], push[SPREAD + 2])
+        return c_squared_along(spread, angle)
+    slide = straight_slide(push[CONTACT_HEIGHT], supports, angle)
+    return slide.c_squared * arm / (arm - slide.shift)
 
 
 @compiled

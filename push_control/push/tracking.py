@@ -7,11 +7,10 @@ from push_control.estimation.estimator import Estimator
 from push_control.estimation.monitors import FollowMonitor
 from push_control.estimation.push_motion import PushMotion
 from push_control.events import EventReport, PushEvent
-from push_control.laws.command import mean_twist
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
 from push_model.geometry import Coordinates, FloatArray, Pose, wrap_angle
-from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.signals import ObjectPose, Odometry
 
 
 class PushTracker:
@@ -21,19 +20,17 @@ class PushTracker:
     ``detector``: the ``ContactDetector``.
     """
 
-    def __init__(self, motion: PushMotion, time_constant: float, settings: ControlSettings,
-                 center: Coordinates, pose: ObjectPose, odometry: Odometry):
+    def __init__(self, motion: PushMotion, settings: ControlSettings, center: Coordinates,
+                 pose: ObjectPose, odometry: Odometry):
         """
         Begin in contact.
 
         :param motion: ``PushMotion`` of the nominal object at its contact.
-        :param time_constant: of the robot's drive [s].
         :param settings: ``ControlSettings``.
         :param center: nominal centre of friction, object frame (x, y) [m].
         :param pose: first ``ObjectPose``.
         :param odometry: first ``Odometry``.
         """
-        self._time_constant = time_constant
         self._estimator = Estimator(motion, settings, center, pose, odometry)
         self._robot = RobotDeadReckoning((odometry.pose.x, odometry.pose.y),
                                          self._estimator.state.phi)
@@ -99,18 +96,14 @@ class PushTracker:
         """Numbers of the filter, see ``filter_kernel``."""
         return self._estimator.memory
 
-    def predict(self, time: float, command: Twist, states: FloatArray) -> None:
+    def interval_until(self, time: float) -> float:
         """
-        Predict over delay and drive lag.
+        Bring ``latest`` of the filter up to date, and tell how far that is from a later time.
 
         :param time: now [s].
-        :param command: ``Twist`` that the robot follows.
-        :param states: numbers of the ``PushState`` now, and one drive lag later, are written,
-            shape (14,).
+        :return: [s].
         """
-        lag = self._time_constant
-        motion = mean_twist(self.last_odometry.twist, command, lag)
-        self._estimator.predict_on(time, motion, lag, states)
+        return self._estimator.interval_until(time)
 
     def _store(self, motions: tuple[RobotMotion, ...]) -> None:
         self._robot = self._robot.moved(motions)

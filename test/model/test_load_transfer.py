@@ -8,11 +8,13 @@ import numpy as np
 from push_model.files.data import config_file
 from push_model.files.parameter_files import read_object
 from push_model.friction import (
-    check_tipping, friction_center, load_gradients, tipping_height,
+    check_tipping, friction_center, load_gradients, LoadTransfer, SlidingSupport, tipping_height,
+    transferred_capacities,
 )
 from push_model.parameters import PushedObject, Support
 from push_model.quasi_static import (
-    compare_yaw_rates, pushed_friction_center, quasi_static_yaw_rate, vehicle,
+    compare_yaw_rates, pushed_friction_center, quasi_static_yaw_rate, sliding_rows, straight_slide,
+    vehicle,
 )
 import pytest
 from scipy.optimize import linprog
@@ -46,6 +48,23 @@ def test_vehicle_is_the_slow_push_on_the_supports_near_straight(obj, point):
                                    math.sin(view.angle + alpha)) for alpha in (-1e-5, 0.0, 1e-5)]
     assert rates[1] == pytest.approx(0.0, abs=1e-9)
     assert rates[0] - rates[2] == pytest.approx(2e-5 / view.wheelbase, rel=1e-6)
+
+
+@pytest.mark.parametrize('angle', [-2.0, 0.3, 1.1])
+def test_supports_that_slide_in_one_direction_have_the_capacities_of_the_general_law(angle):
+    """The closed form of a common direction of sliding, against the two linear equations."""
+    obj = dataclasses.replace(FIVE_FEET, contact_height=0.15)
+    transfer = LoadTransfer.of(obj)
+    along = np.array([math.cos(angle), math.sin(angle)])
+    capacities = np.array(transferred_capacities(transfer, (
+        SlidingSupport(capacity, *support, *along)
+        for capacity, support in zip(obj.capacities, transfer.supports))))
+    places = np.array([(support.x, support.y) for support in obj.supports])
+    center = capacities @ places / capacities.sum()
+    found = straight_slide(obj.contact_height, sliding_rows(obj), angle)
+    assert found.center == pytest.approx(center)
+    assert found.c_squared == pytest.approx(
+        capacities @ ((places - center) @ along) ** 2 / capacities.sum())
 
 
 def test_friction_center_moves_ahead_on_like_supports_and_aside_on_unlike_ones():

@@ -2,7 +2,7 @@
 
 import numpy as np
 from push_control.path.guidance import Guidance
-from push_control.path.path import CurvatureLimits, path_to_goal
+from push_control.path.path import CurvatureLimits, is_kept, path_to_goal
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
 import pytest
@@ -20,7 +20,9 @@ def updated(guidance, pose, travelled=1.0, hard=WIDE, dt=1.0):
     """Project a pose, from wherever the last one was, and update the path."""
     for _ in range(10):
         projection = guidance.project(pose)
-    return guidance.update(pose, projection, replan_limits=lambda: WIDE, hard_limits=hard,
+    errors = np.array((SETTINGS.replan_lateral_error, SETTINGS.replan_heading_error))
+    kept = is_kept(guidance.rows, guidance.projection, errors, np.array(hard))
+    return guidance.update(pose, projection, is_kept=kept, replan_limits=lambda: WIDE,
                            travelled_distance=travelled, dt=dt)
 
 

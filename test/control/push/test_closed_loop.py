@@ -7,11 +7,13 @@ from helpers.contact_sites import arc_trajectory, FACE, VERTEX
 from helpers.objects import box
 import numpy as np
 from push_control.estimation.contact_site import initial_contact_site, SITE_SIZE
-from push_control.estimation.filter_kernel import C_SQUARED, LAST, MEMORY_SIZE
+from push_control.estimation.filter_kernel import C_SQUARED, LAST, LATEST, MEMORY_SIZE, WALK
 from push_control.estimation.monitors import jackknife_fault, STEERABLE
 from push_control.estimation.push_motion import PushState
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.observation import Observation
+from push_control.path.guidance import Guidance
+from push_control.path.path import SampledPath
 from push_control.push.closed_loop import ClosedLoopPush, DEVIATION_RATIO
 from push_control.push.contact_model import ContactModel
 from push_control.push.status import Phase
@@ -39,12 +41,18 @@ def make_model(drive, log_c_squared=0.0, offset=0.0, shift=0.0, obj=OBJECT):
     x, y, theta = target.object_poses[20].tolist()
     state = PushState(x, y, theta, target.robot_poses[20, 2] + offset,
                       model.center[0] + shift * model.nominal.arm, model.center[1], log_c_squared)
-    model.states[:] = (*state, *state)
     memory = np.zeros(MEMORY_SIZE)
     memory[:SITE_SIZE] = initial_contact_site(obj, robot, target).numbers
     memory[C_SQUARED:LAST] = model.motion.supports.values
-    model.observe(memory)
+    memory[LATEST:WALK] = state
+    # A robot that stands: the object is one drive lag ahead where it is now.
+    model.look(memory, 0.0, make_guidance(model, target))
     return model
+
+
+def make_guidance(model, target):
+    """Follow a planned path."""
+    return Guidance(SampledPath(model.nominal, target), SETTINGS)
 
 
 @pytest.mark.parametrize('drive', sorted(ROBOTS))
@@ -83,7 +91,7 @@ def test_limits_widen_with_the_fraction_of_the_cone(drive):
     assert none.low == pytest.approx(none.high, abs=1e-9)
     assert whole.low < half.low < none.low and none.high < half.high < whole.high
     feedback = model.limits(SETTINGS.feedback_cone_fraction)
-    assert model.limits_ahead == model.limits_now == feedback
+    assert model.limits_now == feedback
 
 
 @pytest.mark.parametrize('drive', sorted(ROBOTS))
@@ -121,9 +129,14 @@ def test_a_contact_that_has_folded_up_gets_no_command():
 def test_nothing_steers_at_the_centre_of_friction():
     """A contact that is there is refused."""
     model = make_model('differential')
-    model.states[11:13] = model.vehicle.contact_point
+    _, site = ROBOTS['differential']
+    guidance = make_guidance(model, arc_trajectory(OBJECT, site, CURVATURE, 1.0))
+    model.memory[LATEST + 4:LATEST + 6] = model.vehicle.contact_point
     with pytest.raises(ValueError, match='the point of contact'):
-        model.observe(model.memory)
+        model.look(model.memory, 0.0, guidance)
+    model.memory[LATEST] = math.nan
+    with pytest.raises(ValueError, match='expected finite numbers'):
+        model.look(model.memory, 0.0, guidance)
 
 
 def test_a_push_that_begins_has_everything_before_it():

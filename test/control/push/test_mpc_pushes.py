@@ -53,8 +53,7 @@ def test_the_limits_of_curvature_keep_the_contact_from_jackknifing(monkeypatch):
     case = random_case(7)
     kept = run(case, SETTINGS, 7, SENSORS)
     assert kept.status.phase is Phase.DONE
-    for name in ('limits_now', 'limits_ahead'):
-        monkeypatch.setattr(ContactModel, name, CurvatureLimits(-20.0, 20.0))
+    monkeypatch.setattr(ContactModel, 'limits_now', CurvatureLimits(-20.0, 20.0))
     monkeypatch.setattr(ContactModel, 'limits', lambda *_: CurvatureLimits(-20.0, 20.0))
     loose = dataclasses.replace(SETTINGS, cone_weight=1e-6)
     assert run(case, loose, 7, SENSORS).status.phase is Phase.FAILED

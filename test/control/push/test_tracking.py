@@ -42,7 +42,7 @@ def test_the_travelled_distance_is_that_of_the_contact(kind, spin):
     site, obj = SITES[kind], bin_() if kind == 'round' else box()
     observations = spinning_push(site, 0.1, spin)
     motion, first = PushMotion(0.17, site, LimitSurfaceTable(obj, site.point)), next(observations)
-    tracker = PushTracker(motion, 0.1, ControlSettings(), (0.0, 0.0), first.object_pose,
+    tracker = PushTracker(motion, ControlSettings(), (0.0, 0.0), first.object_pose,
                           first.odometry)
     for observation in observations:
         assert tracker.observe(observation) is None
