@@ -1,32 +1,54 @@
 """Requests for plans, which the planner's node answers."""
 
-from typing import Any
+from collections import deque
+import time as wall
+from typing import Any, NamedTuple
 
 from push_model.plan_request import PlanRequest
 from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import exact_stamp, NANOSECONDS, nanoseconds
 from push_ros.node import PushNode
 
+# Requests without a plan that are remembered, as their answers may be late; chosen: those of a
+# task that is given up for want of a plan.
+MAX_REQUESTS = 12
+
+
+class _SentRequest(NamedTuple):
+    """A ``PlanRequest`` and its stamp [ns]."""
+
+    request: PlanRequest
+    stamp: int
+
 
 class PlanRequester:
     """Publishes plan requests, each with a stamp of its own, and recognizes their answers."""
 
-    def __init__(self, node: PushNode, frame: str) -> None:
+    def __init__(self, node: PushNode, frame: str, *, is_lockstep: bool) -> None:
         """
         Start without a request.
 
         :param node: the ``PushNode``.
         :param frame: id of the world frame.
+        :param is_lockstep: whether answers are awaited in measured time, and not on the wall,
+            where planners live.
         """
         self._publisher = node.publisher('push_request')
         self._logger = node.get_logger()
         self._frame = frame
+        self._is_lockstep = is_lockstep
         self.reset()
 
     def reset(self) -> None:
-        """Forget the request."""
+        """Forget all requests."""
         self._request: PlanRequest | None = None
         self._stamp = 0
+        self._requested_at = 0.0
+        self.forget_unanswered()
+
+    def forget_unanswered(self) -> None:
+        """Ignore what answers the requests so far, as where a plan has come."""
+        self._unanswered: deque[_SentRequest] = deque(maxlen=MAX_REQUESTS)
 
     def update(self, request: PlanRequest | None, time: float) -> None:
         """
@@ -36,7 +58,11 @@ class PlanRequester:
         :param time: of the newest measurement [s].
         """
         if request is not None and request is not self._request:
+            if self._unanswered and self._unanswered[-1].request.goal != request.goal:
+                self.forget_unanswered()
             self._stamp = max(round(time * NANOSECONDS), self._stamp + 1)
+            self._unanswered.append(_SentRequest(request, self._stamp))
+            self._requested_at = self._now(time)
             self._publisher.publish(to_request_message(request, exact_stamp(self._stamp),
                                                        self._frame))
             self._logger.debug(
@@ -44,12 +70,28 @@ class PlanRequester:
                 f'{request.robot_pose}, goal {request.goal}')
         self._request = request
 
-    def is_answered_by(self, message: Any) -> bool:
+    def is_overdue(self, time: float, timeout: float) -> bool:
         """
-        Tell whether a plan answers the last request.
+        Tell whether the present request has been waiting for its plan for too long.
+
+        :param time: of the newest measurement [s].
+        :param timeout: longest wait [s].
+        """
+        return self._request is not None and self._now(time) - self._requested_at > timeout
+
+    def request_answered_by(self, message: Any) -> PlanRequest | None:
+        """
+        Find the request that a plan answers, late as it may be.
 
         :param message: message with a header.
+        :return: ``PlanRequest`` to the same goal as the last one, since there was a plan; or None.
         """
-        is_answer = nanoseconds(message.header.stamp) == self._stamp
-        self._logger.debug(f'receives the {"awaited" if is_answer else "an unrequested"} plan')
-        return is_answer
+        stamp = nanoseconds(message.header.stamp)
+        found = next((sent.request for sent in self._unanswered if sent.stamp == stamp), None)
+        kind = ('an unrequested' if found is None else 'the awaited' if found is self._request
+                else 'a late')
+        self._logger.debug(f'receives {kind} plan')
+        return found
+
+    def _now(self, time: float) -> float:
+        return time if self._is_lockstep else wall.monotonic()

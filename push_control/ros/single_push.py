@@ -71,7 +71,7 @@ class SinglePushMode(Mode):
         self._parameters = parameters
         self._frame = frame
         self._reporter = node.reporter
-        self._requester = PlanRequester(node, frame)
+        self._requester = PlanRequester(node, frame, is_lockstep=options.lockstep)
         self._scene = scene
         self._is_started = not options.wait_for_start
         self._settings = parameters.control
@@ -203,7 +203,8 @@ class SinglePushMode(Mode):
         :raises MessageRefused: where it cannot be used; there is none then.
         """
         self.report_again()
-        is_answer = self._requester.is_answered_by(message)
+        answered = self._requester.request_answered_by(message)
+        is_answer = answered is not None and answered is self._request
         failure = plan_failure(message)
         if failure is not None:
             if is_answer:

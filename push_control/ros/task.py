@@ -14,6 +14,7 @@ from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.task_report import TaskReporter
 from push_control.safety.status import SafetyReport
+from push_control.task.perception import has_moved
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskFailure, TaskState
 from push_control.task.supervisor import Supervisor
@@ -72,7 +73,7 @@ class TaskMode(Mode):
         # The request for which footprints were last cleared.
         self._cleared_for: PlanRequest | None = None
         self._goal: PushGoal | None = None
-        self._requester = PlanRequester(node, frame)
+        self._requester = PlanRequester(node, frame, is_lockstep=options.lockstep)
         self._reporter = TaskReporter(node, scene)
         self.reset()
 
@@ -258,26 +259,34 @@ class TaskMode(Mode):
         """
         Set the plan that was requested; one that was not is ignored.
 
+        A plan that comes after its request has timed out is set where the object has not moved.
+
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
         :raises MessageRefused: where it cannot be used; another one is requested.
         """
-        if not self.awaits_plan or not self._requester.is_answered_by(message):
+        awaited, answered = (self._supervisor.plan_request,
+                             self._requester.request_answered_by(message))
+        if awaited is None or answered is None:
             return
         failure = plan_failure(message)
         if failure is not None:
-            self._supervisor.on_planning_failed(
-                failure, f'{failure.value} (details in the diagnostics of the planner)')
+            if answered is awaited:
+                self._supervisor.on_planning_failed(
+                    failure, f'{failure.value} (details in the diagnostics of the planner)')
+            return
+        if has_moved(answered.object_pose, awaited.object_pose, self._parameters.supervision):
             return
         try:
             plan = from_plan_message(message, self._frame)
         except MessageRefused as error:
             self._supervisor.on_planning_failed(PlanFailure.INVALID_PLAN, str(error))
             raise
+        self._requester.forget_unanswered()
         self._supervisor.set_plan(plan)
         self._reporter.show_plan(plan, message.header.stamp)
 
     def renew_request(self) -> None:
-        """Ask again for the plan that is awaited; an answer to the former request is ignored."""
+        """Ask again for the plan that is awaited: the answer may have been lost."""
         self._supervisor.renew_request()
 
     def start(self) -> None:
@@ -322,6 +331,8 @@ class TaskMode(Mode):
                 self._take_map()
             except MessageRefused as error:
                 self._reporter.warn(str(error), observation)
+        if self._requester.is_overdue(observation.time, self._parameters.supervision.plan_timeout):
+            self._supervisor.on_plan_overdue()
         command = self._supervisor.step(observation, dt)
         self._clear_footprints()
         self._requester.update(self._supervisor.plan_request, observation.time)

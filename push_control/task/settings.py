@@ -48,8 +48,9 @@ class SupervisionSettings:
     improvement_ratio: float = quantity(
         'part of the least error so far below which an error counts as progress', '', 0.05,
         1.0, default=0.9)
-    plan_timeout: float = quantity('time to wait for a plan', 's', 0.1, 600.0,
-                                   default=20.0)
+    plan_timeout: float = quantity(
+        'time to wait for a plan until another one is requested, on the wall; in lockstep that of '
+        'the measurements', 's', 0.1, 600.0, default=20.0)
     stall_timeout: float = quantity(
         'time without motion after which a robot on its path is stalled', 's', above=0.0,
         high=60.0, default=4.0)

@@ -82,13 +82,6 @@ TRANSITIONS = {
     TaskState.RETREAT: Transitions(TaskState.PLAN, TaskState.PLAN, TaskState.RETREAT)}
 
 
-class _PendingRequest(NamedTuple):
-    """A ``PlanRequest`` that waits for its plan, and since when [s]."""
-
-    request: PlanRequest
-    since: float
-
-
 class _Answer(NamedTuple):
     """The last command, and the times of the measurements that it answers."""
 
@@ -124,7 +117,8 @@ class Supervisor:
         self._goal: Pose | None = None
         self._plan: PushTrajectory | None = None
         self._behavior: Behavior | None = None
-        self._pending: _PendingRequest | None = None
+        # That waits for its plan.
+        self._pending: PlanRequest | None = None
         self._paused_state = TaskState.IDLE
         # Why the safety layer holds the robot, or None.
         self._stop_report: SafetyReport | None = None
@@ -148,7 +142,7 @@ class Supervisor:
     @property
     def plan_request(self) -> PlanRequest | None:
         """``PlanRequest`` that waits for its plan, or None."""
-        return None if self._pending is None else self._pending.request
+        return self._pending
 
     @property
     def status(self) -> SupervisorStatus:
@@ -308,7 +302,7 @@ class Supervisor:
         """
         if self._pending is None:
             return
-        requested = self._pending.request.object_pose
+        requested = self._pending.object_pose
         start = Pose(*trajectory.object_poses[0].tolist())
         if has_moved(requested, start, self._settings):
             self.on_planning_failed(
@@ -331,9 +325,17 @@ class Supervisor:
         if self._pending is None:
             return
         self._perception.restart_averaging(self._perception.time)
-        self._progress.on_planning_failed(self._pending.request, code, reason)
+        self._progress.on_planning_failed(self._pending, code, reason)
         self._recover(f'no plan: {reason}')
         self._update_status()
+
+    def on_plan_overdue(self) -> None:
+        """Note that the plan has not come within ``plan_timeout``, by the clock of the caller."""
+        if self._pending is not None:
+            self._recover(f'no plan within {self._settings.plan_timeout:g} s')
+            # At once: a plan that is only late answers this request as well.
+            self._retry_time = -math.inf
+            self._update_status()
 
     def renew_request(self) -> None:
         """Request the plan that is awaited once more, from where robot and object are then."""
@@ -489,11 +491,7 @@ class Supervisor:
             self._await_rest()
             return
         self._note_unrest()
-        if self._pending is not None:
-            if now - self._pending.since > settings.plan_timeout:
-                self._recover(f'no plan within {settings.plan_timeout:g} s')
-            return
-        if self._goal is None or now < self._retry_time:
+        if self._pending is not None or self._goal is None or now < self._retry_time:
             return
         perception.judge_push()
         object_at_rest = perception.object_at_rest
@@ -515,12 +513,11 @@ class Supervisor:
             self._behaviors.correct_overlap(perception)
             localization, knowledge = perception.localization, perception.localization.knowledge
             uncertainty = localization.place_uncertainty
-            request = PlanRequest(
+            self._pending = PlanRequest(
                 object_at_rest.pose, perception.robot_pose, self._goal, localization.obj,
                 self._progress.cone_fraction, *self._aim, uncertainty.position,
                 knowledge.center_deviation, knowledge.contact_friction_deviation,
                 uncertainty.slope, uncertainty.drift)
-            self._pending = _PendingRequest(request, now)
 
     def _abort(self) -> None:
         """Give the task up for want of progress, and say what measurements have to do with it."""

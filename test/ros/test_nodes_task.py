@@ -2,7 +2,9 @@
 
 import dataclasses
 import math
+from pathlib import Path
 import time
+from typing import Any, Callable
 
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from helpers.node_bench import bench, TIMEOUT
@@ -19,7 +21,7 @@ from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.occupancy_map import OccupancyMap
-from push_planner.sequence.planner import plan_for_request
+from push_planner.sequence.planner import plan_for_request, TaskPlan
 from push_planner.settings import TaskSettings
 from push_ros.conversions.map import to_map_message
 from push_ros.conversions.measurements import (
@@ -45,6 +47,8 @@ PHYSICS = {**to_parameter_values(SCENARIO.object, 'object.'),
 TASK = {**PHYSICS, 'use_sim_time': True, 'task': True}
 SEQUENCES = TaskSettings(method='sequences')
 ZERO = (0.0, 0.0, 0.0)
+# Takes a request and returns its plan.
+Planned = Callable[[Any], TaskPlan]
 PERIOD = 0.05
 # Wall time after which simulated time goes on where nothing is answered [s].
 LONGEST_STEP = 0.02
@@ -369,6 +373,23 @@ def test_in_lockstep_measurements_wait_for_the_plan(tmp_path, planned):
         assert {command.twist.linear.x for command in commands} == {0.0}
         b.odometry(stand.now, ROBOT)
         assert any(command != ZERO for command in stand.measure(0.5))
+
+
+def test_a_plan_that_comes_after_its_time_is_taken(tmp_path: Path, planned: Planned) -> None:
+    """The request is repeated, and the first one still asks for the same; a refusal is not."""
+    with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
+               {**TASK, 'supervision.plan_timeout': 0.2,
+                'supervision.max_attempts': 100}) as b:
+        stand = Stand(b)
+        b.publish('goal_pose', goal(GOAL))
+        first = stand.wait_for_request(1)
+        stand.wait_for_request(3)
+        stand.says('task: plan, no plan within 0.2 s')
+        b.publish('push_plan', no_plan_message(PlanFailure.BLOCKED, first.header.stamp, 'odom'))
+        stand.wait_for_request(len(stand.requests) + 1)
+        assert not any('no plan: ' in text for text in texts(b, CONTROLLER))
+        stand.answer(planned(first), first)
+        stand.measure_until(lambda: 'task: approach' in texts(b, CONTROLLER))
 
 
 def test_what_was_learned_before_is_in_the_request(tmp_path):
