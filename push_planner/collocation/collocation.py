@@ -288,6 +288,30 @@ def moment_and_force(parameters: PushParameters, point: MotionPoint, angle_slope
     return Balance(residual, (force[0] + more[0], force[1] + more[1]), point.theta + delta)
 
 
+def force_at_begin(kind: PushKind, parameters: PushParameters, node: Node,
+                   step: Step) -> tuple[Any, Any]:
+    """
+    Write the force at the begin of a step, where the angle begins to change at another rate.
+
+    There w goes on, and the moment balance determines dw/ds, in which it is linear.
+
+    :param kind: how the contact moves with the robot.
+    :param parameters: ``PushParameters``.
+    :param node: ``Node`` at the begin.
+    :param step: ``Step``.
+    :return: (F_n, F_t) [N].
+    """
+    point = MotionPoint(node.theta, node.phi, node.w, node.rho,
+                        robot_yaw_rate(kind, parameters, node.rho, node.w))
+    angle_slope = step.change / step.length
+    at_rest, by_unit = (moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0)
+                        for w_slope in (0.0, 1.0))
+    # Without inertia dw/ds plays no part.
+    inertia = by_unit.residual - at_rest.residual
+    w_slope = -at_rest.residual / ca.if_else(step.v_squared > 0.0, inertia, ca.inf)
+    return moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0).force
+
+
 def _steered(kind: PushKind, parameters: PushParameters, node: Node, step: Step,
              scheme: RadauScheme) -> tuple[Any, list[Any], Any]:
     """Find w after a jump at the begin, the pushing angles at the points, and their slope."""

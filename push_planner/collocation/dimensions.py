@@ -91,7 +91,7 @@ class Limits(NamedTuple):
 
     :param cone_slope: tangent of the planning cone's half-angle.
     :param cone_slack: of the cone on forces.
-    :param touch_slack: of the cone on the impulse of the first touch.
+    :param touch_slack: of the cone on impulse and force at the first touch.
     :param speed: highest speed of the robot's centre [m/s].
     :param yaw_rate: highest yaw rate of the robot [rad/s].
     :param min_normal: lowest angle of the normal in the object frame [rad].

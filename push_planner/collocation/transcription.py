@@ -4,7 +4,7 @@ Transcription of a push into a nonlinear program, by direct collocation.
     minimise    S + SMOOTHNESS sum_k change_k^2
     subject to  x_{k+1} = Radau step of x_k        (dynamics)
                 moment balance = 0                 (at every Radau point)
-                contact force in the planning cone (at every Radau point)
+                contact force in the planning cone (at every Radau point and the first touch)
                 limits of pushing angle and robot  (at the end of every step)
                 start and goal
 
@@ -23,7 +23,7 @@ from push_planner.collocation.block_structure import (
     Block, Blocks, BlockStructuredNlp, ProgramSizes,
 )
 from push_planner.collocation.collocation import (
-    collocate, contact_impulse, Node, robot_speed_squared, robot_yaw_rate, Step,
+    collocate, contact_impulse, force_at_begin, Node, robot_speed_squared, robot_yaw_rate, Step,
 )
 from push_planner.collocation.dimensions import (
     BoundaryValues, Constraint, Dimensions, Limits, POINTS, StepData,
@@ -180,15 +180,23 @@ class PushRows:
                 (Constraint.SPEED, limits.speed ** 2 - v_squared * speed_squared)]
 
     def _first_rows(self, common: CommonSymbols, symbols: StepSymbols) -> BlockRows:
+        kind, parameters = self._dimensions.kind, common.parameters
         node, boundary, limits = symbols.node, common.boundary, common.limits
-        response = contact_impulse(self._dimensions.kind, common.parameters, node)
+        response = contact_impulse(kind, parameters, node)
         equal = [node.w - boundary.moving * boundary.w
                  - (1.0 - boundary.moving) * response.w_jump,
                  node.theta, node.q_x - boundary.q_x, node.q_y - boundary.q_y]
-        if self._dimensions.kind == 'differential':
+        if kind == 'differential':
             equal.append(node.phi)
         rows = _cone_rows(Constraint.TOUCH, limits.cone_slope, limits.touch_slack,
                           response.normal, response.tangential)
+        # The rate of the angle, a control, is left out: it acts on the object's inertia alone.
+        step = Step(1.0, 0.0, symbols.data.v_squared, symbols.data.v_squared_slope, False,
+                    self._smoothing)
+        force = force_at_begin(kind, parameters, node, step)
+        friction = sum(support[2] for support in parameters.terms.supports)
+        rows += _cone_rows(Constraint.TOUCH, limits.cone_slope, limits.touch_slack,
+                           force[0] / friction, force[1] / friction)
         # Not the range of normals: the start is taken as it is.
         rows += self._robot_rows(common, node, symbols.data.v_squared_end)
         return BlockRows(equal, rows)

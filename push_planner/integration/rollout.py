@@ -22,7 +22,7 @@ from push_dynamics.machine_code import RowFunction
 from push_model.dynamics import SMOOTHING
 from push_model.geometry import FloatArray, IntArray
 from push_planner.collocation.collocation import (
-    collocate, contact_impulse, moment_and_force, MotionPoint, Node, radau, robot_yaw_rate, Step,
+    collocate, contact_impulse, force_at_begin, Node, radau, Step,
 )
 from push_planner.collocation.formulation import Formulation
 from push_planner.problem import PushProblem
@@ -211,7 +211,7 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
     w_slope = (1.0 - is_begin) * state[NODE_SIZE]
     rates = _solved_rates(kind, parameters, node, step, w_slope)
     result = collocate(kind, parameters, node, step, ca.vertsplit(rates))
-    first_force = _force_at_begin(kind, parameters, node, step)
+    first_force = force_at_begin(kind, parameters, node, step)
     end_slope = ca.dot(ca.DM(radau(POINTS).inverse[-1]), rates - node.w) / length
     friction = sum(support[2] for support in parameters.terms.supports)
     residual = ca.norm_inf(ca.vertcat(*result.residuals)) / friction
@@ -238,24 +238,6 @@ def _solved_rates(kind: PushKind, parameters: PushParameters, node: Node, step: 
     for _ in range(NEWTON_STEPS):
         rates = ca.substitute(improved, unknowns, rates)
     return rates
-
-
-def _force_at_begin(kind: PushKind, parameters: PushParameters, node: Node,
-                    step: Step) -> tuple[Any, Any]:
-    """
-    Write the force at the begin of a part, where its angle begins to change at another rate.
-
-    There w goes on, and the moment balance determines dw/ds, in which it is linear.
-    """
-    point = MotionPoint(node.theta, node.phi, node.w, node.rho,
-                        robot_yaw_rate(kind, parameters, node.rho, node.w))
-    angle_slope = step.change / step.length
-    at_rest, by_unit = (moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0)
-                        for w_slope in (0.0, 1.0))
-    # Without inertia dw/ds plays no part.
-    inertia = by_unit.residual - at_rest.residual
-    w_slope = -at_rest.residual / ca.if_else(step.v_squared > 0.0, inertia, ca.inf)
-    return moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0).force
 
 
 class _Division(NamedTuple):

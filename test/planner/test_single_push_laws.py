@@ -1,6 +1,7 @@
 """How plans change when the problem changes: symmetries, limits and monotone laws."""
 
 import dataclasses
+import math
 
 from helpers.objects import box
 from helpers.push_problems import (
@@ -54,6 +55,19 @@ def test_the_place_of_the_scene_does_not_matter(robot, scene):
     for time in np.linspace(0.0, one.trajectory.duration, 5):
         meant = scene @ Pose(*one.trajectory.at(time)['robot_poses'])
         np.testing.assert_allclose(other.trajectory.at(time)['robot_poses'], meant, atol=1e-5)
+
+
+@pytest.mark.parametrize('problem', [
+    vertex_problem(Pose(-1.0, 1.0, 2.0), final_straight=0.0, deceleration=0.0),
+    vertex_problem(Pose(1.0, -2.0, -2.0), final_straight=0.0, deceleration=0.0),
+    face_problem(Pose(-0.4, 0.9, 2.5), final_straight=0.0, deceleration=0.0)],
+    ids=['vertex-to-the-left', 'vertex-to-the-right', 'face'])
+def test_the_force_right_after_the_first_touch_keeps_to_the_planning_cone(problem):
+    """Where a push steers at once, its first forces are the steepest."""
+    rollout = plan_push(problem).motion.refined.rollout
+    normal, tangential = rollout.step_forces[0]
+    steepness = math.atan2(abs(tangential), normal) / problem.planning_cone_angle
+    assert 0.9 < steepness < 1.05
 
 
 @ROBOTS
