@@ -30,6 +30,12 @@ class PushEvent(enum.Enum):
         'agree')
     OBJECT_POSE_FROZEN = (
         'object pose repeats itself more than {count} times: the tracker is frozen')
+    OBJECT_ELSEWHERE = (
+        'object poses do not fit the push: they are {distance:.0f} mm and {rotation:.0f} deg from '
+        'where it has brought the object')
+    OBJECT_POSES_SCATTER = (
+        'object poses differ from one to the next by {distance:.0f} mm and {rotation:.0f} deg, '
+        'which is more than their noise')
     # Stamps alone do not tell which of the two is off.
     ODOMETRY_STALE = (
         'odometry is stale: {age:.2f} s old, at most {limit:g} s; or object poses are stamped '
@@ -98,6 +104,8 @@ class Report(Generic[Reason]):
 
 
 EventReport = Report[PushEvent]
+# The object does not seem to be where it was pushed to.
+UNBELIEVED_POSES = PushEvent.OBJECT_ELSEWHERE, PushEvent.OBJECT_POSES_SCATTER
 
 
 def sentence(report: EventReport | None) -> str:

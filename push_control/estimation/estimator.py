@@ -8,6 +8,8 @@ Odometry is the input; poses are measured late and enter at their own time. With
     ``K = P H^T (H P H^T + R)^-1``,  ``x += K (z - H x)``,  ``P -= K H P``   for every pose
 """
 
+from collections import deque
+import itertools
 import math
 from typing import NamedTuple
 
@@ -20,18 +22,24 @@ from push_control.estimation.filter_kernel import (
     replay, SITE, SIZE, STATE, WALK,
 )
 from push_control.estimation.push_motion import PushMotion, PushState
+from push_control.events import EventReport, PushEvent
 from push_control.settings import ControlSettings
 from push_dynamics.compiled import array_view
-from push_model.geometry import Coordinates, FloatArray, wrap_angle
-from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.geometry import Coordinates, distance, FloatArray, Pose, wrap_angle
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
 
 # How long odometry is kept to be replayed from a late pose [s]. Chosen: far above the latency of
 # any pose that is not stale.
 INPUT_MEMORY = 1.0
-# After so many rejected poses in a row the object was really moved, and the covariance of pose and
-# push direction is inflated by so much. Chosen: the next pose then passes the gate.
-MAX_CONSECUTIVE_REJECTIONS = 3
-COVARIANCE_INFLATION = 25.0
+# After so many rejected poses in a row that agree with each other the object was really moved;
+# chosen: of poses with ten times the noise that is stated, three do so by accident in 2 s, and
+# four seldom.
+AGREEING_COUNT = 4
+# Displacement up to which it is followed, at least [m], and rotation [rad]; chosen: some times
+# what slip and wheels that spin amount to from one pose to the next, and the angle of a friction
+# cone, beyond which the contact does not hold.
+LEAST_MAX_DISPLACEMENT = 0.1
+MAX_ROTATION = 0.3
 # Motions of the robot for which there is room at first; chosen: those between two poses.
 FIRST_CAPACITY = 64
 
@@ -75,15 +83,32 @@ class NoiseModel(NamedTuple):
                    settings.max_center_offset_ratio * arm)
 
 
+class _RejectedPose(NamedTuple):
+    """
+    A pose outside the gate.
+
+    :param shift: from where the object is expected (x, y, theta) [m], [rad].
+    :param covariance: ``PoseCovariance`` of the pose.
+    :param travelled_distance: path length of the contact since the start [m].
+    """
+
+    shift: Pose
+    covariance: PoseCovariance
+    travelled_distance: float
+
+
 class PoseUpdate(NamedTuple):
     """
     What became of a measured pose.
 
     :param is_accepted: whether it passed the gate.
+    :param is_possible: whether it passed, or is near where the object is expected and agrees with
+        the poses before it, as where the contact slides.
     :param motions: each ``RobotMotion`` that the filter has processed up to it.
     """
 
     is_accepted: bool
+    is_possible: bool = False
     motions: tuple[RobotMotion, ...] = ()
 
 
@@ -136,7 +161,9 @@ class Estimator:
         self.last_odometry = odometry
         self.travelled_distance = 0.0
         self.rejected_poses = 0
-        self._consecutive_rejections = 0
+        # Time of the last pose that was accepted [s], and those that were not since.
+        self._accepted_time = pose.time
+        self._rejected: deque[_RejectedPose] = deque(maxlen=AGREEING_COUNT)
         self.motion = motion
         self.set_contact(site, motion.is_lost)
         load_machine_code(self.memory)
@@ -197,16 +224,39 @@ class Estimator:
         motions = self._advance(measured.time)
         self._is_replayed = False
         x, y, theta = self.memory[STATE:STATE + 3].tolist()
-        innovation = (measured.pose.x - x, measured.pose.y - y,
-                      wrap_angle(measured.pose.theta - theta))
+        innovation = Pose(measured.pose.x - x, measured.pose.y - y,
+                          wrap_angle(measured.pose.theta - theta))
         noise = self._settings.believed_covariance(measured)
-        is_accepted = correct(self.memory, self._matrices, np.array((*innovation, *noise)),
-                              self._pose_gate)
+        is_accepted, is_possible = self._correct(innovation, noise), False
+        if not is_accepted:
+            self.rejected_poses += 1
+            self._rejected.append(_RejectedPose(innovation, noise, self.travelled_distance))
+            is_possible = self._is_near(innovation) and self._poses_agree
+            if is_possible and len(self._rejected) == AGREEING_COUNT:
+                self._add_displacement(innovation)
+                is_accepted = self._correct(innovation, noise)
         if is_accepted:
-            self._consecutive_rejections = 0
-        else:
-            self._reject()
-        return PoseUpdate(is_accepted, motions)
+            self._rejected.clear()
+            self._accepted_time = measured.time
+        return PoseUpdate(is_accepted, is_accepted or is_possible, motions)
+
+    def pose_fault(self, time: float) -> EventReport | None:
+        """
+        Tell why poses have not been believed for a while.
+
+        :param time: now [s].
+        :return: ``EventReport``, or None where it is known where the object is.
+        """
+        rejected = self._rejected
+        if (len(rejected) < AGREEING_COUNT
+                or time - self._accepted_time <= self._settings.pose_timeout):
+            return None
+        event, shift = PushEvent.OBJECT_ELSEWHERE, rejected[-1].shift
+        if not self._poses_agree:
+            event, last = PushEvent.OBJECT_POSES_SCATTER, rejected[-2].shift
+            shift = Pose(shift.x - last.x, shift.y - last.y, wrap_angle(shift.theta - last.theta))
+        return event.report(distance=1e3 * math.hypot(shift.x, shift.y),
+                            rotation=math.degrees(abs(shift.theta)))
 
     def predict(self, time: float) -> PushState:
         """
@@ -251,10 +301,36 @@ class Estimator:
         self._odometry = np.concatenate((self._odometry, np.zeros_like(self._odometry)))
         self._motions = np.zeros((len(self._odometry) + 1, MOTION_COLUMNS))
 
-    def _reject(self) -> None:
-        """Count a pose outside the gate; widen the gate after several in a row."""
-        self.rejected_poses += 1
-        self._consecutive_rejections += 1
-        if self._consecutive_rejections >= MAX_CONSECUTIVE_REJECTIONS:
-            scale = np.array([COVARIANCE_INFLATION] * 4 + [1.0] * 3)
-            self._matrices[COVARIANCE] *= np.sqrt(np.outer(scale, scale))
+    def _correct(self, innovation: Pose, noise: PoseCovariance) -> bool:
+        """Correct the estimate, unless the pose lies outside the gate."""
+        return correct(self.memory, self._matrices, np.array((*innovation, *noise)),
+                       self._pose_gate)
+
+    def _add_displacement(self, shift: Pose) -> None:
+        """Reckon with an object that was moved by so much; the push begins anew there."""
+        covariance = self._matrices[COVARIANCE]
+        moved = shift.x ** 2 + shift.y ** 2
+        for axis, variance in enumerate((moved, moved, shift.theta ** 2)):
+            covariance[axis, axis] += variance
+        covariance[3, 3] = max(covariance[3, 3], self._settings.push_direction_std ** 2)
+
+    @property
+    def _poses_agree(self) -> bool:
+        """Whether the last rejected poses, at least two, agree with each other."""
+        return (len(self._rejected) > 1
+                and all(self._agree(*pair) for pair in itertools.pairwise(self._rejected)))
+
+    def _is_near(self, shift: Pose) -> bool:
+        """Tell whether an object that is displaced by so much may still be pushed."""
+        limit = max(self._settings.max_approach_distance, LEAST_MAX_DISPLACEMENT)
+        return math.hypot(shift.x, shift.y) <= limit and abs(shift.theta) <= MAX_ROTATION
+
+    def _agree(self, before: _RejectedPose, after: _RejectedPose) -> bool:
+        """Tell whether poses differ by noise, and by what the robot has driven meanwhile."""
+        a, b = before.covariance, after.covariance
+        driven = after.travelled_distance - before.travelled_distance
+        turned = abs(wrap_angle(after.shift.theta - before.shift.theta))
+        return (distance(before.shift, after.shift) <= driven + math.sqrt(
+                    self._pose_gate * (a.x_x + a.y_y + b.x_x + b.y_y))
+                and turned <= driven / self.motion.robot_radius + math.sqrt(
+                    self._pose_gate * (a.theta_theta + b.theta_theta)))

@@ -161,6 +161,14 @@ class ClosedLoopPush(PushExecution):
         """
         self._set_failure(self._tracker.observe(observation))
 
+    def pose_fault(self, time: float) -> EventReport | None:
+        """
+        Tell why poses have not been believed for a while, as of ``Estimator.pose_fault``.
+
+        :param time: now [s].
+        """
+        return self._tracker.pose_fault(time)
+
     def pause(self, odometry: Odometry | None) -> None:
         """
         Stand still; the next ``advance`` sets out from rest.

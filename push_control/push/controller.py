@@ -164,6 +164,9 @@ class Controller:
         if self._stop.report is not None:
             fault = PushEvent.SAFETY_STOP.report(reason=self._stop.report)
         if self._push is not None:
+            if fault is None:
+                self._push.observe(observation)
+                fault = self._push.pose_fault(observation.time)
             fault = self._watch.update(fault, observation.time)
         if fault is not None:
             return self._wait(fault, observation)
@@ -172,7 +175,6 @@ class Controller:
         if self._push is None or fault is not None:
             self._state = _State(Phase.FAILED, fault)
             return STOP
-        self._push.observe(observation)
         # After a gap, as while code is compiled, the robot speeds up from where it was.
         command = self._push.advance(observation.time, min(dt, self._settings.odometry_timeout))
         if self._push.failure is not None:

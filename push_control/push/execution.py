@@ -27,6 +27,15 @@ class PushExecution(abc.ABC):
         """What is out of the ordinary while the push goes on, or None."""
         return None
 
+    def pose_fault(self, time: float) -> EventReport | None:
+        """
+        Tell why object poses have not been believed for a while.
+
+        :param time: now [s].
+        :return: ``EventReport``, or None where it is known where the object is, or need not be.
+        """
+        return None
+
     @abc.abstractmethod
     def continue_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """

@@ -63,6 +63,14 @@ class PushTracker:
         """Number of measured poses outside the gate."""
         return self._estimator.rejected_poses
 
+    def pose_fault(self, time: float) -> EventReport | None:
+        """
+        Tell why poses have not been believed for a while, as of ``Estimator.pose_fault``.
+
+        :param time: now [s].
+        """
+        return self._estimator.pose_fault(time)
+
     def observe(self, observation: Observation) -> EventReport | None:
         """
         Process the measurements that are new.
@@ -75,7 +83,10 @@ class PushTracker:
         if measured is None or measured.time <= self._pose_time:
             return None
         self._pose_time = measured.time
-        self._store(self._estimator.add_pose(measured).motions)
+        update = self._estimator.add_pose(measured)
+        self._store(update.motions)
+        if not update.is_possible or self.pose_fault(observation.time) is not None:
+            return None
         self._detect_contact(measured.pose)
         contact = self.site.contact_at(self._estimator.state.relative_heading)
         if self._follow_monitor.is_lost(self.travelled_distance,

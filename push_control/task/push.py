@@ -3,6 +3,7 @@
 from typing import Any, Callable
 
 import numpy as np
+from push_control.events import UNBELIEVED_POSES
 from push_control.push.controller import Controller
 from push_control.push.obstacle_guard import blocks_push
 from push_control.push.status import ControllerStatus, Phase
@@ -75,7 +76,8 @@ class SupervisedPush(Behavior):
         command = self._controller.step(self._target, perception.observation, dt)
         status = self._controller.status
         self.finished = status.phase is Phase.DONE
-        if status.phase is Phase.FAILED:
+        # In a task the robot backs off, and the object is looked for where it is then.
+        if status.phase is Phase.FAILED or status.event in UNBELIEVED_POSES:
             self.failure_reason = status.reason
         else:
             self.failure_reason = (self._path_deviation(perception.object_pose.pose)

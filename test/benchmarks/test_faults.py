@@ -50,6 +50,17 @@ def test_a_base_that_keeps_a_command_is_stopped_once_it_should_do_something_else
     assert row.ending is Ending.WAITS and row.stop_time < 2.0 and row.driven < 0.25
 
 
+@pytest.mark.parametrize('word', [
+    Word.WRONG, Word.OF_ANOTHER_OBJECT, Word.MIRRORED, Word.OF_THE_ROBOT, Word.NOISY])
+def test_a_push_whose_object_seems_elsewhere_waits_for_it(word: Word) -> None:
+    """It goes on where that is over within two seconds, and names it where it is not."""
+    row = run(Case(PUSH, Fault(Input.POSE, word, 5.0, 7.0)))
+    assert row.ending is Ending.DONE and row.is_explained and row.driven < STOPPING_DISTANCE
+    row = run(Case(PUSH, Fault(Input.POSE, word, 5.0, math.inf)), time_after=40.0)
+    assert row.ending is Ending.FAILED and row.is_explained and row.driven < STOPPING_DISTANCE
+    assert 'object poses d' in row.reason
+
+
 @pytest.mark.parametrize('kind, word', [
     (Input.ODOMETRY, Word.STUCK), (Input.ODOMETRY, Word.IN_WORLD_AXES),
     (Input.COMMAND, Word.OFF), (Input.POSE, Word.GARBAGE), (Input.POSE, Word.OF_ANOTHER_OBJECT)])

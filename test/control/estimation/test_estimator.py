@@ -1,5 +1,6 @@
 """The estimator: unbiased, and undisturbed by late, wild and old poses."""
 
+from collections.abc import Iterable
 import math
 
 from helpers.contact_sites import VERTEX
@@ -8,11 +9,12 @@ import numpy as np
 from push_control.estimation.estimator import Estimator
 from push_control.estimation.limit_surface_table import LimitSurfaceTable
 from push_control.estimation.push_motion import PushMotion, PushState
+from push_control.events import PushEvent
 from push_control.settings import ControlSettings
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.quasi_static import vehicle, vehicle_along
-from push_model.signals import ObjectPose, Odometry, Twist
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
 import pytest
 
 SETTINGS = ControlSettings()
@@ -119,9 +121,61 @@ def test_a_wild_pose_is_rejected_and_a_lasting_jump_is_followed():
     assert estimator.predict(time).pose == pytest.approx(moved, abs=5e-3)
 
 
-def test_the_covariance_stays_symmetric_and_positive():
-    """Even after hundreds of corrections."""
-    estimator, _ = simulate(NOMINAL, seed=5)
+def poses_after(estimator: Estimator, start: float, poses: Iterable[Pose]) -> float:
+    """Measure poses while the robot stands, at 20 Hz; return the time of the last one."""
+    time = start
+    for pose in poses:
+        time += 0.05
+        estimator.add_odometry(Odometry(time, Pose(0.0, 0.0, 0.0), STOP))
+        estimator.add_pose(ObjectPose(time, pose))
+    return time
+
+
+@pytest.mark.parametrize('shift', [Pose(0.3, 0.0, 0.0), Pose(0.0, -0.15, 0.1),
+                                   Pose(0.0, 0.0, 0.5)])
+def test_an_object_that_is_elsewhere_for_a_while_is_awaited_where_it_was(shift: Pose) -> None:
+    """Its poses are not believed, and said to be off, until they are true again."""
+    estimator, history = simulate(NOMINAL, seed=2, duration=6.0)
+    start, true, _ = history[-1]
+    time = poses_after(estimator, start, [true.pose] * 20)
+    assert estimator.pose_fault(time) is None
+    before = estimator.predict(time).pose
+    away = Pose(true.x + shift.x, true.y + shift.y, true.theta + shift.theta)
+    time = poses_after(estimator, time, [away] * 40)
+    assert estimator.predict(time).pose == pytest.approx(before, abs=1e-9)
+    fault = estimator.pose_fault(time)
+    assert fault is not None and fault.reason is PushEvent.OBJECT_ELSEWHERE
+    assert fault.values['distance'] == pytest.approx(
+        1e3 * math.hypot(shift.x, shift.y), abs=2.0)
+    time = poses_after(estimator, time, [true.pose])
+    assert estimator.pose_fault(time) is None
+
+
+def test_poses_with_more_noise_than_stated_move_the_estimate_by_less_than_that() -> None:
+    """They are no displacement of the object, and said to scatter."""
+    estimator, history = simulate(NOMINAL, seed=3, duration=6.0)
+    start, true, _ = history[-1]
+    time = poses_after(estimator, start, [true.pose] * 20)
+    noise = np.random.default_rng(1).normal(0.0, (0.02, 0.02, 0.02), (100, 3))
+    errors, reasons = [], []
+    for row in noise:
+        time = poses_after(estimator, time, [Pose(*(np.array(true.pose) + row))])
+        found = estimator.predict(time).pose
+        errors.append(math.dist(found[:2], true.pose[:2]))
+        fault = estimator.pose_fault(time)
+        reasons.append(None if fault is None else fault.reason)
+    assert np.median(errors) < 0.005
+    assert reasons.count(PushEvent.OBJECT_POSES_SCATTER) > 50
+
+
+@pytest.mark.parametrize('noise', [0.0, 0.005, 0.02])
+def test_the_covariance_stays_symmetric_and_positive(noise: float) -> None:
+    """Even after hundreds of corrections, and hundreds of poses that do not fit."""
+    estimator, history = simulate(NOMINAL, seed=5)
+    start, true, _ = history[-1]
+    rng = np.random.default_rng(2)
+    poses_after(estimator, start, (Pose(*(np.array(true.pose) + row))
+                                   for row in rng.normal(0.0, noise, (300, 3))))
     covariance = estimator.covariance
     assert np.array_equal(covariance, covariance.T)
     assert np.linalg.eigvalsh(covariance).min() > 0.0

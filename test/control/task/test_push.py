@@ -195,7 +195,7 @@ def test_a_push_off_its_path_tells_the_friction_centre_too():
 
 def test_a_push_that_slips_and_fails_makes_the_place_less_sure():
     """The robot may be anywhere along the object, by centimetres."""
-    outcome = push(true=box(contact_friction_coefficient=0.02, friction=(0.5, 0.5, 0.2, 0.2)),
+    outcome = push(true=box(contact_friction_coefficient=0.02, friction=(0.5, 0.5, 0.1, 0.1)),
                    aside=0.05, unsure=0.0)
     assert outcome.behavior.failure_reason and outcome.behavior.push_status.slips > 0
     # Of a hundred members, whose spread is that of their distribution within three deviations.
