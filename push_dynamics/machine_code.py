@@ -96,7 +96,8 @@ class RowFunction:
                 memory.arrays[name][:count] = array
             else:
                 memory.arrays[name][:] = array
-        memory.evaluate(count)
+        memory.evaluate.count[0] = count
+        memory.evaluate()
         return [memory.arrays[name][:count].copy() for name in self._results]
 
     def _memory(self, count: int, arguments: Mapping[str, FloatArray]) -> '_Memory':
@@ -134,12 +135,12 @@ class RowFunction:
         strides = (ctypes.c_int64 * len(rows))(
             *(array.strides[0] // ITEM_SIZE if array.ndim == 2 else 0 for array in rows))
         call = _Call(self._code.address, ctypes.addressof(addresses), ctypes.addressof(strides))
-        evaluate = functools.partial(self._code.entry, *call[1:])
+        evaluate = functools.partial(self._code.entry, call.addresses, call.strides)
         return BoundRows(evaluate, count, (self._code, pointed, addresses, strides), call)
 
 
 class _Call(NamedTuple):
-    """Addresses of machine code, and of its first two arguments; the third one is a count."""
+    """Addresses of machine code, and of what it is given besides the number of rows."""
 
     function: int
     addresses: int
@@ -150,8 +151,9 @@ class BoundRows:
     """
     A function that is bound to arrays.
 
-    Attributes: ``count``, the number of all rows; ``call``, the ``_Call`` of machine code, None
-    where there is none.
+    Attributes: ``count``, the number of rows, from the first one, at least 1, shape (1,): all of
+    them, unless another number is put there; ``call``, the ``_Call`` of machine code, None where
+    there is none.
 
     :param evaluate: function of the number of rows, from the first one.
     :param count: number of all rows.
@@ -163,25 +165,18 @@ class BoundRows:
                  call: Optional[_Call] = None) -> None:
         """Keep what is bound."""
         self._evaluate = evaluate
-        self.count = count
+        self.count: IntArray = np.array([count], dtype=np.int64)
         self._pointed = pointed
         self.call = call
 
-    def __call__(self, count: Optional[int] = None) -> None:
-        """
-        Evaluate rows.
-
-        :param count: number of rows, from the first one; None for all.
-        """
-        self._evaluate(self.count if count is None else count)
+    def __call__(self) -> None:
+        """Evaluate the rows."""
+        self._evaluate(self.count.item())
 
 
 class RowSequence:
     """
     Functions that are bound to arrays, evaluated one after the other by one call.
-
-    Attributes: ``counts``, the number of rows of each, from the first one, at least 1: all rows,
-    unless another number is put in its place.
 
     :param parts: ``BoundRows`` in their order, and sequences of such.
     """
@@ -191,22 +186,19 @@ class RowSequence:
         self._parts: list[BoundRows] = []
         for part in parts:
             self._parts += [part] if isinstance(part, BoundRows) else part._parts
-        count = len(self._parts)
-        # Of each call the function, its two addresses, and the number of rows.
-        self._calls = np.zeros((count, 4), dtype=np.int64)
-        self.counts: IntArray = self._calls[:, 3]
-        self.counts[:] = [part.count for part in self._parts]
         self._code = _sequence_code()
         self._evaluate: Callable[[], Any] = self._evaluate_parts
-        calls = [part.call for part in self._parts if part.call is not None]
-        if self._code is not None and len(calls) == count:
-            self._calls[:, :3] = calls
+        calls = [(*part.call, part.count.__array_interface__['data'][0])
+                 for part in self._parts if part.call is not None]
+        # Of each call the addresses of function, arrays, strides, and number of rows.
+        self._calls: IntArray = np.array(calls, dtype=np.int64)
+        if self._code is not None and len(calls) == len(self._parts):
             self._evaluate = functools.partial(
-                self._code.entry, self._calls.__array_interface__['data'][0], None, count)
+                self._code.entry, self._calls.__array_interface__['data'][0], None, len(calls))
 
     def _evaluate_parts(self) -> None:
-        for part, count in zip(self._parts, self.counts.tolist()):
-            part(count)
+        for part in self._parts:
+            part()
 
     def __call__(self) -> None:
         """Evaluate all."""
@@ -272,15 +264,15 @@ def _compile(function: Any, lanes: int, gathered: Sequence[str]) -> Any:
 
 @functools.lru_cache(maxsize=1)
 def _sequence_code() -> Any:
-    """Compile calls of rows of ``_Call`` and count; None where there is no compiler."""
+    """Compile the calls of a ``RowSequence``; None where there is no compiler."""
     llvm = _llvm()
     if llvm is None:
         return None
     opaque = llvm.llvm_version_info[0] >= FIRST_OPAQUE_VERSION
     number, table, function = ('ptr', 'ptr', 'ptr') if opaque else (
         'i64*', 'double**', 'void (double**, i64*, i64)*')
-    record = ['function', 'addresses', 'strides', 'rows']
-    lines = [f'define void @rows({number} %calls, {number} %unused, i64 %count) {{', 'entry:',
+    record = ['function', 'addresses', 'strides', 'count']
+    lines = [f'define void @rows({number} %calls, {number} %unused, i64 %number) {{', 'entry:',
              '  br label %call', 'call:', '  %k = phi i64 [0, %entry], [%k.next, %call]',
              f'  %first = mul i64 %k, {len(record)}']
     for i, name in enumerate(record):
@@ -290,8 +282,9 @@ def _sequence_code() -> Any:
     lines += [f'  %called = inttoptr i64 %function to {function}',
               f'  %a = inttoptr i64 %addresses to {table}',
               f'  %s = inttoptr i64 %strides to {number}',
+              f'  %c = inttoptr i64 %count to {number}', f'  %rows = load i64, {number} %c',
               f'  call void %called({table} %a, {number} %s, i64 %rows)',
-              '  %k.next = add i64 %k, 1', '  %more = icmp slt i64 %k.next, %count',
+              '  %k.next = add i64 %k, 1', '  %more = icmp slt i64 %k.next, %number',
               '  br i1 %more, label %call, label %done', 'done:', '  ret void', '}']
     return _assemble(llvm, '\n'.join(lines))
 

@@ -120,7 +120,7 @@ class PushRows:
         """Write all rows."""
         self._dimensions = dimensions
         self._smoothing = smoothing
-        self.common = _common_symbols(dimensions)
+        self.common = common_symbols(dimensions)
         self.symbols = self._step_symbols()
         self.end = ca.SX.sym('end', dimensions.state_count)
         self.of_step = self._step_rows(self.common, self.symbols)
@@ -268,19 +268,24 @@ def object_origin(kind: PushKind, parameters: PushParameters, node: Node) -> tup
             node.q_y + to_contact * n_y - s * c_x - c * c_y)
 
 
-def _cost(dimensions: Dimensions, x: Any) -> Any:
-    changes = dimensions.state_count + dimensions.step_size * np.arange(dimensions.step_count)
-    end = dimensions.step_size * dimensions.step_count
-    return SMOOTHNESS * ca.sumsqr(x[changes.tolist()]) + x[end]
+def common_symbols(dimensions: Dimensions) -> CommonSymbols:
+    """
+    Make symbols for the parameters of the whole push.
 
-
-def _common_symbols(dimensions: Dimensions) -> CommonSymbols:
+    :param dimensions: ``Dimensions``.
+    """
     parameters, column = PushParameters.symbols(dimensions.supports)
     limits = ca.SX.sym('limits', len(Limits._fields))
     boundary = ca.SX.sym('boundary', len(BoundaryValues._fields))
     return CommonSymbols(parameters, Limits(*ca.vertsplit(limits)),
                          BoundaryValues(*ca.vertsplit(boundary)),
                          ca.vertcat(column, limits, boundary))
+
+
+def _cost(dimensions: Dimensions, x: Any) -> Any:
+    changes = dimensions.state_count + dimensions.step_size * np.arange(dimensions.step_count)
+    end = dimensions.step_size * dimensions.step_count
+    return SMOOTHNESS * ca.sumsqr(x[changes.tolist()]) + x[end]
 
 
 def _cone_rows(constraint: Constraint, slope: Any, slack: Any, normal: Any,

@@ -2,65 +2,38 @@
 Refinement: from the program's coarse optimum to an exact push.
 
 The optimum is integrated finely (see ``rollout``), in closed loop around its own nodes; and what
-the end misses of the goal is taken off by a feed-forward. Both come from one linear-quadratic
-problem in the deviations x = (w, rho, theta, q_x, q_y, phi, S) of the nodes and S:
-
-    x_{k+1} = A_k x_k + b_k u_k                             A_k, b_k: derivatives of a step
-    minimise  sum_k (x_k' Q x_k + r u_k^2) + x_n' Q_f x_n + r_S x_0[S]^2
-              + (x_n + m)' Q_n (x_n + m)
-
-with u the deviations of the changes of the pushing angle and m the miss at the end. Without the
-miss, backwards:
-
-    P_n = Q_f,     R_k = r + b' P_{k+1} b,     K_k = b' P_{k+1} A / R_k
-    P_k = Q + A' P_{k+1} A - (A' P b) K_k
-
-The feedback knows of no goal: it would meet it in the last two steps, at any price. The goal is
-met by v_k = u_k + K_k x_k, which is spread over the push. Up to a constant the cost is
-
-    sum_k R_k v_k^2 + R_S x_0[S]^2 + (x_n + m)' Q_n (x_n + m),           R_S = r_S + P_0[S, S]
-
-and in closed loop x_n is linear in all v_k and x_0[S], with costates L of the components of x_n:
-
-    L_n = 1,       L_k = (A_k - b_k K_k)' L_{k+1},         l_k = L_{k+1}' b_k / R_k
-    G = sum_k R_k l_k l_k' + L_0[S]' L_0[S] / R_S,         y = (Q_n^-1 + G)^-1 m
-    v_k = -l_k' y,                                         x_0[S] = -L_0[S] y / R_S
+the end misses of the goal is taken off by a feed-forward (see ``steering``). First the derivatives
+are those of the program's own steps, and so is the reference; a coarse rollout tells what they
+miss. Then each rollout is the reference of the next one.
 """
 
-from collections.abc import Iterator
 import functools
 import math
 import threading
-from typing import NamedTuple, Optional
+from typing import Any, NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
-from push_dynamics.machine_code import RowFunction
-from push_model.geometry import FloatArray, wrap_angle
+from push_dynamics.machine_code import BoundRows, RowFunction, RowSequence
+from push_model.geometry import FloatArray
 from push_planner.collocation.collocation import collocate, contact_impulse, Node, Step
-from push_planner.collocation.dimensions import POINTS
+from push_planner.collocation.dimensions import Dimensions, POINTS, StepData
 from push_planner.collocation.formulation import Formulation
 from push_planner.collocation.nlp_solver import Solution
-from push_planner.collocation.transcription import object_origin, SMOOTHING
-from push_planner.integration.rollout import ClosedLoopRollout, ReferenceTrack, Rollout, Run
+from push_planner.collocation.transcription import (
+    common_symbols, CommonSymbols, object_origin, SMOOTHING,
+)
+from push_planner.integration.rollout import (
+    CapacityExceeded, Checks, NODE_SIZE, PartCounts, Rollout, RolloutMemory,
+)
+from push_planner.integration.steering import (
+    END_WEIGHTS, Steering, SteeringMemory, STRAIGHT_END_WEIGHTS,
+)
 from push_planner.problem import PushProblem
 from push_planner.push_parameters import (
     contact_frame, PushKind, PushParameters, SupportLayout,
 )
 
-# Weights Q of the deviations (w, rho, theta, q_x, q_y, phi, S) along the push, and Q_f at its end.
-# Chosen: metres and radians alike. Measured: of 1, 10, 100 and 1000 times Q, ten times needs the
-# fewest corrections.
-WEIGHTS = np.diag([0.0, 0.0, 1.0, 1.0, 1.0, 0.1, 0.0])
-FEEDBACK_END_WEIGHTS = 10.0 * WEIGHTS
-# Weights of the miss, the diagonal of Q_n, without and with a final straight. Chosen: 1e4 times
-# those along the push, as the goal must be met.
-END_WEIGHTS = np.array([0.0, 0.0, 1e4, 1e4, 1e4, 0.0, 0.0])
-STRAIGHT_END_WEIGHTS = np.array([0.0, 1e4, 1e4, 1e4, 1e4, 1e3, 0.0])
-# Costs r of a change of the pushing angle and r_S of one of S. Chosen: deviations decay within a
-# wheelbase or two; S is left to the program, as it decides on the time.
-CHANGE_COST = 0.03
-FREE_LENGTH_COST = 10.0
 # Ratio of the misses after and before a correction up to which its derivatives serve for another
 # one. Measured: they take as long as three fine rollouts.
 GOOD_CORRECTION = 0.1
@@ -73,41 +46,22 @@ MISS_WEIGHTS = np.array([0.0, 0.02, 1.0, 1.0, 1.0, 0.02, 0.0])
 SMALL_MISS = 2e-5
 # Ratio by which the miss must shrink for another rollout to be worth it.
 MIN_IMPROVEMENT = 0.9
+# Times that the least capacity of a rollout may be doubled. Chosen: pushes of some kilometres.
+MAX_DOUBLINGS = 12
+# Column of ``StepData``.
+MAY_STEER = StepData._fields.index('may_steer')
 
 
-class Correction(NamedTuple):
+class EndError(NamedTuple):
     """
-    Feed-forward against a miss at the end.
+    How far the end of a push is off the goal.
 
-    :param changes: added to the changes of the pushing angle, shape (n,) [rad].
-    :param free_length: added to S [m].
-    """
-
-    changes: FloatArray
-    free_length: float
-
-
-class Steering(NamedTuple):
-    """
-    Linear-quadratic problem along a push, solved but for the miss; see the formulas of the module.
-
-    :param values: P_k, shape (n + 1, 7, 7).
-    :param gains: K_k, shape (n, 7).
-    :param leads: l_k, shape (n, 7).
-    :param by_length: L_0[S], response of the end to S, shape (7,).
-    :param strength: G but for the part of S, shape (7, 7).
+    :param position_error: distance [m].
+    :param heading_error: angle; 0 where the heading is free [rad].
     """
 
-    values: FloatArray
-    gains: FloatArray
-    leads: FloatArray
-    by_length: FloatArray
-    strength: FloatArray
-
-    @property
-    def length_cost(self) -> float:
-        """Cost R_S of S."""
-        return FREE_LENGTH_COST + float(self.values[0, 6, 6])
+    position_error: float
+    heading_error: float
 
 
 class RefinedPush(NamedTuple):
@@ -118,21 +72,16 @@ class RefinedPush(NamedTuple):
     :param free_length: S [m].
     :param solution: ``Solution`` that it refines.
     :param steering: ``Steering`` by which it was refined.
+    :param end_error: ``EndError``.
+    :param checks: ``Checks`` of the rollout.
     """
 
     rollout: Rollout
     free_length: float
     solution: Solution
     steering: Steering
-
-
-class _Iterate(NamedTuple):
-    """A fine rollout: its run, S [m], the size of its miss [m, rad], and ``Steering``."""
-
-    run: Run
-    free_length: float
-    miss: float
-    steering: Steering
+    end_error: EndError
+    checks: Checks
 
 
 def refine(problem: PushProblem, formulation: Formulation, solution: Solution,
@@ -144,157 +93,185 @@ def refine(problem: PushProblem, formulation: Formulation, solution: Solution,
     :param formulation: ``Formulation``.
     :param solution: ``Solution`` of the program.
     :param former: ``RefinedPush`` of a solution on the same mesh that is much the same: what it
-        corrected is corrected again.
+        corrected is corrected again, and its steering serves once more.
     :return: ``RefinedPush``; None where the integration breaks down.
     """
-    rollout = ClosedLoopRollout(problem, formulation, solution.free_length)
+    counts = PartCounts.of(problem, formulation.mesh.step_lengths(solution.free_length),
+                           formulation.dimensions.jumps)
+    for doublings in range(counts.doublings, MAX_DOUBLINGS):
+        memory = _refinement_memory(formulation.dimensions, doublings, threading.get_ident())
+        try:
+            memory.load(formulation, counts)
+            return _refined(memory, solution, former)
+        except CapacityExceeded:
+            continue
+    return None
+
+
+def _refined(memory: '_RefinementMemory', solution: Solution,
+             former: Optional[RefinedPush]) -> Optional[RefinedPush]:
+    """Refine a solution in memory that has its program."""
+    memory.begin(solution, former)
     best: Optional[RefinedPush] = None
-    least = math.inf
-    for iterate in _iterates(problem, formulation, solution, rollout, former):
-        if not math.isfinite(iterate.miss) or iterate.miss > MIN_IMPROVEMENT * least:
+    least, before, miss = math.inf, memory.first_miss(), memory.miss()
+    for _ in range(FINE_ROLLOUTS):
+        # Also where the miss is no number.
+        if not miss <= MIN_IMPROVEMENT * least or memory.free_length() <= 0.0:
             break
-        # Collected at once, as the next run takes the memory.
-        best = RefinedPush(rollout.collect(iterate.run, iterate.free_length), iterate.free_length,
-                           solution, iterate.steering)
-        least = iterate.miss
-        if least < SMALL_MISS:
+        # Collected at once, as the next rollout takes the memory.
+        best, least = memory.collect(solution), miss
+        if miss < SMALL_MISS:
             break
+        # The program's steps are too coarse to tell how fine ones change.
+        memory.correct_again(relinearized=miss > GOOD_CORRECTION * before)
+        before, miss = miss, memory.miss()
     return best
 
 
-def solve_steering(maps: FloatArray) -> Steering:
-    """
-    Solve the linear-quadratic problem but for the miss; see the formulas of this module.
-
-    :param maps: (A_k, b_k) of each step, shape (n, 7, 8).
-    """
-    memory = _steering_memory(len(maps), threading.get_ident())
-    memory.maps[:], memory.values[-1] = maps, FEEDBACK_END_WEIGHTS
-    memory.solve_riccati()
-    memory.costates[-1] = np.eye(7)
-    memory.solve_costates()
-    return Steering(memory.values.copy(), memory.gains.copy(), memory.leads.copy(),
-                    memory.costates[0, 6].copy(), memory.strengths[0].copy())
-
-
-def feed_forward(steering: Steering, end_weights: FloatArray, miss: FloatArray) -> Correction:
-    """
-    Find the changes and the S that close a miss at the end; see the formulas of this module.
-
-    :param steering: ``Steering``.
-    :param end_weights: diagonal of Q_n, shape (7,).
-    :param miss: m, deviation of the end from the goal, shape (7,).
-    """
-    (y,), (found,) = _recursions().aim({
-        'strength': steering.strength.reshape(1, 49), 'by_length': steering.by_length,
-        'length_cost': np.array([steering.length_cost]), 'weights': end_weights, 'miss': miss})
-    free_length = float(found[0])
-    # All gains respond to the longer path from the first step on.
-    return Correction(-(steering.leads @ y + steering.gains[:, 6] * free_length), free_length)
-
-
-def goal_miss(problem: PushProblem, formulation: Formulation, last: FloatArray) -> FloatArray:
+def goal_miss(formulation: Formulation, last: FloatArray) -> FloatArray:
     """
     Find how far the end is off the goal, as a deviation of the last node and S.
 
-    :param problem: the ``PushProblem``.
     :param formulation: ``Formulation``.
     :param last: the last ``Node``, shape (6,).
-    :return: shape (7,); nan where the integration broke down.
+    :return: shape (7,).
     """
-    if not np.isfinite(last).all():
-        return np.full(7, math.nan)
-    parameters, node = problem.push_parameters, Node(*last.tolist())
-    x, y = object_origin(problem.kind, parameters, node)
-    goal = problem.relative_goal
-    rotation = 0.0 if problem.settings.heading_free else wrap_angle(node.theta - goal.theta)
-    # The followed point moves along as the object rotates back.
-    arm_x, arm_y = node.q_x - x, node.q_y - y
-    angle = heading = 0.0
-    if formulation.dimensions.straight_end:
-        if problem.kind == 'differential':
-            delta, *_ = contact_frame(parameters, node.theta, node.phi)
-            heading = delta - formulation.boundary.delta + rotation
-        # The pushing angle of a straight push, once object and robot have rotated back.
-        back = {'held': rotation, 'differential': heading, 'rolling': 0.0}[problem.kind]
-        delta, c_x, c_y = contact_frame(parameters, node.theta - rotation, node.phi - back)
-        f_x, f_y = problem.friction_center
-        angle = delta + node.rho - math.atan2(f_y - c_y, f_x - c_x)
-    return np.array([0.0, wrap_angle(angle), rotation, x - goal.x - arm_y * rotation,
-                     y - goal.y + arm_x * rotation, heading, 0.0])
+    miss, *_ = _goal_miss(formulation.dimensions._replace(step_count=1))({
+        'node': last[None], 'common': formulation.common})
+    return miss[0]
 
 
-def _iterates(problem: PushProblem, formulation: Formulation, solution: Solution,
-              rollout: ClosedLoopRollout, former: Optional[RefinedPush]) -> Iterator[_Iterate]:
-    """Correct a first rollout, and then fine ones, for what each misses."""
-    dimensions = formulation.dimensions
-    may_steer = formulation.mesh.may_steer.copy()
-    if dimensions.jumps:
-        # The first of angles that jump is a jump as well: impulses add up.
-        may_steer[0] = 1.0
-    end_weights = STRAIGHT_END_WEIGHTS if dimensions.straight_end else END_WEIGHTS
-    begins = _begin_nodes(problem, formulation, solution)
-    changes, free_length = solution.changes * may_steer, solution.free_length
-    if former is None:
-        maps = _program_maps(formulation, solution, may_steer)
-        steering = solve_steering(maps)
-    else:
-        steering = former.steering
-        begins[1:] += (former.rollout.nodes - former.solution.nodes)[1:-1]
-        changes += former.rollout.changes - former.solution.changes * may_steer
-        free_length += former.free_length - former.solution.free_length
-    run = rollout.run(ReferenceTrack(begins, changes, steering.gains[:, :6]), free_length,
-                      coarse=former is None)
-    miss = goal_miss(problem, formulation, run.nodes[-1])
-    if not math.isfinite(_size(miss)):
-        return
-    if former is not None:
-        yield _Iterate(run, free_length, _size(miss), steering)
-    before = math.inf
-    for _ in range(FINE_ROLLOUTS):
-        if _size(miss) > GOOD_CORRECTION * before:
-            # The program's steps are too coarse to tell how fine ones change.
-            maps = rollout.linearize(run.nodes[:-1], run.changes, free_length, may_steer)
-            steering = solve_steering(maps)
-        correction = feed_forward(steering, end_weights, miss)
-        free_length = free_length + correction.free_length
-        if free_length <= 0.0:
+class _RefinementMemory:
+    """
+    Memory of the refinement of pushes of the same dimensions, its functions bound to it.
+
+    :param dimensions: ``Dimensions``.
+    :param doublings: of the least capacity of a rollout.
+    """
+
+    def __init__(self, dimensions: Dimensions, doublings: int) -> None:
+        """Allocate the memory."""
+        n, any_steps = dimensions.step_count, dimensions._replace(step_count=1)
+        self._jumps = dimensions.jumps
+        self._steering = steering = SteeringMemory(n)
+        steering.end_weights[:] = STRAIGHT_END_WEIGHTS if dimensions.straight_end else END_WEIGHTS
+        self._rollout = rollout = RolloutMemory(dimensions, doublings, steering.present.gains,
+                                                steering.changes, steering.free_length)
+        begin = _begin(any_steps)
+        self._common, self._rates = np.zeros(begin.sizes['common']), np.zeros((n, POINTS))
+        linearize = _linearized_step(dimensions.kind, dimensions.supports, dimensions.jumps).bind({
+            'node': rollout.nodes[:-1], 'free_length': steering.free_length,
+            'change': steering.changes, 'data': rollout.data, 'rates': self._rates,
+            'column': self._common[:dimensions.supports.column_size],
+            'map': steering.maps.reshape(n, -1)})
+        start = begin.bind({'present': rollout.nodes[0], 'common': self._common,
+                            'node': rollout.nodes[0], 'state': rollout.first_state})
+        # Size of the miss and ``EndError``, of the first and of fine rollouts.
+        self._first_outcome, self._outcome = np.zeros(3), np.zeros(3)
+        judge_first, judge = (self._bind_judgement(any_steps, outcome)
+                              for outcome in (self._first_outcome, self._outcome))
+        self._start, self._linearize = RowSequence(start), RowSequence(linearize, steering.solve)
+        self._judge_first, self._judge = RowSequence(judge_first), RowSequence(judge)
+        self._correct = RowSequence(steering.correct, rollout.follow, judge)
+        self._follow = RowSequence(start, rollout.follow_coarsely, judge_first, self._correct)
+        self._begin = RowSequence(self._linearize, self._follow)
+
+    def _bind_judgement(self, dimensions: Dimensions, outcome: FloatArray) -> BoundRows:
+        return _goal_miss(dimensions).bind({
+            'node': self._rollout.nodes[-1], 'common': self._common, 'miss': self._steering.miss,
+            'outcome': outcome})
+
+    def load(self, formulation: Formulation, counts: PartCounts) -> None:
+        """Take a program."""
+        self._rollout.load(formulation, counts)
+        if self._jumps:
+            # The first of angles that jump is a jump as well: impulses add up.
+            self._rollout.data[0, MAY_STEER] = 1.0
+        self._common[:] = formulation.common
+
+    def begin(self, solution: Solution, former: Optional[RefinedPush]) -> None:
+        """Follow the solution of the program, correct it, and follow that."""
+        rollout = self._rollout
+        self._set_reference(solution, former)
+        if former is None:
+            self._rates[:] = solution.rates
+            self._begin()
+        else:
+            self._steering.load(former.steering)
+            self._follow()
+        if rollout.coarse_converged and rollout.fine_converged:
             return
-        run = rollout.run(ReferenceTrack(run.nodes[:-1], run.changes + correction.changes,
-                                         steering.gains[:, :6]), free_length)
-        before, miss = _size(miss), goal_miss(problem, formulation, run.nodes[-1])
-        yield _Iterate(run, free_length, _size(miss), steering)
+        # Once more, one by one.
+        self._set_reference(solution, former)
+        if former is None:
+            self._linearize()
+        self._start()
+        rollout.follow_divided(coarse=True)
+        self._judge_first()
+        self._correct_and_divide()
+
+    def _set_reference(self, solution: Solution, former: Optional[RefinedPush]) -> None:
+        """Take the solution as the reference, refined as a former one."""
+        nodes, steering = self._rollout.nodes, self._steering
+        may_steer = self._rollout.data[:, MAY_STEER]
+        nodes[:], steering.changes[:, 0] = solution.nodes, solution.changes * may_steer
+        steering.free_length[0] = solution.free_length
+        if former is not None:
+            nodes += former.rollout.nodes - former.solution.nodes
+            steering.changes[:, 0] += (former.rollout.changes
+                                       - former.solution.changes * may_steer)
+            steering.free_length += former.free_length - former.solution.free_length
+
+    def correct_again(self, relinearized: bool) -> None:
+        """Correct the last rollout, and follow that."""
+        rollout, steering = self._rollout, self._steering
+        if relinearized:
+            steering.maps[:] = rollout.linearize(rollout.data[:, MAY_STEER])
+            steering.solve()
+        arrays = rollout.nodes, steering.changes, steering.free_length, steering.miss
+        present = [array.copy() for array in arrays]
+        self._correct()
+        if rollout.fine_converged:
+            return
+        for array, value in zip(arrays, present):
+            array[:] = value
+        self._correct_and_divide()
+
+    def _correct_and_divide(self) -> None:
+        """Correct the last rollout, and follow that in finer parts where it has to be."""
+        self._steering.correct()
+        self._rollout.follow_divided()
+        self._judge()
+
+    def first_miss(self) -> float:
+        """Size of the miss before all corrections [m, rad]."""
+        return self._first_outcome.item(0)
+
+    def miss(self) -> float:
+        """Size of the miss of the last rollout [m, rad]; nan where it broke down."""
+        return self._outcome.item(0)
+
+    def free_length(self) -> float:
+        """S of the last rollout [m]."""
+        return self._steering.free_length.item()
+
+    def collect(self, solution: Solution) -> RefinedPush:
+        """Copy the last rollout."""
+        return RefinedPush(self._rollout.collect(), self.free_length(), solution,
+                           self._steering.copy(), EndError(*self._outcome[1:].tolist()),
+                           self._rollout.checks())
 
 
-def _size(miss: FloatArray) -> float:
-    return float(np.abs(MISS_WEIGHTS * miss).max())
+@functools.lru_cache(maxsize=32)
+def _refinement_memory(dimensions: Dimensions, doublings: int, thread: int) -> _RefinementMemory:
+    """
+    Allocate memory, or return that of before: binding it takes longer than a refinement.
 
-
-def _begin_nodes(problem: PushProblem, formulation: Formulation,
-                 solution: Solution) -> FloatArray:
-    """Return nodes at the begins of the steps, the first one exact, shape (n, 6)."""
-    nodes, boundary = solution.nodes[:-1].copy(), formulation.boundary
-    rho = nodes[0, 1]
-    w = boundary.w
-    if not boundary.moving:
-        begin = Node(0.0, rho, 0.0, boundary.q_x, boundary.q_y)
-        w = float(contact_impulse(problem.kind, problem.push_parameters, begin).w_jump)
-    nodes[0] = w, rho, 0.0, boundary.q_x, boundary.q_y, 0.0
-    return nodes
-
-
-def _program_maps(formulation: Formulation, solution: Solution,
-                  may_steer: FloatArray) -> FloatArray:
-    """Differentiate the program's own steps: (A_k, b_k), shape (n, 7, 8)."""
-    steps = formulation.steps
-    data = np.empty((len(steps), 5))
-    data[:, :4], data[:, 4] = steps[:, :4], may_steer
-    dimensions = formulation.dimensions
-    maps, = _linearized_step(dimensions.kind, dimensions.supports, dimensions.jumps)({
-        'node': solution.nodes[:-1], 'free_length': np.array([solution.free_length]),
-        'change': solution.changes[:, None], 'data': data, 'rates': solution.rates,
-        'column': formulation.common[:dimensions.supports.column_size]})
-    return maps.reshape(-1, 7, 8)
+    :param dimensions: ``Dimensions``.
+    :param doublings: of the least capacity of a rollout.
+    :param thread: that works on it: each has a memory of its own.
+    """
+    return _RefinementMemory(dimensions, doublings)
 
 
 @functools.lru_cache(maxsize=16)
@@ -302,11 +279,12 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
     """Build the derivatives of a step of the program, by the implicit function theorem."""
     parameters, column = PushParameters.symbols(supports)
     node, rates = ca.SX.sym('node', 6), ca.SX.sym('rates', POINTS)
-    data, free_length = ca.SX.sym('data', 5), ca.SX.sym('free_length')
+    data, free_length = ca.SX.sym('data', len(StepData._fields)), ca.SX.sym('free_length')
     change = ca.SX.sym('change')
-    length, free_fraction, v_squared, v_squared_slope, may_steer = ca.vertsplit(data)
-    step = Step(length + free_fraction * free_length, may_steer * change, v_squared,
-                v_squared_slope, jumps, SMOOTHING)
+    of_step = StepData(*ca.vertsplit(data))
+    step = Step(of_step.length + of_step.free_fraction * free_length,
+                of_step.may_steer * change, of_step.v_squared, of_step.v_squared_slope, jumps,
+                SMOOTHING)
     begin = Node(*ca.vertsplit(node))
     if kind == 'held':
         begin = begin._replace(phi=begin.theta)
@@ -325,80 +303,56 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
         ca.cse(ca.densify(total).T)], list(given), ['map']), is_independent=True)
 
 
-class _SteeringMemory:
-    """
-    Memory of the two recursions, bound once; n steps.
-
-    :param count: n.
-    """
-
-    def __init__(self, count: int) -> None:
-        self.maps, self.values = np.zeros((count, 7, 8)), np.zeros((count + 1, 7, 7))
-        self.gains, self.costates = np.zeros((count, 7)), np.zeros((count + 1, 7, 7))
-        self.leads, self.strengths = np.zeros((count, 7)), np.zeros((count + 1, 7, 7))
-        maps, values, costates, strengths = (
-            array.reshape(len(array), -1)
-            for array in (self.maps, self.values, self.costates, self.strengths))
-        self.solve_riccati = _recursions().riccati.bind({
-            'map': maps[::-1], 'next_values': values[:0:-1], 'values': values[-2::-1],
-            'gains': self.gains[::-1]})
-        self.solve_costates = _recursions().costates.bind({
-            'map': maps[::-1], 'next_values': values[:0:-1], 'gains': self.gains[::-1],
-            'next_costates': costates[:0:-1], 'costates': costates[-2::-1],
-            'leads': self.leads[::-1], 'next_strength': strengths[:0:-1],
-            'strength': strengths[-2::-1]})
+@functools.lru_cache(maxsize=16)
+def _begin(dimensions: Dimensions) -> RowFunction:
+    """Build the node at the begin of a push from its pushing angle, alone and of a state."""
+    given, present = common_symbols(dimensions), ca.SX.sym('present', NODE_SIZE)
+    boundary, rho = given.boundary, present[Node._fields.index('rho')]
+    at_rest = Node(0.0, rho, ca.SX(0.0), boundary.q_x, boundary.q_y)
+    response = contact_impulse(dimensions.kind, given.parameters, at_rest)
+    w = ca.if_else(boundary.moving, boundary.w, response.w_jump)
+    node = ca.densify(ca.vertcat(*at_rest._replace(w=w)))
+    return RowFunction(ca.Function('begin', [present, given.column], [node, node],
+                                   ['present', 'common'], ['node', 'state']))
 
 
 @functools.lru_cache(maxsize=32)
-def _steering_memory(count: int, thread: int) -> _SteeringMemory:
-    """
-    Allocate the memory of a number of steps, or return that of before.
-
-    :param count: n.
-    :param thread: that works on it: each has a memory of its own.
-    """
-    return _SteeringMemory(count)
-
-
-class _Recursions(NamedTuple):
-    """One step of the recursions of P_k and K_k, and of L_k and G; y and x_0[S] of a miss."""
-
-    riccati: RowFunction
-    costates: RowFunction
-    aim: RowFunction
-
-
-@functools.lru_cache(maxsize=1)
-def _recursions() -> _Recursions:
-    """Build the formulas of this module for one step; arrays go row by row, casadi by columns."""
-    rows, following = ca.SX.sym('map', 8, 7), ca.SX.sym('next_values', 7, 7)
-    gains, columns = ca.SX.sym('gains', 7), ca.SX.sym('next_costates', 7, 7)
-    transition, b = rows[:7, :].T, rows[7, :].T
-    cross = transition.T @ (following @ b)
-    cost = CHANGE_COST + b.T @ following @ b
-    values = ca.DM(WEIGHTS) + transition.T @ following @ transition - cross @ cross.T / cost
-    riccati = ca.Function('riccati', [rows, following], ca.cse([
-        # What rounding makes unsymmetric would grow from step to step.
-        ca.densify(ca.tril2symm(ca.tril(values))), cross / cost]),
-        ['map', 'next_values'], ['values', 'gains'])
-    pulls, so_far = columns @ b, ca.SX.sym('next_strength', 7, 7)
-    costates = ca.Function('costates', [rows, following, gains, columns, so_far], ca.cse([
-        ca.densify(columns @ transition - pulls @ gains.T), pulls / cost,
-        so_far + pulls @ pulls.T / cost]),
-        ['map', 'next_values', 'gains', 'next_costates', 'next_strength'],
-        ['costates', 'leads', 'strength'])
-    return _Recursions(RowFunction(riccati), RowFunction(costates), _aim())
-
-
-def _aim() -> RowFunction:
-    """Build y and x_0[S] of a miss; y = W (1 + W G W)^-1 W m with W^2 = Q_n, as Q_n has zeros."""
-    strength, by_length = ca.SX.sym('strength', 7, 7), ca.SX.sym('by_length', 7)
-    length_cost, weights, miss = (ca.SX.sym('length_cost'), ca.SX.sym('weights', 7),
-                                  ca.SX.sym('miss', 7))
-    roots = ca.diag(ca.sqrt(weights))
-    total = strength + by_length @ by_length.T / length_cost
-    y = roots @ ca.solve(ca.SX.eye(7) + roots @ total @ roots, roots @ miss)
-    given = [strength, by_length, length_cost, weights, miss]
+def _goal_miss(dimensions: Dimensions) -> RowFunction:
+    """Build the deviation of a last node, and S, from the goal; its size, and the ``EndError``."""
+    given, symbols = common_symbols(dimensions), ca.SX.sym('node', NODE_SIZE)
+    node, boundary = Node(*ca.vertsplit(symbols)), given.boundary
+    x, y = object_origin(dimensions.kind, given.parameters, node)
+    rotation = ca.SX(0.0) if dimensions.heading_free else _wrapped(node.theta - boundary.theta)
+    angle, heading = _straightness(dimensions, given, node, rotation)
+    off_x, off_y = x - boundary.x, y - boundary.y
+    # The followed point moves along as the object rotates back.
+    miss = ca.densify(ca.vertcat(
+        0.0, angle, rotation, off_x - (node.q_y - y) * rotation,
+        off_y + (node.q_x - x) * rotation, heading, 0.0))
+    size = ca.mmax(ca.fabs(ca.DM(MISS_WEIGHTS) * miss))
+    # The largest of some numbers is one also where only some are.
+    size = ca.if_else(ca.fabs(ca.sum1(symbols)) < ca.inf, size, math.nan)
+    outcome = ca.vertcat(size, ca.sqrt(off_x ** 2 + off_y ** 2), ca.fabs(rotation))
     return RowFunction(ca.Function(
-        'aim', given, ca.cse([y, -ca.dot(by_length, y) / length_cost]),
-        ['strength', 'by_length', 'length_cost', 'weights', 'miss'], ['y', 'free_length']))
+        'goal_miss', [symbols, given.column], ca.cse([miss, ca.densify(outcome)]),
+        ['node', 'common'], ['miss', 'outcome']))
+
+
+def _straightness(dimensions: Dimensions, given: CommonSymbols, node: Node,
+                  rotation: Any) -> tuple[Any, Any]:
+    """Deviations of pushing angle and heading from a straight end, once all rotate back [rad]."""
+    if not dimensions.straight_end:
+        return 0.0, 0.0
+    parameters, boundary, heading = given.parameters, given.boundary, ca.SX(0.0)
+    if dimensions.kind == 'differential':
+        delta, *_ = contact_frame(parameters, node.theta, node.phi)
+        heading = delta - boundary.delta + rotation
+    back = {'held': rotation, 'differential': heading, 'rolling': 0.0}[dimensions.kind]
+    delta, c_x, c_y = contact_frame(parameters, node.theta - rotation, node.phi - back)
+    ahead = ca.atan2(boundary.f_y - c_y, boundary.f_x - c_x)
+    return _wrapped(delta + node.rho - ahead), heading
+
+
+def _wrapped(angle: Any) -> Any:
+    """Angle in [-pi, pi] [rad]."""
+    return ca.atan2(ca.sin(angle), ca.cos(angle))

@@ -18,21 +18,22 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from push_dynamics.machine_code import RowFunction
+from push_dynamics.machine_code import BoundRows, RowFunction, RowSequence
 from push_model.dynamics import SMOOTHING
 from push_model.geometry import FloatArray, IntArray
 from push_planner.collocation.collocation import (
     collocate, contact_impulse, force_at_begin, Node, radau, Step,
 )
+from push_planner.collocation.dimensions import Dimensions, StepData
 from push_planner.collocation.formulation import Formulation
 from push_planner.problem import PushProblem
 from push_planner.push_parameters import PushKind, PushParameters, SupportLayout
 
 # Radau points of a part. Chosen: order 5 at its end.
 POINTS = 3
-# Newton iterations of a part. Chosen: the residual is at rounding then, also at the begin of a
-# step, where w may jump and the guess is that it stays.
-NEWTON_STEPS = 4
+# Newton iterations of a part. Measured: the durations of 84 pushes are within 2e-9 of those with
+# six, also where w jumps and the guess is that it stays; with two iterations within 8e-7.
+NEWTON_STEPS = 3
 # Residual of the moment balance over the supports' friction up to which Newton's method has
 # converged [m]. Chosen: one more iteration would leave rounding.
 CONVERGED = 1e-6
@@ -61,6 +62,8 @@ NODE_SIZE = len(Node._fields)
 STEP_SIZE = 2 * NODE_SIZE + 5
 # Parts that memory is kept for, at least. Chosen: as many as most pushes take.
 LEAST_CAPACITY = 256
+# Steps back of a rollout that are rounding [m].
+ROUNDING = 1e-9
 
 
 class Rollout(NamedTuple):
@@ -87,30 +90,26 @@ class Rollout(NamedTuple):
     begins: IntArray
 
 
-class ReferenceTrack(NamedTuple):
+class Checks(NamedTuple):
     """
-    Reference of a rollout; arrays over the n steps.
+    What is checked of a rollout.
 
-    :param nodes: ``Node`` at the begin of each step, shape (n, 6).
-    :param changes: of the pushing angle, shape (n,) [rad].
-    :param gains: K, of the correction of the changes, shape (n, 6).
-    """
-
-    nodes: FloatArray
-    changes: FloatArray
-    gains: FloatArray
-
-
-class Run(NamedTuple):
-    """
-    Result of following a reference.
-
-    :param nodes: ``Node`` at the begin of each step, and at the end, shape (n + 1, 6).
-    :param changes: of the pushing angle, corrected, shape (n,) [rad].
+    :param total: sum of all samples, path lengths and V, which is finite where they are.
+    :param force_ratio: largest |F_t| / F_n; infinite where the contact pulls.
+    :param least_length: length of the shortest step [m].
+    :param least_v_squared: least V [m^2/s^2].
     """
 
-    nodes: FloatArray
-    changes: FloatArray
+    total: Any
+    force_ratio: Any
+    least_length: Any
+    least_v_squared: Any
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether all of the rollout is finite, and its path never goes back."""
+        return (math.isfinite(self.total) and self.least_length > -ROUNDING
+                and self.least_v_squared >= 0.0)
 
 
 class RolloutStep(NamedTuple):
@@ -240,289 +239,441 @@ def _solved_rates(kind: PushKind, parameters: PushParameters, node: Node, step: 
     return rates
 
 
-class _Division(NamedTuple):
+class _StepFunctions(NamedTuple):
     """
-    Division of n steps into m parts.
+    Functions around the parts of a rollout.
 
-    :param step: number of the step that each part belongs to, shape (m,).
-    :param parts: fraction of each part, and of what lies before it in its step, shape (m, 2).
-    :param nodes: number of the first part of each step, and m, shape (n + 1,).
+    :param prepare: ``RolloutStep`` of each step, and path length up to its end.
+    :param pick_node: node of a state.
+    :param pick_change: change of the pushing angle of a state.
+    :param sampling: path length and V at the points of each part, and ``Checks``.
     """
 
-    step: IntArray
-    parts: FloatArray
-    nodes: IntArray
+    prepare: RowFunction
+    pick_node: RowFunction
+    pick_change: RowFunction
+    sampling: RowFunction
 
-    @classmethod
-    def of(cls, graded: list[FloatArray], equal: IntArray) -> '_Division':
-        """
-        Divide steps.
 
-        :param graded: fractions of the parts of each of the first steps.
-        :param equal: number of parts of each step after them, which are equal.
-        """
-        counts = np.array([*map(len, graded), *equal.tolist()])
-        step, equal_parts, nodes = _equal_division(counts.tobytes())
-        parts = equal_parts.copy()
-        for begin, fractions in zip(nodes.tolist(), graded):
-            part = parts[begin:begin + len(fractions)]
-            part[:, 0] = fractions
-            np.cumsum(fractions[:-1], out=part[1:, 1])
-        return cls(step, parts, nodes)
+@functools.lru_cache(maxsize=1)
+def _step_functions() -> _StepFunctions:
+    """Build what surrounds the parts of a rollout."""
+    node, gains, change = ca.SX.sym('node', NODE_SIZE), ca.SX.sym('gains', 7), ca.SX.sym('change')
+    data, smoothing = ca.SX.sym('data', len(StepData._fields)), ca.SX.sym('smoothing')
+    free_length, begin = ca.SX.sym('free_length'), ca.SX.sym('begin')
+    of_step = StepData(*ca.vertsplit(data))
+    length = of_step.length + of_step.free_fraction * free_length
+    given = {'node': node, 'gains': gains, 'change': change, 'data': data, 'smoothing': smoothing,
+             'free_length': free_length, 'begin': begin}
+    step = RolloutStep(node, gains[:NODE_SIZE], change, length, of_step.v_squared,
+                       of_step.v_squared_slope, smoothing)
+    prepare = ca.Function('prepare', list(given.values()), [ca.vertcat(*step), begin + length],
+                          list(given), ['step', 'end'])
+    state = ca.SX.sym('state', NODE_SIZE + 2)
+    pick_node, pick_change = (
+        RowFunction(ca.Function('pick', [state], [picked], ['state'], ['picked']),
+                    is_independent=True, gathered=['state'])
+        for picked in (state[:NODE_SIZE], state[NODE_SIZE + 1]))
+    return _StepFunctions(RowFunction(prepare), pick_node, pick_change, _sampling())
 
-    def repeated(self, times: int) -> '_Division':
-        """
-        Divide the same steps some times, one after the other.
 
-        :param times: how often.
-        """
-        shift = np.repeat(np.arange(times), len(self.step))
-        return _Division(np.tile(self.step, times) + shift * (len(self.nodes) - 1),
-                         np.tile(self.parts, (times, 1)), self.nodes)
-
-    def finer(self, parts: IntArray) -> '_Division':
-        """
-        Divide some parts further.
-
-        :param parts: their numbers.
-        """
-        counts = np.ones(len(self.step), dtype=int)
-        counts[parts] = DIVISION
-        step = np.repeat(self.step, counts)
-        fractions = np.repeat(self.parts[:, 0] / counts, counts)
-        within = np.arange(len(step)) - np.repeat(np.cumsum(counts) - counts, counts)
-        before = np.repeat(self.parts[:, 1], counts) + within * fractions
-        return _Division(step, np.array([fractions, before]).T.copy(),
-                         np.searchsorted(step, np.arange(len(self.nodes))))
+def _sampling() -> RowFunction:
+    """Build path length and V at the points of a part, and what is checked of the parts so far."""
+    step, speeds = ca.SX.sym('step', STEP_SIZE), ca.SX.sym('speeds', 2)
+    part, begin = ca.SX.sym('part', 2), ca.SX.sym('begin')
+    samples, forces = ca.SX.sym('samples', POINTS * NODE_SIZE), ca.SX.sym('forces', POINTS * 2)
+    first, before = ca.SX.sym('first_force', 2), ca.SX.sym('before', len(Checks._fields))
+    so_far, length = Checks(*ca.vertsplit(before)), step[2 * NODE_SIZE + 1]
+    s = length * (part[1] + part[0] * ca.DM(radau(POINTS).points))
+    v_squared = speeds[0] + speeds[1] * s
+    pairs = ca.reshape(ca.vertcat(first, forces), 2, POINTS + 1)
+    normal, tangential = pairs[0, :], pairs[1, :]
+    ratios = ca.if_else(normal > 0.0, ca.fabs(tangential) / normal, ca.inf)
+    checks = Checks(so_far.total + ca.sum1(ca.vertcat(samples, begin + s, v_squared)),
+                    ca.fmax(so_far.force_ratio, ca.mmax(ratios)),
+                    ca.fmin(so_far.least_length, length),
+                    ca.fmin(so_far.least_v_squared, ca.mmin(v_squared)))
+    given = {'step': step, 'speeds': speeds, 'begin': begin, 'part': part, 'samples': samples,
+             'forces': forces, 'first_force': first, 'before': before}
+    return RowFunction(ca.Function(
+        'sampling', list(given.values()), [begin + s, v_squared, ca.vertcat(*checks)],
+        list(given), ['s', 'v_squared', 'so_far']), gathered=['step', 'speeds', 'begin'])
 
 
 @functools.lru_cache(maxsize=64)
-def _equal_division(counts: bytes) -> _Division:
+def _equal_division(counts: bytes) -> tuple[IntArray, FloatArray, IntArray]:
     """
     Divide steps into equal parts; most pushes of one length are divided alike.
 
     :param counts: number of parts of each step, as bytes.
+    :return: number of the step of each part, shape (m,); fraction of each part, and of what lies
+        before it in its step, shape (m, 2); number of the first part of each step, and m.
     """
     of_steps = np.frombuffer(counts, dtype=int)
     nodes = np.zeros(len(of_steps) + 1, dtype=int)
     np.cumsum(of_steps, out=nodes[1:])
     step = np.repeat(np.arange(len(of_steps)), of_steps)
     fractions = (1.0 / of_steps)[step]
-    return _Division(step, np.array([
-        fractions, fractions * (np.arange(len(step)) - nodes[step])]).T.copy(), nodes)
+    return step, np.array([fractions, fractions * (np.arange(len(step)) - nodes[step])]).T, nodes
+
+
+class PartCounts(NamedTuple):
+    """
+    Division of the steps of a push into parts.
+
+    The steps after whose begin w settles are fine at first: the first one, or, where the pushing
+    angle jumps, all.
+
+    :param graded: fractions of the parts of each of those.
+    :param fine: number of the equal parts of each step after them.
+    :param coarse: the same in a coarse rollout.
+    """
+
+    graded: list[FloatArray]
+    fine: IntArray
+    coarse: IntArray
+
+    @classmethod
+    def of(cls, problem: PushProblem, lengths: FloatArray, jumps: bool) -> 'PartCounts':
+        """
+        Divide steps.
+
+        :param problem: the ``PushProblem``.
+        :param lengths: of the steps, shape (n,) [m].
+        :param jumps: whether the pushing angle jumps between them.
+        """
+        # At most half a part lies between two samples.
+        longest = 2.0 * problem.settings.sample_spacing
+        first = (JUMP_PART_RATIO if jumps else FIRST_PART_RATIO) * settling_distance(problem)
+        graded = lengths if jumps else lengths[:1]
+        equal = lengths[len(graded):]
+        return cls([graded_fractions(length, first, longest) for length in graded.tolist()],
+                   *(np.ceil(equal / part).astype(int) for part in (longest, COARSE_PART)))
+
+    @property
+    def doublings(self) -> int:
+        """Times that the least capacity of a memory is doubled for all parts to fit in."""
+        count = sum(map(len, self.graded)) + max(self.fine.sum(), self.coarse.sum())
+        return capacity_doublings(count)
+
+
+def capacity_doublings(count: int) -> int:
+    """
+    Count how often ``LEAST_CAPACITY`` is doubled for a number of parts to fit in.
+
+    :param count: number of parts.
+    """
+    return max(0, math.ceil(math.log2(count / LEAST_CAPACITY)))
+
+
+class CapacityExceeded(Exception):
+    """There are more parts than a memory has room for."""
+
+
+class _Division:
+    """
+    Division of n steps into up to a number of parts.
+
+    Attributes: ``count``, the number m of parts; ``steps``, the number of the step of each part;
+    ``parts``, its fraction of that, and of what lies before it in it; ``nodes``, the number of the
+    first part of each step, and m; ``changes``, that of the state after each of those;
+    ``residuals``, what Newton's method leaves in each part.
+
+    :param step_count: n.
+    :param capacity: number of parts.
+    """
+
+    def __init__(self, step_count: int, capacity: int) -> None:
+        """Allocate the memory."""
+        self.count = 0
+        self.steps, self.parts = np.zeros(capacity, dtype=int), np.zeros((capacity, 2))
+        self.nodes = np.zeros(step_count + 1, dtype=int)
+        self.changes = np.zeros(step_count, dtype=int)
+        self.residuals = np.zeros((capacity, 1))
+
+    def divide(self, graded: list[FloatArray], equal: IntArray) -> None:
+        """
+        Divide the steps.
+
+        :param graded: fractions of the parts of each of the first steps.
+        :param equal: number of parts of each step after them, which are equal.
+        """
+        counts = np.array([*map(len, graded), *equal.tolist()])
+        steps, parts, nodes = _equal_division(counts.tobytes())
+        self._set(steps, parts, nodes)
+        for begin, fractions in zip(nodes.tolist(), graded):
+            part = self.parts[begin:begin + len(fractions)]
+            part[:, 0] = fractions
+            np.cumsum(fractions[:-1], out=part[1:, 1])
+
+    def _set(self, steps: IntArray, parts: FloatArray, nodes: IntArray) -> None:
+        count = len(steps)
+        if count > len(self.steps):
+            raise CapacityExceeded
+        self.count = count
+        self.steps[:count], self.parts[:count], self.nodes[:] = steps, parts, nodes
+        self.changes[:] = nodes[:-1] + 1
+
+    def converged(self) -> bool:
+        """Tell whether Newton's method has converged in all parts."""
+        return bool(self.residuals[:self.count].max() <= CONVERGED)
+
+    def refine(self) -> None:
+        """Divide the first parts further in which Newton's method has not converged."""
+        failed = np.flatnonzero(~(self.residuals[:self.count, 0] <= CONVERGED))
+        steps, parts = self.steps[:self.count], self.parts[:self.count]
+        counts = np.ones(self.count, dtype=int)
+        counts[failed[steps[failed] < steps[failed[0]] + DIVIDED_STEPS]] = DIVISION
+        finer = np.repeat(steps, counts)
+        fractions = np.repeat(parts[:, 0] / counts, counts)
+        within = np.arange(len(finer)) - np.repeat(np.cumsum(counts) - counts, counts)
+        before = np.repeat(parts[:, 1], counts) + within * fractions
+        self._set(finer, np.array([fractions, before]).T,
+                  np.searchsorted(finer, np.arange(len(self.nodes))))
 
 
 class _PartMemory:
     """
-    Memory of rollouts of up to a number of parts, and of as many steps, bound once.
+    Memory of up to a number of parts of some steps.
 
     :param function: of ``part_function``.
     :param capacity: number of parts.
+    :param step_count: number of steps.
     """
 
-    def __init__(self, function: RowFunction, capacity: int) -> None:
+    def __init__(self, function: RowFunction, capacity: int, step_count: int) -> None:
+        self._function = function
         self.states = np.zeros((capacity + 1, NODE_SIZE + 2))
-        self.steps, self.parts = np.zeros((capacity, STEP_SIZE)), np.zeros((capacity, 2))
-        self.numbers = np.zeros(capacity, dtype=int)
+        self.steps = np.zeros((step_count, STEP_SIZE))
         self.restarts, self.column = np.zeros(1), np.zeros(function.sizes['column'])
-        self.first = np.zeros((capacity, NODE_SIZE))
+        self.begins = np.zeros((capacity, NODE_SIZE))
         self.samples = np.zeros((capacity, POINTS * NODE_SIZE))
         self.forces = np.zeros((capacity, POINTS * 2))
-        self.first_forces, self.residuals = np.zeros((capacity, 2)), np.zeros((capacity, 1))
-        self._evaluate = function.bind({
-            'state': self.states[:-1], 'step': self.steps, 'part': self.parts,
+        self.first_forces = np.zeros((capacity, 2))
+
+    def bind(self, division: _Division) -> BoundRows:
+        """
+        Bind the integration of parts.
+
+        :param division: ``_Division`` of the steps.
+        """
+        return self._function.bind({
+            'state': self.states[:-1], 'step': self.steps, 'part': division.parts,
             'restarts': self.restarts, 'column': self.column, 'next_state': self.states[1:],
-            'begin': self.first, 'samples': self.samples, 'forces': self.forces,
-            'first_force': self.first_forces, 'residual': self.residuals}, self.numbers)
-
-    def evaluate(self, division: _Division, steps: FloatArray) -> None:
-        """
-        Integrate all parts.
-
-        :param division: ``_Division``.
-        :param steps: of ``RolloutStep``, a row each.
-        """
-        count = len(division.step)
-        self.numbers[:count], self.parts[:count] = division.step, division.parts
-        self.steps[:len(steps)] = steps
-        self._evaluate(count)
-
-    def failed_parts(self, division: _Division) -> IntArray:
-        """
-        Find the first parts in which Newton's method has not converged.
-
-        :param division: ``_Division`` that has been evaluated.
-        """
-        failed = np.flatnonzero(~(self.residuals[:len(division.step), 0] <= CONVERGED))
-        if len(failed):
-            failed = failed[division.step[failed] < division.step[failed[0]] + DIVIDED_STEPS]
-        return failed
+            'begin': self.begins, 'samples': self.samples, 'forces': self.forces,
+            'first_force': self.first_forces, 'residual': division.residuals}, division.steps)
 
 
-@functools.lru_cache(maxsize=32)
-def _part_memory(function: RowFunction, doublings: int, thread: int) -> _PartMemory:
+class RolloutMemory:
     """
-    Allocate memory, or return that of before: binding it takes longer than a rollout.
+    Memory of rollouts of a push of n steps in up to a number of parts, its functions bound to it.
 
-    :param function: of ``part_function``.
-    :param doublings: of ``LEAST_CAPACITY``.
-    :param thread: that works on it: each has a memory of its own.
-    """
-    return _PartMemory(function, LEAST_CAPACITY << doublings)
+    Given are the reference ``nodes`` at the begin of each step, shape (n + 1, 6), the ``changes``
+    of the pushing angle, shape (n, 1), the gains K and K[S], shape (n, 7), and the ``free_length``
+    S, shape (1,). A rollout leaves its own nodes and changes in their place.
 
+    Attributes, besides: ``data``, rows of ``StepData``; ``first_state``, node at the begin of the
+    push, shape (6,); ``follow_coarsely``, a rollout in fewer parts, with too few samples for a
+    ``Rollout``, and ``follow``, one with all samples.
 
-class ClosedLoopRollout:
-    """
-    Integrates one push, again and again; one at a time in a thread, as they share memory.
-
-    :param problem: the ``PushProblem``.
-    :param formulation: its ``Formulation``.
-    :param free_length: S, about [m].
+    :param dimensions: ``Dimensions``.
+    :param doublings: of ``LEAST_CAPACITY``, the largest number of parts.
+    :param gains: memory of the gains.
+    :param changes: memory of the changes.
+    :param free_length: memory of S.
     """
 
-    def __init__(self, problem: PushProblem, formulation: Formulation,
-                 free_length: float) -> None:
-        """Divide the steps into parts."""
-        self._mesh = mesh = formulation.mesh
-        dimensions = formulation.dimensions
+    def __init__(self, dimensions: Dimensions, doublings: int, gains: FloatArray,
+                 changes: FloatArray, free_length: FloatArray) -> None:
+        """Allocate the memory."""
+        n, capacity = dimensions.step_count, LEAST_CAPACITY << doublings
         self._jumps = dimensions.jumps
-        self._function = part_function(dimensions.kind, dimensions.supports, dimensions.jumps)
-        self._column = formulation.common[:dimensions.supports.column_size]
-        self._steps = np.zeros((len(mesh.lengths), STEP_SIZE))
+        self._part_function = part_function(dimensions.kind, dimensions.supports,
+                                            dimensions.jumps)
+        self._parts = parts = _PartMemory(self._part_function, capacity, n)
+        self.nodes, self.data = np.zeros((n + 1, NODE_SIZE)), np.zeros((n, len(StepData._fields)))
+        self.changes, self.free_length = changes, free_length
+        self.first_state = parts.states[0, :NODE_SIZE]
+        self._smoothing, self._speeds = np.zeros((n, 1)), np.zeros((n, 2))
+        # Path lengths at the begins of the steps, and at the end.
+        self._ends = np.zeros((n + 1, 1))
+        self._s, self._v_squared = np.zeros((capacity, POINTS)), np.zeros((capacity, POINTS))
+        self._checks = np.zeros((capacity + 1, len(Checks._fields)))
+        self._checks[0] = Checks(0.0, 0.0, math.inf, math.inf)
+        self._fine, self._coarse = _Division(n, capacity), _Division(n, capacity)
+        functions = _step_functions()
+        prepare = functions.prepare.bind({
+            'node': self.nodes[:-1], 'gains': gains, 'change': changes, 'data': self.data,
+            'smoothing': self._smoothing, 'free_length': free_length, 'begin': self._ends[:-1],
+            'step': parts.steps, 'end': self._ends[1:]})
+        self._sample = functions.sampling.bind({
+            'step': parts.steps, 'speeds': self._speeds, 'begin': self._ends[:-1],
+            'part': self._fine.parts, 'samples': parts.samples, 'forces': parts.forces,
+            'first_force': parts.first_forces, 'before': self._checks[:-1], 's': self._s,
+            'v_squared': self._v_squared, 'so_far': self._checks[1:]}, self._fine.steps)
+        self._integrate_coarse, self._integrate_fine = (
+            parts.bind(division) for division in (self._coarse, self._fine))
+        self.follow_coarsely = RowSequence(prepare, self._integrate_coarse,
+                                           *self._pick(functions, self._coarse))
+        self.follow = RowSequence(prepare, self._integrate_fine,
+                                  *self._pick(functions, self._fine), self._sample)
+
+    def _pick(self, functions: _StepFunctions, division: _Division) -> list[BoundRows]:
+        """Bind what takes nodes and changes from the states between the parts."""
+        states = self._parts.states
+        return [functions.pick_node.bind({'state': states, 'picked': self.nodes}, division.nodes),
+                functions.pick_change.bind({'state': states, 'picked': self.changes},
+                                           division.changes)]
+
+    def load(self, formulation: Formulation, counts: PartCounts) -> None:
+        """
+        Take the steps of a push, and divide them.
+
+        :param formulation: ``Formulation``.
+        :param counts: ``PartCounts``.
+        """
+        mesh, parts = formulation.mesh, self._parts
+        parts.column[:] = formulation.common[:len(parts.column)]
         # V and dV/ds as the program has them: 0 without inertia.
-        self._steps[:, -3:-1] = formulation.steps[:, 2:4]
+        self.data[:] = formulation.steps
+        self._speeds[:, 0], self._speeds[:, 1] = mesh.v_squared, mesh.v_squared_slopes
         # The friction of the model becomes viscous below a speed in m/s, here it is per speed.
-        self._steps[:, -1] = SMOOTHING / np.sqrt(np.maximum(mesh.v_squared, mesh.end_v_squared))
-        # At most half a part lies between two samples.
-        longest = 2.0 * problem.settings.sample_spacing
-        ratio = JUMP_PART_RATIO if dimensions.jumps else FIRST_PART_RATIO
-        first = ratio * settling_distance(problem)
-        lengths = mesh.step_lengths(free_length)
-        # The steps after whose begin w settles are fine: the first, or after all jumps.
-        graded = lengths if dimensions.jumps else lengths[:1]
-        self._graded = [graded_fractions(length, first, longest) for length in graded.tolist()]
-        self._equal_lengths = lengths[len(graded):]
-        self._longest = longest
-        # By whether they are coarse; made when they are used, and finer where that has failed.
-        self._divisions: dict[bool, _Division] = {}
+        self._smoothing[:, 0] = SMOOTHING / np.sqrt(np.maximum(mesh.v_squared,
+                                                               formulation.steps[:, -1]))
+        self._fine.divide(counts.graded, counts.fine)
+        self._coarse.divide(counts.graded, counts.coarse)
+        self._count()
 
-    def _division(self, coarse: bool) -> _Division:
-        """Divide the steps at first, or return the division of the last run."""
-        if coarse not in self._divisions:
-            self._divisions[coarse] = self._divided(COARSE_PART if coarse else self._longest)
-        return self._divisions[coarse]
+    def _count(self) -> None:
+        """Let the functions know the number of parts."""
+        self._integrate_fine.count[0] = self._sample.count[0] = self._fine.count
+        self._integrate_coarse.count[0] = self._coarse.count
 
-    def _divided(self, longest: float) -> _Division:
-        """Divide the graded steps as they are, and those after them into equal parts."""
-        return _Division.of(self._graded, np.ceil(self._equal_lengths / longest).astype(int))
+    @property
+    def fine_converged(self) -> bool:
+        """Whether Newton's method has converged in all parts of the last fine rollout."""
+        return self._fine.converged()
 
-    def _memory(self, count: int, restarts: float) -> _PartMemory:
-        """Prepare memory for a number of parts."""
-        doublings = max(0, math.ceil(math.log2(count / LEAST_CAPACITY)))
-        memory = _part_memory(self._function, doublings, threading.get_ident())
-        memory.column[:], memory.restarts[0] = self._column, restarts
-        return memory
+    @property
+    def coarse_converged(self) -> bool:
+        """The same of the last coarse rollout."""
+        return self._coarse.converged()
 
-    def run(self, track: ReferenceTrack, free_length: float, coarse: bool = False) -> Run:
+    def follow_divided(self, coarse: bool = False) -> None:
         """
-        Follow a reference.
+        Follow a reference, and divide the parts for which Newton's method fails.
 
-        :param track: ``ReferenceTrack``.
-        :param free_length: S [m].
+        Nodes are nan where it fails in all divisions.
+
         :param coarse: whether in fewer parts, with too few samples for a ``Rollout``.
-        :return: ``Run``, of nodes that are nan where Newton's method fails in all divisions.
+        :raises CapacityExceeded: where that takes too many parts.
         """
-        steps = self._steps
-        steps[:, :NODE_SIZE] = track.nodes
-        steps[:, NODE_SIZE:2 * NODE_SIZE] = track.gains
-        steps[:, 2 * NODE_SIZE] = track.changes
-        steps[:, 2 * NODE_SIZE + 1] = self._mesh.step_lengths(free_length)
-        division = self._division(coarse)
-        memory, failed = self._integrate(division, track.nodes[0])
+        division, follow = ((self._coarse, self.follow_coarsely) if coarse else
+                            (self._fine, self.follow))
+        nodes, changes = self.nodes.copy(), self.changes.copy()
+        follow()
         for _ in range(MAX_DIVISIONS):
-            if not len(failed):
-                break
-            division = division.finer(failed)
-            memory, failed = self._integrate(division, track.nodes[0])
-        self._divisions[coarse] = division
-        nodes = division.nodes
-        run = Run(memory.states[nodes, :NODE_SIZE], memory.states[nodes[:-1] + 1, NODE_SIZE + 1])
-        if len(failed):
-            run.nodes[1:] = math.nan
-        return run
+            if division.converged():
+                return
+            division.refine()
+            self._count()
+            self.nodes[:], self.changes[:] = nodes, changes
+            follow()
+        if not division.converged():
+            self.nodes[1:] = math.nan
 
-    def _integrate(self, division: _Division, start: FloatArray) -> tuple[_PartMemory, IntArray]:
-        """Integrate from a start; return the results, and the first parts that have failed."""
-        memory = self._memory(len(division.step), 0.0)
-        memory.states[0, :NODE_SIZE] = start
-        memory.evaluate(division, self._steps)
-        return memory, memory.failed_parts(division)
+    def checks(self) -> Checks:
+        """Return what is checked of the last rollout."""
+        return Checks(*self._checks[self._fine.count].tolist())
 
-    def linearize(self, nodes: FloatArray, changes: FloatArray, free_length: float,
-                  may_steer: FloatArray) -> FloatArray:
+    def linearize(self, may_steer: FloatArray) -> FloatArray:
         """
-        Differentiate all steps by differences.
+        Differentiate all steps by differences, about the last rollout.
 
-        :param nodes: ``Node`` at the begin of each step, shape (n, 6).
-        :param changes: of the pushing angle, shape (n,) [rad].
-        :param free_length: S [m].
         :param may_steer: 1 where the pushing angle may change, shape (n,).
         :return: derivatives of the end of each step and S by its begin, S and change, shape
             (n, 7, 8).
         """
         # All steps as they are, and then with a difference in each of the 8 arguments.
         variants = NODE_SIZE + 3
-        coarse = self._division(True)
-        division = coarse.repeated(variants)
-        memory = self._memory(len(division.step), 1.0)
-        size, count = len(coarse.step), len(nodes)
-        steps = np.tile(self._steps, (variants, 1))
+        size, count = self._coarse.count, len(self.data)
+        memory = _variant_memory(self._part_function, capacity_doublings(variants * size),
+                                 variants * count, threading.get_ident())
+        memory.load(self._coarse, variants, self._parts)
+        steps = memory.parts.steps
         for i in range(variants):
             shift = DIFFERENCE * np.eye(1, variants - 1, i - 1)[0]
             of_variant = steps[i * count:(i + 1) * count]
-            of_variant[:, :NODE_SIZE] = nodes + shift[:NODE_SIZE]
-            of_variant[:, 2 * NODE_SIZE] = changes + shift[NODE_SIZE + 1] * may_steer
-            of_variant[:, 2 * NODE_SIZE + 1] = self._mesh.step_lengths(
-                free_length + shift[NODE_SIZE])
-        memory.evaluate(division, steps)
-        found = memory.states[1:variants * size + 1].reshape(variants, size, -1)
-        found = found[:, coarse.nodes[1:] - 1, :NODE_SIZE]
+            of_variant[:] = self._parts.steps
+            of_variant[:, :NODE_SIZE] = self.nodes[:-1] + shift[:NODE_SIZE]
+            of_variant[:, 2 * NODE_SIZE] = (self.changes[:, 0]
+                                            + shift[NODE_SIZE + 1] * may_steer)
+            of_variant[:, 2 * NODE_SIZE + 1] += shift[NODE_SIZE] * self.data[:, 1]
+        memory.integrate()
+        found = memory.parts.states[1:variants * size + 1].reshape(variants, size, -1)
+        found = found[:, self._coarse.nodes[1:] - 1, :NODE_SIZE]
         maps = np.zeros((count, NODE_SIZE + 1, NODE_SIZE + 2))
         maps[:, NODE_SIZE, NODE_SIZE] = 1.0
         maps[:, :NODE_SIZE] = ((found[1:] - found[0]) / DIFFERENCE).transpose(1, 2, 0)
         return maps
 
-    def collect(self, run: Run, free_length: float) -> Rollout:
-        """
-        Put the samples of the last run together, which was a fine one.
-
-        :param run: ``Run``.
-        :param free_length: S of the run [m].
-        """
-        division, mesh = self._division(False), self._mesh
-        step, begins, count = division.step, division.nodes[:-1], len(division.step)
-        memory = self._memory(count, 0.0)
-        lengths = mesh.step_lengths(free_length)
-        # Path lengths since the begin of the step, of all points.
-        s = lengths[step, None] * (division.parts[:, 1:] + division.parts[:, :1]
-                                   * radau(POINTS).points)
-        v_squared = mesh.v_squared[step, None] + mesh.v_squared_slopes[step, None] * s
-        begins_at = np.cumsum(lengths) - lengths
-        s += begins_at[step, None]
+    def collect(self) -> Rollout:
+        """Put the samples of the last rollout together, which was one with all samples."""
+        count, parts = self._fine.count, self._parts
+        begins, changes = self._fine.nodes[:-1], self.changes[:, 0].copy()
         # The end of a step is the begin of the next, unless there is a jump between them.
         jumps = np.array([0])
         if self._jumps:
-            jumps = np.append(0, np.flatnonzero(run.changes[1:]) + 1)
+            jumps = np.append(0, np.flatnonzero(changes[1:]) + 1)
         at = begins[jumps] * POINTS
-        samples = memory.samples[:count].reshape(-1, NODE_SIZE)
-        forces = memory.forces[:count].reshape(-1, 2)
-        step_forces = memory.first_forces[begins]
-        return Rollout(run.nodes, run.changes,
-                       _inserted(s.ravel(), at, begins_at[jumps]),
-                       _inserted(v_squared.ravel(), at, mesh.v_squared[jumps]),
-                       _inserted(samples, at, memory.first[begins[jumps]]),
+        samples = parts.samples[:count].reshape(-1, NODE_SIZE)
+        forces = parts.forces[:count].reshape(-1, 2)
+        step_forces = parts.first_forces[begins]
+        return Rollout(self.nodes.copy(), changes,
+                       _inserted(self._s[:count].ravel(), at, self._ends[jumps, 0]),
+                       _inserted(self._v_squared[:count].ravel(), at, self._speeds[jumps, 0]),
+                       _inserted(samples, at, parts.begins[begins[jumps]]),
                        _inserted(forces, at, step_forces[jumps]), step_forces,
                        at + np.arange(len(at)))
+
+
+class _VariantMemory:
+    """
+    Memory of the parts of many steps at once, each from its own reference.
+
+    :param function: of ``part_function``.
+    :param capacity: number of parts.
+    :param step_count: number of steps.
+    """
+
+    def __init__(self, function: RowFunction, capacity: int, step_count: int) -> None:
+        self.parts, self._division = (_PartMemory(function, capacity, step_count),
+                                      _Division(step_count, capacity))
+        self.parts.restarts[0] = 1.0
+        self.integrate = self.parts.bind(self._division)
+
+    def load(self, division: _Division, times: int, parts: _PartMemory) -> None:
+        """Divide the same steps some times, one after the other."""
+        size, count = division.count, times * division.count
+        shift = np.repeat(np.arange(times) * len(parts.steps), size)
+        self._division.steps[:count] = np.tile(division.steps[:size], times) + shift
+        self._division.parts[:count] = np.tile(division.parts[:size], (times, 1))
+        self.parts.column[:] = parts.column
+        self.integrate.count[0] = count
+
+
+@functools.lru_cache(maxsize=32)
+def _variant_memory(function: RowFunction, doublings: int, step_count: int,
+                    thread: int) -> _VariantMemory:
+    """
+    Allocate memory, or return that of before: binding it takes longer than a rollout.
+
+    :param function: of ``part_function``.
+    :param doublings: of ``LEAST_CAPACITY``.
+    :param step_count: number of steps.
+    :param thread: that works on it: each has a memory of its own.
+    """
+    return _VariantMemory(function, LEAST_CAPACITY << doublings, step_count)
 
 
 def _inserted(values: FloatArray, at: IntArray, new: FloatArray) -> FloatArray:

@@ -2,18 +2,17 @@
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from push_dynamics.machine_code import RowFunction
 from push_model.dynamics import rotated
-from push_model.geometry import FloatArray, wrap_angle
+from push_model.geometry import FloatArray
 from push_model.trajectory import COLUMNS, PushTrajectory
 from push_planner.collocation.collocation import (
     contact_impulse, ContactImpulse, Node, robot_yaw_rate,
 )
-from push_planner.collocation.transcription import object_origin
 from push_planner.integration.rollout import Rollout
 from push_planner.plan import Switch
 from push_planner.problem import PushProblem
@@ -29,18 +28,6 @@ IMPULSE_ROUNDING = 1e-9
 # How far beyond the planning cone a force counts as outside [rad]. Chosen: 0.06 degrees, so that
 # forces at the edge, where optimal pushes are, do not count.
 CONE_TOLERANCE = 1e-3
-
-
-class EndError(NamedTuple):
-    """
-    How far the end of a push is off the goal.
-
-    :param position_error: distance [m].
-    :param heading_error: angle; 0 where the heading is free [rad].
-    """
-
-    position_error: float
-    heading_error: float
 
 
 def find_switches(problem: PushProblem, rollout: Rollout, jumps: bool) -> tuple[Switch, ...]:
@@ -68,30 +55,6 @@ def find_switches(problem: PushProblem, rollout: Rollout, jumps: bool) -> tuple[
                                    change)
         found.append(_switch(problem, response, rollout, begin, change))
     return tuple(found)
-
-
-def end_error(problem: PushProblem, last: FloatArray) -> EndError:
-    """
-    Find how far the end of a push is off the goal.
-
-    :param problem: the ``PushProblem``.
-    :param last: the last ``Node``, shape (6,).
-    """
-    node, goal = Node(*last.tolist()), problem.relative_goal
-    x, y = object_origin(problem.kind, problem.push_parameters, node)
-    rotation = 0.0 if problem.settings.heading_free else wrap_angle(node.theta - goal.theta)
-    return EndError(math.hypot(x - goal.x, y - goal.y), abs(rotation))
-
-
-def largest_force_angle(rollout: Rollout) -> float:
-    """
-    Find the largest angle of the contact force from the normal [rad].
-
-    :param rollout: ``Rollout``.
-    """
-    # The rate of the angle jumps between steps, and so does the force.
-    return float(max(_force_angles(rollout.forces).max(),
-                     _force_angles(rollout.step_forces).max()))
 
 
 def build_report(problem: PushProblem, rollout: Rollout,

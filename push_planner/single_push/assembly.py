@@ -10,17 +10,13 @@ from push_planner.collocation.formulation import Formulation
 from push_planner.collocation.interior_point import Iterate
 from push_planner.collocation.nlp_solver import SolveResult
 from push_planner.initial_guess.dubins_routes import TurnPair
-from push_planner.integration.refinement import refine, RefinedPush
-from push_planner.integration.rollout import Rollout
+from push_planner.integration.refinement import EndError, refine, RefinedPush
 from push_planner.integration.trajectory import (
-    build_report, end_error, EndError, find_switches, largest_force_angle, sample_trajectory,
+    build_report, find_switches, sample_trajectory,
 )
 from push_planner.plan import RecordedMotion
 from push_planner.problem import PushProblem
 from push_planner.single_push.bounds import displacement_bound
-
-# Steps back of a rollout that are rounding [m].
-ROUNDING = 1e-9
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -55,15 +51,15 @@ class SolvedPush:
         """Sample and describe it; the same object each time."""
         return self._recorded
 
-    @functools.cached_property
+    @property
     def end_error(self) -> EndError:
         """How far the end is off the goal."""
-        return end_error(self.problem, self.refined.rollout.nodes[-1])
+        return self.refined.end_error
 
-    @functools.cached_property
+    @property
     def largest_force_angle(self) -> float:
-        """Largest angle of the contact force from the normal [rad]."""
-        return largest_force_angle(self.refined.rollout)
+        """Largest angle of the contact force from the normal; 90 degrees where it pulls [rad]."""
+        return math.atan(self.refined.checks.force_ratio)
 
     @functools.cached_property
     def _recorded(self) -> RecordedMotion:
@@ -112,7 +108,7 @@ def finish(problem: PushProblem, formulation: Formulation, result: SolveResult, 
     if result.solution is None:
         raise ValueError('result: got no solution, expected one')
     refined = refine(problem, formulation, result.solution, former)
-    if refined is None or not _is_sound(refined.rollout):
+    if refined is None or not refined.checks.is_sound:
         return Finished(None, 'the fine integration broke down')
     push = SolvedPush(problem, formulation, result.iterate, refined, turns)
     violation = acceptance_error(push)
@@ -133,14 +129,8 @@ def acceptance_error(push: SolvedPush) -> str:
     if not push.path_length <= settings.max_path_length:
         return (f'the push is {push.path_length:.1f} m long, at most '
                 f'{settings.max_path_length:g} m is accepted')
-    usage = push.largest_force_angle / push.problem.friction_angle
-    if settings.angle_limit == 'cone' and not usage <= 1.0:
+    friction = push.problem.obj.contact_friction_coefficient
+    if settings.angle_limit == 'cone' and not push.refined.checks.force_ratio <= friction:
+        usage = push.largest_force_angle / push.problem.friction_angle
         return f'the contact force leaves the friction cone by a factor {usage:.2f}'
     return ''
-
-
-def _is_sound(rollout: Rollout) -> bool:
-    """Whether all of a rollout is finite, and its path never goes back."""
-    return bool(np.isfinite(rollout.samples).all() and rollout.s[-1] > 0.0
-                and (rollout.s[1:] - rollout.s[:-1]).min() > -ROUNDING
-                and rollout.v_squared.min() >= 0.0)

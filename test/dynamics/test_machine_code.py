@@ -79,12 +79,13 @@ def test_a_sequence_goes_on_from_what_its_parts_leave(options: dict[str, Any]) -
     twice = RowFunction(ca.Function('twice', [x], [2.0 * x], ['x'], ['next']), **options)
     more = RowFunction(ca.Function('more', [x], [x + 1.0], ['x'], ['next']), **options)
     first, second, third = np.array([[1.0], [2.0], [3.0]]), np.zeros((3, 1)), np.zeros((3, 1))
-    inner = RowSequence(twice.bind({'x': first, 'next': second}))
-    sequence = RowSequence(inner, more.bind({'x': second, 'next': third}))
+    doubled, added = (twice.bind({'x': first, 'next': second}),
+                      more.bind({'x': second, 'next': third}))
+    sequence = RowSequence(RowSequence(doubled), added)
     sequence()
     assert third.ravel().tolist() == [3.0, 5.0, 7.0]
     first[:] = 10.0
-    sequence.counts[:] = 2, 1
+    doubled.count[0], added.count[0] = 2, 1
     sequence()
     assert second.ravel().tolist() == [20.0, 20.0, 6.0]
     assert third.ravel().tolist() == [21.0, 5.0, 7.0]

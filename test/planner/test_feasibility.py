@@ -8,7 +8,6 @@ from helpers.objects import bin_, box
 from helpers.push_problems import (
     DIFFERENTIAL, face_problem, HOLONOMIC, round_problem, vertex_problem,
 )
-import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.plan_request import PlanFailure
@@ -148,16 +147,13 @@ def test_a_bin_has_no_vertices():
 
 @pytest.mark.slow
 @pytest.mark.parametrize('spoilt', [
-    lambda rollout: rollout._replace(s=rollout.s[::-1]),
-    lambda rollout: rollout._replace(s=-rollout.s),
-    lambda rollout: rollout._replace(v_squared=np.full_like(rollout.v_squared, math.nan)),
-    lambda rollout: rollout._replace(samples=np.full_like(rollout.samples, math.inf))],
-    ids=['back', 'backwards', 'no speed', 'infinite'])
+    {'least_length': -0.1}, {'least_v_squared': -0.1}, {'total': math.nan}, {'total': math.inf}],
+    ids=str)
 def test_an_integration_that_breaks_down_is_no_plan(monkeypatch, spoilt):
     """Refinement may run away; that is refused with a reason, not raised as another error."""
     def run_away(*arguments):
         refined = refine(*arguments)
-        return refined and refined._replace(rollout=spoilt(refined.rollout))
+        return refined and refined._replace(checks=refined.checks._replace(**spoilt))
 
     monkeypatch.setattr(assembly, 'refine', run_away)
     with pytest.raises(PlanningFailed, match='the fine integration broke down') as failure:

@@ -5,18 +5,18 @@ import math
 
 from helpers.push_problems import DIFFERENTIAL, face_problem, HOLONOMIC, vertex_problem
 import numpy as np
-from push_model.geometry import Pose
+from push_model.geometry import FloatArray, Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_planner.collocation.formulation import formulate, Formulation
 from push_planner.collocation.nlp_solver import nlp_solver, Solution
 from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
-from push_planner.integration.refinement import (
-    CHANGE_COST, feed_forward, FEEDBACK_END_WEIGHTS, FREE_LENGTH_COST, goal_miss, refine,
-    SMALL_MISS, solve_steering, STRAIGHT_END_WEIGHTS, WEIGHTS,
+from push_planner.integration.refinement import goal_miss, refine, RefinedPush, SMALL_MISS
+from push_planner.integration.rollout import PartCounts, RolloutMemory
+from push_planner.integration.steering import (
+    CHANGE_COST, FEEDBACK_END_WEIGHTS, FREE_LENGTH_COST, SteeringMemory, STRAIGHT_END_WEIGHTS,
+    WEIGHTS,
 )
-from push_planner.integration.rollout import ClosedLoopRollout, ReferenceTrack
-from push_planner.integration.trajectory import largest_force_angle
 from push_planner.problem import PushProblem
 from push_planner.settings import PlannerSettings
 import pytest
@@ -53,21 +53,30 @@ def cost(maps, unknowns, miss):
             + states[-1] @ FEEDBACK_END_WEIGHTS @ states[-1] + STRAIGHT_END_WEIGHTS @ end ** 2)
 
 
+def solved(maps: FloatArray) -> SteeringMemory:
+    """Solve the problem of some steps but for the miss."""
+    steering = SteeringMemory(len(maps))
+    steering.maps[:], steering.end_weights[:] = maps, STRAIGHT_END_WEIGHTS
+    steering.solve()
+    return steering
+
+
 def test_the_feed_forward_finds_the_optimum_of_the_quadratic(maps):
     """A step to any side from what it finds costs more, by the same to either side."""
     miss = np.array([0.0, 0.01, -0.02, 0.03, -0.01, 0.02, 0.0])
-    steering = solve_steering(maps)
-    correction = feed_forward(steering, STRAIGHT_END_WEIGHTS, miss)
+    steering = solved(maps)
+    steering.miss[:] = miss
+    steering.correct()
     # In closed loop: the gains act on the deviations that the correction itself brings about.
-    states = [np.array([0.0] * 6 + [correction.free_length])]
+    states = [np.append(np.zeros(6), steering.free_length)]
     changes = []
     for k, step in enumerate(maps):
         deviation = states[-1].copy()
         # The feed-forward has the response to S in it already.
         deviation[6] = 0.0
-        changes.append(correction.changes[k] - steering.gains[k] @ deviation)
+        changes.append(steering.changes[k, 0] - steering.present.gains[k] @ deviation)
         states.append(step @ np.append(states[-1], changes[-1]))
-    found = np.array([correction.free_length, *changes])
+    found = np.append(steering.free_length, changes)
     least = cost(maps, found, miss)
     for direction in np.eye(STEPS + 1):
         one, other = (cost(maps, found + sign * 1e-3 * direction, miss) for sign in (-1.0, 1.0))
@@ -76,13 +85,13 @@ def test_the_feed_forward_finds_the_optimum_of_the_quadratic(maps):
 
 
 def test_no_miss_needs_no_correction(maps):
-    correction = feed_forward(solve_steering(maps), STRAIGHT_END_WEIGHTS, np.zeros(7))
-    assert correction.free_length == 0.0 and not correction.changes.any()
+    steering = solved(maps)
+    steering.correct()
+    assert not steering.free_length.any() and not steering.changes.any()
 
 
 def test_values_are_symmetric_and_not_negative(maps):
-    values = solve_steering(maps).values
-    for value in values:
+    for value in solved(maps).values:
         np.testing.assert_allclose(value, value.T, rtol=1e-6, atol=1e-6)
         assert np.linalg.eigvalsh(0.5 * (value + value.T)).min() > -1e-6
 
@@ -106,14 +115,29 @@ def test_the_feedback_is_as_strong_along_the_push_as_at_its_end(push):
 
 def test_a_refined_push_ends_at_its_goal(push):
     """Within 20 um of the goal, where the program's own steps are millimetres off."""
-    problem, formulation, solution, refined = push
-    miss = goal_miss(problem, formulation, refined.rollout.nodes[-1])
+    _, formulation, solution, refined = push
+    miss = goal_miss(formulation, refined.rollout.nodes[-1])
     assert np.abs(miss[2:5]).max() < SMALL_MISS
     assert refined.free_length == pytest.approx(solution.free_length, abs=0.02)
     samples = refined.rollout.samples
     assert refined.rollout.s[-1] == pytest.approx(
         formulation.mesh.step_lengths(refined.free_length).sum())
     np.testing.assert_allclose(samples[-1], refined.rollout.nodes[-1], atol=1e-12)
+
+
+def test_checks_are_of_all_samples(push):
+    """As numpy finds them in the samples that the rollout keeps."""
+    *_, refined = push
+    rollout, checks = refined.rollout, refined.checks
+    assert checks.is_sound
+    normal, tangential = np.concatenate([rollout.forces, rollout.step_forces]).T
+    assert checks.force_ratio == pytest.approx(np.abs(tangential / normal).max(), rel=1e-9)
+    assert checks.least_v_squared == pytest.approx(rollout.v_squared.min())
+    assert 0.0 < checks.least_length < rollout.s[-1]
+    end = push[0].relative_goal
+    assert refined.end_error.position_error < SMALL_MISS
+    assert refined.end_error.heading_error == pytest.approx(
+        abs(rollout.nodes[-1, 2] - end.theta), abs=1e-12)
 
 
 def test_samples_are_those_of_the_push_that_is_kept():
@@ -167,15 +191,27 @@ def test_a_push_that_ends_in_a_sharp_turn_is_refined() -> None:
     refined = refine(problem, formulation, solution)
     assert refined is not None
     nodes = refined.rollout.nodes
-    assert np.abs(goal_miss(problem, formulation, nodes[-1])[2:5]).max() < SMALL_MISS
-    assert largest_force_angle(refined.rollout) < problem.friction_angle
-    track = ReferenceTrack(nodes[:-1], refined.rollout.changes, refined.steering.gains[:, :6])
+    assert np.abs(goal_miss(formulation, nodes[-1])[2:5]).max() < SMALL_MISS
+    assert refined.checks.force_ratio < problem.obj.contact_friction_coefficient
     for spacing, coarse in ((0.015, True), (0.0015, False)):
-        settings = dataclasses.replace(problem.settings, sample_spacing=spacing)
-        rollout = ClosedLoopRollout(dataclasses.replace(problem, settings=settings), formulation,
-                                    refined.free_length)
-        again = rollout.run(track, refined.free_length, coarse)
-        np.testing.assert_allclose(again.nodes, nodes, atol=1e-3)
+        again = followed(problem, formulation, refined, spacing, coarse)
+        np.testing.assert_allclose(again, nodes, atol=1e-3)
+
+
+def followed(problem: PushProblem, formulation: Formulation, refined: RefinedPush, spacing: float,
+             coarse: bool) -> FloatArray:
+    """Follow a refined push in parts of other lengths; return the nodes."""
+    dimensions, rollout = formulation.dimensions, refined.rollout
+    settings = dataclasses.replace(problem.settings, sample_spacing=spacing)
+    counts = PartCounts.of(dataclasses.replace(problem, settings=settings),
+                           formulation.mesh.step_lengths(refined.free_length), dimensions.jumps)
+    # Room for the parts of those that fail.
+    memory = RolloutMemory(dimensions, counts.doublings + 1, refined.steering.gains,
+                           rollout.changes[:, None], np.array([refined.free_length]))
+    memory.load(formulation, counts)
+    memory.nodes[:], memory.first_state[:] = rollout.nodes, rollout.nodes[0]
+    memory.follow_divided(coarse)
+    return memory.nodes
 
 
 @pytest.mark.parametrize('robot', [HOLONOMIC, DIFFERENTIAL], ids=lambda robot: robot.drive)
@@ -187,11 +223,11 @@ def test_what_misses_a_straight_end_is_a_deviation_of_the_last_node(robot):
     last = np.array([0.0, 0.03, problem.relative_goal.theta + 0.02, 2.0, 1.3, 0.05])
     if robot is HOLONOMIC:
         last[5] = last[2]
-    miss = goal_miss(problem, formulation, last)[:6]
+    miss = goal_miss(formulation, last)[:6]
     assert abs(miss[1]) > 0.01 and abs(miss[2]) > 0.01
     if robot is HOLONOMIC:
         miss[5] = miss[2]
-    left = goal_miss(problem, formulation, last - miss)
+    left = goal_miss(formulation, last - miss)
     # All but the position, which is a deviation of the first order in the rotation.
     np.testing.assert_allclose(left[[0, 1, 2, 5]], 0.0, atol=1e-12)
     np.testing.assert_allclose(left[3:5], 0.0, atol=1e-3)
