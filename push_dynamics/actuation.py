@@ -47,18 +47,17 @@ def limit_command(robot: RoundRobot, command: Twist) -> Twist:
     :raises ValueError: where a component is not finite, or asks a differential drive to move
         sideways.
     """
-    command = Twist(*map(float, command))
-    if not all(map(math.isfinite, command)):
-        name, value = next(field for field in command._asdict().items()
+    v_x, v_y, omega = map(float, command)
+    if not (math.isfinite(v_x) and math.isfinite(v_y) and math.isfinite(omega)):
+        name, value = next(field for field in zip(Twist._fields, (v_x, v_y, omega))
                            if not math.isfinite(field[1]))
         raise ValueError(f'command.{name}: got {value}, expected a finite number')
-    if robot.drive == 'differential' and command.v_y != 0.0:
-        raise ValueError(f'command.v_y: got {command.v_y:g} m/s, expected 0 from a differential '
-                         'drive')
-    speed = math.hypot(command.v_x, command.v_y)
+    if robot.drive == 'differential' and v_y != 0.0:
+        raise ValueError(f'command.v_y: got {v_y:g} m/s, expected 0 from a differential drive')
+    speed = math.hypot(v_x, v_y)
     ratio = min(1.0, robot.max_speed / speed) if speed > 0.0 else 1.0
-    omega = min(robot.max_yaw_rate, max(-robot.max_yaw_rate, command.omega))
-    return Twist(command.v_x * ratio, command.v_y * ratio, omega)
+    return Twist(v_x * ratio, v_y * ratio,
+                 min(robot.max_yaw_rate, max(-robot.max_yaw_rate, omega)))
 
 
 @compiled

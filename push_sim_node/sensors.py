@@ -215,8 +215,9 @@ class DriftCovariance:
 
     def __init__(self, settings: SensorSettings) -> None:
         self.set_settings(settings)
-        # Plain numbers, as this is computed for every measurement of every simulation.
-        self._errors = [[0.0, 0.0, 0.0] for _ in range(3)] + [[0.0, 0.0, 1.0]]
+        # p - p_0, which s multiplies, and the vectors of y and of d; that of o follows from p.
+        self._moved = 0.0, 0.0
+        self._by_rotation = self._by_distance = 0.0, 0.0, 0.0
 
     def set_settings(self, settings: SensorSettings) -> None:
         """
@@ -239,21 +240,24 @@ class DriftCovariance:
         :param d_y: in the world, y [m].
         :param rotation: [rad].
         """
-        for error in self._errors:
-            error[0] -= error[2] * d_y
-            error[1] += error[2] * d_x
-        scale, yaw_scale, drift, _ = self._errors
-        scale[0] += d_x
-        scale[1] += d_y
-        yaw_scale[2] += rotation
-        drift[2] += math.hypot(d_x, d_y)
+        x, y = self._moved
+        self._moved = x + d_x, y + d_y
+        x, y, angle = self._by_rotation
+        self._by_rotation = x - angle * d_y, y + angle * d_x, angle + rotation
+        x, y, angle = self._by_distance
+        self._by_distance = x - angle * d_y, y + angle * d_x, angle + math.hypot(d_x, d_y)
 
     @property
     def covariance(self) -> PoseCovariance:
         """``PoseCovariance`` after the motion so far."""
         least = LEAST_DEVIATION ** 2
         x_x, x_y, x_theta, y_y, y_theta, theta_theta = least, 0.0, 0.0, least, 0.0, least
-        for variance, (x, y, theta) in zip(self._variances, self._errors):
+        moved_x, moved_y = self._moved
+        errors = ((moved_x, moved_y, 0.0), self._by_rotation, self._by_distance,
+                  (-moved_y, moved_x, 1.0))
+        for variance, (x, y, theta) in zip(self._variances, errors):
+            if variance == 0.0:
+                continue
             x_x += variance * x * x
             x_y += variance * x * y
             x_theta += variance * x * theta
@@ -282,7 +286,8 @@ class OdometrySensor:
         self._noise = noise
         self._pose_noise = pose_noise
         self._true_pose = pose
-        self._pose = Pose(pose.x, pose.y, pose.theta + settings.odometry_heading_offset)
+        # Its heading is not wrapped.
+        self._pose = pose.x, pose.y, pose.theta + settings.odometry_heading_offset
         self._covariance = DriftCovariance(settings)
         self.set_settings(settings)
 
@@ -312,13 +317,14 @@ class OdometrySensor:
         if self._settings.odometry_reference == 'absolute':
             return self._measured_in_world(time, pose, twist)
         # The twist that leads from one pose to the next in 1 s.
-        motion = self._biased(_arc_between(self._true_pose, pose))
+        v_x, v_y, rotation = self._biased(*_arc_between(self._true_pose, pose))
         self._true_pose = pose
-        d_x, d_y = chord_velocity(self._pose.theta, *motion, 1.0)
-        self._pose = Pose(self._pose.x + d_x, self._pose.y + d_y, self._pose.theta + motion.omega)
-        self._covariance.move(d_x, d_y, motion.omega)
-        return Odometry(time, self._pose._replace(theta=wrap_angle(self._pose.theta)),
-                        self._noisy(self._biased(twist)), self._covariance.covariance)
+        x, y, theta = self._pose
+        d_x, d_y = chord_velocity(theta, v_x, v_y, rotation, 1.0)
+        x, y, theta = self._pose = x + d_x, y + d_y, theta + rotation
+        self._covariance.move(d_x, d_y, rotation)
+        return Odometry(time, Pose(x, y, wrap_angle(theta)), self._measured(twist),
+                        self._covariance.covariance)
 
     def _measured_in_world(self, time: float, pose: Pose, twist: Twist) -> Odometry:
         e_x, e_y, e_theta = self._pose_noise.standard_normal(3).tolist()
@@ -326,31 +332,34 @@ class OdometrySensor:
         heading = self._settings.odometry_heading_noise
         measured = Pose(pose.x + position * e_x, pose.y + position * e_y,
                         wrap_angle(pose.theta + heading * e_theta))
-        return Odometry(time, measured, self._noisy(self._biased(twist)),
+        return Odometry(time, measured, self._measured(twist),
                         PoseCovariance.from_deviations(position, heading))
 
-    def _biased(self, twist: Twist) -> Twist:
-        v_x, v_y, omega = twist
-        return Twist(self._scale * v_x, self._scale * v_y,
-                     self._yaw_scale * omega + self._heading_drift * math.hypot(v_x, v_y))
+    def _biased(self, v_x: float, v_y: float, omega: float) -> tuple[float, float, float]:
+        """Add the errors that stay for a run to a twist."""
+        return (self._scale * v_x, self._scale * v_y,
+                self._yaw_scale * omega + self._heading_drift * math.hypot(v_x, v_y))
 
-    def _noisy(self, twist: Twist) -> Twist:
+    def _measured(self, twist: Twist) -> Twist:
+        """Measure a twist, with all errors."""
+        v_x, v_y, omega = self._biased(*twist)
         e_x, e_y, e_omega = self._noise.standard_normal(3).tolist()
         speed_noise = self._settings.odometry_speed_noise
-        yaw_rate_noise = self._settings.odometry_yaw_rate_noise
-        return Twist(twist.v_x + speed_noise * e_x, twist.v_y + speed_noise * e_y,
-                     twist.omega + yaw_rate_noise * e_omega)
+        return Twist(v_x + speed_noise * e_x, v_y + speed_noise * e_y,
+                     omega + self._settings.odometry_yaw_rate_noise * e_omega)
 
 
 def _is_interval(value: object) -> bool:
     return isinstance(value, tuple) and len(value) == 2 and value[1] > value[0]
 
 
-def _arc_between(start: Pose, end: Pose) -> Twist:
+def _arc_between(start: Pose, end: Pose) -> tuple[float, float, float]:
     """Return the constant twist, in the own axes of start, that leads to end in 1 s."""
     rotation = end.theta - start.theta
+    d_x, d_y = end.x - start.x, end.y - start.y
+    c, s = math.cos(start.theta), math.sin(start.theta)
+    x, y = c * d_x + s * d_y, c * d_y - s * d_x
     c, s = chord_velocity(0.0, 1.0, 0.0, rotation, 1.0)
-    x, y = Pose(0.0, 0.0, -start.theta).rotate((end.x - start.x, end.y - start.y))
     # (c, s) / |(c, s)|^2 inverts the rotation and the shrinking from arc to chord.
     squared = c * c + s * s
-    return Twist((c * x + s * y) / squared, (c * y - s * x) / squared, rotation)
+    return (c * x + s * y) / squared, (c * y - s * x) / squared, rotation

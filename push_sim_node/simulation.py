@@ -10,7 +10,7 @@ from push_dynamics.actuation import limit_command
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
-from push_sim_node.disturbance import change_times, friction_factors
+from push_sim_node.disturbance import change_times, friction_factors, ObjectDisplacement
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
 from push_sim_node.settings import SimulationSettings
@@ -64,35 +64,44 @@ class _EventQueue:
         return heapq.heappop(self._heap)
 
 
-class _HeldCommand(NamedTuple):
-    """A command, and the time at which the robot stops if no other has come [ns]."""
-
-    twist: Twist = STOP
-    deadline: int = 0
-
-
 class _Disturbances:
-    """Disturbances to come: times of friction changes [ns], and displacements of the object."""
+    """
+    Disturbances to come: changes of the friction, and displacements of the object.
+
+    ``next_time``: of the earliest, infinite where there is none [ns].
+    """
 
     def __init__(self, settings: SimulationSettings) -> None:
-        self.friction_times = [_nanoseconds(t) for t in change_times(settings.friction_changes)]
-        self.displacements = sorted(settings.object_displacements,
-                                    key=lambda displacement: displacement.time)
+        self._friction_times = [_nanoseconds(t) for t in change_times(settings.friction_changes)]
+        self._displacements = sorted(settings.object_displacements,
+                                     key=lambda displacement: displacement.time)
+        self._note_next_time()
 
     def pop_friction_changes(self, now: int) -> bool:
         """Drop the friction changes that are due; return whether there were any."""
-        due = False
-        while self.friction_times and self.friction_times[0] <= now:
-            self.friction_times.pop(0)
-            due = True
-        return due
+        times = self._friction_times
+        self._friction_times = [time for time in times if time > now]
+        self._note_next_time()
+        return len(self._friction_times) < len(times)
+
+    def pop_displacement(self, now: int) -> ObjectDisplacement | None:
+        """Drop the displacement that is due, and return it; None where none is."""
+        if not self._displacements or _nanoseconds(self._displacements[0].time) > now:
+            return None
+        displacement = self._displacements.pop(0)
+        self._note_next_time()
+        return displacement
+
+    def _note_next_time(self) -> None:
+        times = [_nanoseconds(displacement.time) for displacement in self._displacements[:1]]
+        self.next_time = min([math.inf, *self._friction_times[:1], *times])
 
 
 class Simulation:
     """
     Simulated time, in steps from one measurement to the next.
 
-    Times are whole nanoseconds inside. At time 0 the first object pose and then the first
+    ``time``: simulated time [s]. Times are whole nanoseconds inside. At time 0 the first object pose and then the first
     odometry are delivered, without latency or loss: the object has stood still before. Of
     measurements that are due together, object poses come first. The robot stops when no command
     has come for ``command_timeout``. Where the robot is in the way of a displacement of the
@@ -151,11 +160,13 @@ class Simulation:
         self._pose_sensor = PoseSensor(self.sensors, pose_noise, losses, outliers)
         self._odometry_sensor = OdometrySensor(self.sensors, self.plant.robot_pose, biases,
                                                twist_noise, odometry_noise)
-        self._now = 0
-        self._command = _HeldCommand()
+        self._set_now(0)
+        # A command, and when the robot stops if no other has come [ns].
+        self._command, self._deadline = STOP, 0
         self._events = _EventQueue()
         self._disturbances = _Disturbances(settings)
         self.rows: list[FloatArray | list[float]] = []
+        self._disturbances.pop_friction_changes(0)
         self._apply_friction()
         self._events.schedule(0, _EventKind.MEASURE_POSE, 0)
         self._events.schedule(0, _EventKind.MEASURE_ODOMETRY, 0)
@@ -173,11 +184,6 @@ class Simulation:
         :raises ValueError: where there is no row yet.
         """
         return Tape(self.columns, np.array(self.rows))
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return self._now / NANOSECONDS
 
     @property
     def truth(self) -> Truth:
@@ -202,9 +208,8 @@ class Simulation:
         :raises ValueError: where it is not finite or not possible for the drive.
         """
         limit_command(self.robot, twist)
-        self._command = _HeldCommand(
-            Twist(*(float(value) for value in twist)),
-            self._now + _nanoseconds(self.settings.command_timeout))
+        self._command = Twist(*map(float, twist))
+        self._deadline = self._now + _nanoseconds(self.settings.command_timeout)
 
     def next_measurement(self) -> Odometry | ObjectPose:
         """
@@ -247,32 +252,34 @@ class Simulation:
     def _advance_to(self, time: int) -> None:
         """Move the plant on, with stops where command, friction or pose of the object change."""
         while self._now < time:
-            stops = [time, *self._disturbances.friction_times[:1]]
-            displaced_at = None
-            if self._disturbances.displacements:
-                due = _nanoseconds(self._disturbances.displacements[0].time)
-                displaced_at = max(self._now, due)
-                stops.append(displaced_at)
-            if self._now < self._command.deadline:
-                stops.append(self._command.deadline)
-            until = min(stops)
+            disturbed_at = self._disturbances.next_time
+            until = time if time < disturbed_at else max(self._now, int(disturbed_at))
+            if self._now < self._deadline < until:
+                until = self._deadline
             if until > self._now:
                 self.plant.advance((until - self._now) / NANOSECONDS, self._active_command())
-            self._now = until
-            self._apply_friction()
-            if until == displaced_at:
-                self._displace_object()
+            self._set_now(until)
+            if until >= disturbed_at:
+                self._disturb()
+
+    def _set_now(self, now: int) -> None:
+        self._now = now
+        self.time = now / NANOSECONDS
 
     def _active_command(self) -> Twist:
-        return self._command.twist if self._now < self._command.deadline else STOP
+        return self._command if self._now < self._deadline else STOP
 
     def _apply_friction(self) -> None:
-        if self._disturbances.pop_friction_changes(self._now) or self._now == 0:
-            self.plant.set_friction_factors(friction_factors(
-                self.settings.friction_changes, self.time, len(self.obj.supports)))
+        self.plant.set_friction_factors(friction_factors(
+            self.settings.friction_changes, self.time, len(self.obj.supports)))
 
-    def _displace_object(self) -> None:
-        displacement = self._disturbances.displacements.pop(0)
+    def _disturb(self) -> None:
+        """Change friction, or displace the object, as is due."""
+        if self._disturbances.pop_friction_changes(self._now):
+            self._apply_friction()
+        displacement = self._disturbances.pop_displacement(self._now)
+        if displacement is None:
+            return
         try:
             self.plant.set_object_pose(self.plant.object_pose @ displacement.relative_pose)
         except ValueError as error:
