@@ -189,7 +189,7 @@ class PathFollower:
         self._rest_time = 0.0
         self._command = motion
         # Motion of the robot as its lag lets it follow the commands.
-        self._motion = motion
+        self._motion: tuple[float, float, float] = motion
         self.finished = False
         self.missed = False
 
@@ -210,11 +210,11 @@ class PathFollower:
         :return: ``Twist``.
         :raises ValueError: where the pose or the time is not finite.
         """
-        if not Pose(*pose).is_finite():
+        pose = Pose(*pose)
+        if not pose.is_finite():
             raise ValueError(f'pose: got {tuple(pose)}, expected finite numbers')
         if not (math.isfinite(dt) and dt >= 0.0):
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
-        pose = Pose(*pose)
         predicted = self._predict(pose, dt)
         if self._passes_end:
             self._check_passing(pose)
@@ -231,10 +231,13 @@ class PathFollower:
         """Predict the pose one lag ahead: from there the drive follows as one without lag."""
         lag = self._robot.time_constant
         ratio = -math.expm1(-dt / lag) if lag else 1.0
-        self._motion = Twist(*(moving + ratio * (commanded - moving)
-                               for moving, commanded in zip(self._motion, self._command)))
-        rotation = self._motion.omega * lag
-        x, y = pose._replace(theta=pose.theta + 0.5 * rotation).rotate(self._motion)
+        (v_x, v_y, omega), command = self._motion, self._command
+        v_x += ratio * (command.v_x - v_x)
+        v_y += ratio * (command.v_y - v_y)
+        omega += ratio * (command.omega - omega)
+        self._motion = v_x, v_y, omega
+        rotation = omega * lag
+        x, y = Pose(0.0, 0.0, pose.theta + 0.5 * rotation).rotate((v_x, v_y))
         return Pose(pose.x + lag * x, pose.y + lag * y, pose.theta + rotation)
 
     def _check_arrival(self, pose: Pose, predicted: Pose, dt: float) -> bool:

@@ -20,6 +20,8 @@ from push_primitives.store import PushPrimitives
 # Members that are rolled out; chosen: their mean is that of all, and a decision takes some
 # milliseconds.
 ROLLED_OUT = 6
+# Columns of the poses of robot and object.
+POSES = [*ROBOT, *OBJECT]
 # Curvatures between which a differential drive chooses [1/m]; chosen: beyond two, contacts slide.
 CURVATURES = (-2.0, -1.0, -0.4, 0.0, 0.4, 1.0, 2.0)
 # Distance for which a curvature holds before the later one [m]; chosen: about a radius.
@@ -65,6 +67,8 @@ class RolloutLaw:
         :param speed: of the push [m/s].
         """
         self._members = members
+        # Numbers of those that are rolled out.
+        self._chosen = np.linspace(0, members.count - 1, ROLLED_OUT).astype(int)
         self._cost_to_go = cost_to_go
         self._face = face
         self._goal = np.array(goal)
@@ -108,12 +112,11 @@ class RolloutLaw:
     def _evaluate(self, arcs: FloatArray, horizon: float,
                   direction: float) -> tuple[FloatArray, FloatArray]:
         members, scratch, table = self._members, self._members.scratch, self._cost_to_go
-        chosen = np.linspace(0, members.count - 1, ROLLED_OUT).astype(int)
+        chosen = self._chosen
         states = members.states[chosen]
         # Their mean is that of all members.
-        for columns in (ROBOT, OBJECT):
-            states[:, columns] += (members.states[:, columns].mean(axis=0)
-                                   - states[:, columns].mean(axis=0))
+        states[:, POSES] += (members.states[:, POSES].mean(axis=0)
+                             - states[:, POSES].mean(axis=0))
         stops = _stops(horizon)
         costs = np.zeros((len(arcs) + 1, len(stops)))
         roll_out(states, members.bodies[chosen], members.supports[chosen], scratch.outline,

@@ -58,8 +58,8 @@ class HeadingCheck:
             multiple = self._angle * round(rotation / self._angle)
             if abs(rotation - multiple) < FLIP_TOLERANCE:
                 self.flip = -multiple
-        self._last = pose._replace(theta=wrap_angle(pose.theta + self.flip))
-        return measured._replace(pose=self._last)
+        self._last = Pose(pose.x, pose.y, wrap_angle(pose.theta + self.flip))
+        return ObjectPose(measured.time, self._last, measured.covariance)
 
 
 def rotational_symmetry(obj: PushedObject) -> int:

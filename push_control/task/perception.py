@@ -332,7 +332,8 @@ class TaskPerception:
         """Put the robot where it is localized."""
         if not self.localization.is_initialized:
             return odometry
-        return odometry._replace(pose=self.localization.pose)
+        return Odometry(odometry.time, self.localization.pose, odometry.twist,
+                        odometry.covariance)
 
     @property
     def time(self) -> float:

@@ -437,10 +437,11 @@ class Supervisor:
         """
         if not 0.0 <= dt < math.inf:
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
-        if observation.stamps != self._answer.stamps:
+        stamps = observation.stamps
+        if stamps != self._answer.stamps:
             self._perception.update(observation)
             waiting_reason = self._waiting_reason()
-            self._answer = _Answer(observation.stamps, self._command(waiting_reason, dt))
+            self._answer = _Answer(stamps, self._command(waiting_reason, dt))
             self._update_status(waiting_reason)
         return self._answer.command
 
