@@ -101,11 +101,13 @@ class Simulation:
     """
     Simulated time, in steps from one measurement to the next.
 
-    ``time``: simulated time [s]. Times are whole nanoseconds inside. At time 0 the first object pose and then the first
-    odometry are delivered, without latency or loss: the object has stood still before. Of
-    measurements that are due together, object poses come first. The robot stops when no command
-    has come for ``command_timeout``. Where the robot is in the way of a displacement of the
-    object, time cannot go on: a ``ValueError`` says so.
+    Times are whole nanoseconds inside. At time 0 the first object pose and then the first odometry
+    are delivered, without latency or loss: the object has stood still before. Of measurements that
+    are due together, object poses come first. The robot stops when no command has come for
+    ``command_timeout``. Where the robot is in the way of a displacement of the object, time cannot
+    go on: a ``ValueError`` says so.
+
+    ``time``: simulated time [s].
 
     ``rows`` has a row in the order of ``columns`` for every odometry time, SI units, before the
     command that answers it. ``object_v`` is in world axes, ``robot_v`` and ``command`` in the
