@@ -460,7 +460,9 @@ class ControllerNode(ManagedNode):
 
 def _names_object_only(values: Mapping[str, Any]) -> bool:
     """Tell whether an object is named, and none of its parameters given with it."""
-    return OBJECT_NAME in values and not any(name.startswith(OBJECT_PREFIX) for name in values)
+    # What is no text is refused for that.
+    return (isinstance(values.get(OBJECT_NAME), str)
+            and not any(name.startswith(OBJECT_PREFIX) for name in values))
 
 
 if __name__ == '__main__':

@@ -47,6 +47,9 @@ SIGNAL_PERIOD = 0.1
 # Time that a callback may still take after a signal before it is interrupted [s]; chosen: launch
 # sends the next signal after 5 s, and kills after 15 s.
 ENDING_TIME = 2.0
+# Time after a signal from which on another one interrupts at once [s]; chosen: launch and a
+# terminal send one each for the same Ctrl-C.
+PATIENCE_TIME = 0.5
 # Time after which an interrupt that could not be passed on is repeated [s]; chosen.
 REPEAT_TIME = 0.01
 # Exit status where a parameter is refused.
@@ -306,7 +309,8 @@ class _StopSignal:
     Remembers that SIGINT or SIGTERM came.
 
     While the node is made, which may take long, the signal interrupts that as well; later it
-    interrupts a callback that takes long, as that of a planner does. An interrupt that falls into
+    interrupts a callback that takes long, as that of a planner does: after a while, or at once
+    where somebody has no patience and sends another one. An interrupt that falls into
     a callback of a C library, as the compiler has them, cannot be passed on through it: Python
     reports and drops it. It is repeated shortly after.
     """
@@ -314,6 +318,7 @@ class _StopSignal:
     def __init__(self) -> None:
         self.is_starting = True
         self._has_come = False
+        self._came_at = 0.0
         self._is_armed = False
         self._former_handlers = {number: signal.signal(number, self._remember)
                                  for number in (signal.SIGINT, signal.SIGTERM)}
@@ -321,8 +326,12 @@ class _StopSignal:
         self._former_hook, sys.unraisablehook = sys.unraisablehook, self._repeat
 
     def _remember(self, number: int, frame: FrameType | None) -> None:
+        now = time.monotonic()
         if not self._has_come:
+            self._came_at = now
             self.arm()
+        elif now - self._came_at > PATIENCE_TIME:
+            self._interrupt(number, frame)
         self._has_come = True
         if self.is_starting:
             self.is_starting = False

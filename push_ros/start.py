@@ -112,14 +112,19 @@ def start_tool(name: str) -> int:
     """
     signal.signal(signal.SIGINT, _leave_tool)
     main = importlib.import_module(TOOLS[name]).main
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         status = main()
         sys.stdout.flush()
+    except KeyboardInterrupt:
+        # Before the tool has begun with what it would end in order, as while it imports that.
+        return INTERRUPTED
     except BrokenPipeError:
         # What is left in the buffer goes nowhere; else its last flush would fail again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
+    finally:
+        signal.signal(signal.SIGINT, _leave_tool)
     return status
 
 

@@ -1,11 +1,12 @@
 """A node ends soon after a signal, in order, whatever it is about to do."""
 
+import contextlib
 import signal
 import subprocess
 import sys
 import time
 
-from push_ros.executor import BAD_PARAMETER, MessageWaiter, run, take_message
+from push_ros.executor import BAD_PARAMETER, MessageWaiter, PATIENCE_TIME, run, take_message
 from push_ros.qos import LATCHED
 from push_scenario.dds.processes import private_domain
 from push_scenario.dds.replay_client import local_discovery
@@ -85,6 +86,20 @@ def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
         assert (process.returncode, printed) == (0, 'closed\n')
     finally:
         process.kill()
+
+
+def test_a_second_interrupt_ends_a_callback_at_once() -> None:
+    """Who presses Ctrl-C again does not wait until a callback may be interrupted anyway."""
+    script = f'import push_ros.executor\npush_ros.executor.ENDING_TIME = 1e6\n{SCRIPT}'
+    with subprocess.Popen([sys.executable, '-c', script], stdin=subprocess.DEVNULL, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
+        assert process.stdout is not None and process.stdout.readline() == 'works\n'
+        status = None
+        while status is None:
+            process.send_signal(signal.SIGINT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                status = process.wait(1.5 * PATIENCE_TIME)
+        assert (status, process.stdout.read()) == (0, 'closed\n')
 
 
 @pytest.mark.parametrize('content', [

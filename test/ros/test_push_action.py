@@ -282,6 +282,9 @@ def test_the_object_may_be_set_as_a_parameter(client):
     assert client.set_parameter('object_name', 'bin').successful
     refused = client.set_parameter('object_name', 'moon')
     assert not refused.successful and 'expected one of bin, box_04' in refused.reason
+    for value in (1.5, [1.5], ['bin'], True):
+        refused = client.set_parameter('object_name', value)
+        assert not refused.successful and 'object_name: got ' in refused.reason
     assert not client.set_parameter('object.radius', -1.0).successful
     assert client.set_parameter('object.mass', 5.0).successful
     requests = client.b.received['push_request']

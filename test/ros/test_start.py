@@ -33,6 +33,15 @@ def test_an_interrupt_during_the_imports_ends_a_command_quietly(name, module, nu
     assert (done.returncode, done.stdout, done.stderr) == (status, '', '')
 
 
+def test_an_interrupt_of_a_tool_that_has_just_begun_ends_it_quietly() -> None:
+    """While it imports what it needs for its arguments."""
+    code = INTERRUPTED_IMPORT.format(module='push_view.belief', number=int(signal.SIGINT),
+                                     name='replay')
+    done = subprocess.run([sys.executable, '-c', code, 'curved_push'], capture_output=True,
+                          text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (INTERRUPTED, '', '')
+
+
 @pytest.mark.slow
 def test_output_that_nobody_reads_ends_a_tool_quietly():
     """As behind ``| head``: whoever reads has gone before anything is written."""
