@@ -44,8 +44,8 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
 FRAME = 'odom'
-# Beginning of the clock [s]: stamps of a computer, and not of a simulator.
-EPOCH = 1000.0
+# Beginning of the clock [s]: stamps of a computer, which count from 1970, and not of a simulator.
+EPOCH = 1.8e9
 # When the goal is set, and the map before it [s].
 GOAL_TIME, MAP_TIME = 0.1, 0.0
 # Planning time [s]; as in one process.

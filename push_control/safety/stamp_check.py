@@ -4,8 +4,8 @@ Do stamps belong to the present: those that are off are refused.
 Odometry sets the time: object poses are compared with it. Odometry that is off is refused as well,
 and the robot stands: a clock that has jumped may come back. Only where its messages go on at
 another time for a while has time itself changed: back, as with a simulator that was started again,
-or ahead, as where a clock was set. One that begins again where it has begun, or at zero, is
-believed at once.
+or ahead, as where a clock was set. One that begins again where it has begun, or the clock of a
+simulator at zero, is believed at once.
 """
 
 import enum
@@ -18,6 +18,10 @@ MAX_DIFFERENCE = 1.0
 TIME_RATIO = 2.0
 # Odometry messages in a row that agree with each other; chosen: no two accidents do.
 AGREEING_COUNT = 3
+# Beginning of odometry from which on its clock is that of a computer, which counts from 1970 [s];
+# chosen: three years, which no simulator counts from zero. Stamps near zero are then those of
+# somebody who has no clock, for a while or for good.
+COMPUTER_TIME = 1e8
 # Time for which they have to, where they do not begin again [s]; chosen: clocks that are set right
 # again are so within two or three seconds.
 NEW_TIME_DURATION = 3.0
@@ -84,8 +88,9 @@ class StampCheck:
         self._candidate = stamp
 
     def _has_time_changed(self) -> bool:
-        begins_again = min(abs(self._first_candidate), abs(self._first_candidate - self._first)
-                           ) < MAX_DIFFERENCE
+        beginnings = (self._first, 0.0) if self._first < COMPUTER_TIME else (self._first,)
+        begins_again = any(abs(self._first_candidate - beginning) < MAX_DIFFERENCE
+                           for beginning in beginnings)
         return self._agreeing >= AGREEING_COUNT and (
             begins_again or self._candidate - self._first_candidate >= NEW_TIME_DURATION)
 

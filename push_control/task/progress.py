@@ -123,10 +123,15 @@ class ProgressMonitor:
         """
         Note that there is no plan; twice for the same reason from the same poses is once too many.
 
+        A plan that cannot be used tells nothing of these poses: it was spoilt or meant for others
+        on its way, and the next one may be right.
+
         :param request: the ``PlanRequest``.
         :param code: ``PlanFailure``.
         :param reason: the same in one sentence.
         """
+        if code is PlanFailure.INVALID_PLAN:
+            return
         last = self._failed_request
         if last is not None and last.code is code and not self._have_moved(last.request, request):
             self._planning_failure = f'aborted: planning failed twice from here: {reason}'

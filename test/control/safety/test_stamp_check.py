@@ -31,6 +31,17 @@ def test_a_clock_that_begins_again_is_believed_at_once(start):
     assert running(check, start, 5, 3.0) == [REFUSED, REFUSED, BACK, ACCEPTED, ACCEPTED]
 
 
+@pytest.mark.parametrize('start', [0.0, 0.5])
+def test_the_clock_of_a_computer_does_not_begin_again_at_zero(start: float) -> None:
+    """Stamps there are of somebody without a clock: who gets it back has never been away."""
+    first, check = 1.8e9, StampCheck()
+    running(check, first, 50)
+    assert set(running(check, start, 100, 1.0)) == {REFUSED}
+    assert set(running(check, first + 3.0, 50, 3.0)) == {ACCEPTED}
+    found = running(check, start, 200, 4.0)
+    assert found.index(BACK) == 150 and found[-1] is ACCEPTED
+
+
 @pytest.mark.parametrize('pace', [1.0, 0.1])
 @pytest.mark.parametrize('off', [-97.0, -30.0, -1.2, 1.4, 1000.0])
 def test_a_clock_that_comes_back_has_never_been_away(off, pace):

@@ -118,6 +118,17 @@ def test_the_same_planning_failure_twice_from_the_same_poses_aborts(code, reques
     assert not monitor.abort_reason
 
 
+def test_a_plan_that_cannot_be_used_tells_nothing_of_the_poses() -> None:
+    """However often; a failure to plan from there still counts from before."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    monitor.on_planning_failed(REQUEST, PlanFailure.BLOCKED, 'a wall')
+    for _ in range(3):
+        monitor.on_planning_failed(REQUEST, PlanFailure.INVALID_PLAN, 'begins elsewhere')
+        assert not monitor.abort_reason
+    monitor.on_planning_failed(REQUEST, PlanFailure.BLOCKED, 'a wall')
+    assert monitor.abort_reason
+
+
 def test_an_object_with_biased_poses_is_seen_from_other_sides():
     """Within what pushes aim at, no push helps; after some looks the task fails, with numbers."""
     monitor = ProgressMonitor(SUPERVISION, AIM)
