@@ -161,9 +161,14 @@ def _watch(scenario: Scenario, client: ReplayClient, monitor: RunMonitor,
 
 
 def _clear(bag: Path) -> None:
-    """Remove a former recording, and nothing else."""
-    if (bag / 'metadata.yaml').is_file() or (bag.is_dir() and not any(bag.iterdir())):
+    """Remove a former recording, be it one that was interrupted, and nothing else."""
+    if bag.is_dir() and _is_recording({entry.name for entry in bag.iterdir()}, bag):
         shutil.rmtree(bag)
     elif bag.exists():
         raise ReplayFailed(f'{bag}: got something that is no recording, expected a recording '
                            'that may be overwritten, or nothing')
+
+
+def _is_recording(names: set[str], bag: Path) -> bool:
+    # One that was killed has no index; one that was interrupted at its begin has no file.
+    return 'metadata.yaml' in names or names <= {f'{bag.name}.mcap'}

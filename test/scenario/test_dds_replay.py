@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 import dataclasses
 import os
+from pathlib import Path
 import signal
 
 from helpers.extras import import_extra
@@ -146,6 +147,22 @@ def test_a_goal_that_cannot_be_reached_is_refused(tmp_path):
     result = run_over_dds(task, None, tmp_path)
     assert (result.outcome, result.tape, result.plan) == (Outcome.REFUSED, None, None)
     assert result.reason == simulate(task).reason
+
+
+def test_a_recording_that_was_interrupted_is_overwritten_and_nothing_else(tmp_path: Path) -> None:
+    """One that was killed has no index; a folder with anything else stays as it is."""
+    task = scenario('unreachable_goal')
+    bag = tmp_path / f'{task.name}_{task.control.control_law}_bag'
+    bag.mkdir()
+    recorded, notes = bag / f'{bag.name}.mcap', bag / 'notes.txt'
+    recorded.write_bytes(b'half')
+    notes.write_bytes(b'mine')
+    with pytest.raises(ReplayFailed, match='expected a recording that may be overwritten'):
+        run_over_dds(task, None, tmp_path)
+    assert (recorded.read_bytes(), notes.read_bytes()) == (b'half', b'mine')
+    notes.unlink()
+    assert run_over_dds(task, None, tmp_path).bag == bag
+    assert (bag / 'metadata.yaml').is_file() and recorded.read_bytes() != b'half'
 
 
 def test_the_recording_opens_in_another_reader(side_by_side):
