@@ -30,6 +30,8 @@ from rclpy.action.client import ActionClient
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
+# Topic by whose publishers servers of the action are told from each other.
+STATUS_TOPIC = f'{ACTION}/_action/status'
 # Longest time that ``is_done`` handles what comes [s]; chosen: half the time between two
 # feedbacks, and programs that do something else besides react at once.
 SPIN_TIME = 0.1
@@ -127,6 +129,8 @@ class PushCommander:
         self._handle: Any = None
         self._feedback: PushFeedback | None = None
         self._result: PushResult | None = None
+        # Servers that there were when it was sent, or accepted.
+        self._servers: set[bytes] = set()
 
     def __enter__(self) -> 'PushCommander':
         """Return itself."""
@@ -172,6 +176,7 @@ class PushCommander:
         self._number += 1
         self._handle = self._feedback = self._result = None
         number = self._number
+        self._servers = self._present_servers()
         sent = self._client.send_goal_async(
             goal, feedback_callback=lambda message: self._on_feedback(number, message.feedback))
         if not self._spin_until(sent.done, math.inf):
@@ -181,6 +186,7 @@ class PushCommander:
         if not self._handle.accepted:
             self._result = PushResult(PushOutcome.REJECTED, error_msg='the controller is inactive')
             return False
+        self._servers = self._present_servers()
         self._handle.get_result_async().add_done_callback(
             lambda future: self._on_result(number, future.result()))
         return True
@@ -194,7 +200,7 @@ class PushCommander:
         if self._handle is None:
             return True
         if not self._spin_until(lambda: self._result is not None, timeout):
-            if not self._client.server_is_ready():
+            if self._is_server_lost:
                 self._result = PushResult(PushOutcome.LOST, error_msg='the controller is gone')
         return self._result is not None
 
@@ -216,13 +222,24 @@ class PushCommander:
         message.header.frame_id = self._frame
         return message
 
+    def _present_servers(self) -> set[bytes]:
+        """List who serves the action; one that was started again is another one."""
+        return {bytes(publisher.endpoint_gid)
+                for publisher in self._node.get_publishers_info_by_topic(STATUS_TOPIC)}
+
+    @property
+    def _is_server_lost(self) -> bool:
+        """Whether the controller is gone that has the goal, maybe with another in its place."""
+        is_replaced = bool(self._servers) and self._servers.isdisjoint(self._present_servers())
+        return is_replaced or not self._client.server_is_ready()
+
     def _spin_until(self, condition: Callable[[], bool], timeout: float) -> bool:
         """Handle what comes until a condition holds; False after the time, or without a server."""
         end = time.monotonic() + timeout
-        was_ready = self._client.server_is_ready()
+        was_lost = self._is_server_lost
         while not condition():
             self._executor.spin_once(timeout_sec=min(SPIN_TIME, timeout))
-            is_lost = was_ready and not self._client.server_is_ready()
+            is_lost = not was_lost and self._is_server_lost
             if is_lost or time.monotonic() >= end:
                 return condition()
         return True

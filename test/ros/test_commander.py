@@ -1,10 +1,14 @@
 """The commander over DDS: with planner, controller and simulator, as a program uses it."""
 
+from collections.abc import Iterator
 import contextlib
 import os
+from pathlib import Path
+import signal
 import subprocess
 import sys
 import time
+from typing import TYPE_CHECKING
 
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
@@ -19,9 +23,15 @@ from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 import pytest
 import rclpy
+from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 import yaml
 
+if TYPE_CHECKING:
+    from push_ros.commander import PushCommander
+
+# Context of rclpy, the processes of the nodes, and their parameter files.
+Nodes = tuple[Context, NodeProcesses, dict[str, Path]]
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node',
@@ -35,7 +45,7 @@ FAR, NEAR = Pose(2.0, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
 
 
 @pytest.fixture(scope='module')
-def context(tmp_path_factory):
+def context(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nodes]:
     """Start all nodes."""
     folder = tmp_path_factory.mktemp('commander')
     paths = write_parameter_files(folder, SCENARIO, SCENARIO.control, folder / 'tape.csv',
@@ -52,7 +62,7 @@ def context(tmp_path_factory):
         stack.callback(rclpy.shutdown, context=context)
         for name, module in MODULES.items():
             processes.start(name, module, paths[name])
-        yield context, processes
+        yield context, processes, paths
 
 
 @pytest.fixture
@@ -131,6 +141,20 @@ def test_the_example_runs(context, commander):
              'PYTHONPATH': os.pathsep.join([str(ROOT), os.environ['PYTHONPATH']])})
     assert done.returncode == 0, done.stdout
     assert 'SUCCEEDED' in done.stdout
+
+
+def test_a_controller_that_is_killed_and_started_again_has_lost_its_goal(
+        context: Nodes, commander: 'PushCommander') -> None:
+    """A new one serves the action, and knows nothing of the goal."""
+    from push_ros.commander import PushOutcome
+    assert commander.push_to(FAR)
+    processes = context[1]
+    processes.send(CONTROLLER, signal.SIGKILL)
+    os.waitid(os.P_PID, processes.pid(CONTROLLER), os.WEXITED | os.WNOWAIT)
+    processes.start(CONTROLLER, MODULES[CONTROLLER], context[2][CONTROLLER])
+    result, _ = watch(commander, processes)
+    assert result.outcome is PushOutcome.LOST
+    assert commander.wait_until_ready()
 
 
 def test_a_controller_that_ends_is_noticed(context, commander):
