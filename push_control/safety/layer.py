@@ -37,6 +37,9 @@ SLOWING_TIME = 0.15
 FADING = 0.99
 # The longest gap as long as none is known [s]; chosen: odometry at 10 Hz.
 FIRST_GAP = 0.1
+# Shift of the clock of odometry from which on the robot stands until it has caught up [s]; chosen:
+# two periods at 50 Hz, by which stamps of messages that are made in a hurry come out of order.
+LEAST_SHIFT = 0.04
 # Ratio beyond a limit that is only rounding; chosen: far above that of double precision.
 ROUNDING = 1.0 + 1e-9
 
@@ -158,7 +161,7 @@ class SafetyLayer:
         self._odometry_check.continue_late(odometry)
         self._late_count = self._late_count + 1 if odometry.time > self._late_stamp else 1
         self._late_stamp = odometry.time
-        if self._late_count < AGREEING_COUNT:
+        if self._late_count < AGREEING_COUNT or shift < LEAST_SHIFT:
             return None
         fault = SafetyReason.CLOCK_FELL_BACK.report(shift=shift)
         self.stop(fault)
@@ -195,8 +198,7 @@ class SafetyLayer:
         ratio = self._speed_ratio(time)
         if ratio < 1.0:
             sent = Twist(*(ratio * value for value in sent))
-        # On the clock that measures what comes of it: object poses may be stamped ahead of that.
-        self._monitor.add_command(sent, time if self._odometry is None else self._odometry.time)
+        self._monitor.add_command(sent, self._odometry_time(time))
         self._odometry_check.add_command(sent, time)
         return sent
 
@@ -209,6 +211,13 @@ class SafetyLayer:
             return 1.0
         silence = max(SILENCE, SILENCE_RATIO * self._longest_gap)
         return min(1.0, max(0.0, 1.0 - (time - since - silence) / SLOWING_TIME))
+
+    def _odometry_time(self, time: float) -> float:
+        """Tell the time on the clock of odometry [s]; object poses may be stamped ahead of it."""
+        if self._odometry is None:
+            return time
+        elapsed = time - self._answered[1]
+        return self._odometry.time + (elapsed if elapsed > SILENCE else 0.0)
 
     def _note_gap(self, gap: float) -> None:
         """Learn how long it may take until the next odometry, lost or late on its way."""
