@@ -68,8 +68,13 @@ class CloseFollowing:
                 self._durations[axis] += dt
 
     def give_up(self) -> None:
-        """Never hold the base to the close tolerance again."""
+        """Never hold the base to more than the stated tolerance again."""
         self._learning_time = math.inf
+
+    @property
+    def has_given_up(self) -> bool:
+        """Whether only the stated tolerance counts."""
+        return math.isinf(self._learning_time)
 
     def is_known(self, velocity: Twist) -> bool:
         """

@@ -9,7 +9,9 @@ velocity, over its tolerance s, is summed up for every model by a one-sided CUSU
 A base follows as long as one model explains its motion. It does not where g is above a threshold
 for all those that have explained it until then: a model that fails while another one holds counts
 no more for a while, so that delay and lag of the base are soon known. A base that is known to
-follow more closely (``CloseFollowing``) is held to a closer tolerance, with a second g.
+follow more closely (``CloseFollowing``) is held to a closer tolerance, with a second g; and one
+that keeps its velocity while its commands vary (``StuckTest``) does not follow, however little
+they vary.
 
 White noise leaves between two false alarms about exp(2 k h / q^2) samples (Siegmund 1985), where
 -k and q are mean and deviation of the summands in steps, and h is the threshold in steps, 15 of
@@ -25,6 +27,7 @@ from push_control.safety.close_following import CloseFollowing, LEVER
 from push_control.safety.drive_models import DriveModels, RESPONSE_TIME
 from push_control.safety.response_delay import ResponseDelay
 from push_control.safety.status import SafetyReason, SafetyReport
+from push_control.safety.stuck_test import StuckTest
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
@@ -142,6 +145,7 @@ class MotionMonitor:
         self._excluded_until: FloatArray = np.full(count, -math.inf)
         self._least: FloatArray = np.zeros(2)
         self._following = CloseFollowing()
+        self._stuck_test = StuckTest(count)
         self._time: float | None = None
         # Whether the base may have got other commands than those that are known, and until when
         # it may follow them [s].
@@ -179,6 +183,7 @@ class MotionMonitor:
     def forgive(self) -> None:
         """Begin anew with a robot that stands as commanded."""
         self._sums[:] = 0.0
+        self._stuck_test.clear()
 
     def add_command(self, command: Twist, time: float) -> None:
         """
@@ -216,7 +221,9 @@ class MotionMonitor:
         measured = np.array(twist, dtype=np.float64)
         is_settled = self._following.is_settled(self._models.nominal_error, time)
         nearest = self._compare(measured, is_settled, time, time - last)
-        is_fault = self._is_unexplained(nearest, time - last)
+        self._stuck_test.add(self._models.velocities, measured, time - last)
+        is_stuck = is_settled and self._stuck_test.is_stuck(self._excluded_until, time)
+        is_fault = self._is_unexplained(nearest, time - last, is_stuck)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
@@ -226,18 +233,20 @@ class MotionMonitor:
         """Let all models have the measured velocity, which somebody has commanded."""
         self._is_interrupted = False
         self._sums[:] = 0.0
+        self._stuck_test.clear()
         self._models.reset(twist)
         self._delay.clear()
         self._delay.add(time, twist, twist)
 
-    def _is_unexplained(self, nearest: int, dt: float) -> bool:
+    def _is_unexplained(self, nearest: int, dt: float, is_stuck: bool) -> bool:
         """Tell whether no model explains the motion as closely as this base is known to follow."""
         stated, close = self._least.tolist()
         velocity = Twist(*self._models.velocities[nearest].tolist())
         self._following.add(velocity, dt, is_close=close <= HOLDING_SUM)
         if stated > THRESHOLD:
             return True
-        if close <= THRESHOLD or not self._following.is_known(velocity):
+        is_far = close > THRESHOLD and self._following.is_known(velocity)
+        if self._following.has_given_up or not (is_far or is_stuck):
             return False
         self._following.give_up()
         return True

@@ -198,6 +198,30 @@ def test_a_base_that_now_and_then_follows_less_closely_is_stopped_once():
         assert driven(layer, base, command, 3.0, heed=loaded)[1] is None
 
 
+@pytest.mark.parametrize('step, is_stuck', [(1.0, True), (0.015, False)])
+def test_a_base_that_does_not_answer_small_changes_is_stuck(step: float, is_stuck: bool) -> None:
+    """Before it is 25 mm beside where it should be; one that only ignores the smallest is not."""
+    layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'], 0.1)
+    assert driven(layer, base, Twist(0.15, 0.0, 0.0), 3.0)[1] is None
+    start, kept = base.odometry.time, Twist(0.15, 0.0, 0.0)
+
+    def keep(sent: Twist) -> Twist:
+        nonlocal kept
+        if max(abs(sent.v_x - kept.v_x), 0.2 * abs(sent.omega - kept.omega)) > step:
+            kept = sent
+        return kept
+    beside = 0.0
+    for _ in range(500):
+        time = base.odometry.time - start
+        command = Twist(0.15 - 0.04 * math.sin(time), 0.0, 0.1 * math.sin(1.3 * time))
+        report = driven(layer, base, command, 0.5 * PERIOD, heed=keep)[1]
+        beside += PERIOD * abs(command.v_x - kept.v_x)
+        if report is not None:
+            break
+    assert (report is not None) == is_stuck
+    assert not is_stuck or beside < 0.025
+
+
 def after_a_gap(delay: float, duration: float) -> tuple[SafetyLayer, Base, Twist]:
     """Drive, and let a while pass in which the base stops by itself for want of commands."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'], delay)
@@ -381,6 +405,41 @@ def test_a_network_that_is_late_at_times_slows_the_robot_once():
         if layer.filter(command, 0.02 * i) != command:
             slowed.append(i)
     assert slowed and max(slowed) < 425
+
+
+@pytest.mark.parametrize('delay', [0.0, 0.1])
+@pytest.mark.parametrize('longest', [0.15, 0.3])
+def test_a_good_base_whose_odometry_comes_late_at_times_is_not_stopped(
+        delay: float, longest: float) -> None:
+    """It is slowed down meanwhile, which it shows when its odometry comes all at once."""
+    rng = np.random.default_rng(5)
+    layer, base = SafetyLayer(ROBOTS['holonomic'], BOX), Base(ROBOTS['holonomic'], delay)
+    waiting, late_until, is_slowed = [base.odometry], 0.0, False
+    for i in range(3000):
+        now = base.odometry.time
+        if i % 50 == 25:
+            late_until = now + rng.uniform(0.05, longest)
+        command = Twist(0.3 * math.sin(0.5 * now), 0.1 * math.cos(0.7 * now), math.sin(0.3 * now))
+        while waiting and now >= late_until:
+            layer.observe(waiting.pop(0))
+        # Object poses, which are not late, let time go on.
+        sent = layer.filter(command, now)
+        assert layer.report is None
+        is_slowed |= sent != command
+        waiting.append(base.drive(sent))
+    assert is_slowed
+
+
+def test_stamps_that_come_out_of_order_by_a_little_are_no_fault() -> None:
+    """As of odometry at 100 Hz from a busy computer; a clock that falls back further is one."""
+    layer, base = SafetyLayer(ROBOTS['holonomic'], BOX), Base(ROBOTS['holonomic'])
+    driven(layer, base, Twist(0.2, 0.0, 0.0), 1.0)
+    newest = base.odometry
+    layer.observe(newest)
+    for shift, is_fault in ((0.035, False), (0.06, True)):
+        for i in range(3):
+            layer.observe(newest._replace(time=newest.time - shift + 1e-3 * i))
+        assert (layer.report is not None) is is_fault
 
 
 def test_who_else_commands_the_base_is_named():
