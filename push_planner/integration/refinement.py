@@ -155,15 +155,16 @@ class _RefinementMemory:
         self._jumps = dimensions.jumps
         self._steering = steering = SteeringMemory(n)
         steering.end_weights[:] = STRAIGHT_END_WEIGHTS if dimensions.straight_end else END_WEIGHTS
-        self._rollout = rollout = RolloutMemory(dimensions, doublings, steering.present.gains,
-                                                steering.changes, steering.free_length)
         begin = _begin(any_steps)
         self._common, self._rates = np.zeros(begin.sizes['common']), np.zeros((n, POINTS))
+        column = self._common[:dimensions.supports.column_size]
+        self._rollout = rollout = RolloutMemory(
+            dimensions, doublings, column, steering.present.gains, steering.changes,
+            steering.free_length)
         linearize = _linearized_step(dimensions.kind, dimensions.supports, dimensions.jumps).bind({
             'node': rollout.nodes[:-1], 'free_length': steering.free_length,
             'change': steering.changes, 'data': rollout.data, 'rates': self._rates,
-            'column': self._common[:dimensions.supports.column_size],
-            'map': steering.maps.reshape(n, -1)})
+            'column': column, 'map': steering.maps.reshape(n, -1)})
         start = begin.bind({'present': rollout.nodes[0], 'common': self._common,
                             'node': rollout.nodes[0], 'state': rollout.first_state})
         # Size of the miss and ``EndError``, of the first and of fine rollouts.

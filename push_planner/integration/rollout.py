@@ -14,7 +14,7 @@ each a Radau step of three points (see ``collocation``), solved by Newton's meth
 import functools
 import math
 import threading
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
@@ -64,6 +64,8 @@ STEP_SIZE = 2 * NODE_SIZE + 5
 LEAST_CAPACITY = 256
 # Steps back of a rollout that are rounding [m].
 ROUNDING = 1e-9
+# Numbers of the samples after jumps where there is none but the first touch.
+FIRST_SAMPLE = np.array([0])
 
 
 class Rollout(NamedTuple):
@@ -259,11 +261,13 @@ class _StepFunctions(NamedTuple):
 def _step_functions() -> _StepFunctions:
     """Build what surrounds the parts of a rollout."""
     node, gains, change = ca.SX.sym('node', NODE_SIZE), ca.SX.sym('gains', 7), ca.SX.sym('change')
-    data, smoothing = ca.SX.sym('data', len(StepData._fields)), ca.SX.sym('smoothing')
+    data, speeds = ca.SX.sym('data', len(StepData._fields)), ca.SX.sym('speeds', 2)
     free_length, begin = ca.SX.sym('free_length'), ca.SX.sym('begin')
     of_step = StepData(*ca.vertsplit(data))
     length = of_step.length + of_step.free_fraction * free_length
-    given = {'node': node, 'gains': gains, 'change': change, 'data': data, 'smoothing': smoothing,
+    # The friction of the model becomes viscous below a speed in m/s, here it is per speed.
+    smoothing = SMOOTHING / ca.sqrt(ca.fmax(speeds[0], of_step.v_squared_end))
+    given = {'node': node, 'gains': gains, 'change': change, 'data': data, 'speeds': speeds,
              'free_length': free_length, 'begin': begin}
     step = RolloutStep(node, gains[:NODE_SIZE], change, length, of_step.v_squared,
                        of_step.v_squared_slope, smoothing)
@@ -300,21 +304,33 @@ def _sampling() -> RowFunction:
         list(given), ['s', 'v_squared', 'so_far']), gathered=['step', 'speeds', 'begin'])
 
 
+class _Parts(NamedTuple):
+    """
+    Parts of n steps, m in all.
+
+    :param steps: number of the step of each part, shape (m,).
+    :param parts: fraction of each part, and of what lies before it in its step, shape (m, 2).
+    :param nodes: number of the first part of each step, and m, shape (n + 1,).
+    """
+
+    steps: IntArray
+    parts: FloatArray
+    nodes: IntArray
+
+
 @functools.lru_cache(maxsize=64)
-def _equal_division(counts: bytes) -> tuple[IntArray, FloatArray, IntArray]:
+def _equal_parts(counts: tuple[int, ...]) -> _Parts:
     """
     Divide steps into equal parts; most pushes of one length are divided alike.
 
-    :param counts: number of parts of each step, as bytes.
-    :return: number of the step of each part, shape (m,); fraction of each part, and of what lies
-        before it in its step, shape (m, 2); number of the first part of each step, and m.
+    :param counts: number of parts of each step.
     """
-    of_steps = np.frombuffer(counts, dtype=int)
-    nodes = np.zeros(len(of_steps) + 1, dtype=int)
-    np.cumsum(of_steps, out=nodes[1:])
-    step = np.repeat(np.arange(len(of_steps)), of_steps)
-    fractions = (1.0 / of_steps)[step]
-    return step, np.array([fractions, fractions * (np.arange(len(step)) - nodes[step])]).T, nodes
+    nodes = np.zeros(len(counts) + 1, dtype=int)
+    np.cumsum(counts, out=nodes[1:])
+    steps = np.repeat(np.arange(len(counts)), counts)
+    fractions = (1.0 / np.array(counts))[steps]
+    return _Parts(steps, np.array([
+        fractions, fractions * (np.arange(len(steps)) - nodes[steps])]).T, nodes)
 
 
 class PartCounts(NamedTuple):
@@ -324,14 +340,15 @@ class PartCounts(NamedTuple):
     The steps after whose begin w settles are fine at first: the first one, or, where the pushing
     angle jumps, all.
 
-    :param graded: fractions of the parts of each of those.
-    :param fine: number of the equal parts of each step after them.
+    :param graded: parts of each of those: their fractions, and those of what lies before them,
+        shape (m, 2).
+    :param fine: number of the parts of each step.
     :param coarse: the same in a coarse rollout.
     """
 
     graded: list[FloatArray]
-    fine: IntArray
-    coarse: IntArray
+    fine: tuple[int, ...]
+    coarse: tuple[int, ...]
 
     @classmethod
     def of(cls, problem: PushProblem, lengths: FloatArray, jumps: bool) -> 'PartCounts':
@@ -345,16 +362,18 @@ class PartCounts(NamedTuple):
         # At most half a part lies between two samples.
         longest = 2.0 * problem.settings.sample_spacing
         first = (JUMP_PART_RATIO if jumps else FIRST_PART_RATIO) * settling_distance(problem)
-        graded = lengths if jumps else lengths[:1]
-        equal = lengths[len(graded):]
-        return cls([graded_fractions(length, first, longest) for length in graded.tolist()],
-                   *(np.ceil(equal / part).astype(int) for part in (longest, COARSE_PART)))
+        of_steps = lengths.tolist()
+        last_graded = len(of_steps) if jumps else 1
+        fractions = [graded_fractions(length, first, longest) for length in of_steps[:last_graded]]
+        return cls([np.array([parts, np.cumsum(parts) - parts]).T for parts in fractions], *(
+            (*map(len, fractions),
+             *(math.ceil(length / part) for length in of_steps[last_graded:]))
+            for part in (longest, COARSE_PART)))
 
     @property
     def doublings(self) -> int:
         """Times that the least capacity of a memory is doubled for all parts to fit in."""
-        count = sum(map(len, self.graded)) + max(self.fine.sum(), self.coarse.sum())
-        return capacity_doublings(count)
+        return capacity_doublings(max(sum(self.fine), sum(self.coarse)))
 
 
 def capacity_doublings(count: int) -> int:
@@ -386,33 +405,34 @@ class _Division:
     def __init__(self, step_count: int, capacity: int) -> None:
         """Allocate the memory."""
         self.count = 0
+        # What the steps are divided into, where that is known.
+        self._equal: Optional[_Parts] = None
         self.steps, self.parts = np.zeros(capacity, dtype=int), np.zeros((capacity, 2))
         self.nodes = np.zeros(step_count + 1, dtype=int)
         self.changes = np.zeros(step_count, dtype=int)
         self.residuals = np.zeros((capacity, 1))
 
-    def divide(self, graded: list[FloatArray], equal: IntArray) -> None:
+    def divide(self, graded: list[FloatArray], counts: tuple[int, ...]) -> None:
         """
         Divide the steps.
 
-        :param graded: fractions of the parts of each of the first steps.
-        :param equal: number of parts of each step after them, which are equal.
+        :param graded: parts of each of the first steps, see ``PartCounts``.
+        :param counts: number of parts of each step; those of the others are equal.
         """
-        counts = np.array([*map(len, graded), *equal.tolist()])
-        steps, parts, nodes = _equal_division(counts.tobytes())
-        self._set(steps, parts, nodes)
-        for begin, fractions in zip(nodes.tolist(), graded):
-            part = self.parts[begin:begin + len(fractions)]
-            part[:, 0] = fractions
-            np.cumsum(fractions[:-1], out=part[1:, 1])
+        equal = _equal_parts(counts)
+        if equal is not self._equal:
+            self._set(equal)
+            self._equal = equal
+        for begin, parts in zip(equal.nodes.tolist(), graded):
+            self.parts[begin:begin + len(parts)] = parts
 
-    def _set(self, steps: IntArray, parts: FloatArray, nodes: IntArray) -> None:
-        count = len(steps)
+    def _set(self, division: _Parts) -> None:
+        count = len(division.steps)
         if count > len(self.steps):
             raise CapacityExceeded
-        self.count = count
-        self.steps[:count], self.parts[:count], self.nodes[:] = steps, parts, nodes
-        self.changes[:] = nodes[:-1] + 1
+        self.count, self._equal = count, None
+        self.steps[:count], self.parts[:count], self.nodes[:] = division
+        self.changes[:] = division.nodes[:-1] + 1
 
     def converged(self) -> bool:
         """Tell whether Newton's method has converged in all parts."""
@@ -428,8 +448,8 @@ class _Division:
         fractions = np.repeat(parts[:, 0] / counts, counts)
         within = np.arange(len(finer)) - np.repeat(np.cumsum(counts) - counts, counts)
         before = np.repeat(parts[:, 1], counts) + within * fractions
-        self._set(finer, np.array([fractions, before]).T,
-                  np.searchsorted(finer, np.arange(len(self.nodes))))
+        self._set(_Parts(finer, np.array([fractions, before]).T,
+                         np.searchsorted(finer, np.arange(len(self.nodes)))))
 
 
 class _PartMemory:
@@ -439,16 +459,21 @@ class _PartMemory:
     :param function: of ``part_function``.
     :param capacity: number of parts.
     :param step_count: number of steps.
+    :param column: memory of the parameters.
     """
 
-    def __init__(self, function: RowFunction, capacity: int, step_count: int) -> None:
+    def __init__(self, function: RowFunction, capacity: int, step_count: int,
+                 column: FloatArray) -> None:
         self._function = function
         self.states = np.zeros((capacity + 1, NODE_SIZE + 2))
         self.steps = np.zeros((step_count, STEP_SIZE))
-        self.restarts, self.column = np.zeros(1), np.zeros(function.sizes['column'])
+        self.restarts, self.column = np.zeros(1), column
         self.begins = np.zeros((capacity, NODE_SIZE))
-        self.samples = np.zeros((capacity, POINTS * NODE_SIZE))
-        self.forces = np.zeros((capacity, POINTS * 2))
+        # One sample before those of the parts: the begin of the push.
+        self.all_samples = np.zeros((1 + capacity * POINTS, NODE_SIZE))
+        self.all_forces = np.zeros((1 + capacity * POINTS, 2))
+        self.samples = self.all_samples[1:].reshape(capacity, -1)
+        self.forces = self.all_forces[1:].reshape(capacity, -1)
         self.first_forces = np.zeros((capacity, 2))
 
     def bind(self, division: _Division) -> BoundRows:
@@ -478,39 +503,43 @@ class RolloutMemory:
 
     :param dimensions: ``Dimensions``.
     :param doublings: of ``LEAST_CAPACITY``, the largest number of parts.
+    :param column: memory of the parameters.
     :param gains: memory of the gains.
     :param changes: memory of the changes.
     :param free_length: memory of S.
     """
 
-    def __init__(self, dimensions: Dimensions, doublings: int, gains: FloatArray,
-                 changes: FloatArray, free_length: FloatArray) -> None:
+    def __init__(self, dimensions: Dimensions, doublings: int, column: FloatArray,
+                 gains: FloatArray, changes: FloatArray, free_length: FloatArray) -> None:
         """Allocate the memory."""
         n, capacity = dimensions.step_count, LEAST_CAPACITY << doublings
         self._jumps = dimensions.jumps
         self._part_function = part_function(dimensions.kind, dimensions.supports,
                                             dimensions.jumps)
-        self._parts = parts = _PartMemory(self._part_function, capacity, n)
+        self._parts = parts = _PartMemory(self._part_function, capacity, n, column)
         self.nodes, self.data = np.zeros((n + 1, NODE_SIZE)), np.zeros((n, len(StepData._fields)))
         self.changes, self.free_length = changes, free_length
         self.first_state = parts.states[0, :NODE_SIZE]
-        self._smoothing, self._speeds = np.zeros((n, 1)), np.zeros((n, 2))
+        # V at the begins of the steps and dV/ds, also where they play no part.
+        self._speeds = np.zeros((n, 2))
         # Path lengths at the begins of the steps, and at the end.
         self._ends = np.zeros((n + 1, 1))
-        self._s, self._v_squared = np.zeros((capacity, POINTS)), np.zeros((capacity, POINTS))
+        self._s, self._v_squared = (np.zeros(1 + capacity * POINTS) for _ in range(2))
         self._checks = np.zeros((capacity + 1, len(Checks._fields)))
         self._checks[0] = Checks(0.0, 0.0, math.inf, math.inf)
         self._fine, self._coarse = _Division(n, capacity), _Division(n, capacity)
         functions = _step_functions()
         prepare = functions.prepare.bind({
             'node': self.nodes[:-1], 'gains': gains, 'change': changes, 'data': self.data,
-            'smoothing': self._smoothing, 'free_length': free_length, 'begin': self._ends[:-1],
+            'speeds': self._speeds, 'free_length': free_length, 'begin': self._ends[:-1],
             'step': parts.steps, 'end': self._ends[1:]})
         self._sample = functions.sampling.bind({
             'step': parts.steps, 'speeds': self._speeds, 'begin': self._ends[:-1],
             'part': self._fine.parts, 'samples': parts.samples, 'forces': parts.forces,
-            'first_force': parts.first_forces, 'before': self._checks[:-1], 's': self._s,
-            'v_squared': self._v_squared, 'so_far': self._checks[1:]}, self._fine.steps)
+            'first_force': parts.first_forces, 'before': self._checks[:-1],
+            's': self._s[1:].reshape(capacity, -1),
+            'v_squared': self._v_squared[1:].reshape(capacity, -1),
+            'so_far': self._checks[1:]}, self._fine.steps)
         self._integrate_coarse, self._integrate_fine = (
             parts.bind(division) for division in (self._coarse, self._fine))
         self.follow_coarsely = RowSequence(prepare, self._integrate_coarse,
@@ -532,14 +561,9 @@ class RolloutMemory:
         :param formulation: ``Formulation``.
         :param counts: ``PartCounts``.
         """
-        mesh, parts = formulation.mesh, self._parts
-        parts.column[:] = formulation.common[:len(parts.column)]
-        # V and dV/ds as the program has them: 0 without inertia.
+        mesh = formulation.mesh
         self.data[:] = formulation.steps
         self._speeds[:, 0], self._speeds[:, 1] = mesh.v_squared, mesh.v_squared_slopes
-        # The friction of the model becomes viscous below a speed in m/s, here it is per speed.
-        self._smoothing[:, 0] = SMOOTHING / np.sqrt(np.maximum(mesh.v_squared,
-                                                               formulation.steps[:, -1]))
         self._fine.divide(counts.graded, counts.fine)
         self._coarse.divide(counts.graded, counts.coarse)
         self._count()
@@ -619,22 +643,26 @@ class RolloutMemory:
 
     def collect(self) -> Rollout:
         """Put the samples of the last rollout together, which was one with all samples."""
-        count, parts = self._fine.count, self._parts
-        begins, changes = self._fine.nodes[:-1], self.changes[:, 0].copy()
-        # The end of a step is the begin of the next, unless there is a jump between them.
-        jumps = np.array([0])
-        if self._jumps:
-            jumps = np.append(0, np.flatnonzero(changes[1:]) + 1)
-        at = begins[jumps] * POINTS
-        samples = parts.samples[:count].reshape(-1, NODE_SIZE)
-        forces = parts.forces[:count].reshape(-1, 2)
-        step_forces = parts.first_forces[begins]
-        return Rollout(self.nodes.copy(), changes,
-                       _inserted(self._s[:count].ravel(), at, self._ends[jumps, 0]),
-                       _inserted(self._v_squared[:count].ravel(), at, self._speeds[jumps, 0]),
-                       _inserted(samples, at, parts.begins[begins[jumps]]),
-                       _inserted(forces, at, step_forces[jumps]), step_forces,
-                       at + np.arange(len(at)))
+        end, parts, first = 1 + POINTS * self._fine.count, self._parts, self._fine.nodes[:-1]
+        step_forces = parts.first_forces[first]
+        parts.all_samples[0], parts.all_forces[0] = parts.begins[0], step_forces[0]
+        self._v_squared[0] = self._speeds[0, 0]
+        rollout = Rollout(self.nodes.copy(), self.changes[:, 0].copy(), self._s[:end].copy(),
+                          self._v_squared[:end].copy(), parts.all_samples[:end].copy(),
+                          parts.all_forces[:end].copy(), step_forces, FIRST_SAMPLE)
+        return self._with_jumps(rollout) if self._jumps else rollout
+
+    def _with_jumps(self, rollout: Rollout) -> Rollout:
+        """Insert samples after the jumps; else the end of a step is the begin of the next."""
+        jumps = np.flatnonzero(rollout.changes[1:]) + 1
+        first = self._fine.nodes[jumps]
+        at = 1 + POINTS * first
+        return rollout._replace(
+            s=np.insert(rollout.s, at, self._ends[jumps, 0]),
+            v_squared=np.insert(rollout.v_squared, at, self._speeds[jumps, 0]),
+            samples=np.insert(rollout.samples, at, self._parts.begins[first], axis=0),
+            forces=np.insert(rollout.forces, at, rollout.step_forces[jumps], axis=0),
+            begins=np.append(FIRST_SAMPLE, at + np.arange(len(at))))
 
 
 class _VariantMemory:
@@ -647,8 +675,9 @@ class _VariantMemory:
     """
 
     def __init__(self, function: RowFunction, capacity: int, step_count: int) -> None:
-        self.parts, self._division = (_PartMemory(function, capacity, step_count),
-                                      _Division(step_count, capacity))
+        self.parts = _PartMemory(function, capacity, step_count,
+                                 np.zeros(function.sizes['column']))
+        self._division = _Division(step_count, capacity)
         self.parts.restarts[0] = 1.0
         self.integrate = self.parts.bind(self._division)
 
@@ -674,12 +703,3 @@ def _variant_memory(function: RowFunction, doublings: int, step_count: int,
     :param thread: that works on it: each has a memory of its own.
     """
     return _VariantMemory(function, LEAST_CAPACITY << doublings, step_count)
-
-
-def _inserted(values: FloatArray, at: IntArray, new: FloatArray) -> FloatArray:
-    """Insert new values before those at increasing places, the first of them at the front."""
-    if len(at) > 1:
-        return np.insert(values, at, new, axis=0)
-    found = np.empty((len(values) + 1, *values.shape[1:]))
-    found[0], found[1:] = new[0], values
-    return found

@@ -206,8 +206,9 @@ def followed(problem: PushProblem, formulation: Formulation, refined: RefinedPus
     counts = PartCounts.of(dataclasses.replace(problem, settings=settings),
                            formulation.mesh.step_lengths(refined.free_length), dimensions.jumps)
     # Room for the parts of those that fail.
-    memory = RolloutMemory(dimensions, counts.doublings + 1, refined.steering.gains,
-                           rollout.changes[:, None], np.array([refined.free_length]))
+    memory = RolloutMemory(
+        dimensions, counts.doublings + 1, problem.push_parameters.column(),
+        refined.steering.gains, rollout.changes[:, None], np.array([refined.free_length]))
     memory.load(formulation, counts)
     memory.nodes[:], memory.first_state[:] = rollout.nodes, rollout.nodes[0]
     memory.follow_divided(coarse)
