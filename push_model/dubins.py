@@ -6,6 +6,7 @@ path is a word of three letters: L and R are arcs at the tightest radius to the 
 right, S is a straight line. The construction by tangent circles works for unequal radii as well.
 """
 
+from collections.abc import Iterator, Mapping
 import math
 from typing import NamedTuple
 
@@ -72,6 +73,24 @@ def advance_along_arc(pose: Pose, length: float, curvature: float) -> Pose:
                 pose.y + chord * math.sin(pose.theta + half), pose.theta + 2.0 * half)
 
 
+def shortest_length(start: Coordinates, goal: Coordinates, radius_left: float,
+                    radius_right: float, costs: Mapping[str, float]) -> float:
+    """
+    Find the least length of all Dubins paths, whose segments may count differently.
+
+    :param start: ``Pose`` at the beginning.
+    :param goal: ``Pose`` at the end.
+    :param radius_left: radius of arcs to the left [m], above 0.
+    :param radius_right: radius of arcs to the right [m], above 0.
+    :param costs: factor on the lengths of the segments by their letters L, S, R.
+    :return: the sum [m].
+    :raises ValueError: where a radius is not above 0 and finite.
+    """
+    return min(costs[word[0]] * first + costs[word[1]] * middle + costs[word[2]] * last
+               for word, (first, middle, last) in _words(
+                   start, goal, _radii(radius_left, radius_right)))
+
+
 def dubins_paths(start: Coordinates, goal: Coordinates, radius_left: float,
                  radius_right: float) -> list[DubinsPath]:
     """
@@ -84,17 +103,35 @@ def dubins_paths(start: Coordinates, goal: Coordinates, radius_left: float,
     :return: list of ``DubinsPath``; LSL and RSR always exist.
     :raises ValueError: where a radius is not above 0 and finite.
     """
-    radii = {'L': radius_left, 'R': radius_right}
+    radii = _radii(radius_left, radius_right)
+    curvatures = {side: sign / radii.get(side, 1.0) for side, sign in SIDES.items()}
+    begin = Pose(*start)
+    found = [DubinsPath(begin, word, lengths, tuple(curvatures[side] for side in word))
+             for word, lengths in _words(start, goal, radii)]
+    return sorted(found, key=lambda path: path.length)
+
+
+def _radii(left: float, right: float) -> dict[str, float]:
+    """Name the radii by their sides."""
+    radii = {'L': left, 'R': right}
     for side, radius in radii.items():
         if not 0.0 < radius < math.inf:
             raise ValueError(f'radius {side}: got {radius!r}, expected a finite one above 0 [m]')
-    found: list[DubinsPath] = []
+    return radii
+
+
+def _words(start: Coordinates, goal: Coordinates,
+           radii: dict[str, float]) -> Iterator[tuple[str, Lengths]]:
+    """Find the lengths of the segments of every word that leads to the goal."""
+    first, last = ({side: _circle_center(pose, side, radii) for side in radii}
+                   for pose in (start, goal))
     for word in WORDS:
         solve = _arc_line_arc if word[1] == 'S' else _three_arcs
-        for lengths in solve(start, goal, word, radii):
-            curvatures = tuple(SIDES[c] / radii.get(c, 1.0) for c in word)
-            found.append(DubinsPath(Pose(*start), word, lengths, curvatures))
-    return sorted(found, key=lambda path: path.length)
+        x, y = first[word[0]]
+        to_x, to_y = last[word[2]]
+        headings = start[2], goal[2]
+        for lengths in solve(headings, (to_x - x, to_y - y), word, radii):
+            yield word, lengths
 
 
 def _circle_center(pose: Coordinates, side: str, radii: dict[str, float]) -> tuple[float, float]:
@@ -109,32 +146,30 @@ def _arc_length(side: str, begin: float, end: float, radii: dict[str, float]) ->
     return 0.0 if 2.0 * math.pi - angle < 1e-9 else angle * radii[side]
 
 
-def _arc_line_arc(start: Coordinates, goal: Coordinates, word: str,
+def _arc_line_arc(headings: tuple[float, float], apart: tuple[float, float], word: str,
                   radii: dict[str, float]) -> list[Lengths]:
     """Path along the common tangent of the circles at start and goal, if they have one."""
     first, last = word[0], word[2]
-    x0, y0 = _circle_center(start, first, radii)
-    x1, y1 = _circle_center(goal, last, radii)
-    between, bearing = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
+    begin, end = headings
+    between, bearing = math.hypot(*apart), math.atan2(apart[1], apart[0])
     cross = SIDES[first] * radii[first] - SIDES[last] * radii[last]
     if between < abs(cross):
         return []
     heading = bearing + (math.asin(cross / between) if between > 0.0 else 0.0)
     if between < SAME_CENTER:
         # The bearing from one to the other says nothing; to follow it would take a full circle.
-        heading = start[2]
+        heading = begin
     line = math.sqrt(between * between - cross * cross)
-    return [(_arc_length(first, start[2], heading, radii), line,
-             _arc_length(last, heading, goal[2], radii))]
+    return [(_arc_length(first, begin, heading, radii), line,
+             _arc_length(last, heading, end, radii))]
 
 
-def _three_arcs(start: Coordinates, goal: Coordinates, word: str,
+def _three_arcs(headings: tuple[float, float], apart: tuple[float, float], word: str,
                 radii: dict[str, float]) -> list[Lengths]:
     """Paths over a middle circle that touches those at start and goal, on either side of both."""
     outer, inner = word[0], word[1]
-    x0, y0 = _circle_center(start, outer, radii)
-    x1, y1 = _circle_center(goal, outer, radii)
-    between, bearing = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
+    begin, end = headings
+    between, bearing = math.hypot(*apart), math.atan2(apart[1], apart[0])
     side_length = radii['L'] + radii['R']
     if between > 2.0 * side_length or between < 1e-12:
         return []
@@ -145,7 +180,7 @@ def _three_arcs(start: Coordinates, goal: Coordinates, word: str,
         quarter = SIDES[outer] * 0.5 * math.pi
         leave = bearing + sign * base_angle + quarter
         join = bearing + math.pi - sign * base_angle + quarter
-        found.append((_arc_length(outer, start[2], leave, radii),
+        found.append((_arc_length(outer, begin, leave, radii),
                       _arc_length(inner, leave, join, radii),
-                      _arc_length(outer, join, goal[2], radii)))
+                      _arc_length(outer, join, end, radii)))
     return found

@@ -133,6 +133,19 @@ def formulate_on(problem: PushProblem, mesh: Mesh, straight_end: bool,
                        _step_data(problem, mesh))
 
 
+def with_goal(former: Formulation, problem: PushProblem, rotation: float) -> Formulation:
+    """
+    Set up the program of a push to another goal; all else is as it was.
+
+    :param former: ``Formulation`` of a problem that differs in the goal alone.
+    :param problem: the ``PushProblem``.
+    :param rotation: angle by which the object rotates, about [rad].
+    """
+    boundary, common = _boundary_values(problem, rotation), former.common.copy()
+    common[-len(boundary):] = boundary
+    return former._replace(boundary=boundary, common=common)
+
+
 def max_angle_rate(problem: PushProblem) -> float:
     """
     Highest rate of a linear pushing angle, the robot's acceleration included [rad/s].

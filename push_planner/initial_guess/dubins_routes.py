@@ -10,8 +10,9 @@ import math
 from typing import Optional
 
 import numpy as np
+from push_model import dubins
 from push_model.dubins import dubins_paths
-from push_model.geometry import Pose
+from push_model.geometry import distance, Pose
 from push_planner.initial_guess.first_guess import Route
 from push_planner.initial_guess.steady_turns import SteadyTurn, turn_limits, TurnKey
 from push_planner.problem import PushProblem
@@ -112,7 +113,23 @@ def shortest_length(problem: PushProblem, turns: TurnPair, final_straight: float
     :param turns: ``SteadyTurn`` (to the left, to the right).
     :param final_straight: its length [m].
     """
-    return _routes(problem, turns, final_straight)[0].path_length
+    start, goal = _flat_outputs(problem)
+    left, right = turns
+    costs = {'S': 1.0, 'L': 1.0 / math.cos(left.steering_angle),
+             'R': 1.0 / math.cos(right.steering_angle)}
+    return final_straight + min(
+        dubins.shortest_length(start, end, 1.0 / left.curvature, -1.0 / right.curvature, costs)
+        for end in _ends(problem, goal, final_straight))
+
+
+def straight_length(problem: PushProblem) -> float:
+    """
+    Find a length that no push falls below, straight to the goal [m].
+
+    :param problem: the ``PushProblem``.
+    """
+    start, goal = _flat_outputs(problem)
+    return distance(start, goal)
 
 
 def contact_length(lengths: Sequence[float], turns: Sequence[SteadyTurn]) -> float:
@@ -148,19 +165,29 @@ def _scaled(turn: SteadyTurn, factor: float) -> SteadyTurn:
 
 def _routes(problem: PushProblem, turns: TurnPair, final_straight: float) -> list[Route]:
     """Routes with a final straight, shortest first."""
-    vehicle = problem.vehicle
-    flat_output = Pose(*vehicle.flat_output, vehicle.angle)
-    goal = problem.relative_goal @ flat_output
+    start, goal = _flat_outputs(problem)
     left, right = turns
     turn_of = {1.0: left, 0.0: SteadyTurn(0.0, 0.0), -1.0: right}
     found: list[Route] = []
-    for heading in _goal_headings(problem, goal):
-        end = goal._replace(theta=heading) @ Pose(-final_straight, 0.0, 0.0)
-        for path in dubins_paths(flat_output, end, 1.0 / left.curvature, -1.0 / right.curvature):
+    for end in _ends(problem, goal, final_straight):
+        for path in dubins_paths(start, end, 1.0 / left.curvature, -1.0 / right.curvature):
             steady = tuple(turn_of[math.copysign(1.0, c) if c else 0.0] for c in path.curvatures)
             path_length = final_straight + contact_length(path.lengths, steady)
             found.append(Route(path, steady, final_straight, path_length))
     return sorted(found, key=lambda route: route.path_length)
+
+
+def _flat_outputs(problem: PushProblem) -> tuple[Pose, Pose]:
+    """Flat output and direction of the push, at the start and at the goal."""
+    vehicle = problem.vehicle
+    start = Pose(*vehicle.flat_output, vehicle.angle)
+    return start, problem.relative_goal @ start
+
+
+def _ends(problem: PushProblem, goal: Pose, final_straight: float) -> list[Pose]:
+    """Flat output where the final straight begins, by the headings at the goal."""
+    return [goal._replace(theta=heading) @ Pose(-final_straight, 0.0, 0.0)
+            for heading in _goal_headings(problem, goal)]
 
 
 def _goal_headings(problem: PushProblem, goal: Pose) -> list[float]:

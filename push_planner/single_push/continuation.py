@@ -12,18 +12,22 @@ from typing import NamedTuple, Optional
 import numpy as np
 from push_model.friction import has_heights
 from push_model.geometry import Pose, wrap_angle, wrap_angles
-from push_planner.collocation.formulation import followed_point, formulate_on, Formulation
+from push_planner.collocation.formulation import (
+    followed_point, formulate_on, Formulation, with_goal,
+)
 from push_planner.collocation.interior_point import Iterate
 from push_planner.collocation.mesh import build_mesh
 from push_planner.collocation.push_solver import push_solver
 from push_planner.collocation.resampling import Meshed, resample
-from push_planner.initial_guess.dubins_routes import shortest_length
+from push_planner.initial_guess.dubins_routes import (
+    shortest_length, straight_length, TurnPair,
+)
 from push_planner.integration.refinement import RefinedPush
 from push_planner.integration.rollout import Rollout
 from push_planner.plan import Plan
 from push_planner.problem import PushProblem
 from push_planner.single_push.assembly import finish, SolvedPush
-from push_planner.single_push.feasibility import check_feasibility
+from push_planner.single_push.feasibility import check_feasibility, check_goal
 
 # Name of the route in reports.
 ROUTE = 'previous plan'
@@ -69,8 +73,13 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
     if (not isinstance(solved, SolvedPush) or solved.formulation.dimensions.jumps
             or solved.iterate is None or not _is_alike(problem, previous.problem)):
         return None
-    check_feasibility(problem)
-    resumed = _resume(problem, solved, solved.iterate, previous.notes['final_straight'])
+    final_straight = previous.notes['final_straight']
+    if _starts_alike(problem, solved.problem):
+        check_goal(problem)
+        resumed = _to_another_goal(problem, solved, solved.iterate, final_straight)
+    else:
+        check_feasibility(problem)
+        resumed = _on_the_way(problem, solved, solved.iterate, final_straight)
     if resumed is None:
         return None
     formulation = resumed.formulation
@@ -78,8 +87,8 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
     if result.solution is None:
         return None
     path_length = result.solution.free_length + formulation.mesh.fixed_length
-    shortest = shortest_length(problem, solved.turns, resumed.final_straight)
-    if path_length > min(NEARLY_SHORTEST * shortest, problem.settings.max_path_length):
+    if path_length > problem.settings.max_path_length or not _is_nearly_shortest(
+            problem, path_length, solved.turns, resumed.final_straight):
         return None
     push, _ = finish(problem, formulation, result, solved.turns, resumed.refined)
     return None if push is None else Plan(problem, push, {
@@ -96,16 +105,34 @@ def _is_alike(one: PushProblem, other: PushProblem) -> bool:
             and has_heights(one.obj) == has_heights(other.obj))
 
 
-def _resume(problem: PushProblem, solved: SolvedPush, iterate: Iterate,
-            final_straight: float) -> Optional[Resumed]:
-    """Carry a solution over; None where next to nothing of the push is left."""
+def _starts_alike(one: PushProblem, other: PushProblem) -> bool:
+    """Whether two problems that are alike differ in the goal alone."""
+    return (one.obj == other.obj and one.robot == other.robot and one.contact == other.contact
+            and one.start == other.start and one.normal == other.normal
+            and one.heading == other.heading and one.motion == other.motion)
+
+
+def _is_nearly_shortest(problem: PushProblem, path_length: float, turns: TurnPair,
+                        final_straight: float) -> bool:
+    """Whether no route is much shorter, which mostly takes no route to tell."""
+    return (path_length <= NEARLY_SHORTEST * straight_length(problem)
+            or path_length <= NEARLY_SHORTEST * shortest_length(problem, turns, final_straight))
+
+
+def _to_another_goal(problem: PushProblem, solved: SolvedPush, iterate: Iterate,
+                     final_straight: float) -> Resumed:
+    """Go on with a solution as it is."""
+    refined = solved.refined
+    rotation = float(refined.solution.nodes[-1, 2])
+    return Resumed(with_goal(solved.formulation, problem, rotation), iterate, final_straight,
+                   refined)
+
+
+def _on_the_way(problem: PushProblem, solved: SolvedPush, iterate: Iterate,
+                final_straight: float) -> Optional[Resumed]:
+    """Carry a solution over to the rest; None where next to nothing of the push is left."""
     former, program, refined = solved.problem, solved.formulation, solved.refined
     rotation = refined.solution.nodes[-1, 2]
-    if (problem.start, problem.normal, problem.heading, problem.motion) == (
-            former.start, former.normal, former.heading, former.motion):
-        formulation = formulate_on(problem, program.mesh, program.dimensions.straight_end,
-                                   rotation)
-        return Resumed(formulation, iterate, final_straight, refined)
     free_length = refined.solution.free_length
     frame = former.start.inverse() @ problem.start
     done, so_far = _progress(problem, refined.rollout, frame)

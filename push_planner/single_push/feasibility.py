@@ -33,6 +33,18 @@ def check_feasibility(problem: PushProblem) -> None:
     _check_rotation(problem)
 
 
+def check_goal(problem: PushProblem) -> None:
+    """
+    Refuse a goal where a push to another one, alike in all else, is feasible.
+
+    :param problem: the ``PushProblem``.
+    :raises PlanningFailed: with the reason.
+    """
+    check_finite({'goal': problem.goal})
+    check_not_at_goal(problem.start, problem.goal, problem.settings)
+    _check_rotation(problem)
+
+
 def check_not_at_goal(start: Pose, goal: Pose, settings: PlannerSettings) -> None:
     """
     Refuse where the object is at the goal already.
