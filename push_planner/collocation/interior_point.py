@@ -175,7 +175,7 @@ class InteriorPointMethod:
             return self._result(*_solve_from(self._memory, guess))
 
     def resume(self, common: FloatArray, data: FloatArray, bounds: Bounds,
-               iterate: Iterate) -> InteriorResult:
+               iterate: Iterate, has_slacks: bool = True) -> InteriorResult:
         """
         Solve the program from the solution of nearly the same one.
 
@@ -183,10 +183,11 @@ class InteriorPointMethod:
         :param data: parameters of the steps, a row each.
         :param bounds: ``Bounds``.
         :param iterate: ``Iterate`` of the former solution.
+        :param has_slacks: whether it has slacks; else they follow from the rows.
         """
         with self._lock:
             self._memory.set_program(common, data, bounds)
-            self._memory.resume(iterate)
+            self._memory.resume(iterate, has_slacks)
             return self._result(*_iterate(self._memory))
 
     def _result(self, converged: bool, count: int) -> InteriorResult:
@@ -414,13 +415,15 @@ class _Memory:
         self.data[:] = data
         self.bounds[:] = bounds
 
-    def resume(self, iterate: Iterate) -> None:
+    def resume(self, iterate: Iterate, has_slacks: bool) -> None:
         """Start from the solution of nearly the same program, next to its central path."""
         self.primal[:], self.dual[:] = iterate
         self.tuning[:] = LAST_BARRIER, 0.0
-        self.evaluate()
         slacks, multipliers = self.primal[self._slacks], self.dual[self._multipliers]
-        np.maximum(self._rows, RESUMED_SLACK, out=slacks)
+        if not has_slacks:
+            self._evaluate()
+            slacks[:] = self._rows
+        np.maximum(slacks, RESUMED_SLACK, out=slacks)
         central = LAST_BARRIER / slacks
         np.maximum(multipliers, central / CENTRALITY, out=multipliers)
         np.minimum(multipliers, CENTRALITY * central, out=multipliers)

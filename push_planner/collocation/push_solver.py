@@ -38,15 +38,18 @@ class PushSolver:
             formulation.common, formulation.steps, _bounds(formulation.bounds),
             guess.column(self._dimensions)))
 
-    def resume(self, formulation: Formulation, iterate: Iterate) -> SolveResult:
+    def resume(self, formulation: Formulation, iterate: Iterate,
+               has_slacks: bool = True) -> SolveResult:
         """
         Solve the program from the solution of nearly the same one.
 
         :param formulation: ``Formulation`` of these dimensions.
         :param iterate: ``Iterate`` of the former solution.
+        :param has_slacks: whether it has slacks; else they follow from the rows.
         """
         return self._result(self._method.resume(
-            formulation.common, formulation.steps, _bounds(formulation.bounds), iterate))
+            formulation.common, formulation.steps, _bounds(formulation.bounds), iterate,
+            has_slacks))
 
     def _result(self, found: InteriorResult) -> SolveResult:
         if found.iterate is None:

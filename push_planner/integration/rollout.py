@@ -318,7 +318,7 @@ class _Parts(NamedTuple):
     nodes: IntArray
 
 
-@functools.lru_cache(maxsize=64)
+@functools.lru_cache(maxsize=256)
 def _equal_parts(counts: tuple[int, ...]) -> _Parts:
     """
     Divide steps into equal parts; most pushes of one length are divided alike.

@@ -83,7 +83,9 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
     if resumed is None:
         return None
     formulation = resumed.formulation
-    result = push_solver(formulation.dimensions).resume(formulation, resumed.iterate)
+    # On the same mesh the iterate is as it was, its slacks included.
+    result = push_solver(formulation.dimensions).resume(formulation, resumed.iterate,
+                                                        resumed.refined is not None)
     if result.solution is None:
         return None
     path_length = result.solution.free_length + formulation.mesh.fixed_length
