@@ -79,7 +79,7 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
         resumed = _to_another_goal(problem, solved, solved.iterate, final_straight)
     else:
         check_feasibility(problem)
-        resumed = _on_the_way(problem, solved, solved.iterate, final_straight)
+        resumed = _carried_over(problem, solved, solved.iterate, final_straight)
     if resumed is None:
         return None
     formulation = resumed.formulation
@@ -130,8 +130,8 @@ def _to_another_goal(problem: PushProblem, solved: SolvedPush, iterate: Iterate,
                    refined)
 
 
-def _on_the_way(problem: PushProblem, solved: SolvedPush, iterate: Iterate,
-                final_straight: float) -> Optional[Resumed]:
+def _carried_over(problem: PushProblem, solved: SolvedPush, iterate: Iterate,
+                  final_straight: float) -> Optional[Resumed]:
     """Carry a solution over to the rest; None where next to nothing of the push is left."""
     former, program, refined = solved.problem, solved.formulation, solved.refined
     rotation = refined.solution.nodes[-1, 2]
