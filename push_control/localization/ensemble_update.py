@@ -152,7 +152,8 @@ def disturb_objects(poses: Any, before: Any, numbers: Any, means: Any, walks: An
 
 
 @compiled
-def innovation_test(spread: Any, noise: Any, innovation: Any, factor: Any) -> InnovationTest:
+def innovation_test(spread: Any, noise: Any, innovation: Any,
+                    factor: Any) -> tuple[float, float]:
     """
     Factorize the covariance S of an innovation, and compare the two.
 
@@ -160,7 +161,7 @@ def innovation_test(spread: Any, noise: Any, innovation: Any, factor: Any) -> In
     :param noise: covariance R of the measurement, shape (m, m).
     :param innovation: v, measured minus mean, shape (m,).
     :param factor: L, shape (m + 1, m), is written; its last row is scratch.
-    :return: ``InnovationTest``.
+    :return: the numbers of an ``InnovationTest``.
     """
     size = spread.shape[1]
     squared_distance, log_determinant = 0.0, 0.0
@@ -180,7 +181,7 @@ def innovation_test(spread: Any, noise: Any, innovation: Any, factor: Any) -> In
         factor[size, j] = part / factor[j, j]
         squared_distance += factor[size, j] ** 2
         log_determinant += 2.0 * math.log(factor[j, j])
-    return InnovationTest(squared_distance, log_determinant)
+    return squared_distance, log_determinant
 
 
 @compiled
@@ -263,7 +264,8 @@ class EnsembleUpdate:
         :return: ``InnovationTest``.
         """
         self._innovation[:] = innovation
-        return innovation_test(self._spread, self._noise, self._innovation, self._factor)
+        return InnovationTest(*innovation_test(self._spread, self._noise, self._innovation,
+                                               self._factor))
 
     def apply(self, block: FloatArray, first: int = 0) -> None:
         """

@@ -214,15 +214,15 @@ class OdometryCheck:
         distance_limit, rotation_limit = (
             (ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION) if self._is_absolute
             else (JUMP_DISTANCE, JUMP_ROTATION))
-        travelled, rotated = step.expected_distance, step.expected_rotation
+        offset, rotation, _, _, travelled, rotated = step
         if duration > LONG_STEP:
             travelled = max(travelled, self._robot.max_speed * duration)
             rotated = max(rotated, self._robot.max_yaw_rate * duration)
-        if (step.offset <= distance_limit + JUMP_RATIO * travelled
-                and step.rotation <= rotation_limit + JUMP_RATIO * rotated):
+        if (offset <= distance_limit + JUMP_RATIO * travelled
+                and rotation <= rotation_limit + JUMP_RATIO * rotated):
             return None
-        return SafetyReason.ODOMETRY_JUMPED.report(distance=step.offset,
-                                                   rotation=math.degrees(step.rotation))
+        return SafetyReason.ODOMETRY_JUMPED.report(distance=offset,
+                                                   rotation=math.degrees(rotation))
 
     def _explains(self, moved: Pose) -> bool:
         """Tell whether the commands since odometry has stood still may have moved the robot so."""
@@ -233,15 +233,13 @@ class OdometryCheck:
 
     def _contradiction(self) -> SafetyReport | None:
         first, last = self._window[0], self._window[-1]
-        found = compare_motions(first, last)
-        if (found.offset <= WINDOW_DISTANCE
-                + WINDOW_RATIO * max(found.moved, found.expected_distance)
-                and found.rotation <= WINDOW_ROTATION
-                + WINDOW_RATIO * max(found.rotated, found.expected_rotation)):
+        offset, rotation, moved, rotated, expected, turned = compare_motions(first, last)
+        if (offset <= WINDOW_DISTANCE + WINDOW_RATIO * max(moved, expected)
+                and rotation <= WINDOW_ROTATION + WINDOW_RATIO * max(rotated, turned)):
             return None
         return SafetyReason.ODOMETRY_CONTRADICTORY.report(
-            moved=found.moved, rotated=math.degrees(found.rotated),
-            expected=found.expected_distance, rotation=math.degrees(found.expected_rotation),
+            moved=moved, rotated=math.degrees(rotated), expected=expected,
+            rotation=math.degrees(turned),
             duration=float(last[TIME] - first[TIME]))
 
     def _extend(self, row: FloatArray) -> None:
