@@ -1,6 +1,7 @@
 """Whether somebody else commands the base: teleoperation, navigation, or another controller."""
 
 from collections import deque
+import math
 import time
 from typing import Any
 
@@ -15,9 +16,10 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
 TOPIC = 'cmd_vel'
-# Period at which other publishers are looked for [s]; chosen: nobody begins to drive a robot and
-# has met the base before that.
-PERIOD = 1.0
+# Period at which other publishers are counted, and looked for where there are others [s]; chosen:
+# counting takes a thirtieth of the time of looking, and nobody has met the base much sooner.
+PERIOD = 0.2
+LOOKING_PERIOD = 1.0
 # Number of own commands that are known again when they come back; chosen: some seconds of them.
 OWN_COMMANDS = 200
 # Whatever they offer; as many as come between two of the node's own odometry messages.
@@ -45,11 +47,14 @@ class OtherCommanders:
         self._node = node
         self._stamped = stamped
         self._names: list[str] = []
+        # How many publishers there were at the last look, and when that was [s].
+        self._count = 0
+        self._looked_at = -math.inf
         self._subscription: Subscription | None = None
         self._own: deque[tuple[Any, ...]] = deque(maxlen=OWN_COMMANDS)
         # When one of them has commanded anything, and a motion, last [s].
         self._commanded_at = self._driven_at = -MEMORY
-        self._timer = node.create_timer(PERIOD, node.guarded(self._look),
+        self._timer = node.create_timer(PERIOD, node.guarded(self._look_now_and_then),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME),
                                         callback_group=node.background)
 
@@ -95,6 +100,13 @@ class OtherCommanders:
             twist = message.twist if self._stamped else message
             if any((twist.linear.x, twist.linear.y, twist.angular.z)):
                 self._driven_at = self._commanded_at
+
+    def _look_now_and_then(self) -> None:
+        """Look for other publishers where their number has changed, or may have to be named."""
+        count, now = self._node.count_publishers(TOPIC), time.monotonic()
+        if count != self._count or self._names and now - self._looked_at >= LOOKING_PERIOD:
+            self._count, self._looked_at = count, now
+            self._look()
 
     def _look(self) -> None:
         infos = self._node.get_publishers_info_by_topic(TOPIC)
