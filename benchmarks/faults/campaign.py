@@ -126,8 +126,10 @@ def _evaluate(case: Case, found: Simulated) -> Row:
     start = fault.start
     if fault.input is Input.COMMAND:
         start = effect_time(record.scenario.true_robot, fault, record.tape, record.sent)
+    elif fault.input in SIMULATED and fault.word is Word.INTERMITTENT:
+        start = fault.first_gap
     stop_time = _stop_time(record.sent, start, fault)
-    distance = deviation(record, fault)
+    distance = deviation(record, fault, stop_time)
     is_explained = is_truly_done(record, fault) if ending is Ending.DONE else bool(reason)
     if ending is Ending.WAITS and fault.input is not Input.GOAL:
         # A robot whose goal changes all the time drives to the newest one.

@@ -97,6 +97,12 @@ class Fault(NamedTuple):
     end: float
 
     @property
+    def first_gap(self) -> float:
+        """When an input that is intermittent first does not come [s]."""
+        phase = self.start % PERIOD
+        return self.start if phase < GAP else self.start - phase + PERIOD
+
+    @property
     def is_temporary(self) -> bool:
         """Whether the input is ok again before the end of the run."""
         return math.isfinite(self.end)

@@ -28,7 +28,8 @@ PLANNING_TIME = 0.1
 TRUE_RATIO = 1.5
 # Commands at the end of a run that must be zero [s]; chosen.
 FINAL_TIME = 1.0
-# Time after a fault of commands in which the object counts as displaced by it [s]; chosen.
+# Time after a fault of commands, or the stop for it, in which the object counts as displaced by it
+# [s]; chosen: longer than a base takes to come to rest.
 DISPLACING_TIME = 1.0
 # Distance of the object from everything that was planned for it up to which a fault has not
 # displaced it [m]; chosen: twice what single pushes deviate by without a fault.
@@ -126,17 +127,21 @@ def is_truly_done(record: Record, fault: Fault | None = None) -> bool:
             TRUE_RATIO * settings.heading_tolerance))
 
 
-def deviation(record: Record, fault: Fault) -> float:
+def deviation(record: Record, fault: Fault, stop_time: float) -> float:
     """
     Find how far the object is from all that was planned for it, after a fault begins [m].
 
     :param record: the ``Record``.
     :param fault: the ``Fault``.
+    :param stop_time: when the robot first commands zero during the fault; nan: never [s].
     """
     poses = np.array(record.tape.poses('object'))[:, :2]
     planned = np.concatenate([poses[:1], *(plan.object_poses[:, :2] for plan in record.plans)])
-    # What a fault of commands has done to the object is corrected on other paths.
-    end = fault.end + DISPLACING_TIME if fault.input is Input.COMMAND else math.inf
+    end = math.inf
+    if fault.input is Input.COMMAND:
+        # What it has done to the object is corrected on other paths, and a base that goes on to
+        # push the object although zero is commanded does so for nobody here.
+        end = (fault.end if math.isnan(stop_time) else stop_time) + DISPLACING_TIME
     times = record.tape['time']
     after = poses[(times >= fault.start) & (times <= end)]
     gaps = [np.hypot(*(planned - place).T).min() for place in after[::5]]

@@ -13,7 +13,7 @@ from benchmarks.faults.random_faults import (
 from benchmarks.faults.report import Findings, table, write_report
 from benchmarks.faults.row import Ending, Row
 from benchmarks.faults.soak import append_task, read_tasks, Sample, SoakTask
-from benchmarks.faults.verdict import simulated_record
+from benchmarks.faults.verdict import deviation, simulated_record
 from push_scenario.definition.loader import load_scenario
 import pytest
 
@@ -59,6 +59,22 @@ def test_a_push_whose_object_seems_elsewhere_waits_for_it(word: Word) -> None:
     row = run(Case(PUSH, Fault(Input.POSE, word, 5.0, math.inf)), time_after=40.0)
     assert row.ending is Ending.FAILED and row.is_explained and row.driven < STOPPING_DISTANCE
     assert 'object poses d' in row.reason
+
+
+def test_what_a_base_does_to_the_object_after_the_stop_does_not_count() -> None:
+    """As long as somebody else commands it; until then, and in a run without a stop, it does."""
+    fault = Fault(Input.COMMAND, Word.SHARED, 1.06, math.inf)
+    record = simulated_record(load_scenario(TASK), [Injection(fault)], 12.0).record
+    row = run(Case(TASK, fault), time_after=10.94)
+    assert 0.0 < row.stop_time < 1.5 and row.deviation < 0.1
+    assert deviation(record, fault, math.nan) > 0.4
+
+
+@pytest.mark.parametrize('start, first', [(0.2, 0.2), (3.39, 3.39), (0.4, 1.0), (3.9, 4.0)])
+def test_an_intermittent_input_is_faulty_from_its_first_gap(start: float, first: float) -> None:
+    """And was ok before."""
+    fault = Fault(Input.ODOMETRY, Word.INTERMITTENT, start, start + 2.0)
+    assert fault.first_gap == pytest.approx(first)
 
 
 @pytest.mark.parametrize('kind, word', [
