@@ -12,7 +12,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, IntArray
 from push_planner.collocation.speed_profile import speed_profile, SpeedProfile
 from push_planner.problem import PushProblem
 
@@ -27,9 +27,9 @@ MIN_CONSTANT_ANGLE_STEPS = 24
 # each number, which takes longer than solving it.
 SEGMENT_COUNT_STEP = 8
 # Factor on the number of segments, per speed [s/m]; rounded, and at least 1. Measured: with
-# inertia it takes finer steering to follow the edge of the cone; of 70 pushes at 0.5 and 1 m/s
-# the slowest is 0.4 % above the best of random starts with finer meshes.
-SPEED_FACTOR = 3.0
+# inertia it takes finer steering to follow the edge of the cone. With 3, and no refinement after
+# it, 193 pushes at 0.4 m/s and more took 10 to 20 % more CPU time, and led to pushes as long.
+SPEED_FACTOR = 2.0
 # Longest segment over the wheelbase. Measured: of 120 pushes of squares and random boxes, 95 %
 # come within 0.2 % of the best of 24 random starts with finer meshes; with 1 it is 0.35 %.
 SEGMENT_RATIO = 2.0 / 3.0
@@ -112,6 +112,20 @@ class Mesh(NamedTuple):
                    np.concatenate([s.step_v_squared() for s in sections]),
                    np.concatenate([np.full(s.steps, s.v_squared_slope) for s in sections]),
                    np.concatenate([s.may_steer for s in sections]), float(lengths.sum()))
+
+    def divided(self, parts: IntArray) -> 'Mesh':
+        """
+        Divide each step into a number of equal ones.
+
+        :param parts: number of the parts of each step, shape (n,).
+        """
+        lengths, v_squared, v_squared_slopes = (
+            np.repeat(values, parts)
+            for values in (self.lengths / parts, self.v_squared, self.v_squared_slopes))
+        within = np.arange(len(lengths)) - np.repeat(np.cumsum(parts) - parts, parts)
+        return Mesh(lengths, np.repeat(self.free_fractions / parts, parts),
+                    v_squared + v_squared_slopes * within * lengths, v_squared_slopes,
+                    np.repeat(self.may_steer, parts), self.fixed_length)
 
     @property
     def end_v_squared(self) -> FloatArray:

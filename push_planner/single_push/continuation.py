@@ -28,6 +28,7 @@ from push_planner.plan import Plan
 from push_planner.problem import PushProblem
 from push_planner.single_push.assembly import finish, SolvedPush
 from push_planner.single_push.feasibility import check_feasibility, check_goal
+from push_planner.single_push.mesh_refinement import MeshSolution, refine_mesh
 
 # Name of the route in reports.
 ROUTE = 'previous plan'
@@ -86,6 +87,8 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
     # On the same mesh the iterate is as it was, its slacks included.
     result = push_solver(formulation.dimensions).resume(formulation, resumed.iterate,
                                                         resumed.refined is not None)
+    if resumed.refined is None:
+        formulation, result = refine_mesh(problem, MeshSolution(formulation, result))
     if result.solution is None:
         return None
     path_length = result.solution.free_length + formulation.mesh.fixed_length

@@ -26,6 +26,7 @@ from push_planner.problem import PlanningFailed, PushProblem
 from push_planner.single_push.assembly import finish
 from push_planner.single_push.continuation import plan_on
 from push_planner.single_push.feasibility import check_feasibility
+from push_planner.single_push.mesh_refinement import MeshSolution, refine_mesh
 
 # Routes that are tried at most, and of those the first with the relaxed program. Chosen: the six
 # Dubins words with two final straights; fewer with the relaxed program, which takes 0.2 s: of 290
@@ -200,7 +201,11 @@ class RouteSearch:
         :raises PlanningFailed: with the reason, where none is.
         """
         for candidate in self._candidates or self._solve_all():
-            found = self._finish(candidate) or self._finish_refined(candidate.route)
+            refined = self._refined(candidate)
+            found = self._finish(refined)
+            if found is None and refined is not candidate:
+                found = self._finish(candidate)
+            found = found or self._finish_refined(candidate.route)
             if found is not None:
                 return found
         raise self._failure()
@@ -281,6 +286,15 @@ class RouteSearch:
                                               result.failure, relaxed))
             return None
         return _Solved(route, formulation, result, result.solution.free_length, relaxed)
+
+    def _refined(self, solved: _Solved) -> _Solved:
+        """Refine the mesh where the pushing angle changes sharply."""
+        formulation, result = refine_mesh(
+            self._problem, MeshSolution(solved.formulation, solved.result))
+        if result is solved.result or result.solution is None:
+            return solved
+        return solved._replace(formulation=formulation, result=result,
+                               free_length=result.solution.free_length)
 
     def _finish_refined(self, route: InitialRoute) -> Optional[Plan]:
         """Where the rollout was too far from the program, take a mesh of twice the segments."""

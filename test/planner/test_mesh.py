@@ -1,6 +1,7 @@
 """Mesh of a push: lengths, speeds and steering of its steps."""
 
 import math
+from typing import Any
 
 from helpers.push_problems import face_problem, HOLONOMIC, vertex_problem
 import numpy as np
@@ -81,6 +82,20 @@ def test_segments_at_both_ends_of_the_main_section_are_shorter(segments):
     assert np.flatnonzero(shorter).tolist() == ([0, 1, segments - 2, segments - 1]
                                                 if segments > 4 else [])
     np.testing.assert_array_equal(fractions, fractions[::-1])
+
+
+@pytest.mark.parametrize('settings', SETTINGS.values(), ids=SETTINGS)
+def test_a_divided_mesh_is_the_same_push(settings: dict[str, Any]) -> None:
+    """In lengths, speeds, times and steering, up to the ends of all steps before."""
+    mesh, _ = mesh_of(3.0, **settings)
+    parts = 1 + np.arange(len(mesh.lengths)) % 3
+    divided, ends = mesh.divided(parts), np.cumsum(parts) - 1
+    np.testing.assert_allclose(np.cumsum(divided.step_lengths(0.7))[ends],
+                               np.cumsum(mesh.step_lengths(0.7)))
+    np.testing.assert_allclose(np.cumsum(divided.step_times(0.7))[ends],
+                               np.cumsum(mesh.step_times(0.7)))
+    np.testing.assert_allclose(divided.end_v_squared[ends], mesh.end_v_squared)
+    np.testing.assert_array_equal(divided.may_steer[ends], mesh.may_steer)
 
 
 def test_a_refined_mesh_has_twice_the_segments():
