@@ -2,13 +2,15 @@
 Displacements of the object that are not the robot's: too far for what it has driven meanwhile.
 
 An object that is pushed moves about as far as the robot. One that moves much further from one pose
-to the next was carried away, or its tracker errs. Where it moves back by the same displacement
-soon after, the tracker had erred, and what was inferred meanwhile is wrong.
+to the next was carried away, or its tracker errs. Where it moves back soon after, by the same
+displacement or to the same place, the tracker had erred, and what was inferred meanwhile is wrong.
 """
 
+from collections import deque
+import dataclasses
 import enum
 import math
-from typing import NamedTuple
+from typing import Generic, TypeVar
 
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose
@@ -26,36 +28,58 @@ ROTATION_RATIO = 10.0
 LONGEST_EXCURSION = 10.0
 
 
+# Displacements that an object may have come back from; chosen: trackers that err more often than
+# that within seconds are of no use.
+MAX_EXCURSIONS = 5
+Memory = TypeVar('Memory')
+
+
 class Displacement(enum.Enum):
     """How an object has moved from one pose to the next."""
 
     # Not at all, or as far as the robot may have pushed it.
     NONE = 'none'
     DISPLACED = 'displaced'
-    # By the opposite of its last displacement.
+    # By the opposite of a displacement, or to where it was before one.
     RETURNED = 'returned'
 
 
-class _Excursion(NamedTuple):
-    """A displacement, and when it was seen [s]."""
+@dataclasses.dataclass(frozen=True)
+class _Excursion(Generic[Memory]):
+    """
+    A displacement.
+
+    :param time: when it was seen [s].
+    :param before: ``Pose`` of the object before it.
+    :param shift: the displacement (x, y, heading).
+    :param memory: what was estimated before it.
+    """
 
     time: float
+    before: Pose
     shift: Pose
+    memory: Memory
 
 
-class DisplacementWatch:
-    """Compares the steps of object poses with what the robot drives."""
+class DisplacementWatch(Generic[Memory]):
+    """
+    Compares the steps of object poses with what the robot drives.
+
+    ``memory``: what was estimated before the object was displaced, where it has returned.
+    """
 
     def __init__(self) -> None:
         """Begin before the first pose."""
         self._last: ObjectPose | None = None
         self._driven = 0.0
-        self._excursion: _Excursion | None = None
+        self._is_doubted = False
+        self._excursions: deque[_Excursion[Memory]] = deque(maxlen=MAX_EXCURSIONS)
+        self.memory: Memory | None = None
 
     @property
     def shift(self) -> Pose | None:
         """Last displacement, of which the object has not come back: (x, y, heading), or None."""
-        return None if self._excursion is None else self._excursion.shift
+        return self._excursions[-1].shift if self._excursions else None
 
     def drive(self, distance: float) -> None:
         """
@@ -63,28 +87,38 @@ class DisplacementWatch:
 
         :param distance: that it has driven [m].
         """
-        self._driven += distance
+        if not self._is_doubted:
+            self._driven += distance
 
-    def update(self, measured: ObjectPose) -> Displacement:
+    def doubt(self) -> None:
+        """Note a pose that is not believed: the object may have moved before it, not since."""
+        self._is_doubted = True
+
+    def update(self, measured: ObjectPose, memory: Memory) -> Displacement:
         """
         Judge the step from the last pose to this one.
 
         :param measured: ``ObjectPose`` that is believed.
+        :param memory: what was estimated at the last one.
         :return: ``Displacement``.
         """
         last, self._last = self._last, measured
-        driven, self._driven = self._driven, 0.0
+        driven, self._driven, self._is_doubted = self._driven, 0.0, False
         if last is None:
             return Displacement.NONE
         shift = _difference(last.pose, measured.pose)
         if not _exceeds(shift, driven):
             return Displacement.NONE
-        before = self._excursion
-        if (before is not None and measured.time - before.time < LONGEST_EXCURSION
-                and not _exceeds(_sum(before.shift, shift), driven)):
-            self._excursion = None
-            return Displacement.RETURNED
-        self._excursion = _Excursion(measured.time, shift)
+        excursions = self._excursions
+        for number, one in enumerate(excursions):
+            if (measured.time - one.time < LONGEST_EXCURSION
+                    and not (_exceeds(_sum(one.shift, shift), driven)
+                             and _exceeds(_difference(one.before, measured.pose), driven))):
+                self.memory = one.memory
+                while len(excursions) > number:
+                    excursions.pop()
+                return Displacement.RETURNED
+        excursions.append(_Excursion(measured.time, last.pose, shift, memory))
         return Displacement.DISPLACED
 
 

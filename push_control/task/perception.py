@@ -246,10 +246,9 @@ class TaskPerception:
         self._evidence = ContactEvidence()
         # Motions of the object that are not the robot's: time of the last one, and what was
         # estimated of the robot before it.
-        self._displacements = DisplacementWatch()
+        self._displacements = DisplacementWatch[RobotMemory | None]()
         self._displaced_at = -math.inf
         self._memory: RobotMemory | None = None
-        self._memory_before: RobotMemory | None = None
         # Odometry as it came last, and whether the pose of the next one has jumped.
         self._odometry: Odometry | None = None
         self._has_jumped = False
@@ -274,6 +273,8 @@ class TaskPerception:
             is_believed = self.localization.update(measured)
             if is_new:
                 self._is_outlier = not is_believed
+                if not is_believed:
+                    self._displacements.doubt()
             if is_believed:
                 self._note_displacement(measured)
                 self._believed = measured
@@ -291,11 +292,10 @@ class TaskPerception:
     def _note_displacement(self, measured: ObjectPose) -> None:
         """Forget what was inferred of the robot from poses that were a mistake."""
         localization = self.localization
-        displacement = self._displacements.update(measured)
-        if displacement is Displacement.DISPLACED:
-            self._memory_before = self._memory
-        elif displacement is Displacement.RETURNED and self._memory_before is not None:
-            localization.restore_robot(self._memory_before, *RETURN_STD)
+        displacement = self._displacements.update(measured, self._memory)
+        memory = self._displacements.memory
+        if displacement is Displacement.RETURNED and memory is not None:
+            localization.restore_robot(memory, *RETURN_STD)
             self._evidence.clear()
         if displacement is not Displacement.NONE:
             self._displaced_at = measured.time

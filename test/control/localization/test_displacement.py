@@ -18,7 +18,7 @@ def judged(poses, driven=0.0, period=0.05):
     watch, found = DisplacementWatch(), []
     for i, pose in enumerate(poses):
         watch.drive(driven)
-        found.append(watch.update(ObjectPose(period * i, pose)))
+        found.append(watch.update(ObjectPose(period * i, pose), i))
     return found
 
 
@@ -54,3 +54,37 @@ def test_a_rotation_alone_is_a_displacement_too():
     turned = Pose(0.0, 0.0, math.pi)
     found = judged([Pose(0.0, 0.0, 0.0), turned, Pose(0.0, 0.0, 0.0)])
     assert found[1:] == [Displacement.DISPLACED, Displacement.RETURNED]
+
+
+def random_pose(rng: np.random.Generator) -> Pose:
+    """Draw a pose, metres and radians from the origin."""
+    return Pose(*rng.uniform(-3.0, 3.0, 3).tolist())
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_an_object_that_is_seen_where_it_was_has_never_been_away(seed: int) -> None:
+    """Wherever a tracker had it meanwhile; what is remembered is of before that."""
+    rng, watch = np.random.default_rng(seed), DisplacementWatch[int]()
+    start = random_pose(rng)
+    assert watch.update(ObjectPose(0.0, start), -1) is Displacement.NONE
+    assert watch.update(ObjectPose(0.05, start), 7) is Displacement.NONE
+    for i in range(4):
+        away = random_pose(rng)
+        assert watch.update(ObjectPose(0.1 + i, away), 8 + i) is Displacement.DISPLACED
+        assert watch.shift is not None
+    assert watch.update(ObjectPose(5.0, start), 20) is Displacement.RETURNED
+    assert watch.memory == 8 and watch.shift is None
+
+
+@pytest.mark.parametrize('doubts, expected', [
+    (True, Displacement.DISPLACED), (False, Displacement.NONE)])
+def test_what_is_driven_after_a_pose_that_is_not_believed_moves_nothing(
+        doubts: bool, expected: Displacement) -> None:
+    """The object was elsewhere by then; a robot that drives on has not pushed it there."""
+    watch = DisplacementWatch[None]()
+    watch.update(ObjectPose(0.0, Pose(0.0, 0.0, 0.0)), None)
+    for _ in range(3):
+        watch.drive(0.03)
+        if doubts:
+            watch.doubt()
+    assert watch.update(ObjectPose(0.15, Pose(0.3, 0.0, 0.0)), None) is expected
