@@ -244,8 +244,8 @@ class TaskPerception:
         # Pose of the object before a push that has not been seen to move it.
         self._pose_before_push: Pose | None = None
         self._evidence = ContactEvidence()
-        # Motions of the object that are not the robot's: time of the last one, and what was
-        # estimated of the robot before it.
+        # Motions of the object that are not the robot's: time of the last one, and what is
+        # estimated of the robot before the next one.
         self._displacements = DisplacementWatch[RobotMemory | None]()
         self._displaced_at = -math.inf
         self._memory: RobotMemory | None = None

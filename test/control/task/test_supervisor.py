@@ -337,21 +337,6 @@ def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
     assert bench.supervisor.status.state == TaskState.PLAN
 
 
-def test_plans_for_an_object_elsewhere_are_outlasted_for_seconds_and_named_within_a_minute(
-        ) -> None:
-    """They are requested again every second; whoever sends them may have been mistaken."""
-    bench = Bench()
-    bench.supervisor.set_goal(GOAL.pose)
-    plan = undisturbed('differential').sequence_plans[0].trajectory
-    elsewhere = dataclasses.replace(plan, object_poses=plan.object_poses + 0.3)
-    while bench.supervisor.status.state is TaskState.PLAN and bench.time < 60.0:
-        bench.run(0.1)
-        bench.supervisor.set_plan(elsewhere)
-    status = bench.supervisor.status
-    assert 2.0 + RETRY_TIME < bench.time < 60.0 and status.state is TaskState.FAILED
-    assert 'the plan begins where the object is not' in status.reason
-
-
 def test_a_failed_request_is_repeated_where_something_has_changed():
     """The robot was carried off, or there is another map."""
     changes = [lambda bench: setattr(bench, 'robot', Pose(bench.robot.x + 0.2, 0.0, 0.0)),
