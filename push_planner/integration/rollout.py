@@ -362,12 +362,11 @@ class PartCounts(NamedTuple):
         # At most half a part lies between two samples.
         longest = 2.0 * problem.settings.sample_spacing
         first = (JUMP_PART_RATIO if jumps else FIRST_PART_RATIO) * settling_distance(problem)
-        of_steps = lengths.tolist()
-        last_graded = len(of_steps) if jumps else 1
-        fractions = [graded_fractions(length, first, longest) for length in of_steps[:last_graded]]
+        graded = lengths if jumps else lengths[:1]
+        equal = lengths[len(graded):]
+        fractions = [graded_fractions(length, first, longest) for length in graded.tolist()]
         return cls([np.array([parts, np.cumsum(parts) - parts]).T for parts in fractions], *(
-            (*map(len, fractions),
-             *(math.ceil(length / part) for length in of_steps[last_graded:]))
+            (*map(len, fractions), *np.ceil(equal / part).astype(int).tolist())
             for part in (longest, COARSE_PART)))
 
     @property
