@@ -33,7 +33,7 @@ class ConvergedLaw(PredictiveLaw):
     def _optimum(self) -> float:
         horizon = self._horizon
         parameters = HorizonParameters(*horizon.scalars)
-        plan = horizon.solution.curvatures
+        plan = horizon.curvatures
         low, high = np.full(len(plan), parameters.lowest), np.full(len(plan), parameters.highest)
         low[0], high[0] = parameters.first_lowest, parameters.first_highest
         found = self._nlp(x0=[*horizon.guess, 0.0], p=horizon.p, ubg=0.0,
@@ -47,7 +47,7 @@ class ConvergedLaw(PredictiveLaw):
 def _nonlinear_program(drive: Drive, settings: ControlSettings) -> Any:
     """Build the problem of one horizon, with one slack for all soft constraints."""
     weights, steps = optimal_weights(settings), settings.horizon_steps
-    problem = horizon_problem(drive, steps, settings.horizon_step, weights).expressions
+    problem = horizon_problem(drive, steps, settings.horizon_step, weights)
     u, slack = ca.SX.sym('u', steps), ca.SX.sym('slack')
     p = ca.SX.sym('p', problem.size1_in(1))
     residuals, soft, low, high = problem(u, p)

@@ -1,18 +1,15 @@
 """The predictive law: one step of sequential quadratic programming per control step."""
 
-from collections.abc import Callable, Iterable
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.mpc_kernel import (
-    keeps_constraints, QuadraticProgram, shift_plan, solve_unconstrained, write_constraints,
-    write_cost,
+    active_shape, GAIN, shift_plan, solve_program, STEP_COLUMNS,
 )
 from push_control.laws.mpc_problem import (
-    constraint_count, horizon_problem, HorizonParameters, HorizonWeights, Linearization,
-    parameter_offsets, quadratic_solver, terminal_root,
+    horizon_step, HorizonParameters, HorizonWeights, parameter_offsets, terminal_root,
 )
 from push_control.laws.steering_law import (
     SolverFailure, SolverReport, SteeringInput, SteeringLaw,
@@ -43,16 +40,14 @@ class SolverFailed(Exception):
 
 class HorizonSolution(NamedTuple):
     """
-    Solution of the problem; its arrays are overwritten by the next one.
+    Solution of the problem; its array is overwritten by the next one.
 
     :param curvatures: commanded ones over the horizon [1/m], shape (N,).
-    :param slack: largest violation of a soft constraint [rad], shape (1,).
-    :param violation: largest violation of a hard one [1/m], shape (1,).
+    :param violation: largest violation of a constraint [rad, 1/m].
     """
 
     curvatures: FloatArray
-    slack: FloatArray
-    violation: FloatArray
+    violation: float
 
 
 class HorizonSolver:
@@ -60,7 +55,7 @@ class HorizonSolver:
     The problem of one horizon, solved in place: nothing is allocated in the control loop.
 
     ``p``: the parameter vector, of which ``scalars``, ``root``, ``path`` and ``guess`` are views,
-    laid out as ``parameter_offsets`` tells. ``solution``: ``HorizonSolution``.
+    laid out as ``parameter_offsets`` tells. ``curvatures``: the last solution, shape (N,).
     """
 
     def __init__(self, robot: RoundRobot, settings: ControlSettings, weights: HorizonWeights):
@@ -71,37 +66,31 @@ class HorizonSolver:
         :param settings: ``ControlSettings``.
         :param weights: ``HorizonWeights``.
         """
-        steps = settings.horizon_steps
-        problem = horizon_problem(robot.drive, steps, settings.horizon_step, weights)
+        steps, step = settings.horizon_steps, settings.horizon_step
         offsets = parameter_offsets(steps)
         self.p: FloatArray = np.zeros(offsets[-1])
         self.scalars, self.root, self.path, self.guess = np.split(self.p, offsets[1:-1])
-        self.solution = HorizonSolution(np.zeros(steps), np.zeros(1), np.zeros(1))
-        # Casadi has matrices by columns.
-        rows, soft = (problem.linear.size1_out(part) for part in (1, 3))
-        self._linear = Linearization(np.zeros(rows), np.zeros((steps, rows)),
-                                     np.zeros((3, soft)), np.zeros((steps, soft)))
-        self._slack_weight = weights.slack
-        constraints, size = constraint_count(steps), steps + 1
-        self._bounds: FloatArray = np.zeros((2, constraints + size))
-        (lba, uba), (lbx, ubx) = self._bounds[:, :constraints], self._bounds[:, constraints:]
-        self._program = QuadraticProgram(
-            np.zeros((size, size)), np.zeros(size), np.zeros((size, constraints)), lba, uba, lbx,
-            ubx)
-        # What does not depend on the guess: the slack, and each change of U from one to the next.
-        a, changes = self._program.a, 2 * soft + np.arange(steps - 1)
-        a[steps, :soft], a[steps, soft:2 * soft] = -1.0, 1.0
-        a[np.arange(steps - 1), changes], a[np.arange(1, steps), changes] = -1.0, 1.0
-        self._factor: FloatArray = np.zeros((steps, steps))
-        self._x: FloatArray = np.zeros(size)
-        self._linearize = _buffered(problem.linear, (self.p,), self._linear)
-        self._optimize = _buffered(quadratic_solver(steps), self._program, (self._x,))
+        self._weights: FloatArray = np.array((step * weights.lateral, step * weights.heading, step,
+                                              weights.slack))
+        self._states: FloatArray = np.zeros((steps + 1, 4))
+        self._steps: FloatArray = np.zeros((steps, STEP_COLUMNS))
+        self._active: FloatArray = np.zeros(active_shape(steps))
+        self._solution: FloatArray = np.zeros(2 * steps + 3)
+        self.curvatures = self._solution[:steps]
+        self._linearize = horizon_step(robot.drive, step).bind({
+            'state': self._states[:-1], 'command': self.guess[:, None],
+            'path': self.path[:, None], 'scalars': self.scalars, 'after': self._states[1:],
+            'slopes': self._steps[:, :GAIN]})
         # Changes nothing that lasts, but loads machine code before the robot moves.
         self.scalars[:] = 1.0
         shift_plan(self.path, 0.0, 1.0, 1.0, self.guess)
         self.solve()
-        for array in (self.p, *self.solution):
+        for array in (self.p, self._solution):
             array[:] = 0.0
+
+    def reset(self) -> None:
+        """Forget which constraints bound."""
+        self._solution[-1] = 0.0
 
     def solve(self) -> HorizonSolution:
         """
@@ -109,45 +98,11 @@ class HorizonSolver:
 
         :return: ``HorizonSolution``.
         """
-        solution, linear, program = self.solution, self._linear, self._program
+        self._states[0] = self.scalars[:4]
         self._linearize()
-        write_cost(linear.residuals, linear.slopes, self._slack_weight, program.h, program.g)
-        solve_unconstrained(self.guess, program.h, program.g, self._factor, solution.curvatures)
-        solution.slack[0] = solution.violation[0] = 0.0
-        if not keeps_constraints(self.scalars, self.guess, linear.soft, linear.soft_slopes,
-                                 solution.curvatures):
-            write_constraints(self.scalars, self.guess, linear.soft, linear.soft_slopes,
-                              program.a, self._bounds)
-            self._optimize()
-            np.add(self.guess, self._x[:-1], out=solution.curvatures)
-            solution.slack[0] = self._x[-1]
-            rows = np.concatenate((self._x @ program.a, self._x))
-            lower, upper = self._bounds
-            solution.violation[0] = max((rows - upper).max(), (lower - rows).max())
-        return solution
-
-
-def _buffered(function: Any, arguments: Iterable[FloatArray],
-              results: Iterable[FloatArray]) -> Callable[[], None]:
-    """
-    Let a casadi function read and write arrays in place.
-
-    :param function: ``casadi.Function``.
-    :param arguments: one array for each argument, by columns.
-    :param results: one array for each result, by columns.
-    :return: what evaluates it.
-    """
-    buffer, run = function.buffer()
-    for index, argument in enumerate(arguments):
-        buffer.set_arg(index, argument.data)
-    for index, result in enumerate(results):
-        buffer.set_res(index, result.data)
-
-    def evaluate(_: Any = buffer) -> None:
-        # The buffer must live as long as what runs on it.
-        run()
-
-    return evaluate
+        violation = solve_program(self.p, self._weights, self._states, self._steps, self._active,
+                                  self._solution)
+        return HorizonSolution(self.curvatures, violation)
 
 
 class PredictiveLaw(SteeringLaw):
@@ -183,6 +138,7 @@ class PredictiveLaw(SteeringLaw):
     def reset(self) -> None:
         """Forget the last plan."""
         self._curvature = None
+        self._horizon.reset()
 
     def curvature(self, steering: SteeringInput) -> float:
         """
@@ -195,7 +151,7 @@ class PredictiveLaw(SteeringLaw):
             self._set_parameters(steering)
             return self._optimum()
         except SolverFailed as error:
-            self._curvature = None
+            self.reset()
             self._solver = SolverReport(self._solver.failures + 1, error.failure)
             return self._fallback.curvature(steering)
 
@@ -207,7 +163,7 @@ class PredictiveLaw(SteeringLaw):
         solution = self._horizon.solve()
         if not math.isfinite(solution.curvatures.sum()):
             raise SolverFailed(SolverFailure.SOLUTION_NOT_FINITE)
-        if not solution.violation[0] <= TOLERANCE:
+        if not solution.violation <= TOLERANCE:
             raise SolverFailed(SolverFailure.LIMITS_NOT_MET)
         return float(solution.curvatures[0])
 
@@ -262,7 +218,7 @@ class PredictiveLaw(SteeringLaw):
         lag = steering.lag_distance
         decay = math.exp(-steering.distance / lag) if lag > 0.0 else 0.0
         shift = steering.distance / self._settings.horizon_step
-        shift_plan(self._horizon.solution.curvatures, shift, low, high, self._horizon.guess)
+        shift_plan(self._horizon.curvatures, shift, low, high, self._horizon.guess)
         return before + decay * (curvature - before)
 
 

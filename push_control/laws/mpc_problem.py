@@ -1,5 +1,5 @@
 """
-The predictive law's problem: the push over the horizon, linearised and condensed to a small QP.
+The predictive law's problem: the push over the horizon, and one step of it with derivatives.
 
 States at every step of path length ds of z: lateral and heading error (e_y, e_psi), zeta from C->F
 to the normal, and the curvature kappa that lags behind the commanded ones U by the distance l:
@@ -19,21 +19,16 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
+from push_dynamics.machine_code import RowFunction
 from push_model.geometry import FloatArray
 from push_model.parameters import Drive
 from push_model.robot_kinematics import yaw_rate
 from scipy.linalg import cholesky, solve_discrete_are
 
-SOLVER = 'daqp'
-# Chosen: a QP of this size takes about 20 iterations.
-ITERATION_LIMIT = 100
 # Smallest distance that the curvature lags behind [m], so that nothing divides by 0.
 MIN_LAG_DISTANCE = 1e-4
 # Weight of the curvature in the regulator's cost, which must be positive definite.
 MIN_CURVATURE_WEIGHT = 1e-9
-# Bound of a constraint that does not bind, and of the slack. Chosen: far beyond any angle [rad].
-UNBOUNDED = 1e3
-MAX_SLACK = 10.0
 
 
 class HorizonWeights(NamedTuple):
@@ -127,60 +122,74 @@ class SoftConstraints(NamedTuple):
     high: Any
 
 
-class Linearization(NamedTuple):
+class StepSlopes(NamedTuple):
     """
-    The problem around the guess, before it is made a quadratic program.
+    Derivatives of the state after one step, those that are neither 0 nor 1; in this order.
 
-    :param residuals: vector whose squared norm is the cost, shape (n,).
-    :param slopes: of these by U, one row for each of U, shape (N, n).
-    :param soft: values of soft constraints and their bounds [rad], shape (3, m).
-    :param soft_slopes: of these values by U, one row for each of U, shape (N, m).
-    """
-
-    residuals: Any
-    slopes: Any
-    soft: Any
-    soft_slopes: Any
-
-
-class HorizonProblem(NamedTuple):
-    """
-    Casadi functions of the parameters p.
-
-    :param linear: ``Linearization`` around the guess.
-    :param expressions: of (U, p): residuals, and values and bounds of the soft constraints, to be
-        solved by other means.
+    :param lateral_by_heading: of e_y by e_psi [m].
+    :param lateral_by_curvature: of e_y by kappa [m^2].
+    :param heading_by_curvature: of e_psi by kappa [m].
+    :param zeta_by_zeta: of zeta by zeta.
+    :param zeta_by_curvature: of zeta by kappa [m].
+    :param curvature_by_curvature: of kappa by kappa.
+    :param lateral_by_command: of e_y by U [m^2].
+    :param heading_by_command: of e_psi by U [m].
+    :param zeta_by_command: of zeta by U [m].
+    :param curvature_by_command: of kappa by U.
     """
 
-    linear: ca.Function
-    expressions: ca.Function
+    lateral_by_heading: Any
+    lateral_by_curvature: Any
+    heading_by_curvature: Any
+    zeta_by_zeta: Any
+    zeta_by_curvature: Any
+    curvature_by_curvature: Any
+    lateral_by_command: Any
+    heading_by_command: Any
+    zeta_by_command: Any
+    curvature_by_command: Any
 
 
 @lru_cache(maxsize=8)
-def horizon_problem(drive: Drive, steps: int, step: float,
-                    weights: HorizonWeights) -> HorizonProblem:
+def horizon_problem(drive: Drive, steps: int, step: float, weights: HorizonWeights) -> ca.Function:
     """
-    Build the problem of one horizon.
+    Build the problem of one horizon, to be solved by other means.
 
     :param drive: kinematics of the base.
     :param steps: number of steps N.
     :param step: path length of z per step [m].
     :param weights: ``HorizonWeights``.
-    :return: ``HorizonProblem``.
+    :return: casadi function of (U, p): residuals, the squared norm of which is the cost, and
+        values and bounds of the soft constraints [rad].
     """
     offsets = parameter_offsets(steps)
-    p = ca.SX.sym('p', offsets[-1])
-    scalars, root, path, plan = ca.vertsplit(p, offsets)
+    p, u = ca.SX.sym('p', offsets[-1]), ca.SX.sym('u', steps)
+    scalars, root, path, _ = ca.vertsplit(p, offsets)
     parameters = HorizonParameters(*ca.vertsplit(scalars))
-    u = ca.SX.sym('u', steps)
     states = _rollout(drive, parameters, path, u, step)
     residuals = _residuals(states, ca.reshape(root, 3, 3), path, u, step=step, weights=weights)
-    soft = _soft_constraints(parameters, states, u)
-    expressions = ca.Function('problem', [u, p], [residuals, *soft])
-    linear = Linearization(residuals, ca.jacobian(residuals, u), ca.horzcat(*soft),
-                           ca.jacobian(soft.values, u))
-    linear = ca.substitute([ca.densify(part) for part in linear], [u], [plan])
-    return HorizonProblem(ca.Function('linear', [p], linear, {'cse': True}), expressions)
+    return ca.Function('problem', [u, p],
+                       [residuals, *_soft_constraints(parameters, states, u)])
+
+
+@lru_cache(maxsize=8)
+def horizon_step(drive: Drive, step: float) -> RowFunction:
+    """
+    Make machine code of one step of the horizon.
+
+    :param drive: kinematics of the base.
+    :param step: path length of z [m].
+    :return: ``RowFunction`` of ``state``, ``command``, ``path`` curvature and ``scalars``: state
+        ``after`` the step, and its ``slopes`` as ``StepSlopes``.
+    """
+    x, u, path, scalars = (ca.SX.sym(name, size) for name, size in (
+        ('x', 4), ('u', 1), ('path', 1), ('scalars', SCALAR_COUNT)))
+    after = _advance(drive, HorizonParameters(*ca.vertsplit(scalars)), x, u, path, step)
+    a, b = ca.jacobian(after, x), ca.jacobian(after, u)
+    slopes = StepSlopes(a[0, 1], a[0, 3], a[1, 3], a[2, 2], a[2, 3], a[3, 3], *ca.vertsplit(b))
+    return RowFunction(ca.Function('step', [x, u, path, scalars], [after, ca.densify(
+        ca.vertcat(*slopes))], ['state', 'command', 'path', 'scalars'], ['after', 'slopes'],
+        {'cse': True}))
 
 
 # While the solver fails, each command begins a plan, mostly with the lag of the one before.
@@ -287,31 +296,3 @@ def _soft_constraints(parameters: HorizonParameters, states: list[Any],
     low = ca.vertcat(*[-parameters.cone_angle] * count, *[parameters.zeta_low] * count)
     high = ca.vertcat(*[parameters.cone_angle] * count, *[parameters.zeta_high] * count)
     return SoftConstraints(ca.vertcat(*force, *zeta), low, high)
-
-
-def constraint_count(steps: int) -> int:
-    """
-    Count the rows of the quadratic program: soft constraints from both sides, and changes of U.
-
-    :param steps: number of steps N.
-    """
-    return 5 * steps - 1
-
-
-@lru_cache(maxsize=8)
-def quadratic_solver(steps: int) -> ca.Function:
-    """
-    Make the solver of ``min 0.5 x' H x + g' x``, ``lba <= A x <= uba``, ``lbx <= x <= ubx``.
-
-    :param steps: number of steps N; x are the changes of U and the slack.
-    :return: casadi function of (H, g, A, lba, uba, lbx, ubx); gives x.
-    """
-    rows, size = constraint_count(steps), steps + 1
-    inputs = [ca.MX.sym(name, *shape) for name, shape in (
-        ('h', (size, size)), ('g', (size, 1)), ('a', (rows, size)), ('lba', (rows, 1)),
-        ('uba', (rows, 1)), ('lbx', (size, 1)), ('ubx', (size, 1)))]
-    solver = ca.conic('solver', SOLVER, {'h': inputs[0].sparsity(), 'a': inputs[2].sparsity()},
-                      {'error_on_fail': False, 'daqp': {'iter_limit': ITERATION_LIMIT}})
-    h, g, a, lba, uba, lbx, ubx = inputs
-    x = solver(h=h, g=g, a=a, lba=lba, uba=uba, lbx=lbx, ubx=ubx)['x']
-    return ca.Function('solve', inputs, [x])

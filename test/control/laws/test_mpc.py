@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import NamedTuple
 
 import casadi as ca
 from helpers.push_case import box
@@ -9,7 +10,8 @@ import numpy as np
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.mpc import HorizonSolver, optimal_weights, PredictiveLaw
 from push_control.laws.mpc_problem import (
-    horizon_problem, HorizonParameters, parameter_offsets, straight_step, terminal_root,
+    horizon_problem, HorizonParameters, parameter_offsets, SCALAR_COUNT, straight_step,
+    terminal_root,
 )
 from push_control.laws.steering_law import Foresight, SolverFailure, SteeringInput
 from push_control.path.path import CurvatureLimits, PathProjection
@@ -23,6 +25,7 @@ from scipy.linalg import solve_discrete_are
 SETTINGS = ControlSettings(control_law='mpc')
 ROBOT = RoundRobot(radius=0.17)
 VEHICLE = vehicle(box(0.4, 2.0, [0.3] * 4), (-0.2, -0.2))
+WEIGHTS = optimal_weights(SETTINGS)
 STEPS, STEP = SETTINGS.horizon_steps, SETTINGS.horizon_step
 
 
@@ -139,9 +142,55 @@ def test_the_scalars_have_one_order():
 
 def solved(p: FloatArray) -> FloatArray:
     """Take one step from the guess."""
-    solver = HorizonSolver(ROBOT, SETTINGS, optimal_weights(SETTINGS))
+    solver = HorizonSolver(ROBOT, SETTINGS, WEIGHTS)
     solver.p[:] = p
     return solver.solve().curvatures
+
+
+class Linear(NamedTuple):
+    """The problem around its guess: residuals, values and bounds of soft constraints, slopes."""
+
+    residuals: FloatArray
+    slopes: FloatArray
+    values: FloatArray
+    low: FloatArray
+    high: FloatArray
+    value_slopes: FloatArray
+
+
+def linearized(p: FloatArray) -> Linear:
+    """Differentiate the whole problem by U."""
+    problem = horizon_problem('differential', STEPS, STEP, WEIGHTS)
+    u = ca.SX.sym('u', STEPS)
+    residuals, values, low, high = problem(u, p)
+    parts = ca.Function('linear', [u], [
+        residuals, ca.jacobian(residuals, u), values, low, high, ca.jacobian(values, u)])(
+            p[-STEPS:])
+    arrays = [np.array(part) for part in parts]
+    return Linear(*(array.ravel() if array.shape[1] == 1 else array for array in arrays))
+
+
+def dense_solution(p: FloatArray) -> FloatArray:
+    """Solve the quadratic program around the guess with all its matrices."""
+    linear, guess, given = linearized(p), p[-STEPS:], HorizonParameters(*p[:SCALAR_COUNT])
+    changes = np.eye(STEPS, k=1)[:-1] - np.eye(STEPS)[:-1]
+    slack = np.ones((len(linear.values), 1))
+    a = np.block([[linear.value_slopes, -slack], [linear.value_slopes, slack],
+                  [changes, np.zeros((STEPS - 1, 1))]])
+    h = np.zeros((STEPS + 1, STEPS + 1))
+    h[:STEPS, :STEPS], h[STEPS, STEPS] = linear.slopes.T @ linear.slopes, WEIGHTS.slack
+    g = np.append(linear.slopes.T @ linear.residuals, WEIGHTS.slack)
+    free = np.full(len(linear.values), np.inf)
+    change = changes @ guess
+    lower = np.concatenate((-free, linear.low - linear.values, -given.max_change - change))
+    upper = np.concatenate((linear.high - linear.values, free, given.max_change - change))
+    low, high = np.full(STEPS, given.lowest), np.full(STEPS, given.highest)
+    low[0], high[0] = given.first_lowest, given.first_highest
+    solver = ca.conic('dense', 'daqp', {'h': ca.DM(h).sparsity(), 'a': ca.DM(a).sparsity()},
+                      {'daqp': {'primal_tol': 1e-10, 'dual_tol': 1e-12}})
+    found = solver(h=h, g=g, a=a, lba=lower, uba=upper, lbx=[*(low - guess), 0.0],
+                   ubx=[*(high - guess), 10.0])
+    return guess + np.array(found['x']).ravel()[:-1]
 
 
 @pytest.mark.parametrize('name, sign', [('first_lowest', -1.0), ('first_highest', 1.0)])
@@ -158,21 +207,57 @@ def test_the_problem_reads_a_field_where_the_law_writes_it(name, sign):
 @pytest.mark.parametrize('place', [(1e-3, 2e-3, 0.0, 0.0), (-2e-3, 0.0, 0.05, 0.01)])
 def test_where_no_constraint_binds_it_is_the_least_squares_solution(place):
     """By numpy; with a bound that cuts it off, the solver of the quadratic program agrees."""
-    weights = optimal_weights(SETTINGS)
-    p = numbers(place, terminal_root('differential', STEP, weights, 0.015))
-    linear = horizon_problem('differential', STEPS, STEP, weights).linear
-    residuals, slopes = (np.array(part) for part in linear(p)[:2])
-    expected = np.linalg.lstsq(slopes, -residuals.ravel(), rcond=None)[0]
+    p = numbers(place, terminal_root('differential', STEP, WEIGHTS, 0.015))
+    linear = linearized(p)
+    expected = np.linalg.lstsq(linear.slopes, -linear.residuals, rcond=None)[0]
     assert solved(p) == pytest.approx(expected, abs=1e-9)
-    side = 'first_highest' if expected[0] > 0.0 else 'first_lowest'
-    p[HorizonParameters._fields.index(side)] = expected[0] * (1.0 - 1e-6)
-    assert solved(p) == pytest.approx(expected, abs=1e-5)
+
+
+def random_problem(rng):
+    """Draw parameters and a guess within its limits, so that mostly some constraints bind."""
+    place = rng.normal(0.0, (0.05, 0.15, 0.2, 0.1))
+    p = numbers(place, terminal_root('differential', STEP, WEIGHTS, 0.015))
+    p[-2 * STEPS:-STEPS] = rng.normal(0.0, 0.3)
+    p[-STEPS:] = rng.uniform(-0.2, 0.2, STEPS)
+    p[HorizonParameters._fields.index('max_change')] = rng.uniform(0.05, 0.5)
+    p[HorizonParameters._fields.index('zeta_low')] = -rng.uniform(0.05, 0.7)
+    return p
+
+
+def test_the_quadratic_program_is_solved_as_by_a_dense_solver():
+    """Of casadi, which is given all matrices; cold, and from constraints of another problem."""
+    rng = np.random.default_rng(3)
+    warm = HorizonSolver(ROBOT, SETTINGS, WEIGHTS)
+    binding: list[int] = []
+    for _ in range(60):
+        p = random_problem(rng)
+        expected = dense_solution(p)
+        assert solved(p) == pytest.approx(expected, abs=1e-6)
+        warm.p[:] = p
+        found = warm.solve()
+        assert found.violation == 0.0
+        assert found.curvatures == pytest.approx(expected, abs=1e-6)
+        binding.append(int(warm._solution[-1]))
+    assert min(binding) <= 1 and max(binding) >= 10
+
+
+def test_a_program_that_nothing_fulfils_is_told():
+    """Limits that exclude each other leave a violation, and nothing stays of that."""
+    solver = HorizonSolver(ROBOT, SETTINGS, WEIGHTS)
+    good = numbers((0.01, 0.02, 0.05, 0.0), terminal_root('differential', STEP, WEIGHTS, 0.015))
+    bad = good.copy()
+    bad[HorizonParameters._fields.index('lowest')] = 0.7
+    expected = solved(good)
+    solver.p[:] = bad
+    assert solver.solve().violation > 1e-3
+    solver.p[:] = good
+    assert solver.solve().curvatures == pytest.approx(expected, abs=1e-12)
 
 
 def converged(place):
     """Solve the same problem by ipopt, and by steps around the last solution."""
     weights = optimal_weights(SETTINGS)
-    _, problem = horizon_problem('differential', STEPS, STEP, weights)
+    problem = horizon_problem('differential', STEPS, STEP, weights)
     p = numbers(place, terminal_root('differential', STEP, weights, 0.015))
     u, slack = ca.SX.sym('u', STEPS), ca.SX.sym('slack')
     residuals, soft, low, high = problem(u, p)
