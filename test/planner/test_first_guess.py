@@ -5,7 +5,7 @@ import math
 from helpers.push_problems import face_problem
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
-from push_planner.initial_guess.dubins_routes import routes
+from push_planner.initial_guess.dubins_routes import routes, shortest_length
 from push_planner.single_push.planner import steering_limits
 import pytest
 
@@ -33,6 +33,20 @@ def test_the_flat_output_follows_the_path(route):
         flat_output = Pose(*origin.transform(vehicle.flat_output), theta + vehicle.angle)
         np.testing.assert_allclose(flat_output[:2], expected[:2], atol=1e-9)
         assert wrap_angle(flat_output.theta - expected.theta) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize('goal', [
+    Pose(1.5, 0.9, 1.2), Pose(-0.8, 0.3, -2.0), Pose(0.2, -0.4, 3.0)])
+def test_with_any_heading_at_the_goal_each_word_is_tried_once(goal: Pose) -> None:
+    """At its best heading, the shortest word first."""
+    problem = face_problem(goal, heading_free=True, final_straight=0.0)
+    turns = steering_limits(problem)
+    found = routes(problem, turns)
+    words = [route.name for route in found]
+    assert len(words) == len(set(words)) >= 4
+    lengths = [route.path_length for route in found]
+    assert lengths == sorted(lengths)
+    assert lengths[0] == pytest.approx(shortest_length(problem, turns, 0.0), abs=1e-9)
 
 
 def test_steering_is_that_of_the_turns_averaged_over_a_step():
