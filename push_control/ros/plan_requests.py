@@ -93,5 +93,13 @@ class PlanRequester:
         self._logger.debug(f'receives {kind} plan')
         return found
 
+    def is_answered_again_by(self, message: Any) -> bool:
+        """
+        Tell whether a plan answers the last request, which has its plan already.
+
+        :param message: message with a header.
+        """
+        return not self._unanswered and nanoseconds(message.header.stamp) == self._stamp
+
     def _now(self, time: float) -> float:
         return time if self._is_lockstep else wall.monotonic()

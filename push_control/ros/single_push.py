@@ -197,11 +197,16 @@ class SinglePushMode(Mode):
 
     def on_plan(self, message: Any) -> None:
         """
-        Set the plan, whoever asked for it.
+        Set the plan, whoever asked for it; under way not one that another planner has, too.
+
+        A planner that is started answers the last request, as that is latched.
 
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
         :raises MessageRefused: where it cannot be used; there is none then.
         """
+        is_under_way = self._is_pushing and self._controller.status.phase is not Phase.IDLE
+        if is_under_way and self._requester.is_answered_again_by(message):
+            return
         self.report_again()
         answered = self._requester.request_answered_by(message)
         is_answer = answered is not None and answered is self._request
@@ -219,6 +224,8 @@ class SinglePushMode(Mode):
             self._target = None
             self._controller.reset()
             raise
+        if is_answer:
+            self._requester.forget_unanswered()
         if is_answer and self._goal is not None:
             self._tolerances = self._goal_tolerances(self._goal)
             self._goal = None

@@ -1,10 +1,11 @@
-"""A single push that is cancelled: the controller's node, with a robot that is played here."""
+"""A single push under way: the controller's node, with a robot that is played here."""
 
 import math
 
 from push_control.controller_node import ControllerNode
 from push_control.goal import GoalOutcome, PushGoal, PushState
 from push_control.push.status import Phase
+from push_control.ros.single_push import SinglePushMode
 from push_model.contact import find_contact
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
@@ -79,3 +80,31 @@ def test_the_robot_backs_off_before_the_goal_has_ended(node, monkeypatch):
     assert distance == pytest.approx(node._present_parameters.drive.retreat_distance, abs=0.02)
     gap = find_contact(SCENARIO.object, OBJECT, pose[:2], SCENARIO.robot.radius).gap
     assert gap > 0.9 * distance and speeds[-1][0] == pytest.approx(0.0, abs=0.02)
+
+
+def test_the_answer_of_another_planner_does_not_disturb_a_push(node: ControllerNode) -> None:
+    """As of one that was started meanwhile; a plan that somebody else asked for is set."""
+    mode, shift = node.goals._mode, Pose(0.6, 0.0, 0.3)
+    assert isinstance(mode, SinglePushMode)
+    plan, other = (plan_push(problem_from_placement(
+        SCENARIO.object, SCENARIO.robot, place @ OBJECT, place @ ROBOT, place @ GOAL,
+        SCENARIO.planner)).trajectory for place in (Pose(0.0, 0.0, 0.0), shift))
+    node.goals.start(PushGoal(GOAL))
+
+    def measure(time: float) -> None:
+        node._on_odometry(to_odometry_message(Odometry(time, ROBOT, STOP), 'odom', 'base_link'))
+        node._on_object_pose(to_object_pose_message(ObjectPose(time, OBJECT), 'odom'))
+
+    measure(100.0)
+    measure(100.0 + PERIOD)
+    stamp = mode._requester._stamp
+    node._on_plan(to_plan_message(plan, exact_stamp(stamp), 'odom'))
+    measure(100.0 + 2.0 * PERIOD)
+    assert mode.progress.state is PushState.PUSHING
+    node._on_plan(to_plan_message(other, exact_stamp(stamp), 'odom'))
+    measure(100.0 + 3.0 * PERIOD)
+    assert mode.progress.state is PushState.PUSHING
+    node._on_plan(to_plan_message(other, exact_stamp(stamp + 1), 'odom'))
+    measure(100.0 + 4.0 * PERIOD)
+    assert mode.progress.state is PushState.FAILED
+    assert 'the object is not where the plan starts' in mode.progress.reason
