@@ -272,6 +272,16 @@ class PushNode(PolledNode):
         self._own_subscriptions.append(subscription)
         return NewestMessage(subscription)
 
+    def publishers_of(self, topic: str) -> list[str]:
+        """
+        Name the nodes that publish on a topic, as far as they are known by now.
+
+        :param topic: its name.
+        :return: full names in alphabetical order; one for each publisher.
+        """
+        return sorted(f'{info.node_namespace.rstrip("/")}/{info.node_name}'
+                      for info in self.get_publishers_info_by_topic(topic))
+
     def unsubscribe_all(self) -> None:
         """End all subscriptions that ``subscribe`` made."""
         self.real_time_subscriptions = []

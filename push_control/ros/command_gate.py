@@ -79,10 +79,8 @@ class CommandGate:
         check = self._stamps.check_odometry if is_odometry else self._stamps.check_pose
         verdict = check(measured.time, now)
         if verdict is StampVerdict.REFUSED:
-            raise MessageRefused(
-                f'{"odom" if is_odometry else "object_pose"}: got a stamp that is '
-                f'{abs(difference):.2f} s {"ahead of" if difference > 0.0 else "behind"} '
-                'the last odometry, expected one of the same clock')
+            raise MessageRefused(self._stamp_fault('odom' if is_odometry else 'object_pose',
+                                                   difference))
         if verdict is StampVerdict.TIME_WENT_AHEAD:
             self._node.get_logger().warning(
                 f'odom: time went ahead by {difference:.2f} s; goes on at the new one')
@@ -97,6 +95,15 @@ class CommandGate:
                 self._note_gap(clock, now)
             self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
         return verdict is StampVerdict.TIME_WENT_BACK
+
+    def _stamp_fault(self, topic: str, difference: float) -> str:
+        """Describe a stamp that is off by some time [s], and who may be to blame."""
+        relation = 'ahead of' if difference > 0.0 else 'behind'
+        fault = (f'{topic}: got a stamp that is {abs(difference):.2f} s {relation} the last '
+                 'odometry, expected one of the same clock')
+        publishers = self._node.publishers_of(topic)
+        return fault if len(publishers) < 2 else (
+            f'{fault}; {topic} is published by {" and ".join(publishers)}, expected one of them')
 
     def _note_gap(self, clock: int, now: float) -> None:
         """Take note that no odometry has come for a while, as in a process that slept."""

@@ -109,18 +109,17 @@ class OtherCommanders:
             self._look()
 
     def _look(self) -> None:
-        infos = self._node.get_publishers_info_by_topic(TOPIC)
-        names = [f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos]
+        names = self._node.publishers_of(TOPIC)
         own = self._node.get_fully_qualified_name()
         if own in names:
             # Once: a second controller may have the same name.
             names.remove(own)
         if names and names != self._names:
             self._node.get_logger().warning(
-                f'{TOPIC}: is also published by {", ".join(sorted(names))}; the robot is stopped '
+                f'{TOPIC}: is also published by {", ".join(names)}; the robot is stopped '
                 'where that drives the base while an object is pushed, and no push begins while '
                 'that commands it')
-        self._names = sorted(names)
+        self._names = names
         self._listen(bool(names))
 
     def _listen(self, is_needed: bool) -> None:

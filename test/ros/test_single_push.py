@@ -2,6 +2,7 @@
 
 import math
 
+from nav_msgs.msg import Odometry as OdometryMessage
 from push_control.controller_node import ControllerNode
 from push_control.goal import GoalOutcome, PushGoal, PushState
 from push_control.push.status import Phase
@@ -108,3 +109,22 @@ def test_the_answer_of_another_planner_does_not_disturb_a_push(node: ControllerN
     measure(100.0 + 4.0 * PERIOD)
     assert mode.progress.state is PushState.FAILED
     assert 'the object is not where the plan starts' in mode.progress.reason
+
+
+def test_two_publishers_of_odometry_are_named_where_their_stamps_differ(
+        node: ControllerNode, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As two simulators in one domain: the robot stands, and the operator is told why."""
+    reports: list[str] = []
+    monkeypatch.setattr(node.reporter, 'report', lambda level, text, *_: reports.append(text))
+    simulators = [rclpy.create_node(name) for name in ('sim_b', 'sim_a')]
+    for simulator in simulators:
+        simulator.create_publisher(OdometryMessage, 'odom', 1)
+    while len(node.publishers_of('odom')) < len(simulators):
+        rclpy.spin_once(simulators[0], timeout_sec=0.02)
+    for time in (100.0, 50.0):
+        node._on_odometry(to_odometry_message(Odometry(time, ROBOT, STOP), 'odom', 'base_link'))
+    assert reports[-1] == (
+        'odom: got a stamp that is 50.00 s behind the last odometry, expected one of the same '
+        'clock; odom is published by /sim_a and /sim_b, expected one of them; stopped')
+    for simulator in simulators:
+        simulator.destroy_node()
