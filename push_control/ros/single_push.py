@@ -204,8 +204,8 @@ class SinglePushMode(Mode):
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
         :raises MessageRefused: where it cannot be used; there is none then.
         """
-        is_under_way = self._is_pushing and self._controller.status.phase is not Phase.IDLE
-        if is_under_way and self._requester.is_answered_again_by(message):
+        has_begun = self._is_pushing and self._controller.status.phase is not Phase.IDLE
+        if has_begun and self._requester.is_answered_again_by(message):
             return
         self.report_again()
         answered = self._requester.request_answered_by(message)
