@@ -26,7 +26,7 @@ from push_control.events import EventReport, PushEvent
 from push_control.settings import ControlSettings
 from push_dynamics.compiled import array_view
 from push_model.geometry import Coordinates, distance, FloatArray, Pose, wrap_angle
-from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP, Twist
 
 # How long odometry is kept to be replayed from a late pose [s]. Chosen: far above the latency of
 # any pose that is not stale.
@@ -194,23 +194,33 @@ class Estimator:
         """
         Remember a motion of the robot: the mean one since the last odometry.
 
+        Where that is long ago, the robot was stopped meanwhile, and has stood.
+
         :param odometry: ``Odometry``; one that is not newer than the last is ignored.
         :return: each ``RobotMotion`` that the filter has processed, as it got too old to keep.
         """
-        if odometry.time <= self.last_odometry.time:
+        last, timeout = self.last_odometry.time, self._settings.odometry_timeout
+        if odometry.time <= last:
             return ()
         self._replay()
-        if self._count == len(self._odometry):
-            self._grow()
-        view = self._measured_view
-        view[0], (view[1], view[2], view[3]) = odometry.time, odometry.twist
-        self.travelled_distance += add_motion(self.memory, self._odometry[self._count],
-                                              self._time, self._measured)
-        self._count += 1
+        if odometry.time - last > 2.0 * timeout:
+            self._add_motion(last + timeout, STOP)
+            self._add_motion(odometry.time - timeout, STOP)
+        self._add_motion(odometry.time, odometry.twist)
         self.last_odometry = odometry
         if odometry.time - INPUT_MEMORY > self._time:
             return self._advance(odometry.time - INPUT_MEMORY)
         return ()
+
+    def _add_motion(self, time: float, twist: Twist) -> None:
+        """Remember the motion until a time [s] at which the robot had a ``Twist``."""
+        if self._count == len(self._odometry):
+            self._grow()
+        view = self._measured_view
+        view[0], (view[1], view[2], view[3]) = time, twist
+        self.travelled_distance += add_motion(self.memory, self._odometry[self._count],
+                                              self._time, self._measured)
+        self._count += 1
 
     def add_pose(self, measured: ObjectPose) -> PoseUpdate:
         """

@@ -151,6 +151,16 @@ def test_an_object_that_is_elsewhere_for_a_while_is_awaited_where_it_was(shift: 
     assert estimator.pose_fault(time) is None
 
 
+@pytest.mark.parametrize('gap', [1.0, 5.0])
+def test_an_object_is_found_again_after_a_gap_of_odometry(gap: float) -> None:
+    """The robot has stood meanwhile, which no odometry has told."""
+    estimator, history = simulate(NOMINAL, seed=2, duration=6.0)
+    start, true, _ = history[-1]
+    time = poses_after(estimator, start + gap, [true.pose] * 20)
+    assert estimator.pose_fault(time) is None
+    assert estimator.predict(time).pose == pytest.approx(true.pose, abs=5e-3)
+
+
 def test_poses_with_more_noise_than_stated_move_the_estimate_by_less_than_that() -> None:
     """They are no displacement of the object, and said to scatter."""
     estimator, history = simulate(NOMINAL, seed=3, duration=6.0)
