@@ -13,6 +13,7 @@ import itertools
 import math
 from typing import NamedTuple, Optional
 
+import numpy as np
 from push_model.plan_request import PlanFailure
 from push_planner.collocation.formulation import (
     formulate, Formulation, InitialRoute, rotation_range,
@@ -40,6 +41,12 @@ MAX_RELAXED_ROUTES = 2
 # more iterations.
 ROUTE_SLACK = 0.95
 FAST_ROUTE_SLACK = 0.7
+# Reserves of the pushing angle below the largest of a push that is refused [rad]. The tightest
+# turns are about a support, whose friction turns around where the centre of rotation passes it.
+# The program smooths that, and may hold a force in between that no push can. Measured: of 26
+# pushes that were refused 19 are accepted with the first, and 3 more with the second, up to 1 %
+# longer (two of them 5 %), where the next routes were a tenth longer (median; up to 3.8 times).
+ANGLE_RESERVES = 0.01, 0.04
 # Difference of the object's rotations below which two routes lead to the same optimum [rad].
 SAME_ROTATION = 1.0
 
@@ -201,13 +208,10 @@ class RouteSearch:
         :raises PlanningFailed: with the reason, where none is.
         """
         for candidate in self._candidates or self._solve_all():
-            refined = self._refined(candidate)
-            found = self._finish(refined)
-            if found is None and refined is not candidate:
-                found = self._finish(candidate)
-            found = found or self._finish_refined(candidate.route)
-            if found is not None:
-                return found
+            for solved in self._variants(candidate):
+                found = self._finish(solved)
+                if found is not None:
+                    return found
         raise self._failure()
 
     def _solve_all(self) -> Iterator[_Solved]:
@@ -287,7 +291,20 @@ class RouteSearch:
             return None
         return _Solved(route, formulation, result, result.solution.free_length, relaxed)
 
-    def _refined(self, solved: _Solved) -> _Solved:
+    def _variants(self, solved: _Solved) -> Iterator[_Solved]:
+        """Solve for more of one route while they are refused: gentler ones, and on finer steps."""
+        solved = self._on_refined_mesh(solved)
+        yield solved
+        for reserve in ANGLE_RESERVES:
+            gentler = None if self._log.is_spent else self._steered_less(solved, reserve)
+            if gentler is not None:
+                yield gentler
+        if self._problem.settings.pushing_angles != 'constant' and not self._log.is_spent:
+            finer = self._solve(solved.route, refined_mesh=True)
+            if finer is not None:
+                yield finer
+
+    def _on_refined_mesh(self, solved: _Solved) -> _Solved:
         """Refine the mesh where the pushing angle changes sharply."""
         formulation, result = refine_mesh(
             self._problem, MeshSolution(solved.formulation, solved.result))
@@ -296,16 +313,22 @@ class RouteSearch:
         return solved._replace(formulation=formulation, result=result,
                                free_length=result.solution.free_length)
 
-    def _finish_refined(self, route: InitialRoute) -> Optional[Plan]:
-        """Where the rollout was too far from the program, take a mesh of twice the segments."""
-        if self._problem.settings.pushing_angles == 'constant' or self._log.is_spent:
+    def _steered_less(self, solved: _Solved, reserve: float) -> Optional[_Solved]:
+        """Solve for a push whose pushing angles stay below the largest so far by a reserve."""
+        former, formulation = solved.result.solution, solved.formulation
+        if former is None:
             return None
-        return self._finish(self._solve(route, refined_mesh=True))
+        self._log.solves += 1
+        angle = float(np.abs(former.nodes[:, 1]).max()) - reserve
+        formulation = formulation._replace(bounds=formulation.bounds._replace(angle=angle))
+        result = push_solver(formulation.dimensions).solve(formulation, former)
+        if result.solution is None:
+            return None
+        return solved._replace(formulation=formulation, result=result,
+                               free_length=result.solution.free_length)
 
-    def _finish(self, solved: Optional[_Solved]) -> Optional[Plan]:
+    def _finish(self, solved: _Solved) -> Optional[Plan]:
         """Refine a solved route, and accept the plan or not."""
-        if solved is None:
-            return None
         push, violation = finish(self._problem, solved.formulation, solved.result, self._turns)
         self._log.attempts.append(Attempt(
             solved.route.name, solved.route.path_length, violation or 'solved',

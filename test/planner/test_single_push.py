@@ -9,8 +9,10 @@ from helpers.push_problems import (
 )
 import numpy as np
 from push_model.geometry import Pose
-from push_model.parameters import RoundRobot
-from push_planner.single_push.planner import plan_push
+from push_model.parameters import Contact, PushedObject, RoundRobot, Support
+from push_planner.initial_guess.dubins_routes import shortest_length
+from push_planner.problem import PlannerSettings, PushProblem
+from push_planner.single_push.planner import plan_push, steering_limits
 from push_planner.verification.verification import verify
 import pytest
 
@@ -213,3 +215,24 @@ def test_a_path_that_few_segments_hardly_follow_is_followed():
     assert len(answer.report['attempts']) == 1
     assert answer.report['path_length'] < 8.0
     assert verify(answer).position_error < 1e-3
+
+
+@pytest.mark.parametrize(('radius', 'friction', 'place', 'goal', 'speed'), [
+    (0.25648, (0.21067, 0.31315, 0.24824), 0.39399, Pose(0.15796, 0.72251, -0.91937), 0.5),
+    (0.18894, (0.35549, 0.51319, 0.41804), -2.48456, Pose(2.59869, -3.71274, 1.42159), 0.1)])
+def test_bins_that_turn_about_a_support_take_the_shortest_route(
+        radius: float, friction: tuple[float, ...], place: float, goal: Pose,
+        speed: float) -> None:
+    """Turned a little more gently: the tightest turn has its friction turn around."""
+    feet = tuple(Support(0.8 * radius * math.cos(angle), 0.8 * radius * math.sin(angle), mu)
+                 for angle, mu in zip((0.0, 2.1, 4.2), friction))
+    robot = RoundRobot(0.17, 'holonomic', max_speed=5.0, max_yaw_rate=50.0, max_acceleration=100.0)
+    problem = PushProblem(
+        PushedObject(2.0, supports=feet, radius=radius), robot, Contact('round', 0, place),
+        Pose(0.0, 0.0, 0.0), place + math.pi, place + math.pi, goal,
+        PlannerSettings(pushing_speed=speed, final_straight=0.0, deceleration=0.0))
+    plan = plan_push(problem)
+    turns = steering_limits(problem)
+    assert plan.report['path_length'] < 1.02 * shortest_length(problem, turns, 0.0)
+    assert plan.report['friction_usage'] < 1.0
+    assert verify(plan).position_error < 1e-3
