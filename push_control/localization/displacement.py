@@ -40,7 +40,7 @@ class Displacement(enum.Enum):
     # Not at all, or as far as the robot may have pushed it.
     NONE = 'none'
     DISPLACED = 'displaced'
-    # By the opposite of a displacement, or to where it was before one.
+    # By the opposite of a displacement, or to where the robot may have pushed it from before one.
     RETURNED = 'returned'
 
 
@@ -53,12 +53,14 @@ class _Excursion(Generic[Memory]):
     :param before: ``Pose`` of the object before it.
     :param shift: the displacement (x, y, heading).
     :param memory: what was estimated before it.
+    :param total: that the robot had driven before it [m].
     """
 
     time: float
     before: Pose
     shift: Pose
     memory: Memory
+    total: float
 
 
 class DisplacementWatch(Generic[Memory]):
@@ -71,7 +73,8 @@ class DisplacementWatch(Generic[Memory]):
     def __init__(self) -> None:
         """Begin before the first pose."""
         self._last: ObjectPose | None = None
-        self._driven = 0.0
+        # What the robot has driven since the last pose, and in all [m].
+        self._driven = self._total = 0.0
         self._is_doubted = False
         self._excursions: deque[_Excursion[Memory]] = deque(maxlen=MAX_EXCURSIONS)
         self.memory: Memory | None = None
@@ -87,6 +90,7 @@ class DisplacementWatch(Generic[Memory]):
 
         :param distance: that it has driven [m].
         """
+        self._total += distance
         if not self._is_doubted:
             self._driven += distance
 
@@ -113,12 +117,14 @@ class DisplacementWatch(Generic[Memory]):
         for number, one in enumerate(excursions):
             if (measured.time - one.time < LONGEST_EXCURSION
                     and not (_exceeds(_sum(one.shift, shift), driven)
-                             and _exceeds(_difference(one.before, measured.pose), driven))):
+                             and _exceeds(_difference(one.before, measured.pose),
+                                          self._total - one.total))):
                 self.memory = one.memory
                 while len(excursions) > number:
                     excursions.pop()
                 return Displacement.RETURNED
-        excursions.append(_Excursion(measured.time, last.pose, shift, memory))
+        excursions.append(_Excursion(measured.time, last.pose, shift, memory,
+                                     self._total - driven))
         return Displacement.DISPLACED
 
 

@@ -88,3 +88,14 @@ def test_what_is_driven_after_a_pose_that_is_not_believed_moves_nothing(
         if doubts:
             watch.doubt()
     assert watch.update(ObjectPose(0.15, Pose(0.3, 0.0, 0.0)), None) is expected
+
+
+def test_an_object_that_was_pushed_while_its_tracker_erred_is_not_away() -> None:
+    """It is no further from where it was than the robot has driven."""
+    watch = DisplacementWatch[int]()
+    watch.update(ObjectPose(0.0, Pose(0.0, 0.0, 0.0)), 1)
+    assert watch.update(ObjectPose(0.1, Pose(0.0, 2.0, 0.0)), 2) is Displacement.DISPLACED
+    watch.drive(0.3)
+    assert watch.update(ObjectPose(2.0, Pose(0.0, 2.0, 0.0)), 3) is Displacement.NONE
+    assert watch.update(ObjectPose(2.1, Pose(0.4, 0.0, 0.5)), 4) is Displacement.RETURNED
+    assert watch.memory == 2
