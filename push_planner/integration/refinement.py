@@ -97,7 +97,7 @@ def refine(problem: PushProblem, formulation: Formulation, solution: Solution,
     :return: ``RefinedPush``; None where the integration breaks down.
     """
     counts = PartCounts.of(problem, formulation.mesh.step_lengths(solution.free_length),
-                           formulation.dimensions.jumps)
+                           solution.changes, formulation.dimensions.jumps)
     for doublings in range(counts.doublings, MAX_DOUBLINGS):
         memory = _refinement_memory(formulation.dimensions, doublings, threading.get_ident())
         try:

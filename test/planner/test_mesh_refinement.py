@@ -1,11 +1,11 @@
 """Local refinement of the mesh: what it gains, and what it leaves alone."""
 
 import dataclasses
-import math
 
-from helpers.push_problems import face_problem
+from helpers.push_problems import face_problem, vertex_problem
 import numpy as np
 from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
 from push_planner.collocation.formulation import formulate
 from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
@@ -14,6 +14,7 @@ from push_planner.single_push.mesh_refinement import (
     HALVED_SEGMENTS, MAX_REFINEMENTS, MeshSolution, refine_mesh,
 )
 from push_planner.single_push.planner import plan_push
+from push_planner.verification.verification import verify
 import pytest
 
 NO_RAMPS = {'final_straight': 0.0, 'deceleration': 0.0}
@@ -79,11 +80,22 @@ def test_constant_angles_keep_their_mesh() -> None:
 
 
 def test_a_switch_of_a_plan_is_finer_than_the_segments_before() -> None:
-    """The plan ends at its goal as all do, and reports the segments that it has."""
+    """The plan ends at its goal also when it is driven, and reports the segments that it has."""
     problem = unlimited(SWITCHED)
     plan = plan_push(problem)
     lengths = np.diff(plan.segment_ends, prepend=0.0)
     assert lengths.min() < 0.3 * lengths.max()
     assert plan.report['segments'] == len(lengths)
-    end = plan.trajectory.object_poses[-1]
-    assert math.hypot(*(end - np.array(problem.goal))[:2]) < 1e-3
+    assert verify(plan).position_error < 1e-4
+
+
+def test_a_drive_that_steers_at_once_on_a_fine_mesh_ends_at_its_goal() -> None:
+    """Where its angle changes by 0.5 rad in 2 cm, the integration is finer as well."""
+    robot = RoundRobot(0.17, 'differential', max_speed=5.0, max_yaw_rate=50.0,
+                       max_acceleration=100.0, max_yaw_acceleration=1000.0)
+    problem = vertex_problem(Pose(2.52009, 2.55110, -2.36063), robot, start=Pose(0.0, 0.0, 0.0),
+                             pushing_speed=0.1, **NO_RAMPS)
+    plan = plan_push(problem)
+    lengths = np.diff(plan.segment_ends, prepend=0.0)
+    assert lengths.min() < 0.3 * lengths.max()
+    assert verify(plan).position_error < 1e-4

@@ -204,7 +204,8 @@ def followed(problem: PushProblem, formulation: Formulation, refined: RefinedPus
     dimensions, rollout = formulation.dimensions, refined.rollout
     settings = dataclasses.replace(problem.settings, sample_spacing=spacing)
     counts = PartCounts.of(dataclasses.replace(problem, settings=settings),
-                           formulation.mesh.step_lengths(refined.free_length), dimensions.jumps)
+                           formulation.mesh.step_lengths(refined.free_length), rollout.changes,
+                           dimensions.jumps)
     # Room for the parts of those that fail.
     memory = RolloutMemory(
         dimensions, counts.doublings + 1, problem.push_parameters.column(),
