@@ -66,7 +66,7 @@ class Pose(NamedTuple):
 
     def is_finite(self) -> bool:
         """Tell whether all three numbers are finite."""
-        return all(map(math.isfinite, self))
+        return math.isfinite(self.x) and math.isfinite(self.y) and math.isfinite(self.theta)
 
 
 def wrap_angle(angle: float) -> float:

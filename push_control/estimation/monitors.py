@@ -62,7 +62,10 @@ def is_finite_odometry(odometry: Odometry) -> bool:
     :param odometry: ``Odometry``.
     :return: whether it is.
     """
-    return all(map(math.isfinite, (odometry.time, *odometry.pose, *odometry.twist)))
+    v_x, v_y, omega = odometry.twist
+    # Written out, as it is asked at every control step.
+    return (math.isfinite(odometry.time) and odometry.pose.is_finite() and math.isfinite(v_x)
+            and math.isfinite(v_y) and math.isfinite(omega))
 
 
 @compiled

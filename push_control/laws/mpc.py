@@ -157,11 +157,10 @@ class PredictiveLaw(SteeringLaw):
 
     def _optimum(self) -> float:
         """Solve the problem; give the first of its curvatures [1/m]."""
-        # A sum is finite only where all its terms are.
-        if not math.isfinite(self._horizon.p.sum()):
-            raise SolverFailed(SolverFailure.PROBLEM_NOT_FINITE)
         solution = self._horizon.solve()
-        if not math.isfinite(solution.curvatures.sum()):
+        if math.isnan(solution.violation):
+            raise SolverFailed(SolverFailure.PROBLEM_NOT_FINITE)
+        if not math.isfinite(solution.curvatures[0]):
             raise SolverFailed(SolverFailure.SOLUTION_NOT_FINITE)
         if not solution.violation <= TOLERANCE:
             raise SolverFailed(SolverFailure.LIMITS_NOT_MET)

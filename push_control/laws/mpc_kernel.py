@@ -106,10 +106,17 @@ def solve_program(p: Any, weights: Any, states: Any, steps: Any, active: Any,
         ``active_shape``.
     :param solution: trajectory of the optimum, and the number of constraints that bind, which is
         that of the last time at first, is written, shape (2 N + 3,).
-    :return: largest violation of a constraint that is left, 0 where it is negligible.
+    :return: largest violation of a constraint that is left, 0 where it is negligible; no number
+        where the problem has one that is none.
     """
     size = len(solution) - 1
     last = int(solution[size])
+    # A sum is finite only where all its terms are.
+    total = 0.0
+    for k in range(len(p)):
+        total += p[k]
+    if not math.isfinite(total):
+        return math.nan
     write_gains(p, weights, steps)
     write_slopes(p, weights, states, steps)
     write_optimum(steps, solution)

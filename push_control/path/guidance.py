@@ -79,29 +79,37 @@ class Guidance:
         """
         return self._path.curvatures(self.projection[0], distances)
 
-    def update(self, pose: Pose, projection: PathProjection, *, is_kept: bool,
-               replan_limits: LimitsSource, travelled_distance: float,
-               dt: float) -> PathProjection:
+    def is_due(self, remaining_distance: float, is_kept: bool, travelled_distance: float,
+               dt: float) -> bool:
         """
-        Plan a new path if the present one cannot be kept and another is worth its length.
+        Tell whether it is time to look for another path.
 
-        :param pose: ``Pose`` of z in its goal frame.
-        :param projection: ``PathProjection`` on the present path.
+        :param remaining_distance: arc length to the end of the present path [m].
         :param is_kept: whether z is near the present path, and that keeps to the limits.
-        :param replan_limits: gives the ``CurvatureLimits`` for a new path.
         :param travelled_distance: path length of the contact since the start [m].
         :param dt: time since the last call [s].
-        :return: ``PathProjection`` on the path that is followed from now on.
+        :return: whether the present path cannot be kept, or is about to end.
         """
         settings = self._settings
         self._time_since_replan += dt
-        if (self._time_since_replan < settings.replan_period
-                or travelled_distance < settings.replan_min_distance):
-            return projection
+        if is_kept and remaining_distance >= settings.reapproach_distance:
+            return False
+        return (self._time_since_replan >= settings.replan_period
+                and travelled_distance >= settings.replan_min_distance)
+
+    def update(self, pose: Pose, projection: PathProjection,
+               replan_limits: LimitsSource) -> PathProjection:
+        """
+        Plan a new path, where that is due, if it is worth its length.
+
+        :param pose: ``Pose`` of z in its goal frame.
+        :param projection: ``PathProjection`` on the present path.
+        :param replan_limits: gives the ``CurvatureLimits`` for a new path.
+        :return: ``PathProjection`` on the path that is followed from now on.
+        """
+        settings = self._settings
         if projection.remaining_distance < settings.reapproach_distance:
             return self._reapproach_in_time(pose, projection, replan_limits)
-        if is_kept:
-            return projection
         self._time_since_replan = 0.0
         path = path_to_goal(pose, replan_limits(), settings.final_straight)
         if path.length > settings.replan_length_ratio * projection.remaining_distance:

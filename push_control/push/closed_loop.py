@@ -200,7 +200,8 @@ class ClosedLoopPush(PushExecution):
         else:
             projection = self._projection = self._update_path(projection, is_kept, dt)
             self._check_length()
-            has_ended = self.finished or self.failure is not None
+            is_finished, failure, _ = self._outcome
+            has_ended = is_finished or failure is not None
             command = STOP if has_ended else self._steer(projection, dt)
         if command is STOP:
             self._model.stop()
@@ -277,21 +278,21 @@ class ClosedLoopPush(PushExecution):
     def _update_path(self, projection: PathProjection, is_kept: bool,
                      dt: float) -> PathProjection:
         """Keep the path or replace it, and end the push at its end."""
-        flat_output = self._model.flat_output
-        projection = self._guidance.update(
-            flat_output, projection, is_kept=is_kept, replan_limits=self._replan_limits,
-            travelled_distance=self.travelled_distance, dt=dt)
+        guidance, travelled = self._guidance, self.travelled_distance
+        if guidance.is_due(projection.remaining_distance, is_kept, travelled, dt):
+            projection = guidance.update(self._model.flat_output, projection, self._replan_limits)
         if abs(projection.lateral_error) > self._max_deviation:
             self._fail(PushEvent.OFF_PATH.report(lateral=abs(projection.lateral_error),
                                                  limit=self._max_deviation))
             return projection
         if projection.remaining_distance > self._settings.stop_distance:
             return projection
-        again = self._guidance.arrive(flat_output, projection, self._replan_limits)
+        flat_output = self._model.flat_output
+        again = guidance.arrive(flat_output, projection, self._replan_limits)
         if again is not None:
             return again
         overshoot = max(0.0, flat_output.x)
-        if self._guidance.is_off(projection) or overshoot > self._settings.position_tolerance:
+        if guidance.is_off(projection) or overshoot > self._settings.position_tolerance:
             self._fail(PushEvent.GOAL_MISSED.report(
                 distance=1e3 * math.hypot(overshoot, projection.lateral_error),
                 heading=math.degrees(projection.heading_error)))

@@ -117,7 +117,8 @@ class PushTracker:
         return self._estimator.interval_until(time)
 
     def _store(self, motions: tuple[RobotMotion, ...]) -> None:
-        self._robot = self._robot.moved(motions)
+        if motions:
+            self._robot = self._robot.moved(motions)
 
     def _detect_contact(self, pose: Pose) -> None:
         """Compare the robot with a robot that has rolled; correct contact and robot by that."""

@@ -22,8 +22,9 @@ def updated(guidance, pose, travelled=1.0, hard=WIDE, dt=1.0):
         projection = guidance.project(pose)
     errors = np.array((SETTINGS.replan_lateral_error, SETTINGS.replan_heading_error))
     kept = is_kept(guidance.rows, guidance.projection, errors, np.array(hard))
-    return guidance.update(pose, projection, is_kept=kept, replan_limits=lambda: WIDE,
-                           travelled_distance=travelled, dt=dt)
+    if not guidance.is_due(projection.remaining_distance, kept, travelled, dt):
+        return projection
+    return guidance.update(pose, projection, lambda: WIDE)
 
 
 def test_near_the_path_nothing_changes():
