@@ -19,6 +19,16 @@ UNEVEN = (0.4, 0.3, 0.35, 0.2)
 ROBOTS = pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=lambda r: r.drive)
 
 
+FAST = dataclasses.replace(HOLONOMIC, max_speed=5.0, max_yaw_rate=20.0)
+FAST_PUSH = {'pushing_speed': 0.6, 'final_straight': 0.0, 'deceleration': 0.0}
+
+
+def arc(curvature: float, angle: float) -> Pose:
+    """Return the end of a circular arc from the origin along x, of so much rotation."""
+    rotation = math.copysign(angle, curvature)
+    return Pose(math.sin(rotation) / curvature, (1.0 - math.cos(rotation)) / curvature, rotation)
+
+
 def mirrored(problem):
     """Return the mirror image about the x axis of a push at vertex 0 of a box."""
     friction = [support.friction_coefficient for support in problem.obj.supports]
@@ -120,6 +130,20 @@ def test_the_optimum_lies_between_its_bounds(goal):
     # The vehicle view is exact for the ellipsoid only; real supports turn a little differently.
     assert answer.segment_ends[-1] >= 0.97 * (route.path.length + route.final_straight)
     assert answer.segment_ends[-1] <= 1.03 * route.path_length
+
+
+@pytest.mark.parametrize('side', [1.0, -1.0], ids=['left-first', 'right-first'])
+@pytest.mark.parametrize('angle, back', [(1.0, 1.0), (1.5, 1.5), (2.5, 2.0)])
+def test_a_fast_push_turns_once_to_either_side(side: float, angle: float, back: float) -> None:
+    """A path of two turns, nearly the tightest, is planned, and no detour by a whole circle."""
+    problem = face_problem(Pose(1.0, 0.0, 0.0), FAST, **FAST_PUSH)
+    # Routes with a reserve keep to 0.85 of the curvature.
+    curvature = 0.9 / 0.85 * tightest_turns(problem)[0].curvature
+    z = Pose(*problem.vehicle.flat_output, problem.vehicle.angle)
+    goal = z @ arc(side * curvature, angle) @ arc(-side * curvature, back) @ z.inverse()
+    plan = plan_push(face_problem(goal, FAST, **FAST_PUSH))
+    # The contact travels farther than z, as it swings out, and has to build up both turns.
+    assert plan.segment_ends[-1] <= 1.15 * (angle + back) / curvature
 
 
 def test_steady_turns_keep_to_the_curvature_limit():
