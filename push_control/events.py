@@ -36,6 +36,9 @@ class PushEvent(enum.Enum):
     OBJECT_POSES_SCATTER = (
         'object poses differ from one to the next by {distance:.0f} mm and {rotation:.0f} deg, '
         'which is more than their noise')
+    OBJECT_STAYS_BEHIND = (
+        'object poses do not fit odometry: in the last {path:g} m the object was found displaced '
+        'by {distance:.0f} mm in all; wheels slip, or odometry or the poses are wrong')
     # Stamps alone do not tell which of the two is off.
     ODOMETRY_STALE = (
         'odometry is stale: {age:.2f} s old, at most {limit:g} s; or object poses are stamped '
@@ -105,7 +108,8 @@ class Report(Generic[Reason]):
 
 EventReport = Report[PushEvent]
 # The object does not seem to be where it was pushed to.
-UNBELIEVED_POSES = PushEvent.OBJECT_ELSEWHERE, PushEvent.OBJECT_POSES_SCATTER
+UNBELIEVED_POSES = (
+    PushEvent.OBJECT_ELSEWHERE, PushEvent.OBJECT_POSES_SCATTER, PushEvent.OBJECT_STAYS_BEHIND)
 
 
 def sentence(report: EventReport | None) -> str:

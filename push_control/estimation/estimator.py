@@ -40,6 +40,10 @@ AGREEING_COUNT = 4
 # cone, beyond which the contact does not hold.
 LEAST_MAX_DISPLACEMENT = 0.1
 MAX_ROTATION = 0.3
+# Path of the contact in which displacements may add up to so much [m]; chosen: wheels that slip
+# for two seconds, or somebody who bumps into the object, but no odometry that is a quarter wrong.
+DISPLACEMENT_PATH = 1.0
+MAX_DISPLACEMENT = 0.25
 # Motions of the robot for which there is room at first; chosen: those between two poses.
 FIRST_CAPACITY = 64
 
@@ -164,6 +168,8 @@ class Estimator:
         # Time of the last pose that was accepted [s], and those that were not since.
         self._accepted_time = pose.time
         self._rejected: deque[_RejectedPose] = deque(maxlen=AGREEING_COUNT)
+        # Displacements that were followed [m], and path length of the contact by then [m].
+        self._displacements: deque[tuple[float, float]] = deque()
         self.motion = motion
         self.set_contact(site, motion.is_lost)
         load_machine_code(self.memory)
@@ -252,11 +258,15 @@ class Estimator:
 
     def pose_fault(self, time: float) -> EventReport | None:
         """
-        Tell why poses have not been believed for a while.
+        Tell why poses have not been believed for a while, or again and again.
 
         :param time: now [s].
         :return: ``EventReport``, or None where it is known where the object is.
         """
+        displacement = sum(size for size, _ in self._displacements)
+        if displacement > MAX_DISPLACEMENT:
+            return PushEvent.OBJECT_STAYS_BEHIND.report(path=DISPLACEMENT_PATH,
+                                                        distance=1e3 * displacement)
         rejected = self._rejected
         if (len(rejected) < AGREEING_COUNT
                 or time - self._accepted_time <= self._settings.pose_timeout):
@@ -323,6 +333,10 @@ class Estimator:
         for axis, variance in enumerate((moved, moved, shift.theta ** 2)):
             covariance[axis, axis] += variance
         covariance[3, 3] = max(covariance[3, 3], self._settings.push_direction_std ** 2)
+        displacements, travelled = self._displacements, self.travelled_distance
+        displacements.append((math.sqrt(moved), travelled))
+        while displacements[0][1] < travelled - DISPLACEMENT_PATH:
+            displacements.popleft()
 
     @property
     def _poses_agree(self) -> bool:

@@ -23,8 +23,12 @@ STEP = 0.02
 POSE_EVERY = 3
 
 
-def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latency=4):
-    """Push quasi-statically at a vertex, weaving; return the estimator and the true states."""
+def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latency=4, slip=0.0):
+    """
+    Push quasi-statically at a vertex, weaving; return the estimator and the true states.
+
+    :param slip: part of the motion of the wheels that is none of the robot.
+    """
     rng = np.random.default_rng(seed)
     true = PushMotion(0.17, VERTEX, LimitSurfaceTable(obj, VERTEX.point))
     x = PushState(0.3, -0.2, 0.4, 0.4 + math.pi / 4 + offset, *friction_center(obj))
@@ -39,7 +43,8 @@ def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latenc
         twist = Twist(0.15, 0.0, -0.15 * math.sin(steer) / 0.17)
         x = true.propagate(x, twist, STEP)
         way += 0.15 * STEP
-        measured = Twist(twist.v_x, 0.0, twist.omega + drift * 0.15)
+        measured = Twist(twist.v_x / (1.0 - slip), 0.0,
+                         (twist.omega + drift * 0.15) / (1.0 - slip))
         odometry = Odometry(k * STEP, Pose(0.0, 0.0, 0.0), measured)
         if k == 1:
             estimator.add_odometry(odometry._replace(time=1e-6))
@@ -159,6 +164,15 @@ def test_an_object_is_found_again_after_a_gap_of_odometry(gap: float) -> None:
     time = poses_after(estimator, start + gap, [true.pose] * 20)
     assert estimator.pose_fault(time) is None
     assert estimator.predict(time).pose == pytest.approx(true.pose, abs=5e-3)
+
+
+@pytest.mark.parametrize('slip, is_fault', [(0.0, False), (0.02, False), (0.5, True)])
+def test_an_object_that_stays_behind_again_and_again_is_a_fault(
+        slip: float, is_fault: bool) -> None:
+    """Wheels that slip by half move it half as far, which is no accident."""
+    estimator, _ = simulate(NOMINAL, seed=2, duration=15.0, slip=slip)
+    fault = estimator.pose_fault(15.0)
+    assert (fault is not None and fault.reason is PushEvent.OBJECT_STAYS_BEHIND) is is_fault
 
 
 def test_poses_with_more_noise_than_stated_move_the_estimate_by_less_than_that() -> None:
