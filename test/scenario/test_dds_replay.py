@@ -12,6 +12,7 @@ from push_control.settings import LAWS
 from push_model.geometry import distance
 from push_model.parameters import CONTACT_KINDS, DRIVES
 from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_scenario.dds import parameter_files
 from push_scenario.dds.bag_playback import play_back
 from push_scenario.dds.processes import NodeDied, NodeProcesses
 from push_scenario.dds.replay import run_over_dds
@@ -235,8 +236,10 @@ def _is_gone(pid):
 @pytest.mark.parametrize('victim, number, error, text', [
     (CONTROLLER, signal.SIGKILL, NodeDied, f'{CONTROLLER} ended unexpectedly with signal SIGKILL'),
     (CONTROLLER, signal.SIGSTOP, ReplayFailed, f'{SIM}: no command for 15 s')])
-def test_a_node_that_dies_or_hangs_ends_the_replay(tmp_path, victim, number, error, text):
+def test_a_node_that_dies_or_hangs_ends_the_replay(monkeypatch, tmp_path, victim, number, error,
+                                                   text):
     """With its name and what happened; no process is left."""
+    monkeypatch.setattr(parameter_files, 'ANSWER_TIMEOUT', 15.0)
     pids = []
 
     def strike(nodes):
