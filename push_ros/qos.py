@@ -14,6 +14,9 @@ COMMAND = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
 LATEST_COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 # Ten events are more than ever wait for their subscriber.
 EVENT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+# All nodes share one topic of diagnostics, and in lockstep a task may be over while a subscriber
+# stands still for a moment: a hundred are more than the nodes report in a task of several pushes.
+STATUS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 # The last one is kept for late subscribers.
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE,
                      durability=DurabilityPolicy.TRANSIENT_LOCAL)

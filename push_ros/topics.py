@@ -140,8 +140,8 @@ TOPICS = {
     'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
                        'outline of all that moves with the robot, in its frame: of the robot, and '
                        'while it pushes of the object too, for collision monitors'),
-    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER), (), qos.EVENT,
-                         qos.EVENT,
+    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER), (), qos.STATUS,
+                         qos.STATUS,
                          'what each node does, and why not; on /diagnostics in every namespace',
                          is_global=True),
 }

@@ -4,6 +4,7 @@ import json
 import math
 import re
 
+from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
 from helpers.extras import import_extra
 from helpers.node_bench import bench
 from helpers.page_reader import is_refused, PageReader
@@ -57,16 +58,18 @@ def test_a_robot_is_shown_and_commanded_where_that_is_allowed(tmp_path, can_cont
             number[0] += 1
             b.publish('object_pose', to_object_pose_message(
                 ObjectPose(0.1 * number[0], Pose(0.5, 0.1, 0.2)), 'odom'))
+            b.publish('contact_wrench', WrenchStamped(wrench=Wrench(force=Vector3(x=8.0, y=-2.0))))
             b.publish('odom', to_odometry_message(
                 Odometry(0.1 * number[0], Pose(-0.4, 0.0, 0.0), Twist(0.1, 0.0, 0.0)), 'odom',
                 'base_link'))
 
-        def row_with_object():
+        def row_with_force():
             return [row for message in page.of_kind('rows') for row in message['rows']
-                    if row[1] is not None]
+                    if row[1] is not None and row[10] is not None]
 
-        b.repeat_until(measure, row_with_object)
-        assert row_with_object()[-1][1:7] == [0.5, 0.1, 0.2, -0.4, 0.0, 0.0]
+        b.repeat_until(measure, row_with_force)
+        assert row_with_force()[-1][1:7] == [0.5, 0.1, 0.2, -0.4, 0.0, 0.0]
+        assert math.hypot(*row_with_force()[-1][10:12]) == pytest.approx(math.hypot(8.0, 2.0))
         b.publish('object_pose', to_object_pose_message(
             ObjectPose(1e3, Pose(0.0, 0.0, 0.0)), 'nowhere'))
         b.wait_until(lambda: any("object_pose: got frame 'nowhere'" in status.message

@@ -1,5 +1,6 @@
 """A whole task from the page of a robot: simulator, planner, controller and view over DDS."""
 
+import dataclasses
 import math
 import re
 
@@ -16,9 +17,10 @@ import pytest
 @pytest.mark.dds
 @pytest.mark.slow
 def test_a_goal_from_the_page_is_reached(tmp_path):
-    """The goal and the start come from it; it is shown plan, states, the force and the end."""
+    """The goal and the start come from it; it is shown the plan, the states and the end."""
     import_extra('aiohttp', 'play')
-    scenario = load_scenario('task_tap')
+    # The simulator goes on after the task: a page that misses the end is shown what comes then.
+    scenario = dataclasses.replace(load_scenario('task_tap'), time_limit=3600.0)
     parameters = {**to_parameter_values(scenario.object, 'object.'),
                   **to_parameter_values(scenario.robot, 'robot.'),
                   'port': 0, 'control': True, 'use_sim_time': True}
@@ -47,13 +49,16 @@ def test_a_goal_from_the_page_is_reached(tmp_path):
                                    for message in page.of_kind('notice')),
                        period=1.0)
         b.call('sim/start')
-        b.wait_until(lambda: any(message['state'] in ('done', 'failed')
-                                 for message in page.of_kind('state')))
-        states = [message['state'] for message in page.of_kind('state')]
-        assert states[-1] == 'done' and 'push' in states and page.of_kind('plan')
-        columns = page.of_kind('scene')[-1]['columns']
-        rows = [dict(zip(columns, row)) for message in page.of_kind('rows')
-                for row in message['rows']]
-        assert any(row['force_n'] and row['force_n'] > 1.0 for row in rows)
-        end = rows[-1]
-        assert math.hypot(end['object_x'] - goal[0], end['object_y'] - goal[1]) < 0.02
+
+        def states():
+            return [message['state'] for message in page.of_kind('state')]
+
+        def object_error():
+            columns = page.of_kind('scene')[-1]['columns']
+            row = dict(zip(columns, page.of_kind('rows')[-1]['rows'][-1]))
+            return math.hypot(row['object_x'] - goal[0], row['object_y'] - goal[1])
+
+        b.wait_until(lambda: states()[-1:] in (['done'], ['failed']))
+        assert states()[-1] == 'done' and 'push' in states() and page.of_kind('plan')
+        # What is measured comes best effort, and may be behind the states.
+        b.wait_until(lambda: object_error() < 0.02)
