@@ -42,7 +42,7 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     :param out_dir: where the recording, and the nodes' parameters and output go.
     :param real_time: keep to the wall clock instead of going in lockstep.
     :param record: write a rosbag2 MCAP recording.
-    :param progress: called with a ``Progress`` at every message on ``clock``.
+    :param progress: called with a ``Progress`` whenever simulated time is known.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
     :param on_start: called with the ``NodeProcesses`` when time starts to run.
     :return: the ``RunResult``.

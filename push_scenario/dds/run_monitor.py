@@ -14,7 +14,7 @@ from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.plan import from_plan_message
 from push_ros.conversions.primitives import NANOSECONDS
 from push_ros.diagnostics import ERROR, HAS_MAP, status_values, value_text
-from push_ros.topics import CONTROLLER, PLANNER, TOPICS
+from push_ros.topics import CONTROLLER, PLANNER, SIM, TOPICS
 from push_scenario.dds.recorder import stamp_of
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.history import StateHistory
@@ -97,7 +97,7 @@ class RunMonitor:
     ``end``: ``RunEnd``, once the controller or supervisor has ended the run.
 
     :param scenario: the ``Scenario``.
-    :param progress: called with a ``Progress`` at every message on ``clock``; None for nobody.
+    :param progress: called with a ``Progress`` whenever simulated time is known; None for nobody.
     """
 
     def __init__(self, scenario: Scenario, progress: ProgressCallback | None = None) -> None:
@@ -131,8 +131,7 @@ class RunMonitor:
         elif topic == 'clock':
             stamp = stamp_of(topic, data, TOPICS[topic].type)
             if stamp is not None:
-                self.time = max(self.time, stamp / NANOSECONDS)
-                self._report_progress()
+                self._advance(stamp / NANOSECONDS)
 
     def error(self, node: str) -> str:
         """
@@ -155,7 +154,14 @@ class RunMonitor:
             report.has_map = report.has_map or values.get(HAS_MAP) == value_text(True)
             self._on_status(status, values)
 
+    def _advance(self, time: float) -> None:
+        self.time = max(self.time, time)
+        self._report_progress()
+
     def _on_status(self, status: DiagnosticStatus, values: dict[str, str]) -> None:
+        if status.name == SIM and 'time' in values:
+            # The clock comes best effort: it may be over for a replay that stood still.
+            self._advance(float(values['time']))
         if status.name == PLANNER and math.isnan(self.task.single_push_time):
             self.task.single_push_time = float(values.get('single_push', math.nan))
         if status.name != CONTROLLER or self.end is not None:
