@@ -38,7 +38,7 @@ class BaseFault(NamedTuple):
 
 
 class _Inquiry(NamedTuple):
-    """Who waits for a result, and until when, in monotonic time [s]."""
+    """Who waits for a result, and until when, in the time of the ``BaseCheck`` [s]."""
 
     on_result: Callable[[BaseFault | None], None]
     deadline: float
@@ -60,6 +60,10 @@ class BaseCheck:
         # Of the present inquiries; one may be lost, and any of them counts.
         self._answers: list[Future] = []
         self._asked_at = 0.0
+        # Time that this node has waited [s]: without what it slept, be it suspended or busy, in
+        # which no answer could be taken.
+        self._time = 0.0
+        self._looked_at = 0.0
         if settings.node:
             self._client = node.create_client(GetParameters, f'{settings.node}/get_parameters')
             self._timer = node.create_timer(PERIOD, self._look,
@@ -76,10 +80,11 @@ class BaseCheck:
         if not self._settings.node:
             on_result(None)
             return
-        self._inquiries.append(_Inquiry(on_result, time.monotonic() + self._settings.timeout))
+        self._inquiries.append(_Inquiry(on_result, self._time + self._settings.timeout))
         # An answer that is under way may be older than what somebody has set since.
         self._answers = []
         self._asked_at = 0.0
+        self._looked_at = time.monotonic()
         self._timer.reset()
 
     def interrupt(self, reason: str) -> None:
@@ -100,6 +105,8 @@ class BaseCheck:
     def _look(self) -> None:
         """Ask the base, take its answer, or give up."""
         now = time.monotonic()
+        self._time += min(now - self._looked_at, REPEAT_TIME)
+        self._looked_at = now
         for answer in self._answers:
             if answer.done():
                 self._finish(self._fault(answer.result()))
@@ -107,7 +114,7 @@ class BaseCheck:
         self._finish(BaseFault(
             f'{self._settings.node}: got none of its parameters within '
             f'{self._settings.timeout:g} s, expected that this node of the base can be reached '
-            '(an empty base.node leaves this check out)'), now)
+            '(an empty base.node leaves this check out)'), self._time)
         if (self._inquiries and now >= self._asked_at + REPEAT_TIME
                 and self._client.service_is_ready()):
             self._asked_at = now
