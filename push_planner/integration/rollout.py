@@ -286,7 +286,7 @@ def _step_functions() -> _StepFunctions:
 
 
 def _sampling() -> RowFunction:
-    """Build path length and V at the points of a part, and what is checked of the parts so far."""
+    """Build path length and V at the points of a part, and what is checked of it."""
     step, speeds = ca.SX.sym('step', STEP_SIZE), ca.SX.sym('speeds', 2)
     part, begin = ca.SX.sym('part', 2), ca.SX.sym('begin')
     samples, forces = ca.SX.sym('samples', POINTS * NODE_SIZE), ca.SX.sym('forces', POINTS * 2)
@@ -301,11 +301,15 @@ def _sampling() -> RowFunction:
                     ca.fmax(so_far.force_ratio, ca.mmax(ratios)),
                     ca.fmin(so_far.least_length, length),
                     ca.fmin(so_far.least_v_squared, ca.mmin(v_squared)))
+    # Where the ratio changes much it may be steeper between the points.
+    inside = (tangential / normal)[1:]
+    ratio_bound = ca.mmax(ca.fabs(inside)) + ca.mmax(inside) - ca.mmin(inside)
     given = {'step': step, 'speeds': speeds, 'begin': begin, 'part': part, 'samples': samples,
              'forces': forces, 'first_force': first, 'before': before}
     return RowFunction(ca.Function(
-        'sampling', list(given.values()), [begin + s, v_squared, ca.vertcat(*checks)],
-        list(given), ['s', 'v_squared', 'so_far']), gathered=['step', 'speeds', 'begin'])
+        'sampling', list(given.values()), [begin + s, v_squared, ca.vertcat(*checks), ratio_bound],
+        list(given), ['s', 'v_squared', 'so_far', 'ratio_bound']),
+        gathered=['step', 'speeds', 'begin'])
 
 
 class _Parts(NamedTuple):
@@ -443,12 +447,22 @@ class _Division:
         """Tell whether Newton's method has converged in all parts."""
         return bool(self.residuals[:self.count].max() <= CONVERGED)
 
-    def refine(self) -> None:
-        """Divide the first parts further in which Newton's method has not converged."""
+    def first_failed(self) -> IntArray:
+        """Find the first parts in which Newton's method has not converged."""
         failed = np.flatnonzero(~(self.residuals[:self.count, 0] <= CONVERGED))
+        steps = self.steps[failed]
+        return failed[steps < steps[0] + DIVIDED_STEPS]
+
+    def refine(self, numbers: IntArray) -> None:
+        """
+        Divide some parts further.
+
+        :param numbers: of the parts.
+        :raises CapacityExceeded: where that makes too many.
+        """
         steps, parts = self.steps[:self.count], self.parts[:self.count]
         counts = np.ones(self.count, dtype=int)
-        counts[failed[steps[failed] < steps[failed[0]] + DIVIDED_STEPS]] = DIVISION
+        counts[numbers] = DIVISION
         finer = np.repeat(steps, counts)
         fractions = np.repeat(parts[:, 0] / counts, counts)
         within = np.arange(len(finer)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -532,6 +546,7 @@ class RolloutMemory:
         self._s, self._v_squared = (np.zeros(1 + capacity * POINTS) for _ in range(2))
         self._checks = np.zeros((capacity + 1, len(Checks._fields)))
         self._checks[0] = Checks(0.0, 0.0, math.inf, math.inf)
+        self._ratio_bounds = np.zeros((capacity, 1))
         self._fine, self._coarse = _Division(n, capacity), _Division(n, capacity)
         functions = _step_functions()
         prepare = functions.prepare.bind({
@@ -544,7 +559,7 @@ class RolloutMemory:
             'first_force': parts.first_forces, 'before': self._checks[:-1],
             's': self._s[1:].reshape(capacity, -1),
             'v_squared': self._v_squared[1:].reshape(capacity, -1),
-            'so_far': self._checks[1:]}, self._fine.steps)
+            'so_far': self._checks[1:], 'ratio_bound': self._ratio_bounds}, self._fine.steps)
         self._integrate_coarse, self._integrate_fine = (
             parts.bind(division) for division in (self._coarse, self._fine))
         self.follow_coarsely = RowSequence(prepare, self._integrate_coarse,
@@ -604,7 +619,7 @@ class RolloutMemory:
         for _ in range(MAX_DIVISIONS):
             if division.converged():
                 return
-            division.refine()
+            division.refine(division.first_failed())
             self._count()
             self.nodes[:], self.changes[:] = nodes, changes
             follow()
@@ -614,6 +629,20 @@ class RolloutMemory:
     def checks(self) -> Checks:
         """Return what is checked of the last rollout."""
         return Checks(*self._checks[self._fine.count].tolist())
+
+    def resolve_forces(self, largest_ratio: float) -> bool:
+        """
+        Divide the parts in which the force may be steeper than a limit between the samples.
+
+        :param largest_ratio: limit on |F_t| / F_n.
+        :return: whether there are any.
+        :raises CapacityExceeded: where that makes too many.
+        """
+        steep = np.flatnonzero(self._ratio_bounds[:self._fine.count] > largest_ratio)
+        if len(steep):
+            self._fine.refine(steep)
+            self._count()
+        return len(steep) > 0
 
     def linearize(self, may_steer: FloatArray) -> FloatArray:
         """

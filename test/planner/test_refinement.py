@@ -180,6 +180,33 @@ def whip() -> tuple[PushProblem, Formulation, Solution]:
     return problem, formulation, solution
 
 
+def test_a_force_that_peaks_between_samples_is_found() -> None:
+    """
+    It is as large as with samples that are ten times as near.
+
+    The box turns about one of its supports for a centimetre, where the drive steers back.
+    """
+    corners = ((-0.322049, -0.397349), (0.322049, -0.397349), (0.322049, 0.397349),
+               (-0.322049, 0.397349))
+    box = PushedObject(8.452449, supports=tuple(Support(x, y, mu) for (x, y), mu in zip(
+        corners, (0.581553, 0.413615, 0.331497, 0.686383))), outline=corners)
+    robot = RoundRobot(0.17, 'differential', max_speed=5.0, max_yaw_rate=50.0,
+                       max_acceleration=100.0, max_yaw_acceleration=1000.0)
+    settings = PlannerSettings(pushing_speed=0.25, final_straight=0.0, deceleration=0.0)
+    problem = PushProblem(box, robot, Contact('vertex', 0), Pose(0.0, 0.0, 0.0), 1.035318,
+                          1.035318, Pose(-2.494232, 1.769459, -0.886947), settings)
+    formulation, guess = formulate(problem, routes(problem, tightest_turns(problem))[0])
+    solution = push_solver(formulation.dimensions).solve(formulation, guess).solution
+    assert solution is not None
+    coarse, fine = (
+        refine(dataclasses.replace(problem, settings=dataclasses.replace(
+            settings, sample_spacing=spacing)), formulation, solution)
+        for spacing in (0.015, 0.0015))
+    assert coarse is not None and fine is not None
+    assert coarse.checks.force_ratio > box.contact_friction_coefficient
+    assert coarse.checks.force_ratio == pytest.approx(fine.checks.force_ratio, rel=0.01)
+
+
 def test_a_push_that_ends_in_a_sharp_turn_is_refined() -> None:
     """
     It meets the goal, and its contact force stays within the cone of friction.
