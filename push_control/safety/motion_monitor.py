@@ -221,7 +221,7 @@ class MotionMonitor:
         measured = np.array(twist, dtype=np.float64)
         is_settled = self._following.is_settled(self._models.nominal_error, time)
         nearest = self._compare(measured, is_settled, time, time - last)
-        self._stuck_test.add(self._models.velocities, measured, time - last)
+        self._stuck_test.add(self._models.velocities, self._models.rates, measured, time - last)
         is_stuck = is_settled and self._stuck_test.is_stuck(self._excluded_until, time)
         is_fault = self._is_unexplained(nearest, time - last, is_stuck)
         delay = self._delay.find(at_once=is_fault)

@@ -5,7 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from push_control.safety.close_following import LEVER
-from push_control.safety.stuck_test import add_sample, COVARIANCE, MEMORY, StuckTest, VARIANCE
+from push_control.safety.stuck_test import (
+    ACCELERATION, add_sample, FOLLOWS, INTEGRAL_COUNT, MEMORY, MOST_SUPPORT, STUCK, StuckTest,
+    WEIGHT,
+)
 import pytest
 
 PERIOD = 0.02
@@ -19,31 +22,75 @@ MODEL = np.stack([0.15 + 0.02 * np.sin(4.0 * TIMES), 0.0 * TIMES, 0.1 * np.cos(4
 def found_stuck(measured: NDArray[np.float64], model: NDArray[np.float64] = MODEL) -> list[bool]:
     """Tell after each sample whether the base is stuck, with one model."""
     test, found = StuckTest(1), []
-    for velocity, sample in zip(model, measured):
-        test.add(velocity[None], sample, PERIOD)
+    rates = np.abs(np.diff(model, axis=0, prepend=model[:1])) / PERIOD
+    for velocity, rate, sample in zip(model, rates, measured):
+        test.add(velocity[None], rate[None], sample, PERIOD)
         found.append(test.is_stuck(ALL_COUNT, 0.0))
     return found
 
 
-def test_integrals_are_those_of_weighted_samples() -> None:
-    """Computed anew from all samples, with steps of any duration."""
+def random_samples(size: float) -> tuple[NDArray[np.float64], ...]:
+    """Draw durations, and velocities, rates of two models and measured ones of a size."""
     rng = np.random.default_rng(1)
-    durations = rng.uniform(0.01, 0.1, 40)
-    models, measured = rng.normal(0.0, 0.1, (40, 2, 3)), rng.normal(0.0, 0.1, (40, 3))
-    means, integrals, weight = np.zeros((3, 3)), np.zeros((3, 2)), 0.0
-    for model, sample, dt in zip(models, measured, durations):
-        weight = add_sample(model, sample, means, integrals, weight, dt)
+    return (rng.uniform(0.01, 0.1, 40), rng.normal(0.0, size, (40, 2, 3)),
+            rng.uniform(0.0, 1.0, (40, 2, 3)), rng.normal(0.0, size, (40, 3)))
+
+
+def test_integrals_are_those_of_weighted_samples() -> None:
+    """Computed anew from all samples, with steps of any duration; where little speaks for any."""
+    durations, models, rates, measured = samples = random_samples(2e-3)
+    means, integrals = np.zeros((2, 2, 3)), np.zeros((2, INTEGRAL_COUNT))
+    for dt, model, rate, sample in zip(*samples):
+        add_sample(model, rate, sample, means, integrals, dt)
     ends = np.cumsum(durations)
     weights = durations * np.exp((ends - ends[-1]) / MEMORY)
-    assert weight == pytest.approx(weights.sum())
     units = np.array((1.0, 1.0, LEVER))
-    values = np.concatenate([models, measured[:, None]], axis=1) * units
-    deviations = values - np.average(values, axis=0, weights=weights)
-    for i in range(3):
-        products = (deviations[:, i] * deviations[:, i], deviations[:, i] * deviations[:, 2])
-        variance, covariance = (float(weights @ product.sum(axis=1)) for product in products)
-        assert integrals[i, VARIANCE] == pytest.approx(variance)
-        assert integrals[i, COVARIANCE] == pytest.approx(covariance)
+
+    def squares(values: NDArray[np.float64]) -> float:
+        deviations = units * (values - np.average(values, axis=0, weights=weights))
+        return float(weights @ (deviations * deviations).sum(axis=1))
+    for i in range(2):
+        assert integrals[i, FOLLOWS] == pytest.approx(squares(models[:, i] - measured))
+        assert integrals[i, STUCK] == pytest.approx(squares(measured))
+        assert integrals[i, WEIGHT] == pytest.approx(weights.sum())
+        assert integrals[i, ACCELERATION] == pytest.approx(
+            float(weights @ ((units * rates[:, i]) ** 2).sum(axis=1)))
+
+
+def test_no_past_speaks_for_a_model_by_more_than_counts() -> None:
+    """And what has weighed less since weighs so in all integrals alike."""
+    means, integrals = np.zeros((2, 2, 3)), np.zeros((2, INTEGRAL_COUNT))
+    for dt, model, rate, sample in zip(*random_samples(0.1)):
+        before = integrals.copy()
+        add_sample(model, rate, sample, means, integrals, dt)
+        support = 2.0 * integrals[:, STUCK] - integrals[:, FOLLOWS]
+        assert (support <= MOST_SUPPORT * (1.0 + 1e-9)).all()
+        assert (integrals[:, WEIGHT] <= before[:, WEIGHT] + dt).all()
+
+
+@pytest.mark.parametrize('yaw_rate', [0.0, 0.5, 1.0, 2.0])
+def test_a_base_that_has_just_followed_a_fast_turn_is_not_believed_for_long(
+        yaw_rate: float) -> None:
+    """It keeps the velocity that it has at the end of the turn [rad/s], while it is to brake."""
+    turn = np.clip(np.minimum(TIMES, 1.0 - TIMES) / 0.5, 0.0, 1.0)
+    model = np.stack([0.15 - 0.2 * np.clip(TIMES - 1.0, 0.0, None), 0.0 * TIMES, yaw_rate * turn],
+                     axis=1)
+    end = round(1.0 / PERIOD)
+    measured = np.concatenate([model[:end], np.broadcast_to(model[end], model[end:].shape)])
+    found = found_stuck(measured, model)
+    assert not any(found[:end]) and any(found[:end + round(0.34 / PERIOD)])
+
+
+@pytest.mark.parametrize('acceleration', [0.3, 1.0, 3.0])
+@pytest.mark.parametrize('delay', [0.0, 0.03])
+def test_a_base_that_follows_a_little_later_than_a_model_is_not_stuck(
+        acceleration: float, delay: float) -> None:
+    """By half of the step of their delays, however fast its commands change their direction."""
+    def speeds(times: NDArray[np.float64]) -> NDArray[np.float64]:
+        phases = np.maximum(times - 0.2, 0.0) / 0.4
+        triangle = 0.1 + 0.2 * acceleration * np.abs(phases % 2.0 - 1.0)
+        return np.stack([triangle, 0.0 * times, 0.0 * times], axis=1)
+    assert not any(found_stuck(speeds(TIMES - delay), speeds(TIMES)))
 
 
 @pytest.mark.parametrize('noise', [0.0, 0.005])
@@ -77,7 +124,7 @@ def test_a_model_that_does_not_count_explains_nothing() -> None:
     """One that does is enough; none says nothing."""
     test = StuckTest(2)
     for velocity in MODEL:
-        test.add(np.stack([velocity, MODEL[0]]), MODEL[0], PERIOD)
+        test.add(np.stack([velocity, MODEL[0]]), np.zeros((2, 3)), MODEL[0], PERIOD)
     assert not test.is_stuck(np.zeros(2), 0.0)
     assert test.is_stuck(np.array((0.0, 1.0)), 0.5)
     assert not test.is_stuck(np.full(2, math.inf), 0.5)
