@@ -30,13 +30,13 @@ def is_dead_end(problem: Any, pose: Any) -> bool:
     :param problem: ``Problem``.
     :param pose: (x, y, theta) of the object in the frame of the map.
     """
-    scene, choices = problem.scene, problem.choices
+    scene, pushes = problem.scene, problem.pushes
     needed = scene.robot_radius + problem.margins.obstacles
     if clearance(scene.floor, pose[0], pose[1]) >= scene.outer_radius + STANDOFF + 2.0 * needed:
         return False
     if scene.vertices.shape[0] == 0:
         return not _leaves_obstacle(scene, pose, needed)
-    middles, normals = choices.middles, choices.normals
+    middles, normals = pushes.middles, pushes.normals
     for first in range(middles.shape[0]):
         if not _has_room(scene.floor, pose, middles[first], normals[first], needed):
             continue

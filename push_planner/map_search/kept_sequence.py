@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
-from push_planner.map_search.pushes import Pushes
+from push_planner.map_search.pushes import FIRST, LATER, Pushes
 from push_planner.map_search.search import SearchPush, SearchResult
 
 # Distance and rotation from the plan within which a push has ended as planned, the first at least
@@ -78,14 +78,14 @@ def keep(result: SearchResult, pushes: Pushes, origin: Pose, goal: Pose) -> Kept
 
 def expected_end(pushes: Pushes, begin: int, length: float, start: Pose) -> Pose:
     """
-    Find where a push ends, as expected.
+    Find where a first push ends, as expected.
 
     :param pushes: ``Pushes``.
     :param begin: number among them.
     :param length: driven length, one of theirs [m].
     :param start: ``Pose`` of the object.
     """
-    return start @ Pose(*pushes.means[begin, _step(pushes, length)].tolist())
+    return start @ Pose(*pushes.means[FIRST, begin, _step(pushes, length)].tolist())
 
 
 def is_as_expected(first: KeptPush, end: Pose) -> bool:
@@ -99,7 +99,7 @@ def is_as_expected(first: KeptPush, end: Pose) -> bool:
 
 
 def _deviation(pushes: Pushes, push: SearchPush) -> float:
-    return float(pushes.spreads[push.begin, _step(pushes, push.length)])
+    return float(pushes.spreads[LATER, push.begin, _step(pushes, push.length)])
 
 
 def _step(pushes: Pushes, length: float) -> int:

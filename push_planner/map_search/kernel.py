@@ -61,7 +61,7 @@ def search(problem: Any, memory: Any) -> int:
             counters[NEAREST] = number
         room_left = memory.nodes.shape[0] - counters[NODES]
         if (counters[EXPANDED] >= query.max_expansions
-                or room_left < 4 * problem.choices.starts.shape[0]):
+                or room_left < 4 * problem.pushes.starts.shape[0]):
             return LIMIT
         expand(problem, memory, number)
     return EXHAUSTED

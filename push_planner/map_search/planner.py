@@ -151,8 +151,7 @@ class _Known(NamedTuple):
     :param poses: ``_MapPoses``.
     :param primitives: ``PushPrimitives``.
     :param weights: of the guesses of friction, shape (K,).
-    :param pushes: ``Pushes`` of a localized robot.
-    :param first_pushes: likewise of it as it is now.
+    :param pushes: ``Pushes``.
     :param paths: ``ApproachPaths``.
     :param search: ``MapSearch``.
     """
@@ -161,7 +160,6 @@ class _Known(NamedTuple):
     primitives: PushPrimitives
     weights: FloatArray
     pushes: Pushes
-    first_pushes: Pushes
     paths: ApproachPaths
     search: MapSearch
 
@@ -226,11 +224,12 @@ class _MapPlanner:
             raise self._too_narrow(poses.start, poses.goal, 2.0 * needed)
         primitives = primitives_for(request, self._robot, self._drive)
         weights = draw_weights(primitives.table.draws, friction_belief(request))
-        pushes, first_pushes = self._pushes(primitives, weights)
-        search = MapSearch(scene, (pushes, first_pushes), grid, primitives.cost_to_go,
+        pushes = make_pushes(primitives, request.obj, self._robot.radius, weights,
+                             is_localized=request.robot_deviation <= UNSURE_DEVIATION)
+        search = MapSearch(scene, pushes, grid, primitives.cost_to_go,
                            self._search_settings(primitives))
         paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
-        return _Known(poses, primitives, weights, pushes, first_pushes, paths, search)
+        return _Known(poses, primitives, weights, pushes, paths, search)
 
     def _find_sequence(self, known: _Known) -> MapPlan:
         """
@@ -258,16 +257,6 @@ class _MapPlanner:
                 if expansions >= TOTAL_EXPANSIONS:
                     break
         raise self._no_sequence(failures[0] if failures else None)
-
-    def _pushes(self, primitives: PushPrimitives, weights: FloatArray) -> tuple[Pushes, Pushes]:
-        """Prepare the pushes of a localized robot, and those of it as it is now."""
-        request, radius = self._request, self._robot.radius
-        pushes = make_pushes(primitives, request.obj, radius, primitives.localized_displacements,
-                             weights)
-        if request.robot_deviation <= UNSURE_DEVIATION:
-            return pushes, pushes
-        return pushes, make_pushes(primitives, request.obj, radius,
-                                   primitives.unsure_displacements, weights)
 
     def _lay_out(self, result: SearchResult, travel_time: float, known: _Known,
                  expansions: int) -> MapPlan:
@@ -301,7 +290,7 @@ class _MapPlanner:
         if not begins.size:
             return None
         begin = int(begins[0])
-        end = expected_end(known.first_pushes, begin, first.length, known.poses.start)
+        end = expected_end(known.pushes, begin, first.length, known.poses.start)
         if not is_as_expected(first, self._map.origin @ end):
             return None
         blocked = np.ones(len(known.pushes.numbers), dtype=np.bool_)

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from push_model.geometry import BoolArray, FloatArray, IntArray, Pose
+from push_model.geometry import FloatArray, IntArray, Pose
 from push_planner.map_search.object_distance import DistanceGrid
+from push_planner.map_search.pushes import Pushes
 
 # Numbers of a node: pose of the object, cost [s], place of the robot, length of the last push.
 X, Y, THETA, COST, ROBOT_X, ROBOT_Y, LENGTH = range(7)
@@ -100,33 +101,12 @@ class Guide(NamedTuple):
     open_floor: OpenFloor
 
 
-class Choices(NamedTuple):
-    """
-    Pushes to choose from; fields as of ``Pushes``.
-
-    The first axis of ``means``, ``spreads`` and ``last`` has first pushes, of a robot whose place
-    is as uncertain as it is now, and later ones, of a robot that is localized. In ``last`` 0 is
-    for pushes that are not allowed.
-    """
-
-    faces: IntArray
-    starts: FloatArray
-    lengths: FloatArray
-    means: FloatArray
-    spreads: FloatArray
-    last: IntArray
-    coarse: BoolArray
-    is_end: BoolArray
-    middles: FloatArray
-    normals: FloatArray
-
-
 class Problem(NamedTuple):
     """
     All that a search reads.
 
     :param scene: ``Scene``.
-    :param choices: ``Choices``.
+    :param pushes: ``Pushes`` that it chooses from.
     :param guide: ``Guide``.
     :param margins: ``RobotMargins``.
     :param first_margins: likewise on the way to the first push.
@@ -134,7 +114,7 @@ class Problem(NamedTuple):
     """
 
     scene: Any
-    choices: Choices
+    pushes: Pushes
     guide: Guide
     margins: Any
     first_margins: Any

@@ -25,18 +25,26 @@ LOST_GAP = 0.012
 HOLDING_WEIGHT = 0.95
 
 
+# Places on the first axis of the effects of pushes: the first push of a sequence, by a robot whose
+# place is as uncertain as it is now, and later ones, by a robot that is localized.
+FIRST, LATER = range(2)
+
+
 class Pushes(NamedTuple):
     """
     Straight pushes; n of them begin differently, and may end at L lengths.
+
+    The first axis of ``means``, ``spreads`` and ``last`` has ``FIRST`` and ``LATER`` pushes.
 
     :param numbers: of the primitives in the table, shape (n,).
     :param faces: at which they push, shape (n,).
     :param starts: robot centre at first contact and direction of motion in the object frame, shape
         (n, 3).
     :param lengths: driven lengths, increasing from 0, shape (L,) [m].
-    :param means: mean displacements of the object, shape (n, L, 3).
-    :param spreads: standard deviation of the vertex that varies most, shape (n, L) [m].
-    :param last: number of the length up to which the contact holds, shape (n,).
+    :param means: mean displacements of the object, shape (2, n, L, 3).
+    :param spreads: standard deviation of the vertex that varies most, shape (2, n, L) [m].
+    :param last: number of the length up to which the contact holds, shape (2, n); pushes with 0
+        or less are not made.
     :param coarse: whether pushes that are not the last one may begin so, shape (n,).
     :param is_end: whether they may end at a length, shape (L,).
     :param middles: robot centres at contact with the middles of the faces, shape (f, 2) [m].
@@ -54,6 +62,14 @@ class Pushes(NamedTuple):
     is_end: BoolArray
     middles: FloatArray
     normals: FloatArray
+
+
+class _Effects(NamedTuple):
+    """What pushes do; fields as of ``Pushes``, without their first axis."""
+
+    means: FloatArray
+    spreads: FloatArray
+    last: IntArray
 
 
 class _Starts(NamedTuple):
@@ -75,27 +91,40 @@ class _Starts(NamedTuple):
 
 
 def make_pushes(primitives: PushPrimitives, obj: PushedObject, robot_radius: float,
-                displacements: FloatArray, weights: FloatArray) -> Pushes:
+                weights: FloatArray, is_localized: bool) -> Pushes:
     """
     Prepare the straight pushes of a table.
 
     :param primitives: the ``PushPrimitives``.
     :param obj: the ``PushedObject``.
     :param robot_radius: [m].
-    :param displacements: of the table, with errors of placement, shape (p, K, L, 3).
     :param weights: of the guesses of friction, shape (K,).
+    :param is_localized: whether the robot is already localized for the first push.
     """
     table = primitives.table
     begin = _starts(table, obj, robot_radius)
+    later = _effects(primitives.localized_displacements, weights, table, begin, robot_radius)
+    first = later if is_localized else _effects(primitives.unsure_displacements, weights, table,
+                                                begin, robot_radius)
+    return Pushes(
+        begin.numbers, table.faces[begin.numbers], table.starts[begin.numbers], table.lengths,
+        # In the order of FIRST and LATER.
+        np.stack([first.means, later.means]), np.stack([first.spreads, later.spreads]),
+        np.stack([first.last, later.last]),
+        begin.coarse, begin.is_end, begin.middles, begin.normals)
+
+
+def _effects(displacements: FloatArray, weights: FloatArray, table: PrimitiveTable,
+             begin: _Starts, robot_radius: float) -> _Effects:
+    """Average displacements with errors of placement, shape (p, K, L, 3), by the weights."""
     count, lengths = len(begin.numbers), len(table.lengths)
-    means, spreads = np.zeros((count, lengths, 3)), np.zeros((count, lengths))
-    last = np.zeros(count, dtype=np.int64)
-    starts = table.starts[begin.numbers]
-    _average(displacements, weights, begin.numbers, starts, begin.sides, begin.vertices,
-             robot_radius=robot_radius, lengths=table.lengths, means=means, spreads=spreads,
-             last=last, motions=np.empty((len(weights), 4)))
-    return Pushes(begin.numbers, table.faces[begin.numbers], starts, table.lengths, means,
-                  spreads, last, begin.coarse, begin.is_end, begin.middles, begin.normals)
+    effects = _Effects(np.zeros((count, lengths, 3)), np.zeros((count, lengths)),
+                       np.zeros(count, dtype=np.int64))
+    _average(displacements, weights, begin.numbers, table.starts[begin.numbers], begin.sides,
+             begin.vertices, robot_radius=robot_radius, lengths=table.lengths,
+             means=effects.means, spreads=effects.spreads, last=effects.last,
+             motions=np.empty((len(weights), 4)))
+    return effects
 
 
 # As many tables as a process has objects.

@@ -12,10 +12,10 @@ from push_planner.map_search.estimate import CLOSE_DISTANCE, CONTACT_DISTANCE, e
 from push_planner.map_search.kernel import EXHAUSTED, LIMIT, search
 from push_planner.map_search.object_distance import DistanceGrid, UNREACHED
 from push_planner.map_search.problem import (
-    Choices, CLOSED, COST, COUNTER_SIZE, EXPANDED, FACE, FINAL_SIZE, Guide, LENGTH, LINK_SIZE,
-    Memory, NEAREST, NODE_SIZE, NODES, OpenFloor, PARENT, Problem, PUSH, Query, SLOT_SIZE,
+    CLOSED, COST, COUNTER_SIZE, EXPANDED, FACE, FINAL_SIZE, Guide, LENGTH, LINK_SIZE, Memory,
+    NEAREST, NODE_SIZE, NODES, OpenFloor, PARENT, Problem, PUSH, Query, SLOT_SIZE,
 )
-from push_planner.map_search.pushes import Pushes
+from push_planner.map_search.pushes import FIRST, Pushes
 from push_planner.map_search.robot_reach import (
     HALF_WINDOW, Reach, RobotMargins, SPACING, WIDE_WINDOW,
 )
@@ -153,16 +153,16 @@ class MapSearch:
     Search from one pose of object and robot; all in the frame of the map.
 
     :param scene: ``Scene``.
-    :param pushes: ``Pushes`` of a robot that is localized, and of it as it is now.
+    :param pushes: ``Pushes`` to choose from.
     :param grid: ``DistanceGrid`` to the goal.
     :param cost_to_go: ``CostToGo`` of open floor.
     :param settings: ``SearchSettings``.
     """
 
-    def __init__(self, scene: Scene, pushes: tuple[Pushes, Pushes], grid: DistanceGrid,
-                 cost_to_go: CostToGo, settings: SearchSettings) -> None:
+    def __init__(self, scene: Scene, pushes: Pushes, grid: DistanceGrid, cost_to_go: CostToGo,
+                 settings: SearchSettings) -> None:
         self._scene = scene
-        self._choices = _choices(*pushes)
+        self._pushes = pushes
         self._guide = Guide(grid, OpenFloor(cost_to_go.values, cost_to_go.distances,
                                             cost_to_go.headings))
         self._settings = settings
@@ -191,10 +191,10 @@ class MapSearch:
             np.empty(QUEUE_SIZE, dtype=np.int64)))
         memory.slots.fill(-1)
         memory.counters.fill(0)
-        last = self._choices.last.copy()
-        last[0, blocked] = 0
+        last = self._pushes.last.copy()
+        last[FIRST, blocked] = 0
         problem = Problem(
-            self._scene, self._choices._replace(last=last), self._guide,
+            self._scene, self._pushes._replace(last=last), self._guide,
             RobotMargins(margins.robot, margins.robot_to_object), _first_margins(margins),
             Query(start, robot, goal,
                   self._settings.position_tolerance, self._settings.heading_tolerance,
@@ -270,15 +270,6 @@ def _closing_time(cost_to_go: CostToGo, settings: SearchSettings) -> float:
     counted = distance * (1.0 / settings.pushing_speed
                           + settings.contact_time / CONTACT_DISTANCE)
     return max(0.0, float(np.mean(times)) - counted)
-
-
-def _choices(pushes: Pushes, first_pushes: Pushes) -> Choices:
-    """Lay out the pushes of a localized robot and of it as it is now, the latter first."""
-    both = first_pushes, pushes
-    return Choices(
-        pushes.faces, pushes.starts, pushes.lengths, np.stack([one.means for one in both]),
-        np.stack([one.spreads for one in both]), np.stack([one.last for one in both]),
-        pushes.coarse, pushes.is_end, pushes.middles, pushes.normals)
 
 
 def _memory() -> Memory:

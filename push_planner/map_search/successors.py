@@ -17,6 +17,7 @@ from push_planner.map_search.problem import (
     CELL, CELL_NODE, CLOSED, COST, FACE, FINAL, GAP, LENGTH, LENGTH_TO_GOAL, MISS, NODES, PARENT,
     PUSH, QUEUED, REACH_FILLED, ROBOT_X, ROBOT_Y, THETA, X, Y,
 )
+from push_planner.map_search.pushes import FIRST, LATER
 from push_planner.map_search.robot_reach import fill_reach, needed_gap, path_length
 from push_planner.map_search.scene import clearance, object_clearance
 
@@ -57,8 +58,8 @@ def expand(problem: Any, memory: Any, number: int) -> None:
     :param memory: ``Memory``.
     :param number: of the node.
     """
-    node, query, choices = memory.nodes[number], problem.query, problem.choices
-    belief = _belief(number)
+    node, query, pushes = memory.nodes[number], problem.query, problem.pushes
+    stage = _stage(number)
     memory.counters[REACH_FILLED] = 0
     d_x, d_y = query.goal.x - node[X], query.goal.y - node[Y]
     is_near = d_x * d_x + d_y * d_y < FINAL_RANGE * FINAL_RANGE
@@ -69,14 +70,14 @@ def expand(problem: Any, memory: Any, number: int) -> None:
     if away < START_RANGE:
         memory.final[GAP] = max(LEAST_GAP, object_clearance(
             problem.scene, node[X], node[Y], node[THETA], ENOUGH) - LOST_GAP)
-    for begin in range(choices.starts.shape[0]):
-        last = choices.last[belief, begin]
+    for begin in range(pushes.starts.shape[0]):
+        last = pushes.last[stage, begin]
         if last <= 0:
             continue
         if is_near:
-            _find_final_length(query, choices.means[belief, begin], choices.lengths, last, node,
+            _find_final_length(query, pushes.means[stage, begin], pushes.lengths, last, node,
                                memory.final)
-        if not (is_dense or choices.coarse[begin] or memory.final[LENGTH_TO_GOAL] > 0.0):
+        if not (is_dense or pushes.coarse[begin] or memory.final[LENGTH_TO_GOAL] > 0.0):
             continue
         travel = _travel(problem, memory, number, begin)
         if travel < UNREACHED:
@@ -84,9 +85,9 @@ def expand(problem: Any, memory: Any, number: int) -> None:
 
 
 @compiled
-def _belief(number: int) -> int:
-    """Return the place on the first axis of ``Choices`` of the pushes from a node."""
-    return min(number, 1)
+def _stage(number: int) -> int:
+    """Tell whether pushes from a node are ``FIRST`` or ``LATER`` ones."""
+    return FIRST if number == 0 else LATER
 
 
 @compiled
@@ -133,7 +134,7 @@ def _nearest_fraction(first: Any, last: Any, x: float, y: float) -> float:
 @compiled
 def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
     """Find the length of the robot's path to a first contact [m], ``UNREACHED`` for none."""
-    node, start, query = memory.nodes[number], problem.choices.starts[begin], problem.query
+    node, start, query = memory.nodes[number], problem.pushes.starts[begin], problem.query
     u = start[0] - STANDOFF * math.cos(start[2])
     v = start[1] - STANDOFF * math.sin(start[2])
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
@@ -154,25 +155,25 @@ def _travel(problem: Any, memory: Any, number: int, begin: int) -> float:
 def _add_pushes(problem: Any, memory: Any, number: int, begin: int, travel: float,
                 is_dense: bool) -> None:
     """Add pushes that begin alike, and end after several lengths or at the goal."""
-    choices, query, node = problem.choices, problem.query, memory.nodes[number]
-    belief = _belief(number)
+    pushes, query, node = problem.pushes, problem.query, memory.nodes[number]
+    stage = _stage(number)
     cost = node[COST] + query.contact_time + travel / query.robot_speed
     final_length = memory.final[LENGTH_TO_GOAL]
-    for step in range(1, choices.last[belief, begin] + 1):
-        length = choices.lengths[step]
-        if choices.lengths[step - 1] < final_length <= length:
+    for step in range(1, pushes.last[stage, begin] + 1):
+        length = pushes.lengths[step]
+        if pushes.lengths[step - 1] < final_length <= length:
             memory.pose[0], memory.pose[1] = query.goal.x, query.goal.y
             memory.pose[2] = query.goal.theta
-            correction = (SPREAD_COST * choices.spreads[belief, begin, step]
+            correction = (SPREAD_COST * pushes.spreads[stage, begin, step]
                           + MISS_COST * query.contact_time * memory.final[MISS])
             _append(problem, memory, number, begin, final_length,
                     cost + final_length / query.pushing_speed + correction)
         if length < FIRST_SWEEP:
             continue
-        _place(choices.means[belief, begin, step], node, memory.pose)
+        _place(pushes.means[stage, begin, step], node, memory.pose)
         if not _is_free(problem, memory, number, begin, step):
             return
-        if (is_dense or choices.coarse[begin]) and choices.is_end[step]:
+        if (is_dense or pushes.coarse[begin]) and pushes.is_end[step]:
             _add_node(problem, memory, number, begin, length,
                       cost + length / query.pushing_speed)
 
@@ -189,8 +190,8 @@ def _place(mean: Any, node: Any, pose: Any) -> None:
 @compiled
 def _is_free(problem: Any, memory: Any, number: int, begin: int, step: int) -> bool:
     """Tell whether object and robot are free after a length of a push, the object at a pose."""
-    scene, query, choices, pose = problem.scene, problem.query, problem.choices, memory.pose
-    length, spread = choices.lengths[step], choices.spreads[_belief(number), begin, step]
+    scene, query, pushes, pose = problem.scene, problem.query, problem.pushes, memory.pose
+    length, spread = pushes.lengths[step], pushes.spreads[_stage(number), begin, step]
     margin = query.object_margin + query.spread_factor * spread
     # What start and goal lack cannot be had near them.
     margin = min(margin, memory.final[GAP] + MARGIN_SLOPE * max(0.0, length - SLIDING_LENGTH))
@@ -198,7 +199,7 @@ def _is_free(problem: Any, memory: Any, number: int, begin: int, step: int) -> b
     margin = min(margin, query.goal_margin + MARGIN_SLOPE * math.sqrt(d_x * d_x + d_y * d_y))
     if object_clearance(scene, pose[0], pose[1], pose[2], margin) < margin:
         return False
-    x, y = _robot_place(choices.starts[begin], memory.nodes[number], length)
+    x, y = _robot_place(pushes.starts[begin], memory.nodes[number], length)
     return clearance(scene.floor, x, y) >= scene.robot_radius + problem.margins.obstacles
 
 
@@ -219,7 +220,7 @@ def _add_node(problem: Any, memory: Any, number: int, begin: int, length: float,
     is_disc = problem.scene.vertices.shape[0] == 0
     if is_dead_end(problem, pose):
         cost += DEAD_END_COST
-    cell = cell_number(problem.query, pose, problem.choices.faces[begin], is_disc)
+    cell = cell_number(problem.query, pose, problem.pushes.faces[begin], is_disc)
     slots, slot = memory.slots, find_slot(memory.slots, cell)
     if slots[slot, CELL] == cell:
         other = slots[slot, CELL_NODE]
@@ -237,7 +238,7 @@ def _append(problem: Any, memory: Any, number: int, begin: int, length: float,
             cost: float) -> bool:
     """Append the end of a push, taken to be at the goal; tell whether there is a path on."""
     pose, query, counters = memory.pose, problem.query, memory.counters
-    start, face = problem.choices.starts[begin], problem.choices.faces[begin]
+    start, face = problem.pushes.starts[begin], problem.pushes.faces[begin]
     remaining = estimate(problem.guide, query, pose[0], pose[1], pose[2], face)
     if remaining >= UNREACHED:
         return False
