@@ -5,10 +5,11 @@ from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile, Rel
 # Measurements are subscribed best effort: a late one is worth less than the next one.
 SENSOR = qos_profile_sensor_data
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-# They and the commands are offered reliably all the same, and kept for 10 s at 50 Hz, so that
-# recorders get every one.
-MEASUREMENT = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
-COMMAND = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
+# They and the commands are offered reliably all the same, so that recorders get every one, and
+# kept for a recorder that stands still: at the thousand a second of a replay in lockstep, for 5 s.
+KEPT_MESSAGES = 5000
+MEASUREMENT = QoSProfile(depth=KEPT_MESSAGES, reliability=ReliabilityPolicy.RELIABLE)
+COMMAND = QoSProfile(depth=KEPT_MESSAGES, reliability=ReliabilityPolicy.RELIABLE)
 # Commands are subscribed best effort as well: a reliable subscriber that has lost one gets no
 # other until that is sent again, with Fast DDS up to its heartbeat period of 3 s later.
 LATEST_COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -107,6 +107,7 @@ class SimNode(PushNode):
 
     def close(self) -> None:
         """Write the tape, and times on the wall."""
+        self._outputs.flush()
         if not self._options.tape_path or not self._simulation.rows:
             return
         path = Path(self._options.tape_path)

@@ -35,6 +35,9 @@ from rclpy.serialization import deserialize_message
 # What reads measurements, and the topics that are read.
 MEASUREMENTS: dict[str, Callable[[Any, str], Odometry | ObjectPose]] = {
     'object_pose': from_object_pose_message, 'odom': from_odometry_message}
+# Length of the end of a recording, of which not every message is in it, as it ends while the nodes
+# do [ns]; chosen, within the time in which the robot stands.
+RAGGED_END = NANOSECONDS
 TWIST = struct.Struct('<3d')
 READ_TOPICS = (*MEASUREMENTS, 'push_plan', 'cmd_vel')
 
@@ -74,8 +77,13 @@ class _Arrival(NamedTuple):
     measured: Odometry | ObjectPose
 
 
-class _Message(NamedTuple):
-    """A recorded message, and its stamp [ns]."""
+class StampedMessage(NamedTuple):
+    """
+    A recorded message.
+
+    :param stamp: of it [ns].
+    :param value: the ROS message.
+    """
 
     stamp: int
     value: Any
@@ -88,10 +96,10 @@ def play_back(scenario: Scenario, bag: Path) -> Playback:
     :param scenario: the ``Scenario`` that was recorded, without a map.
     :param bag: folder of the recording, made in lockstep.
     :return: ``Playback``.
-    :raises ValueError: where the folder is no recording of such a run.
+    :raises ValueError: where the folder is no recording of such a run, or lacks measurements.
     :raises RuntimeError: where rosbags is not installed.
     """
-    messages = _read(bag)
+    messages = read_messages(bag)
     arrivals = _arrivals(messages, scenario.sensors.pose_latency)
     answers: dict[int, deque[Twist]] = defaultdict(deque)
     for message in messages['cmd_vel']:
@@ -100,6 +108,7 @@ def play_back(scenario: Scenario, bag: Path) -> Playback:
     if not answers or not arrivals:
         raise ValueError(f'{bag}: got {len(answers)} times of commands and {len(arrivals)} '
                          'measurements, expected a recording in lockstep')
+    _check_complete(bag, arrivals, answers)
     counts = Counter(arrival[:3] for arrival in arrivals)
     repeated = {stamp for (_, _, stamp), count in counts.items() if count > 1}
     robot = _Robot(scenario, messages['push_plan'])
@@ -109,7 +118,6 @@ def play_back(scenario: Scenario, bag: Path) -> Playback:
         computed = robot.answer(arrival.measured)
         # What is not answered for a while comes again, as at time 0, which is held, and while
         # something is planned: then it is open which measurement of that stamp a command answers.
-        # And not every message of the end is in a recording, which ends while the nodes do.
         if arrival.stamp in repeated or not answers[arrival.stamp]:
             continue
         count += 1
@@ -120,7 +128,21 @@ def play_back(scenario: Scenario, bag: Path) -> Playback:
     return Playback(count, tuple(differences))
 
 
-def _arrivals(messages: Mapping[str, Sequence[_Message]], pose_latency: float) -> list[_Arrival]:
+def _check_complete(bag: Path, arrivals: Sequence[_Arrival],
+                    answers: Mapping[int, deque[Twist]]) -> None:
+    """Refuse a recording that has lost measurements: each command answers one."""
+    measured = Counter(arrival.stamp for arrival in arrivals)
+    # What is held at time 0 is answered again and again.
+    end = max(answers) - RAGGED_END
+    lost = [stamp for stamp, commands in answers.items()
+            if 0 < stamp < end and len(commands) > measured[stamp]]
+    if lost:
+        raise ValueError(f'{bag}: got {len(lost)} commands whose measurements are missing, the '
+                         f'first at {min(lost) / NANOSECONDS:g} s, expected a complete recording')
+
+
+def _arrivals(messages: Mapping[str, Sequence[StampedMessage]],
+              pose_latency: float) -> list[_Arrival]:
     """List the measurements in the order in which the simulator delivers them."""
     latency = round(pose_latency * NANOSECONDS)
     arrivals = [_Arrival(message.stamp + (latency if message.stamp and order == 0 else 0), order,
@@ -133,7 +155,7 @@ def _arrivals(messages: Mapping[str, Sequence[_Message]], pose_latency: float) -
 class _Robot:
     """Safety layer and controller, as in the controller's node."""
 
-    def __init__(self, scenario: Scenario, plans: Sequence[_Message]) -> None:
+    def __init__(self, scenario: Scenario, plans: Sequence[StampedMessage]) -> None:
         self._safety = make_safety_layer(scenario)
         self._plans = {message.stamp: message.value for message in plans}
         self._latest = LatestMeasurements()
@@ -201,13 +223,20 @@ class _Robot:
         return from_plan_message(self._plans[stamp], Frames().world_frame)
 
 
-def _read(bag: Path) -> dict[str, list[_Message]]:
-    """Read the topics that matter."""
-    found: dict[str, list[_Message]] = {topic: [] for topic in READ_TOPICS}
+def read_messages(bag: Path) -> dict[str, list[StampedMessage]]:
+    """
+    Read the topics that matter.
+
+    :param bag: folder of the recording.
+    :return: messages by topic, in order.
+    :raises ValueError: where the folder is no recording.
+    :raises RuntimeError: where rosbags is not installed.
+    """
+    found: dict[str, list[StampedMessage]] = {topic: [] for topic in READ_TOPICS}
     with open_bag(bag) as reader:
         for connection, _, data in reader.messages():
             topic = connection.topic.strip('/')
             if topic in found:
                 value = deserialize_message(bytes(data), TOPICS[topic].message_type())
-                found[topic].append(_Message(nanoseconds(value.header.stamp), value))
+                found[topic].append(StampedMessage(nanoseconds(value.header.stamp), value))
     return found

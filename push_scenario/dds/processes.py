@@ -20,6 +20,21 @@ DOMAINS = range(1, 102)
 STOP_TIMEOUT = 90.0
 # How long a node that is no longer needed may take to end by itself before it is killed [s].
 TERMINATION_TIMEOUT = 1.0
+# What Fast DDS reads, of the nodes: how soon reliable publishers send again what a subscriber has
+# lost, because it or its machine stood still for a moment. The default of 3 s is a minute of
+# simulated time in lockstep.
+PROFILE_VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com">
+  <profiles>
+    <data_writer profile_name="quick_repair" is_default_profile="true">
+      <times>
+        <heartbeatPeriod><sec>0</sec><nanosec>50000000</nanosec></heartbeatPeriod>
+      </times>
+    </data_writer>
+  </profiles>
+</dds>
+"""
 # Lines of a node's output that an error quotes: a traceback with its cause.
 TAIL_LENGTH = 12
 
@@ -57,7 +72,7 @@ class NodeProcesses:
     Starts nodes; at the end of the ``with`` block none is left.
 
     :param domain: ROS domain.
-    :param log_folder: where output and parameter files go.
+    :param log_folder: where output and parameter files go; it exists.
     """
 
     def __init__(self, domain: int, log_folder: str | Path) -> None:
@@ -69,7 +84,10 @@ class NodeProcesses:
         root = str(Path(__file__).resolve().parents[2])
         path = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
         # For matrices as small as those of the nodes, threads only wait for each other, busily.
-        self._environment = {'OPENBLAS_NUM_THREADS': '1', **os.environ,
+        profile = self._logs / 'fast_dds.xml'
+        profile.write_text(PROFILE, encoding='utf-8')
+        self._environment = {'OPENBLAS_NUM_THREADS': '1', PROFILE_VARIABLE: str(profile),
+                             **os.environ,
                              'ROS_DOMAIN_ID': str(domain),
                              'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
                              'PYTHONUNBUFFERED': '1', 'PYTHONPATH': os.pathsep.join(path)}

@@ -18,6 +18,7 @@ from push_ros.qos import EVENT
 from push_sim_node.sensors import LEAST_DEVIATION, SensorSettings
 from push_sim_node.simulation import Simulation
 from push_sim_node.truth import Truth
+from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
 
 try:
@@ -31,6 +32,9 @@ except ModuleNotFoundError:
 WRENCH_RATE = 10.0
 MARKER_RATE = 5.0
 TRUTH_RATE = 20.0
+# Time within which recorders must acknowledge the last measurements [s]; chosen: enough for some
+# resends to one whose computer is busy.
+FLUSH_TIMEOUT = Duration(seconds=1.0)
 # Fraction of a period of the clock by which a time may be early, for its rounding.
 CLOCK_ROUNDING = 1e-6
 
@@ -199,6 +203,11 @@ class SimOutputs:
             self._publish_transforms(truth.time, {
                 self._options.truth_prefix + self._frames.base_frame: truth.robot_pose,
                 self._options.truth_prefix + self._frames.object_frame: truth.object_pose})
+
+    def flush(self) -> None:
+        """Wait until recorders have the measurements: at the end, before publishers go."""
+        for publisher in self._odometry, self._object_pose:
+            publisher.wait_for_all_acked(FLUSH_TIMEOUT)
 
     def _publish_wrench(self, truth: Truth) -> None:
         normal_in_object = Pose(0.0, 0.0, truth.normal - truth.object_pose.theta)

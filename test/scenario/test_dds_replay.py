@@ -5,6 +5,9 @@ import dataclasses
 import os
 from pathlib import Path
 import signal
+import subprocess
+import sys
+import time
 
 from helpers.extras import import_extra
 import numpy as np
@@ -12,7 +15,7 @@ from push_control.settings import LAWS
 from push_model.geometry import distance
 from push_model.parameters import CONTACT_KINDS, DRIVES
 from push_ros.topics import CONTROLLER, PLANNER, SIM
-from push_scenario.dds import parameter_files
+from push_scenario.dds import bag_playback, parameter_files
 from push_scenario.dds.bag_playback import play_back
 from push_scenario.dds.processes import NodeDied, NodeProcesses
 from push_scenario.dds.replay import run_over_dds
@@ -25,6 +28,11 @@ import pytest
 
 # Until when pushes are replayed that need not arrive [s].
 PART = 4.0
+# How long a recorder stands still [s]: some seconds of simulated time.
+SUSPENSION = 0.5
+# Only keeps a suite from hanging [s].
+TIMEOUT = 400.0
+ROOT = Path(__file__).resolve().parents[2]
 AnyReader = import_extra('rosbags', 'record', 'rosbags.highlevel').AnyReader
 make_reader = import_extra('mcap', 'test', 'mcap.reader').make_reader
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
@@ -213,15 +221,47 @@ def test_a_recording_that_is_played_back_commands_the_same(side_by_side):
         play_back(recorded, bag / 'elsewhere')
 
 
+def test_a_recorder_that_stands_still_loses_nothing(tmp_path):
+    """For a moment that is a long way of the push: what it has missed is sent again."""
+    name = 'corner_push_mismatch'
+    command = [sys.executable, '-m', 'push_scenario.cli', name, '--out', str(tmp_path)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+                          env={**os.environ, 'PYTHONPATH': str(ROOT)}) as process:
+        errors = []
+        for line in process.stderr:
+            errors.append(line)
+            if 'pushing' in line:
+                process.send_signal(signal.SIGSTOP)
+                time.sleep(SUSPENSION)
+                process.send_signal(signal.SIGCONT)
+                break
+        errors += process.communicate(timeout=TIMEOUT)[1]
+    assert process.returncode == 0, ''.join(errors)
+    result = play_back(load_scenario(name), next(tmp_path.glob('*_bag')))
+    assert result.commands > 500 and result.differences == ()
+
+
+def test_a_recording_that_lacks_a_measurement_is_refused(side_by_side, monkeypatch):
+    """It is no proof that the controller has changed."""
+    def with_a_gap(bag):
+        messages = read(bag)
+        del messages['object_pose'][200]
+        return messages
+    read = bag_playback.read_messages
+    monkeypatch.setattr(bag_playback, 'read_messages', with_a_gap)
+    with pytest.raises(ValueError, match='1 commands whose measurements are missing, the first'):
+        play_back(side_by_side[0].scenario, side_by_side[0].bag)
+
+
 def _read(reader):
     stamps = {'/odom': set(), '/cmd_vel': set()}
-    for connection, time, data in reader.messages():
+    for connection, log_time, data in reader.messages():
         if connection.topic in stamps:
             message = reader.deserialize(data, connection.msgtype)
             if hasattr(message, 'header'):
                 stamp = message.header.stamp
-                assert time == stamp.sec * 10 ** 9 + stamp.nanosec
-            stamps[connection.topic].add(time / 1e9)
+                assert log_time == stamp.sec * 10 ** 9 + stamp.nanosec
+            stamps[connection.topic].add(log_time / 1e9)
     return stamps['/odom'], stamps['/cmd_vel']
 
 
