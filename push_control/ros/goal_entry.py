@@ -48,7 +48,7 @@ class GoalHandle:
 
     ``goal``: the ``PushGoal``. ``outcome``: its ``GoalOutcome``, None while it is pursued.
     ``reason``: one sentence on that, or empty. ``last_feedback``: ``GoalFeedback`` of the last
-    measurement.
+    measurement. ``elapsed_time``: since it was taken [s].
     """
 
     def __init__(self, goal: PushGoal, on_end: Callable[['GoalHandle'], None] | None) -> None:
@@ -68,6 +68,7 @@ class GoalHandle:
         self.taken_at = 0.0
         # Time of the first measurement after it was taken [s].
         self.start_time: float | None = None
+        self.elapsed_time = 0.0
         self._on_end = on_end
 
     def end(self, outcome: GoalOutcome, reason: str) -> None:
@@ -227,12 +228,13 @@ class GoalEntry:
     def _update_current(self, current: GoalHandle, time: float) -> None:
         if current.start_time is None:
             current.start_time = time
+        current.elapsed_time = time - current.start_time
         progress = self._mode.progress
         if current.pending_outcome is not None:
             self._end_abandoned(current)
         elif progress.outcome is not None:
             self._end(progress.outcome, progress.reason)
-        elif time - current.start_time > current.goal.time_limit:
+        elif current.elapsed_time > current.goal.time_limit:
             self._abandon(current, GoalOutcome.TIMED_OUT)
 
     def on_odometry_lost(self) -> None:
@@ -244,8 +246,9 @@ class GoalEntry:
         """
         current = self._current
         if current is not None:
-            elapsed_time = seconds(self._node.now()) - current.taken_at
-            if current.pending_outcome is None and elapsed_time > current.goal.time_limit:
+            current.elapsed_time = max(current.elapsed_time,
+                                       seconds(self._node.now()) - current.taken_at)
+            if current.pending_outcome is None and current.elapsed_time > current.goal.time_limit:
                 self._abandon(current, GoalOutcome.TIMED_OUT)
             if current.pending_outcome is not None:
                 self._mode.halt(ODOMETRY_LOST)
@@ -263,9 +266,8 @@ class GoalEntry:
             progress = progress._replace(position_error=before.position_error,
                                          heading_error=before.heading_error,
                                          pushes=before.pushes)
-        elapsed_time = 0.0 if current.start_time is None else self._time - current.start_time
-        current.last_feedback = GoalFeedback(progress, elapsed_time,
-                                             current.goal.time_limit - elapsed_time)
+        current.last_feedback = GoalFeedback(progress, current.elapsed_time,
+                                             current.goal.time_limit - current.elapsed_time)
         return current.last_feedback
 
     def _begin(self, handle: GoalHandle) -> None:

@@ -103,6 +103,7 @@ def test_time_passes_where_odometry_is_lost(goals, robot):
     robot.now += 2.0
     goals.on_odometry_lost()
     assert handle.outcome is GoalOutcome.TIMED_OUT
+    assert handle.last_feedback[1:] == pytest.approx((6.0, -1.0))
     goals.start(FIRST)
     second = goals.start(SECOND, prepare=lambda: None)
     goals.on_odometry_lost()
