@@ -85,7 +85,12 @@ class SimNode(PushNode):
     def on_settings_changed(self) -> None:
         """Let time run at another pace, from now on."""
         self._options = self.settings[-1]
-        self._pacer.set_scale(self._options.time_scale, time.monotonic())
+        now = time.monotonic()
+        self._pacer.set_scale(self._options.time_scale, now)
+        if self._speed_meter.is_slow:
+            # That was said of the former pace.
+            self._report(OK, 'runs')
+        self._speed_meter.restart(self._simulation.time, now)
 
     @property
     def wake_time(self) -> float:

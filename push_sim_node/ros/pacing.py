@@ -93,9 +93,18 @@ class SpeedMeter:
     """
 
     def __init__(self, now: float) -> None:
+        self.restart(0.0, now)
+
+    def restart(self, time: float, now: float) -> None:
+        """
+        Measure anew, as another speed is asked for.
+
+        :param time: simulated time [s].
+        :param now: wall time [s].
+        """
         self.speed: float | None = None
         self.is_slow = False
-        self._start = (0.0, now)
+        self._start = (time, now)
 
     def update(self, time: float, now: float, scale: float) -> bool:
         """

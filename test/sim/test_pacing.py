@@ -62,3 +62,12 @@ def test_the_speed_of_time_is_measured_over_windows():
     # A little better is not yet right.
     assert meter.update(2.73 * SPEED_WINDOW, 3.0 * SPEED_WINDOW, 1.0) and meter.is_slow
     assert meter.update(3.73 * SPEED_WINDOW, 4.0 * SPEED_WINDOW, 1.0) and not meter.is_slow
+
+
+def test_the_speed_of_time_is_measured_anew_where_another_is_asked_for():
+    meter = SpeedMeter(0.0)
+    assert meter.update(0.5 * SPEED_WINDOW, SPEED_WINDOW, 1.0) and meter.is_slow
+    meter.restart(0.5 * SPEED_WINDOW, 1.5 * SPEED_WINDOW)
+    assert meter.speed is None and not meter.is_slow
+    assert meter.update(0.7 * SPEED_WINDOW, 2.5 * SPEED_WINDOW, 0.2)
+    assert meter.speed == pytest.approx(0.2) and not meter.is_slow
