@@ -17,9 +17,10 @@ RECOVERY_TIMES = 0.0, 0.5, 1.0
 RELAPSE_TIME = 2.0
 # Period at which the numbers of a reason are renewed [s]; chosen: to be read.
 RENEWAL_PERIOD = 2.0
-# Age of object poses over the limit up to which poses that are late again and again do come, but
-# too late; chosen: a tracker that is gone is older soon.
-LATE_RATIO = 2.0
+# Age of object poses over the limit up to which they do come, but too late; chosen: a camera of
+# 5 Hz with a latency of 0.2 s that loses a picture is below with the default limit, and a tracker
+# that is gone is above soon.
+LATE_RATIO = 3.0
 # Events that describe the beginning, and not what has stopped.
 BEGINNINGS = (PushEvent.NO_OBJECT_POSE,)
 
@@ -40,7 +41,7 @@ class MeasurementWatch:
         self._bad_at = -math.inf
         self._recovered_at = -math.inf
         self._relapses = 0
-        # Greatest age of object poses while the robot waits [s].
+        # Greatest age of object poses since the numbers of the reason were renewed [s].
         self._oldest = 0.0
 
     def update(self, fault: EventReport | None, time: float) -> EventReport | None:
@@ -64,15 +65,18 @@ class MeasurementWatch:
             self._relapses = self._relapses + 1 if has_relapsed else 0
         self._oldest = max(self._oldest, fault.values.get('age', 0.0))
         is_known = self.fault is not None and self._reason is fault.reason
-        if not is_known or time - self._reported_at >= RENEWAL_PERIOD:
+        is_renewed = time - self._reported_at >= RENEWAL_PERIOD
+        if not is_known or is_renewed:
             self.fault, self._reported_at = self._named(fault, time), time
+        if is_renewed:
+            self._oldest = 0.0
         self._bad_at = time
         return self.fault
 
     def _named(self, fault: EventReport, time: float) -> EventReport:
-        """Name poses that are too old by a little, again and again: waiting changes nothing."""
+        """Name poses that are too old by a little, for long: waiting changes nothing."""
         self._reason = fault.reason
-        is_late = (fault.reason is PushEvent.OBJECT_POSE_STALE and self._relapses > 0
+        is_late = (fault.reason is PushEvent.OBJECT_POSE_STALE
                    and self.waited(time) >= RENEWAL_PERIOD
                    and self._oldest <= LATE_RATIO * fault.values['limit'])
         if not is_late:

@@ -37,18 +37,30 @@ def test_gaps_in_every_second_end_in_a_wait():
 
 
 def test_poses_that_are_late_again_and_again_are_named_with_what_to_change() -> None:
-    """The first time they may be lost; a tracker that is gone later on is stale again."""
+    """The first time they may be lost; so they are named after a tracker was gone, and before."""
     watch = MeasurementWatch()
-    ages = [0.2 + 0.08 * (i % 3 == 0) for i in range(250)] + [0.1 + i * PERIOD for i in range(150)]
+    late, gone = ([0.2 + 0.08 * (i % 3 == 0) for i in range(250)],
+                  [0.1 + i * PERIOD for i in range(150)])
     answers = [watch.update(stale(age) if age > 0.25 else None, i * PERIOD)
-               for i, age in enumerate(ages)]
+               for i, age in enumerate(late + gone + late)]
     reasons = [None if answer is None else answer.reason for answer in answers]
-    assert reasons[0] is reasons[-1] is PushEvent.OBJECT_POSE_STALE
-    assert reasons[249] is PushEvent.OBJECT_POSES_LATE
-    assert 'up to 0.28 s old, control.pose_timeout is 0.25 s' in str(answers[249])
+    assert reasons[0] is reasons[399] is PushEvent.OBJECT_POSE_STALE
+    for i in (249, -1):
+        assert reasons[i] is PushEvent.OBJECT_POSES_LATE
+        assert 'up to 0.28 s old, control.pose_timeout is 0.25 s' in str(answers[i])
 
 
 def test_gaps_now_and_then_do_not():
     """As where somebody passes through the picture."""
     _, answers = watched(lambda time: time % 4.0 < 0.4, 30.0)
     assert sum(answer is not None for answer in answers) * PERIOD < 30.0 * 0.11
+
+
+def test_poses_that_are_always_late_are_named_so_too() -> None:
+    """None of them is good; those of a tracker that is gone grow older."""
+    watch = MeasurementWatch()
+    answers = [watch.update(stale(0.3 + 0.05 * (i % 2)), i * PERIOD) for i in range(150)]
+    assert answers[-1] is not None and answers[-1].reason is PushEvent.OBJECT_POSES_LATE
+    gone = MeasurementWatch()
+    answers = [gone.update(stale(0.25 + i * PERIOD), i * PERIOD) for i in range(150)]
+    assert answers[-1] is not None and answers[-1].reason is PushEvent.OBJECT_POSE_STALE
