@@ -265,15 +265,22 @@ def test_only_the_answer_to_the_request_counts(stand, planned):
     stand.b.wait_until(lambda: any('push_plan: got a message of ' in text
                                    for text in errors(stand.b, CONTROLLER)))
     assert set(stand.measure(0.2)) == {ZERO}
-    # Where that has taken long on the wall, the request was sent again.
-    first, count = stand.requests[-1], len(stand.requests)
-    stand.b.publish('push_plan', no_plan_message(
-        PlanFailure.BLOCKED, first.header.stamp, 'odom'))
-    second = stand.wait_for_request(count + 1)
-    stand.says(f'no plan: {PlanFailure.BLOCKED.value}')
-    assert nanoseconds(second.header.stamp) > nanoseconds(first.header.stamp)
+    refused = []
+
+    def refuse():
+        # Where odometry has paused on the wall, the request was sent again: that one counts.
+        if stand.requests[-1] not in refused:
+            refused.append(stand.requests[-1])
+            stand.b.publish('push_plan', no_plan_message(
+                PlanFailure.BLOCKED, refused[-1].header.stamp, 'odom'))
+        stand.measure(0.1)
+    stand.b.repeat_until(refuse, lambda: any(
+        f'no plan: {PlanFailure.BLOCKED.value}' in text for text in texts(stand.b, CONTROLLER)))
+    second = stand.wait_for_request(len(stand.requests) + 1)
+    assert nanoseconds(second.header.stamp) > nanoseconds(refused[-1].header.stamp)
+    count = len(stand.requests)
     stand.answer(chain, second, 'camera')
-    stand.wait_for_request(count + 2)
+    stand.wait_for_request(count + 1)
     stand.says("push_plan: got frame 'camera', expected 'odom'")
 
 
@@ -436,10 +443,13 @@ def answered(b, message):
     for heard in ('push_plan', 'planned_path'):
         b.received[heard].clear()
     b.publish('push_request', message)
-    b.wait_until(lambda: b.received['push_plan'])
-    answer = b.received['push_plan'][0]
-    assert nanoseconds(answer.header.stamp) == nanoseconds(message.header.stamp)
-    return answer
+
+    def answers():
+        # A planner that was activated answers the last request again, too.
+        return [answer for answer in b.received['push_plan']
+                if answer.header.stamp == message.header.stamp]
+    b.wait_until(answers)
+    return answers()[0]
 
 
 def test_a_request_is_answered_with_the_first_push_of_a_chain(planner):
