@@ -35,6 +35,8 @@ TERMINAL_PERIOD = 0.1
 LOG_PERIOD = 5.0
 # Commands of a recording that are listed where they differ; chosen: the first tell most.
 MOST_DIFFERENCES = 5
+# What a first run compiles and computes takes longer than this [s]; chosen.
+HINT_DELAY = 5.0
 # A ratio to wall time is shown once so much of it can be trusted [s].
 MIN_TIMED = 0.2
 
@@ -74,7 +76,8 @@ class ProgressLine:
             return
         self._stage, self._shown = progress.stage, now
         self._write(f'{self._title}: {progress.stage}, {progress.time:.1f} s simulated'
-                    f'{self._speed(progress.time, now)}, {progress.distance:.3f} m to the goal')
+                    f'{self._speed(progress.time, now)}, {progress.distance:.3f} m to the goal'
+                    f'{self._hint(now)}')
 
     def end(self, text: str) -> None:
         """
@@ -91,6 +94,12 @@ class ProgressLine:
         if self._first is None or now - self._first[0] < MIN_TIMED:
             return ''
         return f' at {(time - self._first[1]) / (now - self._first[0]):.1f} x real time'
+
+    def _hint(self, now: float) -> str:
+        """Tell why nothing moves at first."""
+        if self._first is not None or now - self._started < HINT_DELAY:
+            return ''
+        return ' (nodes start and plan; what is used for the first time is compiled: a minute)'
 
     def _write(self, text: str) -> None:
         if self._stream.isatty():
@@ -180,9 +189,7 @@ def _replay(options: argparse.Namespace) -> int:
         return _play_back(scenario, options.bag)
     from push_view.belief import BeliefRecorder
     laws = list(dict.fromkeys(options.law or [scenario.control.control_law]))
-    options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / f'{scenario.name}.yaml').write_text(push_scenario.scenario_text(scenario),
-                                                       encoding='utf-8')
+    _write_scenario(scenario, options.out)
     results: list['RunResult'] = []
     beliefs: list['BeliefRecorder'] = []
     try:
@@ -199,6 +206,16 @@ def _replay(options: argparse.Namespace) -> int:
     judged = [result for result in results if result.control_law != 'open_loop'] or results
     is_as_expected = all(map(push_scenario.is_as_expected, judged))
     return AS_EXPECTED if is_as_expected else NOT_AS_EXPECTED
+
+
+def _write_scenario(scenario: 'Scenario', folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / f'{scenario.name}.yaml').write_text(push_scenario.scenario_text(scenario),
+                                                      encoding='utf-8')
+    except OSError as error:
+        raise ValueError(f'--out: got {folder}: {error.strerror}, expected a folder in which '
+                         'files can be written') from error
 
 
 def _read_scenario(options: argparse.Namespace) -> 'Scenario':

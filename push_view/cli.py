@@ -4,6 +4,7 @@ import argparse
 import asyncio
 from collections.abc import Sequence
 import contextlib
+import errno
 import secrets
 import signal
 import sys
@@ -16,6 +17,7 @@ from push_view.live.live_session import LiveSession
 
 DEMO = 'task_demo'
 PORT = 8642  # chosen: not registered for anything
+GREATEST_PORT = 65535
 LOCAL = '127.0.0.1'
 DONE, MISUSE = 0, 2
 
@@ -31,7 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         asyncio.run(_serve(options))
     except (ValueError, OSError, RuntimeError) as error:
-        print(f'play: {error}', file=sys.stderr)
+        is_taken = isinstance(error, OSError) and error.errno == errno.EADDRINUSE
+        hint = '; name another with --port, or 0 for any that is free' if is_taken else ''
+        print(f'play: {error}{hint}', file=sys.stderr)
         return MISUSE
     return DONE
 
@@ -43,13 +47,20 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('scenario', nargs='?', default=DEMO, metavar='SCENARIO',
                         help='path of a scenario file, or name of a scenario of the package, with '
                         f'a task (default: {DEMO})')
-    parser.add_argument('--port', type=int, default=PORT,
+    parser.add_argument('--port', type=_port, default=PORT,
                         help=f'port of the page, 0 for any that is free (default: {PORT})')
     parser.add_argument('--host', default=None,
                         help='serve other machines too, at this address of ours (0.0.0.0 for '
                         'all); they need the token that is printed')
     parser.add_argument('--no-browser', action='store_true', help='open no browser')
     return parser
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > GREATEST_PORT:
+        raise argparse.ArgumentTypeError(
+            f'got {text!r}, expected a number from 0 to {GREATEST_PORT}')
+    return int(text)
 
 
 async def _serve(options: argparse.Namespace) -> None:

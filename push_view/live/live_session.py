@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from push_scenario.definition.scenario import Scenario
 from push_view.live.session import Session
+from push_view.live.setup import Setup
 from push_view.server.commands import AddWall, CommandRefused, parse_command
 from push_view.server.message_log import MessageLog
 
@@ -74,11 +75,12 @@ class LiveSession:
 
     :param scenario: a ``Scenario`` with a task.
     :param clock: function that returns monotonic wall time [s].
+    :raises ValueError: where the scenario has no task.
     """
 
     def __init__(self, scenario: Scenario, clock: Callable[[], float]) -> None:
         self.log = MessageLog()
-        self._scenario = scenario
+        self._setup = Setup.of(scenario)
         self._clock = clock
         self._session: Session | None = None
         self._worker = Worker()
@@ -86,7 +88,7 @@ class LiveSession:
 
     async def run(self) -> None:
         """Prepare the session, then let time pass until this is cancelled."""
-        session = await self._prepare('simulation', lambda: Session(self._scenario, self.log))
+        session = await self._prepare('simulation', lambda: Session(self._setup, self.log))
         self._session = session
         before = shown = self._clock()
         shown_time = session.time

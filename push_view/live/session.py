@@ -8,7 +8,6 @@ from typing import Any
 from push_model.geometry import Pose, wrap_angle
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.map_search.planner import warm_up
-from push_scenario.definition.scenario import Scenario
 from push_view.live.live_run import LiveRun
 from push_view.live.settings import CONTACT_FRICTION, find_setting, FRICTION, with_friction
 from push_view.live.setup import Setup
@@ -26,16 +25,14 @@ class Session:
 
     Time passes only in ``advance``.
 
-    :param scenario: a ``Scenario`` with a task, to start from.
+    :param setup: ``Setup`` to start from.
     :param log: where the messages go.
-    :raises ValueError: where it has no task.
     """
 
-    def __init__(self, scenario: Scenario, log: MessageLog) -> None:
+    def __init__(self, setup: Setup, log: MessageLog) -> None:
         self.log = log
         self.paused = False
         self.speed = 1.0
-        setup = Setup.of(scenario)
         self._map: OccupancyMap | None = setup.task.occupancy_map
         self.show_speed()
         self._start(setup)

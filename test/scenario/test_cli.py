@@ -40,6 +40,13 @@ def test_list_names_every_scenario_with_its_description(capsys):
     assert all(len(line.split()) > 5 for line in listed)
 
 
+def test_a_folder_that_cannot_be_written_is_named(tmp_path, capsys):
+    """A file lies where the folder should be."""
+    (tmp_path / 'out').write_text('')
+    assert replay(tmp_path, 'straight_push') == 2
+    assert f'--out: got {tmp_path / "out"}: ' in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_a_run_that_arrives_ends_with_status_0_and_leaves_its_tape(tmp_path, capsys):
     """The same one when it is run again."""

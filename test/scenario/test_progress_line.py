@@ -53,9 +53,12 @@ def test_time_until_a_task_runs_is_no_part_of_the_speed():
     for call in range(20):
         now[0] = float(call)
         line(Progress('idle', 0.0, 1.0))
-    assert 'real time' not in stream.getvalue()
+    waiting = stream.getvalue().splitlines()
+    assert not any('real time' in text for text in waiting)
+    assert ['compiled' in text for text in waiting] == [False] + (len(waiting) - 1) * [True]
     for call in range(1, 1001):
         now[0] = 20.0 + call / 100
         line(Progress('approach', call / 50, 1.0))
+    assert not any('compiled' in text for text in stream.getvalue().splitlines()[-2:])
     assert stream.getvalue().splitlines()[-1].startswith('task: approach')
     assert 'at 2.0 x real time' in stream.getvalue().splitlines()[-1]

@@ -7,6 +7,7 @@ import numpy as np
 from push_control.task.status import TaskState
 from push_scenario.definition.loader import load_scenario
 from push_view.live.session import Session
+from push_view.live.setup import Setup
 from push_view.live.walls import open_floor, with_wall
 from push_view.server.commands import CommandRefused, parse_command
 from push_view.server.message_log import MessageLog
@@ -34,7 +35,7 @@ def column(session, name):
 @pytest.fixture
 def session():
     """Start where the box is a centimetre from its goal."""
-    return Session(load_scenario('task_tap'), MessageLog())
+    return Session(Setup.of(load_scenario('task_tap')), MessageLog())
 
 
 def advance_until_standing(session, time_limit=120.0):
@@ -180,7 +181,7 @@ def test_another_object_starts_another_run(session):
 def test_a_single_push_is_no_session():
     """It has no supervisor that takes goals."""
     with pytest.raises(ValueError, match='got a single push, expected a task'):
-        Session(load_scenario('straight_push'), MessageLog())
+        Setup.of(load_scenario('straight_push'))
 
 
 def test_a_wall_is_where_it_was_drawn():
