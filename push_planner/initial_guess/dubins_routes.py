@@ -114,6 +114,27 @@ def routes(problem: PushProblem, turns: TurnPair) -> list[Route]:
     return near + sorted(far, key=lambda route: route.path_length)
 
 
+def choose_various(ranked: Sequence[Route], count: int) -> list[Route]:
+    """
+    Choose routes: the first of each homotopy class, and then the first of the others.
+
+    Where goals are near, routes with all lengths of the final straight may be of one class, and
+    lead to no push.
+
+    :param ranked: the routes.
+    :param count: number of routes that are chosen at most.
+    :return: list of ``Route``, ranked as before.
+    """
+    if len(ranked) <= count:
+        return list(ranked)
+    first: dict[tuple[str, int, int], int] = {}
+    for number, route in enumerate(ranked):
+        first.setdefault(_homotopy(route), number)
+    leading = list(first.values())
+    others = [number for number in range(len(ranked)) if number not in leading]
+    return [ranked[number] for number in sorted((leading + others)[:count])]
+
+
 def shortest_length(problem: PushProblem, turns: TurnPair, final_straight: float) -> float:
     """
     Path length of the contact on the shortest route with a final straight [m].
@@ -201,9 +222,14 @@ def _tighter_routes(problem: PushProblem, turns: TurnPair, final_straight: float
             if route.path_length < shortest and _homotopy(route) not in known]
 
 
-def _homotopy(route: Route) -> tuple[str, int]:
-    """Word and number of whole turns, which pushes with the same optimum mostly share."""
-    return route.name, round(route.rotation / math.tau)
+def _homotopy(route: Route) -> tuple[str, int, int]:
+    """
+    Word and numbers of whole turns, which pushes with the same optimum mostly share.
+
+    Turns to the left count from those to the right, and then all together.
+    """
+    turns = sum(length * abs(c) for length, c in zip(route.path.lengths, route.path.curvatures))
+    return route.name, round(route.rotation / math.tau), round(turns / math.tau)
 
 
 def _routes_in(problem: PushProblem, turns: TurnPair, final_straight: float) -> list[Route]:

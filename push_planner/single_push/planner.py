@@ -20,7 +20,9 @@ from push_planner.collocation.formulation import (
 )
 from push_planner.collocation.nlp_solver import SolveResult
 from push_planner.collocation.push_solver import push_solver
-from push_planner.initial_guess.dubins_routes import is_fast, routes, tightest_turns, TurnPair
+from push_planner.initial_guess.dubins_routes import (
+    choose_various, is_fast, routes, tightest_turns, TurnPair,
+)
 from push_planner.initial_guess.first_guess import Route
 from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
@@ -233,7 +235,7 @@ class RouteSearch:
         low, high = rotation_range(self._problem)
         fitting = [route for route in ranked
                    if route.path_length <= longest and low <= route.rotation <= high]
-        return (fitting or ranked[:1])[:MAX_ROUTES]
+        return choose_various(fitting or ranked[:1], MAX_ROUTES)
 
     def _failure(self) -> PlanningFailed:
         # The relaxed program comes last, and mostly tells what stands in the way.

@@ -5,12 +5,20 @@ import math
 from helpers.push_problems import face_problem
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
-from push_planner.initial_guess.dubins_routes import routes, shortest_length
-from push_planner.single_push.planner import steering_limits
+from push_model.parameters import RoundRobot
+from push_planner.initial_guess.dubins_routes import (
+    choose_various, routes, shortest_length,
+)
+from push_planner.single_push.planner import plan_push, steering_limits
 import pytest
 
 PROBLEM = face_problem(Pose(1.5, 0.9, 1.2), final_straight=0.3)
 ROUTES = routes(PROBLEM, steering_limits(PROBLEM))
+# At 1 m/s no push to this goal is as short as the straight way.
+NEAR_AND_FAST = face_problem(
+    Pose(0.494, -0.023, -0.126), RoundRobot(0.17, 'holonomic', max_speed=5.0, max_yaw_rate=50.0,
+                                            max_acceleration=100.0),
+    pushing_speed=1.0, deceleration=0.0)
 POINTS = np.array([1.0 / 3.0, 1.0])
 
 
@@ -71,3 +79,22 @@ def _steps(ends, values, width):
     values = [*values, 0.0]
     at = [point for end in ends for point in (end - 0.5 * width, end + 0.5 * width)]
     return at, [value for pair in zip(values, values[1:]) for value in pair]
+
+
+@pytest.mark.parametrize('count', [3, 12, 40])
+def test_routes_are_chosen_for_variety(count: int) -> None:
+    """As many words as there are are tried, in their order, and none twice before all others."""
+    ranked = routes(NEAR_AND_FAST, steering_limits(NEAR_AND_FAST))
+    chosen = choose_various(ranked, count)
+    assert len(ranked) > 12 and len(chosen) == min(count, len(ranked))
+    places = [ranked.index(route) for route in chosen]
+    assert places == sorted(set(places))
+    words = {route.name for route in ranked}
+    assert len({route.name for route in chosen}) == min(count, len(words))
+
+
+def test_a_near_goal_of_a_fast_push_is_reached_by_a_whole_turn() -> None:
+    """A dozen shorter routes, with straight ends of all lengths, lead to no push."""
+    found = plan_push(NEAR_AND_FAST)
+    assert abs(found.trajectory.object_poses[-1, 2] - NEAR_AND_FAST.goal.theta) > math.pi
+    assert found.report['position_error'] < 1e-4
