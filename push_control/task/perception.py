@@ -10,6 +10,7 @@ from push_control.events import EventReport
 from push_control.localization.contact_evidence import Contact, ContactEvidence
 from push_control.localization.displacement import Displacement, DisplacementWatch
 from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble, RobotMemory
+from push_control.localization.slip_search import SlipSearch
 from push_control.observation import Observation
 from push_control.safety.odometry_check import integrated_step
 from push_control.settings import ControlSettings
@@ -46,6 +47,9 @@ DISTRUST_STD = 0.08, 0.05
 PUSHED_SIGMAS = 3.0
 VAIN_PUSHES = 2
 VAIN_STD = 0.05, 0.1
+# Least standard deviations (x, y, heading) of a robot whose slip was guessed [m, m, rad]; chosen:
+# few guesses are left then.
+LEAST_FOUND_STD = 0.03, 0.03, 0.1
 # Time for which a displacement of the object explains that it is elsewhere [s]; chosen: a plan is
 # made meanwhile.
 DISPLACED_TIME = 2.0
@@ -244,6 +248,8 @@ class TaskPerception:
         # Pose of the object before a push that has not been seen to move it.
         self._pose_before_push: Pose | None = None
         self._evidence = ContactEvidence()
+        # Since contacts last fitted.
+        self._slip_search = SlipSearch(obj, robot)
         # Motions of the object that are not the robot's: time of the last one, and what is
         # estimated of the robot before the next one.
         self._displacements = DisplacementWatch[RobotMemory | None]()
@@ -297,6 +303,7 @@ class TaskPerception:
         if displacement is Displacement.RETURNED and memory is not None:
             localization.restore_robot(memory, *RETURN_STD)
             self._evidence.clear()
+            self._slip_search.restart(localization.pose)
         if displacement is not Displacement.NONE:
             self._displaced_at = measured.time
         if localization.is_initialized:
@@ -324,9 +331,13 @@ class TaskPerception:
             self._has_jumped = False
             step = integrated_step(last, odometry)
         if last is not None and is_new:
-            self._displacements.drive(distance(last.pose, odometry.pose) if step is None
-                                      else math.hypot(step.x, step.y))
+            step = step or last.pose.inverse() @ odometry.pose
+            self._displacements.drive(math.hypot(step.x, step.y))
+            if self._believed is not None:
+                self._slip_search.drive(step, self._believed.pose)
         self.localization.predict(odometry, step)
+        if last is None:
+            self._slip_search.restart(self.localization.pose)
 
     def _corrected(self, odometry: Odometry) -> Odometry:
         """Put the robot where it is localized."""
@@ -444,6 +455,11 @@ class TaskPerception:
         return self._evidence.is_refuting
 
     @property
+    def is_lost(self) -> bool:
+        """Whether pushes that moved nothing have shown that the robot is elsewhere."""
+        return self._evidence.vain_pushes >= VAIN_PUSHES
+
+    @property
     def was_displaced(self) -> bool:
         """Whether the object has lately moved further than the robot can have pushed it."""
         return self.time - self._displaced_at < DISPLACED_TIME
@@ -494,6 +510,8 @@ class TaskPerception:
         """
         self._unexplained_moves = 0
         self._evidence.add(contact, self.localization.position_deviation)
+        if self._evidence.fits:
+            self._slip_search.restart(self.localization.pose)
 
     def on_push_unseen(self, before: Pose) -> None:
         """
@@ -519,7 +537,7 @@ class TaskPerception:
     def on_push_in_vain(self) -> None:
         """Note that a push has not moved the object: after some, the robot is elsewhere."""
         self._evidence.add(Contact.IN_VAIN, self.localization.position_deviation)
-        if self._evidence.vain_pushes >= VAIN_PUSHES:
+        if self.is_lost and not self._find_robot(is_touching=False):
             self.localization.inflate_covariance(*VAIN_STD)
 
     def forget_contacts(self) -> None:
@@ -549,6 +567,8 @@ class TaskPerception:
         moved = distance(pose, before)
         if self._unexplained_moves < UNEXPLAINED_MOVES or moved == 0.0:
             return
+        if self._find_robot(is_touching=True):
+            return
         x, y = (pose.x - before.x) / moved, (pose.y - before.y) / moved
         # Sphere tracing: from the inside out, against the motion, by the gap each time.
         offset = 0.0
@@ -557,6 +577,15 @@ class TaskPerception:
             behind = pose.x - offset * x, pose.y - offset * y
             offset += abs(find_contact(obj, pose, behind, robot.radius).gap)
         self.localization.place_robot(Pose(*behind, estimate.theta), BEHIND_OBJECT_STD)
+
+    def _find_robot(self, is_touching: bool) -> bool:
+        """Place the robot where slip may have led it; return whether that explains all."""
+        found = self._slip_search.find(self.object_pose.pose, is_touching)
+        if found is None or self._supervision.odometry_reference != 'drifting':
+            return False
+        deviations = np.maximum(LEAST_FOUND_STD, found.std(axis=0)).tolist()
+        self.localization.place_robot(Pose(*found.mean(axis=0).tolist()), deviations)
+        return True
 
     def _measured_contact(self, obj: PushedObject, robot: RoundRobot) -> FoundContact:
         """Find the contact at the time of the last object pose."""

@@ -289,7 +289,8 @@ class PrimitivePush(Behavior):
         """Go on along the best arc, or stop."""
         progress, robot = self._progress, self._robot
         direction = self._direction()
-        is_lost = not progress.has_moved and self._ensemble.position_deviation > LOST_STD
+        is_lost = not progress.has_moved and (
+            perception.is_lost or self._ensemble.position_deviation > LOST_STD)
         if progress.has_moved and progress.steering_time >= STEERING_PERIOD:
             progress.steering_time = 0.0
             horizon = min(HORIZON, 1.3 * progress.left + 0.12)

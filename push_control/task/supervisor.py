@@ -523,12 +523,13 @@ class Supervisor:
     def _abort(self) -> None:
         """Give the task up for want of progress, and say what measurements have to do with it."""
         reason, failure = self._progress.abort_reason, self._progress.failure
+        doubts = '; '.join(filter(None, (self._perception.pose_doubt,
+                                         self._perception.odometry_doubt)))
         if not reason:
-            self._fail(TaskFailure.NO_PROGRESS, self._perception.pose_doubt)
+            self._fail(TaskFailure.NO_PROGRESS, doubts)
             return
-        doubts = self._perception.pose_doubt, self._perception.odometry_doubt
-        if failure is TaskFailure.NO_PROGRESS:
-            reason = '; '.join([reason, *filter(None, doubts)])
+        if failure is TaskFailure.NO_PROGRESS and doubts:
+            reason = f'{reason}; {doubts}'
         self._enter(TaskState.FAILED, reason)
         self._entered = dataclasses.replace(self._entered, failure=failure)
 

@@ -167,6 +167,26 @@ def test_pushes_that_do_not_move_the_object_put_the_robot_in_doubt():
     assert perception.localization.position_deviation == before
 
 
+def test_a_robot_whose_wheels_slipped_as_it_turned_knows_its_heading_when_it_touches():
+    """By the path that led it to the object; until then it was taken for one that turned twice."""
+    angles, distances = np.arange(0.0, 2.7, 0.05), np.arange(0.02, 0.6, 0.02)
+    true_heading, odometry_heading = 1.35, 2.7
+    start, bin_radius = Pose(0.0, 0.0, 0.0), bin_().radius
+    reach = float(distances[-1]) + HOLONOMIC.radius + bin_radius
+    object_pose = Pose(reach * math.cos(true_heading), reach * math.sin(true_heading), 0.0)
+    perception = seen(bin_(), start, object_pose, 0.0)
+    for theta in angles.tolist():
+        look(perception, Pose(0.0, 0.0, theta), object_pose, 1)
+    for x in distances.tolist():
+        look(perception, Pose(0.0, 0.0, odometry_heading) @ Pose(x, 0.0, 0.0), object_pose, 1)
+    before = object_pose._replace(y=object_pose.y - 0.06)
+    perception.on_object_moved(bin_(), HOLONOMIC, before)
+    assert wrap_angle(perception.robot_pose.theta - odometry_heading) == pytest.approx(0, abs=0.1)
+    perception.on_object_moved(bin_(), HOLONOMIC, before)
+    assert wrap_angle(perception.robot_pose.theta - true_heading) == pytest.approx(0, abs=0.5)
+    assert abs(perception.gap) < 0.1
+
+
 def test_poses_that_have_jumped_to_where_no_push_finds_the_object_are_named():
     """Until they are back."""
     robot_pose = Pose(-0.5, 0.1, 0.3)

@@ -1,0 +1,181 @@
+"""
+Where is a robot whose wheels have slipped: at a place that explains what it has not touched.
+
+Odometry measures the wheels. Where these slip during a part of the path, the robot moves and turns
+by less there, and from then on it is elsewhere, by decimetres, with a heading that is wrong by
+tens of degrees. No feature of a map tells it so, but the object does: as long as its poses show it
+at rest, the robot cannot have driven through it. So some hypotheses
+
+    (a, b, r): from the path length a to b the robot has moved by the ratio r of odometry
+
+are drawn, the path since the robot was last known is integrated for each, and those that lead
+through the object are dropped. Axes: k hypotheses, n places of the path.
+"""
+
+import math
+
+import numpy as np
+from push_model.geometry import distance, FloatArray, Pose, wrap_angle, wrap_angles
+from push_model.parameters import PushedObject, RoundRobot
+
+# Distance and rotation between two places of the path that are compared [m], [rad]; chosen: a
+# robot does not pass an object between two of them. And the number of places from which on only
+# every other one is kept; chosen: six metres.
+PLACE_DISTANCE, PLACE_ROTATION = 0.05, 0.2
+MAX_PLACES = 120
+# Overlap of robot and object beyond which a hypothesis is wrong [m]; chosen: the object moves as
+# far while a pose of it is under way.
+MAX_OVERLAP = 0.04
+# Gap beyond which the robot does not touch an object that it has moved [m]; chosen: likewise.
+MAX_TOUCH_GAP = 0.06
+# Number of hypotheses, and the least number that has to be left; chosen: so that what odometry
+# errs by is one of several, and what is found has a spread.
+HYPOTHESES, LEAST_LEFT = 1000, 4
+# Least ratio of motion, and by how much farther than the path, over its length, slip may reach at
+# either end; chosen: a robot that moves less does not arrive anywhere, and a third of all.
+LEAST_RATIO, MARGIN = 0.2, 0.3
+# Standard deviations of the robot where the path begins (x, y, heading) [m, m, rad]; chosen: with
+# what odometry errs by besides.
+OTHER_STD = 0.03, 0.03, 0.05
+# Number of these that are compared; chosen: their squares are computed in milliseconds.
+MOST_COMPARED = 150
+# Distance and rotation within which hypotheses support one another [m], [rad]; chosen: a push that
+# begins as far beside the object still touches it.
+ALIKE = 0.12, 0.35
+
+
+class SlipSearch:
+    """Path of the robot since it was last known, and what was seen of the object meanwhile."""
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, seed: int = 0) -> None:
+        """
+        Begin without a path.
+
+        :param obj: the ``PushedObject``.
+        :param robot: the ``RoundRobot``.
+        :param seed: of the hypotheses.
+        """
+        self._radius = robot.radius
+        self._outline: FloatArray = np.array(obj.outline, dtype=float).reshape(-1, 2)
+        self._reach = max((math.hypot(*vertex) for vertex in obj.outline), default=obj.radius)
+        self._rng = np.random.default_rng(seed)
+        self._spacing = 1.0
+        # Where odometry has the robot, as added up from the start of the path.
+        self._robot: Pose | None = None
+        self._places: list[Pose] = []
+        self._objects: list[Pose] = []
+
+    def restart(self, robot: Pose) -> None:
+        """
+        Begin a path where the robot is known.
+
+        :param robot: its ``Pose`` in the world.
+        """
+        self._robot = robot
+        self._places, self._objects = [], []
+        self._spacing = 1.0
+
+    def drive(self, step: Pose, object_pose: Pose) -> None:
+        """
+        Go on along the path; before it was begun nothing is noted.
+
+        :param step: motion of the robot by odometry, as ``Pose`` in its axes before.
+        :param object_pose: ``Pose`` of the object as it was seen last.
+        """
+        if self._robot is None:
+            return
+        self._robot = self._robot @ step
+        last = self._places[-1] if self._places else None
+        if last is None or (
+                distance(last, self._robot) > self._spacing * PLACE_DISTANCE
+                or abs(wrap_angle(self._robot.theta - last.theta))
+                > self._spacing * PLACE_ROTATION):
+            self._places.append(self._robot)
+            self._objects.append(object_pose)
+        if len(self._places) > MAX_PLACES:
+            self._places, self._objects = self._places[::2], self._objects[::2]
+            self._spacing *= 2.0
+
+    def find(self, object_pose: Pose, is_touching: bool) -> FloatArray | None:
+        """
+        Find where the robot may be by now.
+
+        :param object_pose: ``Pose`` of the object by now.
+        :param is_touching: whether the robot touches it for certain.
+        :return: poses (x, y, theta) that are alike, the most that are, shape (k, 3); None where
+            slip does not explain what was seen, or nothing was driven.
+        """
+        if self._robot is None or math.isinf(self._radius) or len(self._places) < 2:
+            return None
+        robots = self._robots(np.array([*self._places, self._robot]))
+        gaps = self._gaps(robots, np.array([*self._objects, object_pose]))
+        is_left = gaps.min(axis=1) > -MAX_OVERLAP
+        if is_touching:
+            is_left &= gaps[:, -1] < MAX_TOUCH_GAP
+        left = robots[is_left, -1][:MOST_COMPARED]
+        return _most_alike(left) if len(left) >= LEAST_LEFT else None
+
+    def _robots(self, places: FloatArray) -> FloatArray:
+        """Integrate the path by each hypothesis, shape (k, n, 3)."""
+        rng, count = self._rng, len(places)
+        shift = np.diff(places, axis=0)
+        c, s = np.cos(places[:-1, 2]), np.sin(places[:-1, 2])
+        ahead, aside = c * shift[:, 0] + s * shift[:, 1], c * shift[:, 1] - s * shift[:, 0]
+        rotation = wrap_angles(shift[:, 2])
+        # Many slip from the beginning, and many until now.
+        numbers = np.arange(count - 1)
+        first = count * rng.uniform(-MARGIN, 1.0, (HYPOTHESES, 1))
+        last = rng.uniform(first, count * (1.0 + MARGIN))
+        ratios = np.where((first <= numbers) & (numbers < last),
+                          rng.uniform(LEAST_RATIO, 1.0, (HYPOTHESES, 1)), 1.0)
+        robots = np.empty((HYPOTHESES, count, 3))
+        # In the robot's axes, as all else: where the world has its own does not matter.
+        x, y, theta = rng.normal(0.0, OTHER_STD, (HYPOTHESES, 3)).T
+        robots[:, 0, 0] = places[0, 0] + c[0] * x - s[0] * y
+        robots[:, 0, 1] = places[0, 1] + s[0] * x + c[0] * y
+        robots[:, 0, 2] = places[0, 2] + theta
+        robots[:, 1:, 2] = robots[:, :1, 2] + np.cumsum(ratios * rotation, axis=1)
+        # A slip that turns the robot less bends its path as it goes.
+        middle = robots[:, :-1, 2] + 0.5 * (ratios - 1.0) * rotation
+        c, s = ratios * np.cos(middle), ratios * np.sin(middle)
+        robots[:, 1:, 0] = robots[:, :1, 0] + np.cumsum(c * ahead - s * aside, axis=1)
+        robots[:, 1:, 1] = robots[:, :1, 1] + np.cumsum(s * ahead + c * aside, axis=1)
+        return robots
+
+    def _gaps(self, robots: FloatArray, objects: FloatArray) -> FloatArray:
+        """Compute the gaps between robots and object, shape (k, n) [m]."""
+        shift = robots[..., :2] - objects[:, :2]
+        c, s = np.cos(objects[:, 2]), np.sin(objects[:, 2])
+        x = c * shift[..., 0] + s * shift[..., 1]
+        y = c * shift[..., 1] - s * shift[..., 0]
+        gaps: FloatArray = np.hypot(x, y) - self._reach - self._radius
+        if len(self._outline):
+            # Those that are farther away touch nothing, however much farther.
+            is_near = gaps < MAX_TOUCH_GAP
+            gaps[is_near] = _distances(self._outline, x[is_near], y[is_near]) - self._radius
+        return gaps
+
+
+def _distances(outline: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+    """Compute the distances of points from a convex polygon, -inf inside, shape (k,) [m]."""
+    squared = np.full(len(x), math.inf)
+    is_inside = np.ones(len(x), dtype=bool)
+    for (x_0, y_0), (x_1, y_1) in zip(outline, np.roll(outline, -1, axis=0)):
+        along_x, along_y = x_1 - x_0, y_1 - y_0
+        part = ((x - x_0) * along_x + (y - y_0) * along_y) / (along_x ** 2 + along_y ** 2)
+        part = np.clip(part, 0.0, 1.0)
+        squared = np.minimum(squared, (x - x_0 - part * along_x) ** 2
+                             + (y - y_0 - part * along_y) ** 2)
+        is_inside &= along_x * (y - y_0) > along_y * (x - x_0)
+    return np.where(is_inside, -math.inf, np.sqrt(squared))
+
+
+def _most_alike(poses: FloatArray) -> FloatArray:
+    """Find the pose that most others are alike, and return these."""
+    x, y, theta = (poses[:, None] - poses[None]).transpose(2, 0, 1)
+    theta = wrap_angles(theta)
+    are_alike = (x ** 2 + y ** 2) / ALIKE[0] ** 2 + (theta / ALIKE[1]) ** 2 < 1.0
+    best = int(are_alike.sum(axis=1).argmax())
+    found = poses[are_alike[best]]
+    found[:, 2] = poses[best, 2] - theta[best, are_alike[best]]
+    return found
