@@ -1,7 +1,6 @@
 """Request for a plan, and the reasons for which a planner may find none."""
 
 import enum
-import math
 from typing import NamedTuple
 
 from push_model.geometry import Pose
@@ -10,6 +9,9 @@ from push_model.parameters import PushedObject
 # Range of tolerances of a goal [m], [rad]; chosen: below it no sensor measures, and what the
 # planner lays about the goal grows without end; above it there is nothing to plan.
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-4, 1.0
+# Tolerances of a goal for which nobody asks for others [m], [rad]; chosen: what a camera measures,
+# and about a degree. What costs seconds to compute depends on them, so that nodes share them.
+POSITION_TOLERANCE, HEADING_TOLERANCE = 0.01, 0.0175
 
 
 class PlanRequest(NamedTuple):
@@ -37,8 +39,8 @@ class PlanRequest(NamedTuple):
     goal: Pose
     obj: PushedObject
     cone_fraction: float = 1.0
-    position_tolerance: float = 0.01
-    heading_tolerance: float = math.radians(1.0)
+    position_tolerance: float = POSITION_TOLERANCE
+    heading_tolerance: float = HEADING_TOLERANCE
     robot_deviation: float = 0.005
     center_deviation: float = 0.03
     contact_friction_deviation: float = 0.1

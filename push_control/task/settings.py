@@ -4,7 +4,9 @@ import dataclasses
 from typing import get_args
 
 from push_control.settings import ControlSettings
-from push_model.plan_request import LARGEST_TOLERANCE, LEAST_TOLERANCE
+from push_model.plan_request import (
+    HEADING_TOLERANCE, LARGEST_TOLERANCE, LEAST_TOLERANCE, POSITION_TOLERANCE,
+)
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, OdometryReference, PoseCovariance
 
@@ -25,10 +27,10 @@ class SupervisionSettings:
 
     position_tolerance: float = quantity(
         'distance from the goal at which a task is done', 'm', LEAST_TOLERANCE, LARGEST_TOLERANCE,
-        default=0.01)
+        default=POSITION_TOLERANCE)
     heading_tolerance: float = quantity(
         'heading error at which a task is done', 'rad', LEAST_TOLERANCE, LARGEST_TOLERANCE,
-        default=0.0175)
+        default=HEADING_TOLERANCE)
     confidence_sigmas: float = quantity(
         'standard errors of the averaged object pose by which it must be within the tolerances; '
         'at most 2 where poses are biased', '', 0.0, 10.0, default=3.0)
