@@ -23,12 +23,12 @@ from push_planner.collocation.nlp_solver import Solution
 from push_planner.collocation.transcription import (
     common_symbols, CommonSymbols, object_origin, SMOOTHING,
 )
-from push_planner.integration.rollout import (
-    CapacityExceeded, Checks, NODE_SIZE, PartCounts, Rollout, RolloutMemory,
-)
+from push_planner.integration.rollout import Rollout, RolloutMemory
+from push_planner.integration.rollout_functions import Checks, NODE_SIZE
 from push_planner.integration.steering import (
     END_WEIGHTS, Steering, SteeringMemory, STRAIGHT_END_WEIGHTS,
 )
+from push_planner.integration.step_division import CapacityExceeded, PartCounts
 from push_planner.problem import PushProblem
 from push_planner.push_parameters import (
     contact_frame, PushKind, PushParameters, SupportLayout,

@@ -12,11 +12,12 @@ from push_planner.collocation.nlp_solver import nlp_solver, Solution
 from push_planner.collocation.push_solver import push_solver
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
 from push_planner.integration.refinement import goal_miss, refine, RefinedPush, SMALL_MISS
-from push_planner.integration.rollout import PartCounts, RolloutMemory
+from push_planner.integration.rollout import RolloutMemory
 from push_planner.integration.steering import (
     CHANGE_COST, FEEDBACK_END_WEIGHTS, FREE_LENGTH_COST, SteeringMemory, STRAIGHT_END_WEIGHTS,
     WEIGHTS,
 )
+from push_planner.integration.step_division import PartCounts
 from push_planner.problem import PushProblem
 from push_planner.settings import PlannerSettings
 import pytest

@@ -14,7 +14,8 @@ from push_planner.collocation.formulation import formulate
 from push_planner.collocation.nlp_solver import nlp_solver
 from push_planner.collocation.transcription import Transcription
 from push_planner.initial_guess.dubins_routes import routes, tightest_turns
-from push_planner.integration.rollout import graded_fractions, part_function, settling_distance
+from push_planner.integration.rollout_functions import part_function
+from push_planner.integration.step_division import graded_fractions, settling_distance
 from push_planner.push_parameters import PUSH_KINDS
 import pytest
 
