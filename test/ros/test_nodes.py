@@ -318,19 +318,37 @@ def push_on(b, shift):
                                           'base_link'))
 
 
+def planned_under_way(b, shift, ask):
+    """
+    Ask for a plan in a push that is under way, and check where it begins; return it.
+
+    A planner that stands still for a moment loses measurements, which are best effort: then it is
+    shown them again.
+    """
+    for _ in range(5):
+        for _ in range(5):
+            push_on(b, shift)
+            b.spin(0.1)
+        got = from_plan_message(ask(), 'odom')
+        errors_at_start = (distance(got.object_poses[0], shift @ OBJECT),
+                           distance(got.robot_poses[0], shift @ ROBOT))
+        if max(errors_at_start) < 1e-6:
+            return got
+    raise AssertionError(errors_at_start)
+
+
 def test_a_goal_in_the_middle_of_a_push_is_planned_from_there(planner):
     """From the present poses and motion; the path ends at the new goal."""
     shift, wanted = Pose(0.6, 0.1, 0.2), Pose(2.6, 0.7, -0.4)
-    for _ in range(5):
-        push_on(planner, shift)
-        planner.spin(0.1)
-    for topic in ('push_plan', 'planned_path'):
-        planner.received[topic].clear()
-    planner.publish('push_request', request(wanted, 2.0))
-    planner.wait_until(lambda: planner.received['push_plan'] and planner.received['planned_path'])
-    message = planner.received['push_plan'][0]
-    got = from_plan_message(message, 'odom')
-    assert distance(got.object_poses[0], shift @ OBJECT) < 1e-6
+
+    def ask():
+        for topic in ('push_plan', 'planned_path'):
+            planner.received[topic].clear()
+        planner.publish('push_request', request(wanted, 2.0))
+        planner.wait_until(lambda: (planner.received['push_plan']
+                                    and planner.received['planned_path']))
+        return planner.received['push_plan'][0]
+    got = planned_under_way(planner, shift, ask)
     speed = math.hypot(0.07, 0.04 * SCENARIO.robot.radius)
     assert math.hypot(*got.contact_twists[0, :2]) == pytest.approx(speed, rel=1e-3)
     assert got.robot_twists[0, 2] == pytest.approx(0.04, abs=1e-3)
@@ -346,15 +364,14 @@ def test_a_push_is_planned_again_when_asked(planner):
     planner.received['push_plan'].clear()
     planner.publish('push_request', request(wanted))
     planner.repeat_until(lambda: measure(planner), lambda: planner.received['push_plan'])
-    for _ in range(5):
-        push_on(planner, shift)
-        planner.spin(0.1)
-    count = len(planner.received['push_plan'])
-    answer = planner.call('planner/replan')
-    assert answer.success and answer.message.startswith('has planned a push of ')
-    planner.wait_until(lambda: len(planner.received['push_plan']) > count)
-    got = from_plan_message(planner.received['push_plan'][-1], 'odom')
-    assert distance(got.object_poses[0], shift @ OBJECT) < 1e-6
+
+    def ask():
+        count = len(planner.received['push_plan'])
+        answer = planner.call('planner/replan')
+        assert answer.success and answer.message.startswith('has planned a push of ')
+        planner.wait_until(lambda: len(planner.received['push_plan']) > count)
+        return planner.received['push_plan'][-1]
+    got = planned_under_way(planner, shift, ask)
     assert distance(got.object_poses[-1], wanted) < 2e-3
 
 
