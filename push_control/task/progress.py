@@ -24,6 +24,10 @@ MAX_SAFETY_STOPS = 3
 # may have missed the object once or twice, and a tracker that is frozen from the start shows no
 # more.
 MAX_UNSEEN_PUSHES = 3
+# Failures that another map may end, and the time for which one is waited for [s]; chosen: somebody
+# steps aside, or takes away what stands at the goal.
+MAP_FAILURES = PlanFailure.NOT_FREE, PlanFailure.BLOCKED
+MAP_TIME_LIMIT = 20.0
 # Pushes to waypoints as planned that may bring the object no nearer to its goal, over the attempts
 # that may; chosen: a detour through three rooms takes some thirty pushes.
 WAYPOINTS_PER_ATTEMPT = 4
@@ -41,10 +45,11 @@ class GoalCheck(enum.Enum):
 
 
 class _FailedRequest(NamedTuple):
-    """A request without a plan, and the ``PlanFailure``."""
+    """A request without a plan, the ``PlanFailure``, and whether it was one before."""
 
     request: PlanRequest
     code: PlanFailure
+    is_repeated: bool
 
 
 class ProgressMonitor:
@@ -74,6 +79,8 @@ class ProgressMonitor:
         self._last_failure = ''
         self._failed_request: _FailedRequest | None = None
         self._planning_failure = ''
+        # Since when there is no plan for what the map shows [s], or None.
+        self._blocked_since: float | None = None
         self._uncertainty = ''
 
     def count_attempt(self, failure_reason: str = '') -> None:
@@ -119,28 +126,60 @@ class ProgressMonitor:
                 f'the tolerances: standard errors of {1e3 * object_at_rest.position_error:.1f} mm '
                 f'and {math.degrees(object_at_rest.heading_error):.2f} deg')
 
-    def on_planning_failed(self, request: PlanRequest, code: PlanFailure, reason: str) -> None:
+    def on_planning_failed(self, request: PlanRequest, code: PlanFailure, reason: str,
+                           time: float) -> None:
         """
         Note that there is no plan; twice for the same reason from the same poses is once too many.
 
         A plan that cannot be used tells nothing of these poses: it was spoilt or meant for others
-        on its way, and the next one may be right.
+        on its way, and the next one may be right. What a map blocks, another one may free: that is
+        waited for, and counts as no attempt.
 
         :param request: the ``PlanRequest``.
         :param code: ``PlanFailure``.
         :param reason: the same in one sentence.
+        :param time: now [s].
         """
+        if code not in MAP_FAILURES:
+            self.count_attempt(f'no plan: {reason}')
+            self._blocked_since = None
+        elif self._blocked_since is None:
+            self._blocked_since = time
         if code is PlanFailure.INVALID_PLAN:
             return
         last = self._failed_request
-        if last is not None and last.code is code and not self._have_moved(last.request, request):
+        is_repeated = (last is not None and last.code is code
+                       and not self._have_moved(last.request, request))
+        self._failed_request = _FailedRequest(request, code, is_repeated)
+        if self._blocked_since is not None:
+            if time - self._blocked_since >= MAP_TIME_LIMIT:
+                self._planning_failure = (f'aborted: planning failed for {MAP_TIME_LIMIT:g} s: '
+                                          f'{reason}')
+        elif is_repeated:
             self._planning_failure = f'aborted: planning failed twice from here: {reason}'
-        self._failed_request = _FailedRequest(request, code)
+
+    def awaits_map(self, request: PlanRequest, time: float) -> bool:
+        """
+        Tell whether a plan would fail again, as no other map has come since it failed twice.
+
+        :param request: the ``PlanRequest``.
+        :param time: now [s].
+        """
+        last = self._failed_request
+        return (self._blocked_since is not None and time - self._blocked_since < MAP_TIME_LIMIT
+                and last is not None and last.is_repeated
+                and not self._have_moved(last.request, request))
+
+    def on_plan(self) -> None:
+        """Note that there is a plan."""
+        self._blocked_since = None
+        self.forget_planning_failures()
 
     def forget_planning_failures(self) -> None:
-        """Forget requests without a plan, as there may be one now."""
+        """Forget requests without a plan, as there may be one now, but not since when."""
         self._failed_request = None
-        self._planning_failure = ''
+        if self._blocked_since is None:
+            self._planning_failure = ''
 
     def check_goal(self, object_at_rest: ObjectAtRest, goal: Pose,
                    remaining_time: float | None = None) -> GoalCheck:

@@ -311,7 +311,7 @@ class Supervisor:
                 f'{math.degrees(abs(wrap_angle(start.theta - requested.theta))):.0f} deg off')
             return
         self._plan = trajectory
-        self._progress.forget_planning_failures()
+        self._progress.on_plan()
         self._enter(TRANSITIONS[TaskState.PLAN].success)
         self._update_status()
 
@@ -325,8 +325,8 @@ class Supervisor:
         if self._pending is None:
             return
         self._perception.restart_averaging(self._perception.time)
-        self._progress.on_planning_failed(self._pending, code, reason)
-        self._recover(f'no plan: {reason}')
+        self._progress.on_planning_failed(self._pending, code, reason, self._perception.time)
+        self._return(f'no plan: {reason}')
         self._update_status()
 
     def on_plan_overdue(self) -> None:
@@ -514,11 +514,13 @@ class Supervisor:
             self._behaviors.correct_overlap(perception)
             localization, knowledge = perception.localization, perception.localization.knowledge
             uncertainty = localization.place_uncertainty
-            self._pending = PlanRequest(
+            request = PlanRequest(
                 object_at_rest.pose, perception.robot_pose, self._goal, localization.obj,
                 self._progress.cone_fraction, *self._aim, uncertainty.position,
                 knowledge.center_deviation, knowledge.contact_friction_deviation,
                 uncertainty.slope, uncertainty.drift)
+            if not self._progress.awaits_map(request, now):
+                self._pending = request
 
     def _abort(self) -> None:
         """Give the task up for want of progress, and say what measurements have to do with it."""
@@ -591,6 +593,10 @@ class Supervisor:
 
     def _recover(self, failure_reason: str) -> None:
         self._progress.count_attempt(failure_reason)
+        self._return(failure_reason)
+
+    def _return(self, failure_reason: str) -> None:
+        """Go to where a failure leads, and note that."""
         if self._entered.state in (TaskState.PLAN, TaskState.APPROACH):
             self._retry_time = self._perception.time + RETRY_TIME
         self._entered = dataclasses.replace(self._entered,

@@ -6,10 +6,11 @@ from helpers.objects import box
 from push_control.settings import ControlSettings
 from push_control.task.perception import ObjectAtRest
 from push_control.task.progress import (
-    CAUTION_FACTOR, GoalCheck, MAX_INSPECTIONS, MAX_SAFETY_STOPS, MIN_CONE_FRACTION,
-    ProgressMonitor, WAYPOINTS_PER_ATTEMPT,
+    CAUTION_FACTOR, GoalCheck, MAP_FAILURES, MAP_TIME_LIMIT, MAX_INSPECTIONS, MAX_SAFETY_STOPS,
+    MIN_CONE_FRACTION, ProgressMonitor, WAYPOINTS_PER_ATTEMPT,
 )
 from push_control.task.settings import aimed_tolerances, SupervisionSettings
+from push_control.task.status import TaskFailure
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 import pytest
@@ -104,15 +105,15 @@ def test_plans_become_more_careful_without_progress():
 
 
 @pytest.mark.parametrize('code, request_, aborts', [
-    (PlanFailure.BLOCKED, REQUEST, True), (PlanFailure.NO_SEQUENCE, REQUEST, False),
-    (PlanFailure.BLOCKED, REQUEST._replace(robot_pose=Pose(2.2, 0.0, 0.0)), False),
-    (PlanFailure.BLOCKED, REQUEST._replace(object_pose=Pose(0.0, 0.0, 0.5)), False)])
+    (PlanFailure.TIPS, REQUEST, True), (PlanFailure.NO_SEQUENCE, REQUEST, False),
+    (PlanFailure.TIPS, REQUEST._replace(robot_pose=Pose(2.2, 0.0, 0.0)), False),
+    (PlanFailure.TIPS, REQUEST._replace(object_pose=Pose(0.0, 0.0, 0.5)), False)])
 def test_the_same_planning_failure_twice_from_the_same_poses_aborts(code, request_, aborts):
     """Whatever numbers its sentence has; not another failure, nor one from elsewhere."""
     monitor = ProgressMonitor(SUPERVISION, AIM)
-    monitor.on_planning_failed(REQUEST, PlanFailure.BLOCKED, 'a wall 1.03 m wide')
+    monitor.on_planning_failed(REQUEST, PlanFailure.TIPS, 'a wall 1.03 m high', 0.0)
     assert not monitor.abort_reason
-    monitor.on_planning_failed(request_, code, 'a wall 1.02 m wide')
+    monitor.on_planning_failed(request_, code, 'a wall 1.02 m high', 1.0)
     assert ('1.02 m' in monitor.abort_reason) == aborts
     monitor.forget_planning_failures()
     assert not monitor.abort_reason
@@ -121,12 +122,45 @@ def test_the_same_planning_failure_twice_from_the_same_poses_aborts(code, reques
 def test_a_plan_that_cannot_be_used_tells_nothing_of_the_poses() -> None:
     """However often; a failure to plan from there still counts from before."""
     monitor = ProgressMonitor(SUPERVISION, AIM)
-    monitor.on_planning_failed(REQUEST, PlanFailure.BLOCKED, 'a wall')
-    for _ in range(3):
-        monitor.on_planning_failed(REQUEST, PlanFailure.INVALID_PLAN, 'begins elsewhere')
+    monitor.on_planning_failed(REQUEST, PlanFailure.TIPS, 'too high', 0.0)
+    for time in (1.0, 2.0, 3.0):
+        monitor.on_planning_failed(REQUEST, PlanFailure.INVALID_PLAN, 'begins elsewhere', time)
         assert not monitor.abort_reason
-    monitor.on_planning_failed(REQUEST, PlanFailure.BLOCKED, 'a wall')
+    monitor.on_planning_failed(REQUEST, PlanFailure.TIPS, 'too high', 4.0)
     assert monitor.abort_reason
+
+
+@pytest.mark.parametrize('code', MAP_FAILURES)
+@pytest.mark.parametrize('map_period', [1, 4, 100])
+def test_a_map_that_lets_the_object_through_is_waited_for(
+        code: PlanFailure, map_period: int) -> None:
+    """However many others come before it; that is no attempt, and over after a while."""
+    monitor, time, requests = ProgressMonitor(SUPERVISION, AIM), 0, 0
+    monitor.check_goal(beside_goal(0.5), GOAL)
+    while not monitor.abort_reason:
+        assert time <= MAP_TIME_LIMIT
+        if not monitor.awaits_map(REQUEST, time):
+            requests += 1
+            monitor.on_planning_failed(REQUEST, code, 'a wall', time)
+        time += 1
+        if time % map_period == 0:
+            monitor.forget_planning_failures()
+    assert time > MAP_TIME_LIMIT and 'a wall' in monitor.abort_reason
+    # Twice in each map, and once more at last.
+    assert requests <= 2 * (time // map_period + 1) + 1
+    assert monitor.cone_fraction == 1.0 and monitor.failure is TaskFailure.NO_PLAN
+
+
+def test_the_wait_for_a_map_ends_with_a_plan_or_where_the_object_is_elsewhere() -> None:
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    for time in (0.0, 1.0):
+        monitor.on_planning_failed(REQUEST, PlanFailure.NOT_FREE, 'a wall', time)
+    assert monitor.awaits_map(REQUEST, 2.0)
+    assert not monitor.awaits_map(REQUEST._replace(object_pose=Pose(0.3, 0.0, 0.0)), 2.0)
+    monitor.on_plan()
+    assert not monitor.awaits_map(REQUEST, 3.0)
+    monitor.on_planning_failed(REQUEST, PlanFailure.NOT_FREE, 'a wall', 2.0 * MAP_TIME_LIMIT)
+    assert not monitor.abort_reason
 
 
 def test_an_object_with_biased_poses_is_seen_from_other_sides():

@@ -9,6 +9,7 @@ from helpers.objects import box
 import numpy as np
 from push_control.observation import Observation
 from push_control.settings import ControlSettings
+from push_control.task.progress import MAP_TIME_LIMIT
 from push_control.task.settings import SupervisionSettings
 from push_control.task.status import TaskState
 from push_control.task.supervisor import RETRY_TIME, Supervisor
@@ -319,8 +320,8 @@ def test_a_plan_is_requested_from_what_is_measured():
 
 
 @pytest.mark.parametrize('codes, max_attempts', [
-    ([PlanFailure.BLOCKED] * 2, 2),
-    ([PlanFailure.BLOCKED, PlanFailure.NO_SEQUENCE], SUPERVISION.max_attempts)])
+    ([PlanFailure.TIPS] * 2, 2),
+    ([PlanFailure.TIPS, PlanFailure.NO_SEQUENCE], SUPERVISION.max_attempts)])
 def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
     """After the same failure twice from the same poses, or after all attempts."""
     bench, refusals = Bench(), 0
@@ -335,6 +336,21 @@ def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
     assert refusals == status.recoveries == max_attempts
     bench.supervisor.set_goal(GOAL.pose)
     assert bench.supervisor.status.state == TaskState.PLAN
+
+
+def test_a_robot_stands_while_a_map_blocks_the_goal_and_goes_on_with_one_that_does_not():
+    """It says so, and waits for longer than its attempts would last."""
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    while bench.time < 0.8 * MAP_TIME_LIMIT:
+        assert set(bench.run(0.5)) == {STOP}
+        if bench.supervisor.plan_request is not None:
+            bench.supervisor.on_planning_failed(PlanFailure.NOT_FREE, 'the goal is not free')
+        assert bench.supervisor.status.state == TaskState.PLAN
+        assert 'the goal is not free' in bench.supervisor.status.reason
+    bench.supervisor.set_map(None)
+    bench.run(0.5)
+    assert bench.supervisor.plan_request is not None
 
 
 def test_a_failed_request_is_repeated_where_something_has_changed():
