@@ -12,7 +12,10 @@ is to be computed, as in a simulator that keeps to the wall clock, ``interpreted
 text as plain Python: 13 instead of 2 ms for each simulated second of a push.
 """
 
+from collections.abc import Generator
+import contextlib
 import functools
+import gc
 import hashlib
 import importlib
 from importlib import util
@@ -38,7 +41,7 @@ IS_COMPILED = not os.environ.get(INTERPRET) and util.find_spec('numba') is not N
 Function = TypeVar('Function', bound=Callable[..., Any])
 HERE = pathlib.Path(__file__).parent
 # Of a function that only compiled functions call.
-INNER_OPTIONS = {'no_cpython_wrapper': True, 'no_cfunc_wrapper': True}
+INNER_OPTIONS = {'no_cpython_wrapper': True}
 
 
 def compiled(function: Function) -> Function:
@@ -111,8 +114,10 @@ class CompiledFunction:
 
     @property
     def _numba_type_(self) -> Any:
-        # By this numba knows what a compiled function calls.
-        return self.inner_dispatcher._numba_type_
+        # By this numba knows what a compiled function calls. What Python has called already is
+        # compiled, and need not be once more.
+        called = self.dispatcher if 'dispatcher' in vars(self) else self.inner_dispatcher
+        return called._numba_type_
 
 
 def interpreted(function: Function) -> Function:
@@ -169,8 +174,9 @@ def cache_directory(folder: pathlib.Path = HERE,
 
 
 def _options(numba: Any) -> dict[str, Any]:
-    # The kernel allocates nothing: counting references would only take half of its time.
-    options: dict[str, Any] = {'error_model': 'numpy'}
+    # The kernel allocates nothing: counting references would only take half of its time. Nothing
+    # of C calls it.
+    options: dict[str, Any] = {'error_model': 'numpy', 'no_cfunc_wrapper': True}
     if hasattr(numba.core.options.DefaultOptions, '_nrt'):
         options['_nrt'] = False
     return options
@@ -220,11 +226,23 @@ def _in_turn(compile_function: Callable[..., Any], path: pathlib.Path) -> Callab
                 return load_or_compile(signature)
             _reserved_here.add(path)
             try:
-                with reserved(path):
+                with reserved(path), _garbage_left():
                     return load_or_compile(signature)
             finally:
                 _reserved_here.remove(path)
     return compile_in_turn
+
+
+@contextlib.contextmanager
+def _garbage_left() -> Generator[None, None, None]:
+    """Collect no garbage: what the compiler makes is mostly kept, and looked at each time."""
+    was_collected = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_collected:
+            gc.enable()
 
 
 @functools.lru_cache(maxsize=None)

@@ -125,21 +125,22 @@ def solve(state: Any, body: Any, supports: Any, c: float, s: float, h: float, gu
     :return: ``StepSolution``; after imposed modes the residual includes the violation of the
         contact law.
     """
-    best = iterate(state, body, supports, c, s, h, guess, contact, surface, ANY_MODE)
-    if best.residual <= CONVERGED:
-        return best
     n_x, n_y, arm_n, arm_t = contact
-    count = best.iterations
-    for mode in range(MODE_COUNT):
+    count = 0
+    best = StepSolution(guess, guess, ContactImpulse(0.0, 0.0, SEPARATE), 0, math.inf)
+    for mode in range(ANY_MODE, MODE_COUNT):
         found = iterate(state, body, supports, c, s, h, guess, contact, surface, mode)
-        v_x, v_y, omega = found.velocity
-        missing = surface.required - (n_x * v_x + n_y * v_y + arm_n * omega)
-        slip = n_x * v_y - n_y * v_x + arm_t * omega - surface.tangential
-        residual = found.residual + law_violation(found.impulse, missing, slip,
-                                                  body[CONTACT_FRICTION], body[MASS],
-                                                  creep_speed(body, surface))
+        residual = found.residual
+        if mode == ANY_MODE and residual <= CONVERGED:
+            return found
         count += found.iterations
-        if residual < best.residual:
+        if mode != ANY_MODE:
+            v_x, v_y, omega = found.velocity
+            missing = surface.required - (n_x * v_x + n_y * v_y + arm_n * omega)
+            slip = n_x * v_y - n_y * v_x + arm_t * omega - surface.tangential
+            residual += law_violation(found.impulse, missing, slip, body[CONTACT_FRICTION],
+                                      body[MASS], creep_speed(body, surface))
+        if mode == ANY_MODE or residual < best.residual:
             best = StepSolution(found.velocity, found.weight_velocity, found.impulse, count,
                                 residual)
     return StepSolution(best.velocity, best.weight_velocity, best.impulse, count, best.residual)

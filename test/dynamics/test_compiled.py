@@ -1,6 +1,7 @@
 """Machine code is made once, whoever needs it at the same time."""
 
 import os
+import pathlib
 import subprocess
 import sys
 
@@ -28,6 +29,25 @@ input()
 print(power.power(2.0, 10), sum(dispatcher.stats.cache_misses.total() for dispatcher in (
     power.power.dispatcher, power.power_of_even.inner_dispatcher)))
 """
+
+CALLED_BEFORE = """
+import gc
+import power
+print(power.power_of_even(2.0, 4), power.power(2.0, 10),
+      len(power.power_of_even.inner_dispatcher.overloads), gc.isenabled())
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+def test_what_python_has_called_is_not_compiled_again(tmp_path: pathlib.Path) -> None:
+    """Other compiled functions call the same machine code; garbage is collected afterwards."""
+    (tmp_path / 'power.py').write_text(MODULE)
+    environment = {**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path),
+                   'PYTHONPATH': os.pathsep.join([str(tmp_path), *sys.path])}
+    done = subprocess.run([sys.executable, '-c', CALLED_BEFORE], env=environment, text=True,
+                          capture_output=True, check=True)
+    assert done.stdout.split() == ['16.0', '1024.0', '0', 'True']
 
 
 @pytest.mark.slow
