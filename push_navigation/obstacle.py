@@ -150,3 +150,21 @@ def inflate(outline: Outline, object_radius: float, margin: float) -> InflatedOb
     count = len(core)
     center = sum(x for x, _ in core) / count, sum(y for _, y in core) / count
     return InflatedObstacle(core, object_radius + margin, center)
+
+
+def points_on_outline(outline: Outline, spacing: float) -> FloatArray:
+    """
+    Sample the outline of a polygon evenly, edge by edge.
+
+    :param outline: vertices (x, y) [m].
+    :param spacing: distance of neighbouring points, at most [m].
+    :return: points, all vertices among them, shape (n, 2) [m].
+    """
+    vertices = np.array(outline, dtype=float)
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    points: list[FloatArray] = []
+    for vertex, edge in zip(vertices, edges):
+        count = math.ceil(float(np.linalg.norm(edge)) / spacing)
+        # Without the end of the edge, at which the next one begins.
+        points.append(vertex + edge * np.linspace(0.0, 1.0, 1 + count)[:-1, None])
+    return np.concatenate(points)

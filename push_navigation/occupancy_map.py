@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Pose
 from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.distance_field import distance_field, INTERPOLATION_ERROR
-from push_navigation.obstacle import inflate
+from push_navigation.obstacle import inflate, points_on_outline
 
 # Range of the sides of cells [m]; chosen: below it no sensor measures, and points on the rim of an
 # object, a few per cell, take all memory; above it a cell is a room.
@@ -262,12 +262,10 @@ def _covering_points(outline: Outline, spacing: float) -> tuple[FloatArray, floa
     :return: (points, shape (k, 2); radius and centre, shape (2,), of a circle round the outline).
     """
     corners = np.array(outline)
-    rim = [first + (last - first) * np.linspace(0.0, 1.0, 1 + math.ceil(
-        RIM_POINTS_PER_CELL * np.linalg.norm(last - first) / spacing))[:-1, None]
-        for first, last in zip(corners, np.roll(corners, -1, axis=0))]
+    rim = points_on_outline(outline, spacing / RIM_POINTS_PER_CELL)
     low, high = corners.min(axis=0), corners.max(axis=0)
     grid = np.stack(np.meshgrid(*(np.arange(a, b, spacing) for a, b in zip(low, high))), axis=-1)
     grid = grid.reshape(-1, 2)
-    points = np.concatenate([*rim, grid[inflate(outline, 0.0, 0.0).distances(grid) < 0.0]])
+    points = np.concatenate([rim, grid[inflate(outline, 0.0, 0.0).distances(grid) < 0.0]])
     center = 0.5 * (low + high)
     return points, float(np.linalg.norm(corners - center, axis=1).max()), center

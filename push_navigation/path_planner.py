@@ -347,7 +347,7 @@ def assemble_paths(robot: RoundRobot, ends: PathEnds, waypoints: Sequence[Waypoi
 
     :param robot: the ``RoundRobot``.
     :param ends: ``PathEnds``.
-    :param waypoints: from behind the end of the departure to the begin of the arrival.
+    :param waypoints: from behind the end of the departure to the start of the arrival.
     :param max_reverse_distance: longest path on which a differential drive moves backwards [m].
     :return: list of ``Path``.
     """

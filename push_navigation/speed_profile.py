@@ -55,7 +55,14 @@ MIN_WINDOW = 1e-6
 FADE_TIME = 0.15
 
 
-def segment_limits(segment: PathSegment, limits: DriveSettings) -> tuple[float, float]:
+class SegmentLimits(NamedTuple):
+    """Limits of speed [m/s] and acceleration [m/s^2] along a segment."""
+
+    speed: float
+    acceleration: float
+
+
+def segment_limits(segment: PathSegment, limits: DriveSettings) -> SegmentLimits:
     """
     Speed and acceleration limits along a segment.
 
@@ -64,7 +71,7 @@ def segment_limits(segment: PathSegment, limits: DriveSettings) -> tuple[float, 
 
     :param segment: the ``PathSegment``, with a length above 0.
     :param limits: ``DriveSettings`` within the limits of the robot.
-    :return: (speed [m/s], acceleration [m/s^2]).
+    :return: ``SegmentLimits``.
     """
     speed, acceleration = limits.speed, limits.acceleration
     length = segment.length
@@ -78,7 +85,7 @@ def segment_limits(segment: PathSegment, limits: DriveSettings) -> tuple[float, 
         speed = min(speed, math.sqrt(LATERAL_FRACTION * limits.acceleration / curvature))
         lateral = speed * speed * curvature
         acceleration = min(acceleration, math.sqrt(limits.acceleration ** 2 - lateral ** 2))
-    return speed, acceleration
+    return SegmentLimits(speed, acceleration)
 
 
 def is_continuous(before: PathSegment, after: PathSegment) -> bool:
@@ -131,7 +138,7 @@ def joint_speed_limit(before: PathSegment, after: PathSegment, room: float, corn
     :return: (speed [m/s], distance before and behind the joint for which it holds [m]).
     """
     jump = abs(after.heading_change / after.length - before.heading_change / before.length)
-    top = min(segment_limits(before, limits)[0], segment_limits(after, limits)[0])
+    top = min(segment_limits(before, limits).speed, segment_limits(after, limits).speed)
     window = smoothing_window(top, jump, limits)
     if window < MIN_WINDOW:
         return top, 0.0
@@ -173,7 +180,7 @@ def joint_speeds(segments: Sequence[PathSegment], limits: DriveSettings, *,
     :param end_speed: the same at its end [m/s].
     :return: ``JointSpeeds``.
     """
-    bounds = [segment_limits(segment, limits) if segment.length else (0.0, 0.0)
+    bounds = [segment_limits(segment, limits) if segment.length else SegmentLimits(0.0, 0.0)
               for segment in segments]
     speeds, windows = [0.0] * (len(segments) + 1), [0.0] * (len(segments) + 1)
     moves_on = [False, *map(is_continuous, segments, segments[1:]), end_speed > 0.0]
@@ -190,14 +197,15 @@ def joint_speeds(segments: Sequence[PathSegment], limits: DriveSettings, *,
                                                       limits)
     joints = JointSpeeds(speeds, windows)
     if segments:
-        speeds[0] = min(start_speed, bounds[0][0])
-        speeds[-1] = min(end_speed, bounds[-1][0])
-    for i, (segment, (_, acceleration)) in enumerate(zip(segments, bounds)):
-        ramp = joints.ramp_length(i, segment.length)
-        speeds[i + 1] = min(speeds[i + 1], math.sqrt(speeds[i] ** 2 + 2.0 * acceleration * ramp))
-    for i in reversed(range(len(segments))):
-        ramp = joints.ramp_length(i, segments[i].length)
-        speeds[i] = min(speeds[i], math.sqrt(speeds[i + 1] ** 2 + 2.0 * bounds[i][1] * ramp))
+        speeds[0] = min(start_speed, bounds[0].speed)
+        speeds[-1] = min(end_speed, bounds[-1].speed)
+    # Speeds that can be reached from the joint before, then those from which the next can be.
+    for i, (segment, bound) in enumerate(zip(segments, bounds)):
+        gain = 2.0 * bound.acceleration * joints.ramp_length(i, segment.length)
+        speeds[i + 1] = min(speeds[i + 1], math.sqrt(speeds[i] ** 2 + gain))
+    for i, (segment, bound) in reversed(list(enumerate(zip(segments, bounds)))):
+        gain = 2.0 * bound.acceleration * joints.ramp_length(i, segment.length)
+        speeds[i] = min(speeds[i], math.sqrt(speeds[i + 1] ** 2 + gain))
     return joints
 
 

@@ -107,7 +107,7 @@ def truth_message(time: float, obj: PushedObject) -> Message:
     :param time: [s].
     :param obj: the true ``PushedObject``.
     """
-    return {'type': 'truth', 'time': rounded((time,))[0],
+    return {'type': 'truth', 'time': _rounded_number(time),
             'friction': [round(support.friction_coefficient, DECIMALS)
                          for support in obj.supports],
             'contact_friction': obj.contact_friction_coefficient,
@@ -121,7 +121,7 @@ def goal_message(time: float, pose: Coordinates) -> Message:
     :param time: [s].
     :param pose: goal ``Pose`` of the object.
     """
-    return {'type': 'goal', 'time': rounded((time,))[0], 'pose': rounded(pose)}
+    return {'type': 'goal', 'time': _rounded_number(time), 'pose': rounded(pose)}
 
 
 def state_message(change: StateChange) -> Message:
@@ -130,7 +130,7 @@ def state_message(change: StateChange) -> Message:
 
     :param change: the ``StateChange``.
     """
-    return {'type': 'state', 'time': rounded((change.time,))[0], 'state': change.state.value,
+    return {'type': 'state', 'time': _rounded_number(change.time), 'state': change.state.value,
             'reason': change.reason, 'requested': change.is_requested}
 
 
@@ -141,7 +141,7 @@ def map_message(time: float, occupancy_map: OccupancyMap | None) -> Message:
     :param time: [s].
     :param occupancy_map: the ``OccupancyMap``; None for open floor.
     """
-    message: Message = {'type': 'map', 'time': rounded((time,))[0], 'rows': []}
+    message: Message = {'type': 'map', 'time': _rounded_number(time), 'rows': []}
     if occupancy_map is not None:
         message.update(
             resolution=occupancy_map.resolution, origin=rounded(occupancy_map.origin),
@@ -157,7 +157,7 @@ def collision_message(time: float, contact: WallContact) -> Message:
     :param time: [s].
     :param contact: the ``WallContact``.
     """
-    return {'type': 'collision', 'time': rounded((time,))[0], 'body': contact.body.value,
+    return {'type': 'collision', 'time': _rounded_number(time), 'body': contact.body.value,
             'point': rounded(contact.point)}
 
 
@@ -169,7 +169,7 @@ def push_message(time: float, trajectory: PushTrajectory) -> Message:
     :param trajectory: the ``PushTrajectory``.
     """
     picked = np.unique(np.linspace(0, len(trajectory.times) - 1, PLAN_SAMPLES).astype(int))
-    return {'type': 'plan', 'time': rounded((time,))[0],
+    return {'type': 'plan', 'time': _rounded_number(time),
             'object': [rounded(pose) for pose in trajectory.object_poses[picked]],
             'robot': [rounded(pose) for pose in trajectory.robot_poses[picked]],
             'contact': [rounded(pose) for pose in trajectory.contact_poses[picked]],
@@ -207,7 +207,7 @@ def displacement_message(time: float, before: Pose, after: Pose) -> Message:
     :param before: ``Pose`` of the object.
     :param after: its ``Pose`` then.
     """
-    return {'type': 'displacement', 'time': rounded((time,))[0], 'before': rounded(before),
+    return {'type': 'displacement', 'time': _rounded_number(time), 'before': rounded(before),
             'after': rounded(after)}
 
 
@@ -217,7 +217,11 @@ def rounded(values: Iterable[float]) -> list[float | None]:
 
     :param values: the numbers.
     """
-    return [round(float(value), DECIMALS) if math.isfinite(value) else None for value in values]
+    return [_rounded_number(value) for value in values]
+
+
+def _rounded_number(value: float) -> float | None:
+    return round(float(value), DECIMALS) if math.isfinite(value) else None
 
 
 def controls_message(tools: Sequence[str], *, choices: Sequence[Message] = (),

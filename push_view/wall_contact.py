@@ -1,6 +1,5 @@
 """Where object or robot, as they truly are, touch what a map has as occupied."""
 
-from collections.abc import Sequence
 import enum
 import math
 from typing import NamedTuple
@@ -8,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from push_model.geometry import BoolArray, Coordinates, FloatArray
 from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.obstacle import points_on_outline
 from push_navigation.occupancy_map import OccupancyMap
 from push_sim_node.tape import Tape
 
@@ -51,8 +51,8 @@ class WallContactDetector:
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot) -> None:
-        self._rims = {Body.ROBOT: _circle(robot.radius),
-                      Body.OBJECT: _polygon(obj.outline) if obj.outline else _circle(obj.radius)}
+        rim = points_on_outline(obj.outline, SPACING) if obj.outline else _circle(obj.radius)
+        self._rims = {Body.ROBOT: _circle(robot.radius), Body.OBJECT: rim}
 
     def find(self, occupancy_map: OccupancyMap, body: Body,
              pose: Coordinates) -> WallContact | None:
@@ -103,11 +103,3 @@ def _is_occupied(occupancy_map: OccupancyMap, points: FloatArray) -> BoolArray:
 def _circle(radius: float) -> FloatArray:
     angles = np.linspace(0.0, math.tau, max(4, math.ceil(math.tau * radius / SPACING)))[:-1]
     return radius * np.column_stack((np.cos(angles), np.sin(angles)))
-
-
-def _polygon(outline: Sequence[tuple[float, float]]) -> FloatArray:
-    corners = np.array(outline)
-    return np.concatenate([
-        first + (last - first) * np.linspace(0.0, 1.0, 1 + math.ceil(
-            float(np.linalg.norm(last - first)) / SPACING))[:-1, None]
-        for first, last in zip(corners, np.roll(corners, -1, axis=0))])

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject
+from push_navigation.obstacle import points_on_outline
 from push_navigation.occupancy_map import OccupancyMap
 
 # Distance between the points of an outline that are compared with obstacles [m]; chosen: a corner
@@ -64,12 +65,9 @@ def make_scene(occupancy_map: OccupancyMap, obj: PushedObject, robot_radius: flo
     following = np.roll(vertices, -1, axis=0)
     edges = following - vertices
     lengths = np.hypot(*edges.T)
-    points = np.concatenate([
-        first + edge * np.linspace(0.0, 1.0, 1 + math.ceil(length / OUTLINE_SPACING))[:-1, None]
-        for first, edge, length in zip(vertices, edges, lengths.tolist())])
     depths = (vertices[:, 0] * following[:, 1] - vertices[:, 1] * following[:, 0]) / lengths
-    return Scene(floor, points, vertices, max(0.0, float(depths.min())),
-                 float(np.hypot(*vertices.T).max()), robot_radius)
+    return Scene(floor, points_on_outline(obj.outline, OUTLINE_SPACING), vertices,
+                 max(0.0, float(depths.min())), float(np.hypot(*vertices.T).max()), robot_radius)
 
 
 @compiled

@@ -52,14 +52,17 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 
 def _spreads(tables: list[Table], label: str, length: float) -> dict[str, Finding]:
     """Find the median deviations of all pushes of a length."""
-    spread, turn = (float(np.median(np.concatenate([
-        table[name][np.isclose(table['length_m'], length)] for table in tables])))
-        for name in ('spread_m', 'theta_deviation_rad'))
+    def median(column: str) -> float:
+        values = [table[column][np.isclose(table['length_m'], length)] for table in tables]
+        return float(np.median(np.concatenate(values)))
+
     return {
         f'{label}_length': Finding(length, 'm', f'{label}est length'),
-        f'{label}_spread': Finding(MILLIMETRES * spread, 'mm', 'median over all pushes of that '
-                                   'length of the standard deviation of the position'),
-        f'{label}_turn_spread': Finding(math.degrees(turn), 'deg', 'the same of the rotation')}
+        f'{label}_spread': Finding(
+            MILLIMETRES * median('spread_m'), 'mm', 'median over all pushes of that length of the '
+            'standard deviation of the position'),
+        f'{label}_turn_spread': Finding(
+            math.degrees(median('theta_deviation_rad')), 'deg', 'the same of the rotation')}
 
 
 def _effects(primitives: PushPrimitives, lengths: FloatArray) -> Table:

@@ -5,7 +5,7 @@ import math
 from helpers.objects import square_outline
 import numpy as np
 from push_model.geometry import wrap_angle
-from push_navigation.obstacle import inflate
+from push_navigation.obstacle import inflate, points_on_outline
 import pytest
 
 PLANK = ((-0.6, -0.1), (0.5, -0.15), (0.7, 0.0), (0.5, 0.12), (-0.55, 0.1))
@@ -118,3 +118,13 @@ def test_an_inflated_disc_is_a_larger_disc():
     cone = disc.cone(0.6, 0.0)
     assert cone.left - cone.right == pytest.approx(2.0 * math.asin(0.5))
     assert cone.occludes(math.pi) and not cone.occludes(0.0)
+
+
+@pytest.mark.parametrize('spacing', [0.01, 0.07, 3.0])
+def test_points_on_an_outline_are_on_it_and_leave_no_gap(spacing):
+    """Its vertices are among them."""
+    points = points_on_outline(PLANK, spacing)
+    assert np.abs(inflate(PLANK, 0.0, 0.0).distances(points)).max() < 1e-9
+    gaps = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    assert gaps.max() <= spacing + 1e-9
+    assert set(PLANK) <= set(map(tuple, points.tolist()))

@@ -50,15 +50,16 @@ def compute(values: Values, _: RunJobs) -> Outcome:
             difference = max(difference, float(np.abs(integrated - rotations[holds]).max()))
             tables[name][_rotation_column(distance)] = rotations
             tables[name][_holds_column(distance)] = holds.astype(int)
-    tables['rates'] = {
+    rates: Table = {
         'distance_m': list(values.distances),
         'predicted_rate_per_s': [predicted_growth_rate(values, distance)
                                  for distance in values.distances],
         'simulated_rate_per_s': [simulated_growth_rate(values, distance)
-                                 for distance in values.distances],
-        **{f'final_rotation_{name}_rad': [tables[name][_rotation_column(distance)][-1]
-                                          for distance in values.distances]
-           for name in (UNDISTURBED, DISTURBED)}}
+                                 for distance in values.distances]}
+    for name in (UNDISTURBED, DISTURBED):
+        rates[f'final_rotation_{name}_rad'] = [tables[name][_rotation_column(distance)][-1]
+                                               for distance in values.distances]
+    tables['rates'] = rates
     exact = [simulate(values, distance, EXACT_START).rotations for distance in values.distances]
     return Outcome(tables, {
         'limit': Finding(stability_limit(values), 'm',

@@ -48,11 +48,11 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     """Compute the forces in the steady state, and on the box that is rotated from it."""
     steady, now = steady_instant(values), steady_instant(values, values.disturbance)
     forces = steady.forces
-    friction = [sum(force[axis] for force in forces.friction) for axis in (0, 1)]
     return Outcome({'steady': _points(steady), 'disturbed': _points(now)}, {
         'rho': Finding(math.degrees(steady.rho), 'deg', 'pushing angle rho, steady'),
         'steady_alpha': Finding(math.degrees(steady.alpha), 'deg', 'alpha, steady'),
-        'friction': Finding(math.hypot(*friction), 'N', 'friction of all support points, steady'),
+        'friction': Finding(math.hypot(*_total_friction(steady)), 'N',
+                            'friction of all support points, steady'),
         'contact_force': Finding(math.hypot(*forces.contact_force), 'N', 'force of the robot, '
                                  'steady'),
         'steady_acceleration': Finding(forces.yaw_acceleration, 'rad/s^2', 'yaw acceleration of '
@@ -62,9 +62,14 @@ def compute(values: Values, _: RunJobs) -> Outcome:
                                     'yaw acceleration of the box, disturbed')})
 
 
+def _total_friction(now: PushInstant) -> tuple[float, float]:
+    """Sum the friction of all support points (x, y) [N]."""
+    x, y = zip(*now.forces.friction)
+    return sum(x), sum(y)
+
+
 def _points(now: PushInstant) -> Table:
-    forces = now.forces
-    friction = [sum(force[axis] for force in forces.friction) for axis in (0, 1)]
+    forces, friction = now.forces, _total_friction(now)
     table: Table = {'point': ['C', 'F', 'G', 'P']}
     points = (now.contact, now.friction_center, now.mass_center, now.robot)
     for axis, name in enumerate('xy'):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import itertools
 from typing import Any, Sequence
 
 import numpy as np
@@ -108,10 +109,12 @@ def error_table(values: Values, run_jobs: RunJobs, kinds: Sequence[str],
     :param robots: some of ``ROBOTS``; the open-loop ones push at one speed only.
     :return: table with the columns ``JOB_COLUMNS`` and ``RECORD_FIELDS``.
     """
-    jobs = [{'kind': kind, 'robot': robot, 'speed': speed, 'error': error}
-            for kind in kinds for robot in robots
-            for speed in (values.speeds if robot == SENSING_POINT else [values.open_loop_speed])
-            for error in sorted({0.0, *values.errors})]
+    errors = sorted({0.0, *values.errors})
+    jobs: list[dict[str, Any]] = []
+    for kind, robot in itertools.product(kinds, robots):
+        speeds = values.speeds if robot == SENSING_POINT else [values.open_loop_speed]
+        jobs += [{'kind': kind, 'robot': robot, 'speed': speed, 'error': error}
+                 for speed, error in itertools.product(speeds, errors)]
     records = run_jobs(MismatchedPush.of(values), jobs)
     table = {column: np.array([job[key] for job in jobs]) for column, key in JOB_COLUMNS.items()}
     table.update((column, np.array([record[column] for record in records]))
