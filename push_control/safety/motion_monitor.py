@@ -20,7 +20,7 @@ White noise leaves between two false alarms about exp(2 k h / q^2) samples (Sieg
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from push_control.safety.close_following import CloseFollowing, LEVER
@@ -60,6 +60,9 @@ MAX_RATIO = 8.0
 # Time for which a model that has failed while another held counts no more [s]; chosen: the delay
 # of a network stays as long.
 MEMORY = 30.0
+# Time of which the worst is reported [s]; chosen: longer than it takes to find a fault, by which
+# time the robot may have been commanded to stand.
+REPORTED_TIME = 1.0
 # Steps of odometry longer than this are a gap [s]: nothing is known of the time between; chosen.
 LONGEST_STEP = 0.5
 
@@ -126,6 +129,24 @@ def find_nearest(sums: Any, excluded_until: Any, time: float, least: Any) -> int
     return nearest
 
 
+class _Discrepancy(NamedTuple):
+    """
+    A velocity that is not as expected.
+
+    :param time: of its odometry [s].
+    :param ratio: greatest residual over its tolerance.
+    :param axis: of that, of the ``Twist``.
+    :param expected: by the commands.
+    :param measured: by odometry.
+    """
+
+    time: float
+    ratio: float
+    axis: int
+    expected: Twist
+    measured: Twist
+
+
 class MotionMonitor:
     """Compares the velocity of the robot with its commands."""
 
@@ -147,6 +168,8 @@ class MotionMonitor:
         self._following = CloseFollowing()
         self._stuck_test = StuckTest(count)
         self._time: float | None = None
+        # Where it has lately followed least.
+        self._worst: _Discrepancy | None = None
         # Whether the base may have got other commands than those that are known, and until when
         # it may follow them [s].
         self._is_interrupted = False
@@ -182,6 +205,7 @@ class MotionMonitor:
 
     def forgive(self) -> None:
         """Begin anew with a robot that stands as commanded."""
+        self._worst = None
         self._sums[:] = 0.0
         self._stuck_test.clear()
 
@@ -224,14 +248,16 @@ class MotionMonitor:
         self._stuck_test.add(self._models.velocities, self._models.rates, measured, time - last)
         is_stuck = is_settled and self._stuck_test.is_stuck(self._excluded_until, time)
         is_fault = self._is_unexplained(nearest, time - last, is_stuck)
+        self._worst = self._find_worst(nearest, odometry)
         delay = self._delay.find(at_once=is_fault)
         if delay is not None:
             return SafetyReason.FOLLOWS_LATE.report(delay=delay)
-        return self._report(nearest, twist) if is_fault else None
+        return self._report(self._worst) if is_fault else None
 
     def _restart(self, time: float, twist: Twist) -> None:
         """Let all models have the measured velocity, which somebody has commanded."""
         self._is_interrupted = False
+        self._worst = None
         self._sums[:] = 0.0
         self._stuck_test.clear()
         self._models.reset(twist)
@@ -251,16 +277,23 @@ class MotionMonitor:
         self._following.give_up()
         return True
 
-    def _report(self, nearest: int, twist: Twist) -> SafetyReport:
-        """Say what the robot does in place of what it should, by the model that is nearest."""
-        axis = int(self._ratios[nearest].argmax())
-        expected, measured = float(self._models.velocities[nearest, axis]), twist[axis]
-        unit = LEVER if axis == 2 else 1.0
+    def _find_worst(self, nearest: int, odometry: Odometry) -> _Discrepancy:
+        """Find where the robot has lately followed least, by the model that is nearest."""
+        ratios: list[float] = self._ratios[nearest].tolist()
+        ratio, time, worst = max(ratios), odometry.time, self._worst
+        if worst is not None and worst.ratio >= ratio and time < worst.time + REPORTED_TIME:
+            return worst
+        expected = Twist(*self._models.velocities[nearest].tolist())
+        return _Discrepancy(time, ratio, ratios.index(ratio), expected, odometry.twist)
+
+    def _report(self, found: _Discrepancy) -> SafetyReport:
+        """Say what the robot did in place of what it should."""
+        expected, measured = found.expected[found.axis], found.measured[found.axis]
+        unit = LEVER if found.axis == 2 else 1.0
         is_short = abs(measured) < abs(expected) and (
             measured * expected >= 0.0 or unit * abs(measured) < 2.0 * SPEED_TOLERANCE)
         reason = SafetyReason.NOT_MOVING if is_short else SafetyReason.MOVES_OTHERWISE
-        commanded = Twist(*self._models.commands[nearest].tolist())
-        return reason.report(commanded=_text(commanded), measured=_text(twist))
+        return reason.report(expected=_text(found.expected), measured=_text(found.measured))
 
 
 def _text(twist: Twist) -> str:

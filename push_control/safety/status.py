@@ -32,9 +32,9 @@ class SafetyReason(enum.Enum):
     CLOCK_FELL_BACK = 'the clock of odometry has fallen back by {shift:.2f} s'
 
     # The robot does not do what it is commanded to do.
-    NOT_MOVING = 'the robot does not move as commanded: {commanded} commanded, {measured} measured'
+    NOT_MOVING = 'the robot does not move as commanded: {expected} expected, {measured} measured'
     MOVES_OTHERWISE = (
-        'the robot moves otherwise than commanded: {commanded} commanded, {measured} measured')
+        'the robot moves otherwise than commanded: {expected} expected, {measured} measured')
     COMMANDED_BY_OTHERS = 'somebody else commands the base: cmd_vel is published by {others}, too'
     FOLLOWS_LATE = 'the robot follows its commands {delay:.1f} s late'
 

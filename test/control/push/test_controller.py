@@ -175,7 +175,7 @@ def stopped(controller, case, now, stop, count=10):
 
 
 @pytest.mark.parametrize('stop', [
-    SafetyReason.NOT_MOVING.report(commanded='', measured=''),
+    SafetyReason.NOT_MOVING.report(expected='', measured=''),
     SafetyReason.ODOMETRY_JUMPED.report(distance=0.3, rotation=29.0)],
     ids=['base', 'odometry'])
 def test_a_push_that_is_stopped_goes_on_and_fails_where_that_is_too_often(recorded, stop):
@@ -201,7 +201,7 @@ def test_a_push_that_is_stopped_goes_on_and_fails_where_that_is_too_often(record
 def test_a_push_that_stays_stopped_is_given_up(recorded):
     """And one without feedback at its first stop, as nothing tells where it is."""
     case, steps, _ = recorded
-    stop = SafetyReason.MOVES_OTHERWISE.report(commanded='', measured='')
+    stop = SafetyReason.MOVES_OTHERWISE.report(expected='', measured='')
     controller = Controller(case.nominal, ROBOT, SETTINGS)
     now = replayed_until(controller, case, steps, 4.0)
     stopped(controller, case, now, stop, round(WAITING_TIME_LIMIT / 0.05) + 5)
@@ -216,7 +216,7 @@ def test_a_push_that_stays_stopped_is_given_up(recorded):
 def test_a_base_that_drives_on_at_the_goal_is_no_success():
     """The push is not done while the robot moves, and is judged anew where it stands."""
     case, last, ends, phases = random_case(4), [STOP], [], set()
-    stop = SafetyReason.MOVES_OTHERWISE.report(commanded='', measured='')
+    stop = SafetyReason.MOVES_OTHERWISE.report(expected='', measured='')
 
     def drive_on(plant, controller, observation):
         command = controller.step(case.target, observation, 0.0)

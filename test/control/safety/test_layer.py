@@ -150,6 +150,23 @@ def test_a_base_that_does_something_else_is_stopped(heed, reason, limit):
     assert layer.state is SafetyState.CLEAR
 
 
+def test_the_report_tells_where_the_robot_has_followed_least():
+    """Not what holds when it is found: by then it may have been commanded to stand."""
+    reports = []
+    for count in range(1, 40):
+        layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
+        _, before = driven(layer, base, Twist(0.3, 0.0, 0.0), count * PERIOD,
+                           heed=lambda sent: STOP)
+        _, after = driven(layer, base, STOP, 1.0)
+        if before is None and after is not None:
+            reports.append(str(after))
+    assert reports
+    for report in reports:
+        speed = float(report.partition(': (')[2].partition(' m/s')[0])
+        assert speed > 0.03 and report.endswith(
+            ' expected, (0.00 m/s, 0.00 m/s, 0.00 rad/s) measured')
+
+
 @pytest.mark.parametrize('speed', [0.03, 0.1, 0.3])
 @pytest.mark.parametrize('heed', [lambda sent: STOP, lambda sent: Twist(-sent.v_x, 0.0, 0.0)],
                          ids=['ignores', 'reversed'])
