@@ -65,11 +65,11 @@ class SlipSearch:
         self._places: list[Pose] = []
         self._objects: list[Pose] = []
 
-    def restart(self, robot: Pose) -> None:
+    def restart(self, robot: Pose | None) -> None:
         """
         Begin a path where the robot is known.
 
-        :param robot: its ``Pose`` in the world.
+        :param robot: its ``Pose`` in the world; None where it is not known: nothing is noted then.
         """
         self._robot = robot
         self._places, self._objects = [], []

@@ -248,8 +248,9 @@ class TaskPerception:
         # Pose of the object before a push that has not been seen to move it.
         self._pose_before_push: Pose | None = None
         self._evidence = ContactEvidence()
-        # Since contacts last fitted.
+        # Since contacts last fitted, and when they did.
         self._slip_search = SlipSearch(obj, robot)
+        self._fitted_at = -math.inf
         # Motions of the object that are not the robot's: time of the last one, and what is
         # estimated of the robot before the next one.
         self._displacements = DisplacementWatch[RobotMemory | None]()
@@ -511,7 +512,10 @@ class TaskPerception:
         self._unexplained_moves = 0
         self._evidence.add(contact, self.localization.position_deviation)
         if self._evidence.fits:
-            self._slip_search.restart(self.localization.pose)
+            # Where its tracker took another object for this one, the robot is not known.
+            is_known = self._displaced_at <= self._fitted_at
+            self._fitted_at = self.time
+            self._slip_search.restart(self.localization.pose if is_known else None)
 
     def on_push_unseen(self, before: Pose) -> None:
         """
