@@ -33,6 +33,9 @@ TRACE_STEPS = 12
 # chosen: a second or two of poses, and more than an estimate from these errs by.
 NOISE_POSES = 30
 NOISY_RATIO = 1.6
+# Shift from the first to the last of them, over that noise, by which the object moves steadily;
+# chosen: noise alone shifts them by 1.4 of it, in the root mean square.
+MOVING_SIGMAS = 10.0
 # Part of these that may be outliers, while the object is at rest by the others; chosen: a tracker
 # errs less often by chance, and noise of which too little is stated gives two in three.
 MAX_OUTLIER_RATIO = 1.0 / 3.0
@@ -174,9 +177,15 @@ class StationarityWindow:
                           for a, b in zip(poses, poses[1:])])
         if len(steps) < 2:
             return 'the object is not at rest: no poses of it come'
-        # Of independent errors, by which two successive ones differ.
-        noise = np.sqrt(0.5 * (steps ** 2).mean(axis=0))
+        # Of independent errors, by which three successive ones differ from a straight line.
+        noise = np.sqrt((np.diff(steps, axis=0) ** 2).mean(axis=0) / 6.0)
         position, heading = float(noise[:2].max()), float(noise[2])
+        shift = np.abs(steps.sum(axis=0))
+        duration = self._latest[-1].time - self._latest[0].time
+        if (shift > MOVING_SIGMAS * noise).any() and len(poses) == NOISE_POSES:
+            return (f'the object is not at rest: it moves by itself, at '
+                    f'{math.hypot(shift[0], shift[1]) / duration:.2f} m/s and '
+                    f'{math.degrees(shift[2]) / duration:.0f} deg/s')
         believed = self._control.believed_covariance(self._latest[-1])
         text = (f'the object is not at rest: its poses differ from one to the next by '
                 f'{1e3 * position:.1f} mm and {math.degrees(heading):.2f} deg')

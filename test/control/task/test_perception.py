@@ -1,6 +1,7 @@
 """Perception of a task: the object at rest, and a robot that is not where it is localized."""
 
 import math
+import re
 
 from helpers.objects import bin_, box
 from helpers.push_problems import HOLONOMIC
@@ -53,6 +54,27 @@ def test_the_average_starts_over_where_the_object_has_moved():
         window.add(ObjectPose(0.05 * (i - 3), PLACE))
     assert window.object_at_rest.pose == pytest.approx(moved)
     assert window.object_at_rest.duration == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize('speed, yaw_rate', [(0.1, 0.0), (1.0, 0.0), (0.0, 0.2)])
+@pytest.mark.parametrize('noise', [1.0, 3.0])
+def test_an_object_that_moves_is_told_from_one_with_noisy_poses(speed, yaw_rate, noise):
+    """The speed is named, and where it stands the noise that is there, whatever is stated."""
+    rng, moving, standing = np.random.default_rng(0), *(
+        StationarityWindow(CONTROL, SUPERVISION) for _ in range(2))
+    for measured in noisy(rng, PLACE, 2 * NOISE_POSES):
+        x, y, theta = (noise * np.subtract(measured.pose, PLACE)).tolist()
+        time = measured.time
+        there = Pose(PLACE.x + x, PLACE.y + y, wrap_angle(PLACE.theta + wrap_angle(theta)))
+        standing.add(measured._replace(pose=there))
+        moving.add(measured._replace(pose=Pose(
+            there.x + speed * time, there.y, wrap_angle(there.theta + yaw_rate * time))))
+    assert 'moves by itself' in moving.unrest() and 'moves by itself' not in standing.unrest()
+    found = [float(number) for number in re.findall(r'[0-9]+[.]?[0-9]*', moving.unrest())]
+    assert found[0] == pytest.approx(speed, abs=0.03)
+    assert math.radians(found[1]) == pytest.approx(yaw_rate, abs=0.03)
+    (position, *_) = re.findall(r'([0-9.]+) mm', standing.unrest())
+    assert float(position) == pytest.approx(1e3 * noise * CONTROL.pose_noise, rel=0.4)
 
 
 def seen(obj, robot_pose, object_pose, deviation):
