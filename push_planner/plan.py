@@ -15,7 +15,7 @@ from push_planner.problem import InitialMotion, PushProblem
 from push_planner.settings import PlannerSettings
 
 FilePath = Union[str, 'os.PathLike[str]']
-# Values at the begin and the end of each segment.
+# Values at the start and the end of each segment.
 Pairs = tuple[tuple[float, float], ...]
 # Version of the file format.
 FORMAT = 2
@@ -69,11 +69,11 @@ class RecordedMotion:
     Motion of a plan, sampled and described.
 
     :param trajectory: ``PushTrajectory`` in the world; twists are those after a switch.
-    :param pushing_angles: pushing angle at the begin and the end of each segment, linear in the
+    :param pushing_angles: pushing angle at the start and the end of each segment, linear in the
         path length of the contact between, from the normal to the velocity imposed at the contact
         [rad].
     :param segment_ends: path length of the contact at the end of each segment, increasing [m].
-    :param speeds: speed of the contact at the begin and the end of each segment; its square is
+    :param speeds: speed of the contact at the start and the end of each segment; its square is
         linear in the path length between [m/s].
     :param switches: ``Switch`` of every jump, the first touch included: the impulse it takes.
     :param figures: further figures by name.
@@ -122,7 +122,7 @@ class Plan:
 
     @property
     def pushing_angles(self) -> Pairs:
-        """Pushing angle at the begin and the end of each segment [rad]."""
+        """Pushing angle at the start and the end of each segment [rad]."""
         return self.motion.recorded().pushing_angles
 
     @property
@@ -132,7 +132,7 @@ class Plan:
 
     @property
     def speeds(self) -> Pairs:
-        """Speed of the contact at the begin and the end of each segment [m/s]."""
+        """Speed of the contact at the start and the end of each segment [m/s]."""
         return self.motion.recorded().speeds
 
     @property

@@ -71,7 +71,7 @@ def push(job: Job) -> Record:
 
 
 def _placed(job: Job) -> Placement:
-    """Place the box so that the contact is beside the begin of the path."""
+    """Place the box so that the contact is beside the start of the path."""
     c, s = math.cos(job['yaw']), math.sin(job['yaw'])
     return Placement(c * HALF + s * job['along'], job['aside'] + s * HALF - c * job['along'],
                      job['yaw'])

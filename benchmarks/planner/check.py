@@ -81,9 +81,9 @@ class SegmentInput(NamedTuple):
     Input on a segment: the speed is linear in time, the angle in arc length.
 
     :param begin: when it begins [s].
-    :param speed: of the contact at the begin [m/s].
+    :param speed: of the contact at the start [m/s].
     :param acceleration: of the contact [m/s^2].
-    :param angle: pushing angle at the begin [rad].
+    :param angle: pushing angle at the start [rad].
     :param slope: of the pushing angle over the arc length [rad/m].
     """
 
@@ -154,7 +154,7 @@ class Push:
             (buffer.set_arg if i < 2 else buffer.set_res)(i % 2, memoryview(memory))
 
     def steer(self, begin: float, speeds: Numbers, angles: Numbers, duration: float) -> None:
-        """Set the input of a segment: its begin [s], speed and angle at both ends, duration."""
+        """Set the input of a segment: its start [s], speed and angle at both ends, duration."""
         acceleration = (speeds[1] - speeds[0]) / duration
         path_length = 0.5 * (speeds[0] + speeds[1]) * duration
         self._segment = SegmentInput(begin, speeds[0], acceleration, angles[0],

@@ -11,7 +11,7 @@ With the Radau points c_i in (0, 1], the integration matrix A and the step lengt
     dw/ds_i = (1 / h) sum_j (A^-1)_ij (w_j - w_0)
 
 and the moment balance at each point, in w_i and dw/ds_i, determines the w_i. The pushing angle rho
-changes linearly over the step, or by a jump at its begin. Scheme: Hairer and Wanner, Solving
+changes linearly over the step, or by a jump at its start. Scheme: Hairer and Wanner, Solving
 Ordinary Differential Equations II, section IV.5.
 """
 
@@ -53,11 +53,11 @@ class Node(NamedTuple):
 
 class Step(NamedTuple):
     """
-    A step, apart from the state at its begin.
+    A step, apart from the state at its start.
 
     :param length: h, path length of the contact [m].
-    :param change: change of the pushing angle over the step, or its jump at the begin [rad].
-    :param v_squared: V at the begin [m^2/s^2].
+    :param change: change of the pushing angle over the step, or its jump at the start [rad].
+    :param v_squared: V at the start [m^2/s^2].
     :param v_squared_slope: dV/ds [m/s^2].
     :param jumps: whether the change is a jump.
     :param smoothing: sliding speed below which the supports' friction becomes viscous, per pushing
@@ -195,7 +195,7 @@ def collocate(kind: PushKind, parameters: PushParameters, node: Node, step: Step
 
     :param kind: how the contact moves with the robot.
     :param parameters: ``PushParameters``.
-    :param node: ``Node`` at the begin.
+    :param node: ``Node`` at the start.
     :param step: ``Step``.
     :param rates: w at the points of the step, unknowns [1/m].
     """
@@ -291,13 +291,13 @@ def moment_and_force(parameters: PushParameters, point: MotionPoint, angle_slope
 def force_at_begin(kind: PushKind, parameters: PushParameters, node: Node,
                    step: Step) -> tuple[Any, Any]:
     """
-    Write the force at the begin of a step, where the angle begins to change at another rate.
+    Write the force at the start of a step, where the angle begins to change at another rate.
 
     There w goes on, and the moment balance determines dw/ds, in which it is linear.
 
     :param kind: how the contact moves with the robot.
     :param parameters: ``PushParameters``.
-    :param node: ``Node`` at the begin.
+    :param node: ``Node`` at the start.
     :param step: ``Step``.
     :return: (F_n, F_t) [N].
     """
@@ -314,7 +314,7 @@ def force_at_begin(kind: PushKind, parameters: PushParameters, node: Node,
 
 def _steered(kind: PushKind, parameters: PushParameters, node: Node, step: Step,
              scheme: RadauScheme) -> tuple[Any, list[Any], Any]:
-    """Find w after a jump at the begin, the pushing angles at the points, and their slope."""
+    """Find w after a jump at the start, the pushing angles at the points, and their slope."""
     if step.jumps:
         w_begin = node.w + contact_impulse(kind, parameters, node, step.change).w_jump
         return w_begin, [node.rho + 1.0 * step.change for _ in scheme.points], 0.0

@@ -69,7 +69,7 @@ class StepData(NamedTuple):
 
     :param length: fixed part of the length [m].
     :param free_fraction: fraction of the free length S that is added to it.
-    :param v_squared: V at the begin [m^2/s^2].
+    :param v_squared: V at the start [m^2/s^2].
     :param v_squared_slope: dV/ds [m/s^2].
     :param may_steer: 1 where the pushing angle may change, else 0.
     :param max_angle_slope: largest change of the pushing angle per length [rad/m].

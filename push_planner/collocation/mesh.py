@@ -53,7 +53,7 @@ class MeshSection:
     :param steps: n, their number.
     :param length: fixed length of the section [m]; 0 in the main section.
     :param free_fraction: fraction of S that the section has: 1 in the main section, else 0.
-    :param v_squared: V at its begin [m^2/s^2].
+    :param v_squared: V at its start [m^2/s^2].
     :param v_squared_slope: dV/ds [m/s^2].
     :param may_steer: 1 where the pushing angle may change, else 0, shape (n,).
     :param end_ratio: length of the steps at both ends over that of the others.
@@ -74,7 +74,7 @@ class MeshSection:
         return lengths / lengths.sum()
 
     def step_v_squared(self) -> FloatArray:
-        """Squared speeds V at the begins of the steps [m^2/s^2]."""
+        """Squared speeds V at the starts of the steps [m^2/s^2]."""
         fractions = self.step_fractions()
         begins = self.length * (np.cumsum(fractions) - fractions)
         return self.v_squared + self.v_squared_slope * begins
@@ -86,7 +86,7 @@ class Mesh(NamedTuple):
 
     :param lengths: fixed part of the length of each step [m].
     :param free_fractions: fraction of S of each step.
-    :param v_squared: V at its begin [m^2/s^2].
+    :param v_squared: V at its start [m^2/s^2].
     :param v_squared_slopes: dV/ds [m/s^2].
     :param may_steer: 1 where the pushing angle may change, else 0.
     :param fixed_length: length of all steps but for S [m].
@@ -202,7 +202,7 @@ def _main_section(segments: int, v_squared: float, jumps: bool) -> MeshSection:
                            END_SEGMENT_RATIO)
     steps_per_segment = max(1, MIN_CONSTANT_ANGLE_STEPS // segments)
     steps = segments * steps_per_segment
-    # The angle jumps at the begin of a segment, but for the first one, where it is set anyhow.
+    # The angle jumps at the start of a segment, but for the first one, where it is set anyhow.
     may_steer = (np.arange(steps) % steps_per_segment == 0).astype(float)
     may_steer[0] = 0.0
     return MeshSection(steps, 0.0, 1.0, v_squared, 0.0, may_steer)

@@ -87,7 +87,7 @@ class StepSymbols(NamedTuple):
     :param variables: all variables.
     :param given: all parameters.
     :param free_length: S [m].
-    :param node: ``Node`` at the begin.
+    :param node: ``Node`` at the start.
     :param change: of the pushing angle [rad].
     :param rates: w at the Radau points [1/m].
     :param data: ``StepData``.

@@ -326,7 +326,7 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
 
 @functools.lru_cache(maxsize=16)
 def _begin(dimensions: Dimensions) -> RowFunction:
-    """Build the node at the begin of a push from its pushing angle, alone and of a state."""
+    """Build the node at the start of a push from its pushing angle, alone and of a state."""
     given, present = common_symbols(dimensions), ca.SX.sym('present', NODE_SIZE)
     boundary, rho = given.boundary, present[Node._fields.index('rho')]
     at_rest = Node(0.0, rho, ca.SX(0.0), boundary.q_x, boundary.q_y)

@@ -127,9 +127,9 @@ class RolloutMemory:
         self.nodes, self.data = np.zeros((n + 1, NODE_SIZE)), np.zeros((n, len(StepData._fields)))
         self.changes, self.free_length = changes, free_length
         self.first_state = parts.states[0, :NODE_SIZE]
-        # V at the begins of the steps and dV/ds, also where they play no part.
+        # V at the starts of the steps and dV/ds, also where they play no part.
         self._speeds = np.zeros((n, 2))
-        # Path lengths at the begins of the steps, and at the end.
+        # Path lengths at the starts of the steps, and at the end.
         self._ends = np.zeros((n + 1, 1))
         self._s, self._v_squared = (np.zeros(1 + capacity * POINTS) for _ in range(2))
         self._checks = np.zeros((capacity + 1, len(Checks._fields)))

@@ -260,7 +260,7 @@ class _MapPlanner:
 
     def _lay_out(self, result: SearchResult, travel_time: float, known: _Known,
                  expansions: int) -> MapPlan:
-        """Plan the first push of a sequence exactly; the robot takes a time to its begin [s]."""
+        """Plan the first push of a sequence exactly; the robot takes a time to its start [s]."""
         push = result.pushes[0]
         pushing_time = push.length / greatest_speed(self._robot, self._settings)
         selected = SelectedPush(int(known.pushes.numbers[push.begin]), push.length, known.weights,

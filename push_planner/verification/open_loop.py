@@ -25,8 +25,8 @@ class Segment(NamedTuple):
     """
     A segment of a push: pushing angle and squared speed linear in the path length of the contact.
 
-    :param angles: pushing angle at its begin and its end [rad].
-    :param speeds: of the contact at its begin and its end [m/s].
+    :param angles: pushing angle at its start and its end [rad].
+    :param speeds: of the contact at its start and its end [m/s].
     :param length: path length of the contact [m].
     """
 
@@ -48,7 +48,7 @@ class Segment(NamedTuple):
         """
         Find the input after a time.
 
-        :param time: since its begin [s].
+        :param time: since its start [s].
         :return: (pushing angle [rad], its rate [rad/s], speed [m/s]).
         """
         speed = self.speeds[0] + self.acceleration * time
@@ -78,7 +78,7 @@ def integrate(rate: Callable[[float, FloatArray], FloatArray],
     :param rate: function of (time [s], state) that returns the rate of the state.
     :param force: function of the same that returns the contact force (F_n, F_t) [N].
     :param duration: of the segment [s].
-    :param start: state at its begin.
+    :param start: state at its start.
     """
     # Imported here: a planner that does not verify its plans needs nothing of scipy.
     from scipy.integrate import solve_ivp
@@ -141,7 +141,7 @@ class OpenLoopSimulation:
         """
         Find what the present segment imposes.
 
-        :param time: since its begin [s].
+        :param time: since its start [s].
         :param state: of the object.
         """
         segment = self._present()
@@ -171,7 +171,7 @@ class OpenLoopSimulation:
         """
         Respond to the present segment.
 
-        :param time: since its begin [s].
+        :param time: since its start [s].
         :param state: of the object.
         :return: as of ``respond``.
         """
@@ -252,7 +252,7 @@ class QuasiStaticSimulation(OpenLoopSimulation):
         """
         Respond to the present segment with the yaw rate that friction demands.
 
-        :param time: since its begin [s].
+        :param time: since its start [s].
         :param state: of the object.
         :return: as of ``respond``.
         """

@@ -2,7 +2,7 @@
 Verification of a plan: integrated once more, independently of how it was found.
 
 A push in open loop runs away from its path by ``exp(s / L)``, with L the wheelbase, so that no
-integrator can follow 10 m of push from the begin: errors of 1e-12 grow to metres. Long plans are
+integrator can follow 10 m of push from the start: errors of 1e-12 grow to metres. Long plans are
 therefore integrated in intervals, each from the plan's own state, and all their mismatches are
 added up.
 """

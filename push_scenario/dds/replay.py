@@ -170,5 +170,5 @@ def _clear(bag: Path) -> None:
 
 
 def _is_recording(names: set[str], bag: Path) -> bool:
-    # One that was killed has no index; one that was interrupted at its begin has no file.
+    # One that was killed has no index; one that was interrupted at its start has no file.
     return 'metadata.yaml' in names or names <= {f'{bag.name}.mcap'}

@@ -24,7 +24,7 @@ ROBOTS = pytest.mark.parametrize('robot', [DIFFERENTIAL, HOLONOMIC], ids=lambda 
 
 
 class Driven(NamedTuple):
-    """Node after a step, samples of the nodes, forces at the samples, and that at the begin."""
+    """Node after a step, samples of the nodes, forces at the samples, and that at the start."""
 
     end: np.ndarray
     samples: np.ndarray

@@ -124,7 +124,7 @@ def test_open_loop_alone_is_judged(tmp_path):
 
 @pytest.mark.parametrize('missing', ['feedback', 'mpc'])
 def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
-    """Who judges is replaced, so that the begin of each run is enough."""
+    """Who judges is replaced, so that the start of each run is enough."""
     def judge(result):
         return result.control_law != missing
 
