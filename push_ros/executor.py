@@ -20,6 +20,7 @@ it answered none of 86 messages, and it did not end on SIGINT.
 import abc
 import contextlib
 import gc
+import inspect
 import math
 import re
 import signal
@@ -52,6 +53,10 @@ ENDING_TIME = 2.0
 PATIENCE_TIME = 0.5
 # Time after which an interrupt that could not be passed on is repeated [s]; chosen.
 REPEAT_TIME = 0.01
+# Words that ask for help, and what is said before the contract of a node, in its docstring.
+HELP = frozenset(('-h', '--help'))
+USAGE = ('usage: --ros-args [--params-file FILE] [-p PARAMETER:=VALUE] [-r TOPIC:=OTHER]; '
+         'all parameters and topics: docs/reference')
 # Exit status where a parameter is refused.
 BAD_PARAMETER = 2
 # Exit status where a node cannot write at its end what it was to leave.
@@ -181,9 +186,9 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
 
     :param make_node: takes nothing, returns a ``push_ros.node.PushNode``.
     :param arguments: command line behind the name of the program; None for that of the process.
-    :return: exit status: 0 after a signal, 1 where a file could not be written at the end, 2 where
-        the node refuses to start, as for a parameter, or a parameter file or the command line
-        cannot be read.
+    :return: exit status: 0 after a signal or help, 1 where a file could not be written at the
+        end, 2 where the node refuses to start, as for a parameter, or a parameter file or the
+        command line cannot be read.
     """
     given = sys.argv[1:] if arguments is None else list(arguments)
     stop = _StopSignal()
@@ -196,6 +201,9 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
         except RuntimeError as error:
             # A command line or a parameter file that cannot be read.
             return _refuse(without_place(error))
+        if not HELP.isdisjoint(foreign):
+            print(f'{USAGE}\n\n{inspect.getdoc(make_node)}')
+            return 0
         if foreign:
             return _refuse(f'got the arguments {" ".join(foreign)}, expected none but those of '
                            'ROS, as --ros-args --params-file FILE')

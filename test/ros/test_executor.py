@@ -130,6 +130,27 @@ def test_what_is_no_argument_is_refused_in_a_line(capsys, arguments, text):
     assert printed.count('\n') == 1
 
 
+@pytest.mark.parametrize('word', ['-h', '--help'])
+def test_help_prints_the_contract_of_a_node(word, capsys):
+    """What it publishes and reads; no node is made."""
+    class Named:
+        """
+        Says what it is.
+
+        Publishers
+            ``words``
+        """
+
+        def __init__(self):
+            raise AssertionError
+
+    assert run(Named, [word]) == 0
+    printed = capsys.readouterr()
+    assert printed.out.startswith('usage: --ros-args') and 'docs/reference' in printed.out
+    assert 'Says what it is.\n\nPublishers\n    ``words``\n' in printed.out
+    assert not printed.err
+
+
 # A node that gets a signal while a C library calls back into Python, as a compiler does.
 CALLED_BACK = """
 import ctypes
