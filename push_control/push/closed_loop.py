@@ -224,6 +224,11 @@ class ClosedLoopPush(PushExecution):
         return self._outcome.failure
 
     @property
+    def replan_requested(self) -> bool:
+        """Whether it has failed where another plan may bring the object to its goal."""
+        return self.failure is not None and self._outcome.may_replan
+
+    @property
     def notice(self) -> EventReport | None:
         """What is out of the ordinary while the push goes on, or None."""
         return self._tracker.detector.notice
@@ -255,7 +260,7 @@ class ClosedLoopPush(PushExecution):
             object_pose=state.pose,
             robot_pose=Pose(*self._tracker.site.robot_center(state.pose, state.phi), state.phi),
             in_contact=not self._tracker.is_contact_lost,
-            replan_requested=self.failure is not None and self._outcome.may_replan,
+            replan_requested=self.replan_requested,
             path_replans=guidance.path_replans,
             reapproaches=guidance.reapproaches,
             slips=self._tracker.detector.slips,

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from push_control.estimation.measurement_watch import MeasurementWatch
 from push_control.estimation.monitors import is_finite_odometry, measurement_fault
-from push_control.events import EventReport, PushEvent
+from push_control.events import EventReport, PushEvent, sentence
 from push_control.laws.closed_form import ClosedFormLaw
 from push_control.laws.steering_law import SteeringLaw
 from push_control.observation import Observation
@@ -92,8 +92,23 @@ class Controller:
         self._answer = _Answer()
 
     @property
+    def phase(self) -> Phase:
+        """The present ``Phase``."""
+        return self._state.phase
+
+    @property
+    def reason(self) -> str:
+        """What is out of the ordinary, as a sentence."""
+        return sentence(self._state.event)
+
+    @property
+    def replan_requested(self) -> bool:
+        """Whether the push has failed where another plan may bring the object to its goal."""
+        return self._push is not None and self._push.replan_requested
+
+    @property
     def status(self) -> ControllerStatus:
-        """The present ``ControllerStatus``."""
+        """The present ``ControllerStatus``, made where it is read: the above cost less."""
         if self._push is None:
             return plain_status(*self._state)
         return self._push.status(*self._state)
@@ -147,7 +162,7 @@ class Controller:
     def _continues_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """Change over to a target that starts at the present push, if it does."""
         phase = self._state.phase
-        if self._push is None or not (phase is Phase.PUSHING or self.status.replan_requested):
+        if self._push is None or not (phase is Phase.PUSHING or self._push.replan_requested):
             return False
         try:
             continued = self._push.continue_with(target, observation)

@@ -27,6 +27,11 @@ class PushExecution(abc.ABC):
         """What is out of the ordinary while the push goes on, or None."""
         return None
 
+    @property
+    def replan_requested(self) -> bool:
+        """Whether it has failed where another plan may bring the object to its goal."""
+        return False
+
     def pose_fault(self, time: float) -> EventReport | None:
         """
         Tell why object poses have not been believed for a while.

@@ -204,7 +204,7 @@ class SinglePushMode(Mode):
         :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
         :raises MessageRefused: where it cannot be used; there is none then.
         """
-        has_begun = self._is_pushing and self._controller.status.phase is not Phase.IDLE
+        has_begun = self._is_pushing and self._controller.phase is not Phase.IDLE
         if has_begun and self._requester.is_answered_again_by(message):
             return
         self.report_again()
@@ -229,8 +229,9 @@ class SinglePushMode(Mode):
         if is_answer and self._goal is not None:
             self._tolerances = self._goal_tolerances(self._goal)
             self._goal = None
-        status = self._controller.status
-        if status.phase is Phase.IDLE or status.phase.has_ended and not status.replan_requested:
+        controller = self._controller
+        if (controller.phase is Phase.IDLE
+                or controller.phase.has_ended and not controller.replan_requested):
             self._restart_controller()
         self._plan_time = seconds(message.header.stamp)
         goal = Pose(*self._target.object_poses[-1].tolist())
@@ -320,10 +321,10 @@ class SinglePushMode(Mode):
         :param stamp: ``builtin_interfaces/Time`` of the measurement.
         :param time: of the newest measurement [s].
         """
-        status = self._controller.status
-        has_changed = (status.phase, status.reason) != self._reported
+        state = self._controller.phase, self._controller.reason
+        has_changed = state != self._reported
         if self._report_rate.due(time) or has_changed:
-            self._reported = status.phase, status.reason
+            self._reported, status = state, self._controller.status
             text, is_fault = self._report_text(status)
             level = LEVELS.get(status.phase, WARN if is_fault else OK)
             self._reporter.report(level, text, {'time': time, **status.values()})
@@ -344,7 +345,7 @@ class SinglePushMode(Mode):
 
     @property
     def _is_pushing(self) -> bool:
-        return self._is_active and not self._controller.status.phase.has_ended
+        return self._is_active and not self._controller.phase.has_ended
 
     def _plan_retreat(self, reason: str) -> '_Retreat | None':
         """Plan the path off the object; None where the robot does not push, or there is none."""
@@ -409,7 +410,7 @@ class SinglePushMode(Mode):
 
     def _request_replan(self) -> None:
         """Request another plan to the goal of the present one, once, where the push needs it."""
-        is_requested = self._controller.status.replan_requested
+        is_requested = self._controller.replan_requested
         if is_requested and not self._has_requested_replan and self._target is not None:
             self._publish_request(Pose(*self._target.object_poses[-1].tolist()))
         self._has_requested_replan = is_requested

@@ -44,7 +44,7 @@ class SupervisedPush(Behavior):
     @property
     def push_reason(self) -> str:
         """What is out of the ordinary, as the controller of the push has it."""
-        return self._controller.status.reason
+        return self._controller.reason
 
     @property
     def push_status(self) -> ControllerStatus:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from push_control.observation import Observation
 from push_control.push.controller import Controller
-from push_control.push.status import ControllerStatus, Phase
+from push_control.push.status import Phase
 from push_control.safety.status import SafetyReport
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
@@ -154,24 +154,21 @@ class SinglePushControl(RobotControl):
 
     def update_plan(self, observation: Observation) -> Ending | None:
         """Replan where the controller asks for it; see ``RobotControl``."""
-        status = self._controller.status
-        replanned = self._replan(status, observation)
+        controller = self._controller
+        replanned = self._replan(observation) if controller.replan_requested else None
         if replanned is not None:
             self._target = replanned
-        elif status.phase in ENDINGS:
-            return Ending(ENDINGS[status.phase], status.reason)
+        elif controller.phase in ENDINGS:
+            return Ending(ENDINGS[controller.phase], controller.reason)
         return None
 
     def record(self, ending: Ending, time: float) -> RobotRecord:
         """Sum up the run as a task of one push; see ``RobotControl``."""
         return RobotRecord(single_push_history(*ending, time), plan=self._plan)
 
-    def _replan(self, status: ControllerStatus, observation: Observation,
-                ) -> PushTrajectory | None:
+    def _replan(self, observation: Observation) -> PushTrajectory | None:
         """Plan from where the controller estimates robot and object to be."""
-        if not status.replan_requested:
-            return None
-        odometry = observation.odometry
+        status, odometry = self._controller.status, observation.odometry
         measured = ObjectPose(odometry.time, status.object_pose)
         try:
             found = plan_from_measurements(
