@@ -31,7 +31,7 @@ STOPPING_DISTANCE = 0.05
     (Input.ODOMETRY, Word.OFF, 'odometry is stale'),
     (Input.POSE, Word.STUCK, 'the tracker is frozen'),
     (Input.POSE, Word.GARBAGE, 'object pose jumps by'),
-    (Input.POSE, Word.SLOW, 'object pose is stale'),
+    (Input.POSE, Word.SLOW, 'object poses come late'),
     (Input.POSE, Word.NEAR_TIMEOUT, 'object poses come late'),
     (Input.POSE, Word.OFF, 'object pose is stale')])
 def test_a_push_ends_stopped_and_named(kind, word, text):
@@ -88,7 +88,7 @@ def test_a_task_goes_on_after_a_fault(kind, word):
 
 @pytest.mark.parametrize('kind, word, text', [
     (Input.COMMAND, Word.OFF, 'the robot does not move as commanded'),
-    (Input.POSE, Word.INTERMITTENT, 'object pose is stale')])
+    (Input.POSE, Word.INTERMITTENT, 'object poses come late')])
 def test_a_task_gives_up_where_a_fault_stays(kind, word, text):
     """And names it."""
     row = run(Case(TASK, Fault(kind, word, 1.2, math.inf)))
