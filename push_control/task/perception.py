@@ -560,6 +560,13 @@ class TaskPerception:
     def on_unexpected_contact(self) -> None:
         """Note that the robot has run into an object that should not be there."""
         self._evidence.add(Contact.UNEXPECTED, self.localization.position_deviation)
+        if self.is_lost or self._unexplained_moves:
+            self._find_robot(is_touching=True)
+
+    def on_lost_robot_touched(self) -> bool:
+        """Note that a robot that was lost moves the object; return whether it is found by that."""
+        self._evidence.add(Contact.TAPPED, self.localization.position_deviation)
+        return self._find_robot(is_touching=True)
 
     def on_object_moved(self, obj: PushedObject, robot: RoundRobot, before: Pose) -> None:
         """

@@ -240,6 +240,10 @@ class PrimitivePush(Behavior):
             elif self.finished:
                 perception.on_push_unseen(progress.start)
             return STOP
+        if progress.has_moved and perception.is_lost and perception.on_lost_robot_touched():
+            # The push was planned for a robot that is elsewhere.
+            self.failure_reason = 'the robot, which was lost, touches the object'
+            return STOP
         limit = EXCESS_DISTANCE + EXCESS_RATIO * self._line.length
         if progress.pushed > limit or progress.time > PATIENCE + limit / LEAST_SPEED:
             return self._stop()
