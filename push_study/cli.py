@@ -53,7 +53,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='push-study', description='Compute and draw how pushed objects behave: the figures '
         'of the thesis, and maps beyond it.')
-    actions = parser.add_subparsers(required=True, metavar='ACTION')
+    actions = parser.add_subparsers(required=True)
     listing = actions.add_parser('list', help='list the studies and their parameters')
     listing.set_defaults(action=_list)
     listing.add_argument('study', nargs='*', metavar='STUDY',
