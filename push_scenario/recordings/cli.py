@@ -50,11 +50,14 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _identify(options: argparse.Namespace) -> None:
+    # Found now rather than when everything has been computed.
+    if not options.out.parent.is_dir():
+        raise ValueError(f'--out: got {options.out}, expected a file in a folder that exists')
     obj = read_object(named_file('objects', options.object))
     robot = read_robot(named_file('robots', options.robot))
     robot_track, object_track = read_tracks(options.bag, (options.odom, options.object_pose))
     pushes = split_pushes(obj, robot, robot_track, object_track)
-    print(f'{len(pushes)} pushes', file=sys.stderr)
+    print(f'recorded pushes: {len(pushes)}', file=sys.stderr)
     found = identify(obj, robot.radius, pushes)
     options.out.write_text(object_file(found, options.bag.name), encoding='utf-8')
     print('\n'.join([*summary(found), f'written: {options.out}']))

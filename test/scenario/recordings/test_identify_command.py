@@ -77,3 +77,11 @@ def test_a_recording_becomes_an_object_file(tmp_path, capsys):
     assert cli.main([str(tmp_path / 'nowhere'), *words]) == 2
     assert 'expected a rosbag2 recording' in capsys.readouterr().err
     assert out.read_text(encoding='utf-8').splitlines()[1:] == first
+
+
+def test_a_file_that_cannot_be_written_is_named_at_once(tmp_path, capsys):
+    """The recording has not been looked at yet."""
+    out = tmp_path / 'nowhere' / 'object.yaml'
+    assert cli.main([str(tmp_path / 'no_bag'), '--object', 'box_04', '--robot', 'holonomic_017',
+                     '--out', str(out)]) == 2
+    assert f'--out: got {out}, expected a file' in capsys.readouterr().err
