@@ -49,8 +49,9 @@ STATED, CLOSE = 0, 1
 # Sum at which a model does not explain the motion [s]; chosen: a base that fails is stopped within
 # 0.3 s, and none that follows in hours of simulated drives, with other lags and delays.
 THRESHOLD = 0.3
-# Delay from which on it is named [s]; chosen: above the sum of those of the models and a lag.
-LATE_TIME = 0.4
+# Delay from which on it is named [s]; chosen: above the sum of those of the models and a lag, and
+# between two steps of the search.
+LATE_TIME = 0.425
 # Sum below which a model explains the motion, so that others that do not are at fault [s]; chosen.
 HOLDING_SUM = 0.1
 # Greatest sum [s]; chosen: nothing is wrong half a second after the base follows again.
