@@ -209,6 +209,7 @@ class MotionMonitor:
         self._worst = None
         self._sums[:] = 0.0
         self._stuck_test.clear()
+        self._delay.clear()
 
     def add_command(self, command: Twist, time: float) -> None:
         """
