@@ -44,6 +44,8 @@ class ContactEvidence:
         """Begin without any contact."""
         self.vain_pushes = 0
         self._contradictions = 0
+        # Of the robot's position after the last contact [m].
+        self._deviation = 0.0
 
     def clear(self) -> None:
         """Forget contacts, as the poses that they did not fit were a mistake."""
@@ -62,8 +64,11 @@ class ContactEvidence:
             self.vain_pushes = 0
         if contact is Contact.PUSHED and position_deviation <= FITTING_STD:
             self._contradictions = 0
-        elif contact is not Contact.TAPPED:
+        elif contact is not Contact.TAPPED and not (
+                contact is Contact.PUSHED and position_deviation < self._deviation):
+            # A robot that was known less well still, and is known better by a push, has pushed.
             self._contradictions += 1
+        self._deviation = position_deviation
 
     @property
     def fits(self) -> bool:

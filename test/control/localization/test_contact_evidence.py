@@ -33,6 +33,15 @@ def test_contacts_of_all_kinds_that_do_not_fit_add_up() -> None:
     assert evidence_of(MAX_CONTRADICTIONS * [Contact.ASIDE], CERTAIN).is_refuting
 
 
+def test_a_robot_that_gets_known_by_its_pushes_is_not_refuted_by_them() -> None:
+    """However unsure it was at first; where it gets no surer they do not fit."""
+    better, worse = ContactEvidence(), ContactEvidence()
+    for number in range(2 * MAX_CONTRADICTIONS):
+        better.add(Contact.PUSHED, (10.0 - 0.2 * number) * FITTING_STD)
+        worse.add(Contact.PUSHED, (10.0 + 0.2 * number) * FITTING_STD)
+    assert worse.is_refuting and not better.is_refuting and not better.fits
+
+
 @pytest.mark.parametrize('contact', [Contact.IN_VAIN, Contact.UNEXPECTED])
 def test_a_push_that_fits_ends_all_doubt(contact: Contact) -> None:
     """However often that happens."""
