@@ -1,8 +1,9 @@
 """
 Dubins routes: paths of the flat output to the goal, in the tightest turns allowed.
 
-Turns are steady ones: of a contact that is held, on the supports themselves and with inertia; of
-a differential drive, whose normal follows the turn, those of the object seen as a vehicle.
+Turns are steady ones, on the supports themselves and with inertia: of a contact that is held, or
+of a fast differential drive, whose normal follows the turn. Those of a slow one are of the object
+seen as a vehicle: as it settles, it turns for a while more sharply than it can go on to.
 """
 
 from collections.abc import Sequence
@@ -14,7 +15,9 @@ from push_model import dubins
 from push_model.dubins import dubins_paths
 from push_model.geometry import distance, Pose
 from push_planner.initial_guess.first_guess import Route
-from push_planner.initial_guess.steady_turns import SteadyTurn, turn_limits, TurnKey
+from push_planner.initial_guess.steady_turns import (
+    ContactLimits, SteadyTurn, turn_limits, TurnKey,
+)
 from push_planner.problem import PushProblem
 
 # Pushing speed up to which routes use the tightest turns [m/s], and the fraction of them beyond.
@@ -46,24 +49,13 @@ def tightest_turns(problem: PushProblem) -> Optional[TurnPair]:
     :return: ``SteadyTurn`` (to the left, to the right); None where straight ahead is outside the
         limits itself.
     """
-    settings, offset = problem.settings, problem.normal_offset
-    if problem.kind == 'differential':
+    settings = problem.settings
+    if problem.kind == 'differential' and not is_fast(problem):
         return _differential_turns(problem)
-    slope, max_angle = math.inf, MAX_TURN_ANGLE
-    if settings.angle_limit == 'cone':
-        slope = math.tan(problem.planning_cone_angle)
-    elif settings.angle_limit == 'angle':
-        max_angle = settings.max_pushing_angle
     dynamic = settings.motion_model == 'dynamic'
-    parameters = problem.push_parameters
-    key = TurnKey(parameters.supports, tuple(parameters.column()), offset,
-                  settings.pushing_speed ** 2 if dynamic else 0.0)
-    turns = turn_limits(key, slope, max_angle)
-    if turns is None or not (turns[0].curvature > 0.0 > turns[1].curvature):
-        return None
-    if has_reserve(problem):
-        left, right = turns
-        return _scaled(left, FAST_TURN_FRACTION), _scaled(right, FAST_TURN_FRACTION)
+    turns = _steady_turns(problem, settings.pushing_speed ** 2 if dynamic else 0.0)
+    if turns is not None and has_reserve(problem):
+        return _scaled(turns, FAST_TURN_FRACTION)
     return turns
 
 
@@ -97,14 +89,14 @@ def routes(problem: PushProblem, turns: TurnPair) -> list[Route]:
     """
     full = problem.settings.final_straight
     shortest = min(MIN_FINAL_STRAIGHT, full)
-    with_full = _routes(problem, turns, full)
+    found = _routes(problem, turns, full)
     if full == shortest:
-        return with_full
+        return found
     with_shortest = _routes(problem, turns, shortest)
-    if with_full[0].path_length <= DETOUR_RATIO * with_shortest[0].path_length:
-        return with_full + with_shortest
-    found = with_shortest + [route for fraction in SHORTER_STRAIGHTS if fraction * full > shortest
-                             for route in _routes(problem, turns, fraction * full)]
+    if found[0].path_length > DETOUR_RATIO * with_shortest[0].path_length:
+        found = [route for fraction in SHORTER_STRAIGHTS if fraction * full > shortest
+                 for route in _routes(problem, turns, fraction * full)]
+    found += with_shortest
     # Of all that are no detour, those with the longest final straight come first.
     limit = DETOUR_RATIO * min(route.path_length for route in found)
     near = [route for route in found if route.path_length <= limit]
@@ -172,8 +164,30 @@ def contact_length(lengths: Sequence[float], turns: Sequence[SteadyTurn]) -> flo
     return sum(length / math.cos(turn.steering_angle) for length, turn in zip(lengths, turns))
 
 
+def _steady_turns(problem: PushProblem, v_squared: float) -> Optional[TurnPair]:
+    """Find the tightest steady turns at a squared speed V [m^2/s^2]."""
+    settings, parameters = problem.settings, problem.push_parameters
+    slope, max_angle, reach = math.inf, MAX_TURN_ANGLE, 0.0
+    if settings.angle_limit == 'cone':
+        slope = math.tan(problem.planning_cone_angle)
+    elif settings.angle_limit == 'angle':
+        max_angle = settings.max_pushing_angle
+    if problem.kind == 'differential':
+        reach = problem.robot.radius * math.cos(problem.heading_offset)
+    key = TurnKey(parameters.supports, tuple(parameters.column()), problem.normal_offset,
+                  v_squared)
+    turns = turn_limits(key, ContactLimits(slope, max_angle, reach, problem.heading_offset))
+    if turns is None or not (turns[0].curvature > 0.0 > turns[1].curvature):
+        return None
+    return turns
+
+
 def _differential_turns(problem: PushProblem) -> TurnPair:
-    """Find the turns at the edges of the cone, the robot's heading settled on the push."""
+    """
+    Find the turns at the edges of the cone, the robot's heading settled on the push.
+
+    They are those of the object seen as a vehicle, without inertia.
+    """
     vehicle = problem.vehicle
     reach = vehicle.arm + problem.robot.radius
     beta = MAX_TURN_ANGLE
@@ -189,14 +203,15 @@ def _vehicle_turn(wheelbase: float, curvature: float) -> SteadyTurn:
     return SteadyTurn(steering_angle, curvature * math.cos(steering_angle))
 
 
-def _scaled(turn: SteadyTurn, factor: float) -> SteadyTurn:
-    return SteadyTurn(factor * turn.steering_angle, factor * turn.w)
+def _scaled(turns: TurnPair, factor: float) -> TurnPair:
+    left, right = (SteadyTurn(factor * turn.steering_angle, factor * turn.w) for turn in turns)
+    return left, right
 
 
 def _routes(problem: PushProblem, turns: TurnPair, final_straight: float) -> list[Route]:
     """Routes with a final straight, shortest first."""
     found = _routes_in(problem, turns, final_straight)
-    if has_reserve(problem):
+    if is_fast(problem):
         found += _tighter_routes(problem, turns, final_straight, found)
     found.sort(key=lambda route: route.path_length)
     if problem.settings.heading_free:
@@ -210,15 +225,19 @@ def _routes(problem: PushProblem, turns: TurnPair, final_straight: float) -> lis
 def _tighter_routes(problem: PushProblem, turns: TurnPair, final_straight: float,
                     found: Sequence[Route]) -> list[Route]:
     """
-    Routes in the tightest turns of all that are shorter than those with a reserve.
+    Routes in tighter turns that are shorter than those found.
 
-    A push may turn once to either side although no such path exists with a reserve, which then
-    makes detours by whole circles.
+    A push may turn once to either side although no such path exists in the turns before, which
+    then makes detours by whole circles. A contact that is held has a reserve; a differential drive
+    turns for a while as sharply as without inertia.
     """
-    left, right = (_scaled(turn, 1.0 / FAST_TURN_FRACTION) for turn in turns)
+    if problem.kind == 'differential':
+        tighter = _differential_turns(problem)
+    else:
+        tighter = _scaled(turns, 1.0 / FAST_TURN_FRACTION)
     shortest = min(route.path_length for route in found)
     known = {_homotopy(route) for route in found}
-    return [route for route in _routes_in(problem, (left, right), final_straight)
+    return [route for route in _routes_in(problem, tighter, final_straight)
             if route.path_length < shortest and _homotopy(route) not in known]
 
 

@@ -50,6 +50,33 @@ class SteadyTurn(NamedTuple):
         return self.w / math.cos(self.steering_angle)
 
 
+class ContactLimits(NamedTuple):
+    """
+    What a contact allows, and how its normal moves.
+
+    :param slope: tangent of the half-angle of the cone, infinite where it does not count.
+    :param max_angle: largest pushing angle [rad].
+    :param reach: ``R_p cos(D)`` of a differential drive, whose heading sets the normal; 0 of a
+        contact that is held on the object [m].
+    :param heading_offset: D of a differential drive [rad].
+    """
+
+    slope: float
+    max_angle: float
+    reach: float = 0.0
+    heading_offset: float = 0.0
+
+    def steered_angles(self, rates: FloatArray) -> FloatArray:
+        """
+        Pushing angles at which a differential drive turns as fast as the object [rad].
+
+        From ``w = sin(rho + D) / (R_p cos(D))``; about 90 degrees where it cannot.
+
+        :param rates: w, shape (n,) [1/m].
+        """
+        return np.arcsin(np.clip(self.reach * rates, -1.0, 1.0)) - self.heading_offset
+
+
 class SteadyTurns(NamedTuple):
     """
     Steady turns over the direction of the push.
@@ -63,25 +90,26 @@ class SteadyTurns(NamedTuple):
     rates: FloatArray
     forces: FloatArray
 
-    def limits(self, slope: float, max_angle: float,
+    def limits(self, contact: ContactLimits,
                offset: float) -> Optional[tuple[SteadyTurn, SteadyTurn]]:
         """
         Find the steady turns at the ends of the range that the contact allows.
 
-        :param slope: tangent of the half-angle of the cone, infinite where it does not count.
-        :param max_angle: largest pushing angle [rad].
+        :param contact: ``ContactLimits``.
         :param offset: of the normal from the line C to F [rad].
         :return: ``SteadyTurn`` (to the left, to the right); None where straight ahead is outside.
         """
-        rho = np.abs(self.steering_angles - offset)
-        inside = rho <= max_angle + ANGLE_ROUNDING
-        reserve = max_angle - rho
-        if math.isfinite(slope):
-            cone = slope * self.forces[:, 0] - np.abs(self.forces[:, 1])
-            reserve = np.minimum(reserve, cone)
-            inside = reserve >= 0.0
+        held = self.steering_angles - offset
+        rho = held if contact.reach == 0.0 else contact.steered_angles(self.rates)
+        reserve = contact.max_angle + ANGLE_ROUNDING - np.abs(rho)
+        if math.isfinite(contact.slope):
+            # The forces are along the normal of a contact that is held.
+            c, s = np.cos(held - rho), np.sin(held - rho)
+            normal, tangential = (c * self.forces[:, 0] + s * self.forces[:, 1],
+                                  c * self.forces[:, 1] - s * self.forces[:, 0])
+            reserve = np.minimum(reserve, contact.slope * normal - np.abs(tangential))
         straight = len(self.steering_angles) // 2
-        if not inside[straight]:
+        if not reserve[straight] >= 0.0:
             return None
         return self._end(reserve, straight, -1), self._end(reserve, straight, 1)
 
@@ -117,16 +145,14 @@ class TurnKey(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
-def turn_limits(key: TurnKey, slope: float,
-                max_angle: float) -> Optional[tuple[SteadyTurn, SteadyTurn]]:
+def turn_limits(key: TurnKey, contact: ContactLimits) -> Optional[tuple[SteadyTurn, SteadyTurn]]:
     """
     Find the tightest steady turns; see ``SteadyTurns.limits``.
 
     :param key: ``TurnKey``.
-    :param slope: tangent of the half-angle of the cone, infinite where it does not count.
-    :param max_angle: largest pushing angle [rad].
+    :param contact: ``ContactLimits``.
     """
-    return steady_turns(key).limits(slope, max_angle, key.offset)
+    return steady_turns(key).limits(contact, key.offset)
 
 
 @functools.lru_cache(maxsize=64)

@@ -29,9 +29,10 @@ ROUTE_SLACK = 0.9
 # Ratio by which a plan may be faster than its program. Measured: 6e-5 at most in 80 pushes; a mesh
 # of twice the segments, where the first does not lead to a plan, may find more.
 REFINED_SLACK = 0.998
-# Programs that are solved for each site at first. Chosen: the first or second route leads to a
-# push, if any does; a site without one is told apart ten times sooner than by all its routes.
-FIRST_SOLVES = 2
+# Programs that are solved for each site at first. Chosen: one of the first routes leads to a push,
+# if any does: mostly the first or second, or the next one with a shorter straight end. A site
+# without a push is told apart sooner than by all its routes.
+FIRST_SOLVES = 4
 # Sites that are given all routes, and the relaxed program, where no site has a push at first.
 # Chosen: the most promising ones, which also tell best what stands in the way.
 THOROUGH_SITES = 1

@@ -2,8 +2,9 @@
 
 import math
 
-from helpers.push_problems import face_problem
+from helpers.push_problems import face_problem, vertex_problem
 import numpy as np
+from push_model.analysis.steering import steering_range
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_planner.initial_guess.dubins_routes import (
@@ -98,3 +99,19 @@ def test_a_near_goal_of_a_fast_push_is_reached_by_a_whole_turn() -> None:
     found = plan_push(NEAR_AND_FAST)
     assert abs(found.trajectory.object_poses[-1, 2] - NEAR_AND_FAST.goal.theta) > math.pi
     assert found.report['position_error'] < 1e-4
+
+
+@pytest.mark.parametrize('heading', [0.0, 0.1])
+@pytest.mark.parametrize('speed', [0.6, 1.0])
+def test_turns_of_a_fast_differential_drive_are_as_sharp_as_the_contact_bears(
+        speed: float, heading: float) -> None:
+    """As the root of an independent search over steady pushes of object and robot."""
+    robot = RoundRobot(0.17, 'differential', max_speed=5.0, max_yaw_rate=50.0)
+    problem = vertex_problem(Pose(1.0, 1.0, 1.0), robot, heading=heading, pushing_speed=speed,
+                             cone_margin=1.0, friction_discount=1.0)
+    found = steering_range(problem.obj, problem.contact, robot, speed, problem.heading_offset)
+    assert found is not None
+    curvatures = [turn.curvature for turn in steering_limits(problem)]
+    # The turns are interpolated in a table.
+    assert sorted(curvatures) == pytest.approx(
+        sorted(push.curvature for push in found), rel=0.02)
