@@ -17,7 +17,7 @@ from push_model.signals import Twist
 HISTORY_TIME = 3.0
 MAX_DELAY = 1.2
 DELAY_STEP = 0.05
-# Period of the search [s]; chosen: it takes a tenth of a millisecond, and a base that is late is
+# Period of the search [s]; chosen: it takes a quarter of a millisecond, and a base that is late is
 # stopped within 0.3 s of where that shows.
 PERIOD = 0.2
 # A delay is the reason where it leaves less than this part of the variance, and of what is left
