@@ -12,10 +12,7 @@ is to be computed, as in a simulator that keeps to the wall clock, ``interpreted
 text as plain Python: 13 instead of 2 ms for each simulated second of a push.
 """
 
-from collections.abc import Generator
-import contextlib
 import functools
-import gc
 import hashlib
 import importlib
 from importlib import util
@@ -226,23 +223,11 @@ def _in_turn(compile_function: Callable[..., Any], path: pathlib.Path) -> Callab
                 return load_or_compile(signature)
             _reserved_here.add(path)
             try:
-                with reserved(path), _garbage_left():
+                with reserved(path):
                     return load_or_compile(signature)
             finally:
                 _reserved_here.remove(path)
     return compile_in_turn
-
-
-@contextlib.contextmanager
-def _garbage_left() -> Generator[None, None, None]:
-    """Collect no garbage: what the compiler makes is mostly kept, and looked at each time."""
-    was_collected = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_collected:
-            gc.enable()
 
 
 @functools.lru_cache(maxsize=None)
