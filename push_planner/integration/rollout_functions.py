@@ -22,6 +22,8 @@ from push_planner.push_parameters import PushKind, PushParameters, SupportLayout
 POINTS = 3
 # Newton iterations of a part. Measured: the durations of 84 pushes are within 2e-9 of those with
 # six, also where w jumps and the guess is that it stays; with two iterations within 8e-7.
+# With the derivatives of the second iteration in the third, parts take a tenth less time, but 1.7
+# times as many are divided, and 156 pushes of 13 kinds take as long (mean).
 NEWTON_STEPS = 3
 NODE_SIZE = len(Node._fields)
 # Numbers of a ``RolloutStep``.
