@@ -215,6 +215,10 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
         stop.disarm()
         try_shutdown()
         stop.release()
+        # Where an interrupt has passed through source that was executed from a text, as libraries
+        # do, Python remembers it as not caught, until it executes the next one, and a module that
+        # was started with -m would end by SIGINT.
+        exec('')
 
 
 def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:

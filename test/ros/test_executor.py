@@ -1,11 +1,14 @@
 """A node ends soon after a signal, in order, whatever it is about to do."""
 
 import contextlib
+import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
 import time
 
+from helpers.architecture import ROOT
 from push_ros.executor import BAD_PARAMETER, MessageWaiter, PATIENCE_TIME, run, take_message
 from push_ros.qos import LATCHED
 from push_scenario.dds.processes import private_domain
@@ -86,6 +89,19 @@ def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
         assert (process.returncode, printed) == (0, 'closed\n')
     finally:
         process.kill()
+
+
+def test_an_interrupt_of_source_from_a_text_ends_well(tmp_path: Path) -> None:
+    """Python would end a module by the signal itself, though the interrupt was caught."""
+    (tmp_path / 'interrupted.py').write_text(SCRIPT.replace(
+        'self.create_timer(0.01, self.work)', "exec('self.work()')"))
+    path = os.pathsep.join([str(ROOT), str(tmp_path), os.environ.get('PYTHONPATH', '')])
+    with subprocess.Popen([sys.executable, '-m', 'interrupted'], stdin=subprocess.DEVNULL,
+                          text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          env={**os.environ, 'PYTHONPATH': path}) as process:
+        assert process.stdout is not None and process.stdout.readline() == 'works\n'
+        process.send_signal(signal.SIGINT)
+        assert (process.communicate()[0], process.returncode) == ('', 0)
 
 
 def test_a_second_interrupt_ends_a_callback_at_once() -> None:
