@@ -265,7 +265,7 @@ class TaskPerception:
         self._displacements = DisplacementWatch[RobotMemory | None]()
         self._displaced_at = -math.inf
         self._memory: RobotMemory | None = None
-        # Odometry as it came last, and whether the pose of the next one has jumped.
+        # The newest odometry, and whether the pose of the next one has jumped.
         self._odometry: Odometry | None = None
         self._has_jumped = False
 
@@ -334,9 +334,10 @@ class TaskPerception:
 
     def _predict(self, odometry: Odometry) -> None:
         """Move the robot by odometry; by its twist alone where its pose has jumped."""
-        last, self._odometry = self._odometry, odometry
+        last, step = self._odometry, None
         is_new = last is None or odometry.time > last.time
-        step = None
+        if is_new:
+            self._odometry = odometry
         if self._has_jumped and last is not None and is_new:
             self._has_jumped = False
             step = integrated_step(last, odometry)

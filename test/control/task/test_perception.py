@@ -87,6 +87,19 @@ def seen(obj, robot_pose, object_pose, deviation):
     return perception
 
 
+def test_motion_while_stamps_stand_still_is_made_up_for_by_the_next_that_is_newer() -> None:
+    """The robot is where odometry has it, however many messages repeated one stamp meanwhile."""
+    perception = seen(box(), Pose(-0.6, 0.0, 0.0), ORIGIN, 0.01)
+    way = [Pose(-0.6 - 0.02 * i, 0.01 * i, 0.1 * i) for i in range(11)]
+    before = perception.robot_pose
+    for pose in way:
+        perception.update(Observation(0.5, Odometry(0.5, pose, STOP), ObjectPose(0.5, ORIGIN)))
+    perception.update(Observation(2.5, Odometry(2.5, way[-1], STOP), ObjectPose(2.5, ORIGIN)))
+    step, driven = before.inverse() @ perception.robot_pose, way[0].inverse() @ way[-1]
+    assert distance(step, driven) < 0.02
+    assert wrap_angle(step.theta - driven.theta) == pytest.approx(0.0, abs=0.05)
+
+
 @pytest.mark.parametrize('deviation', [0.01, 0.1])
 @pytest.mark.parametrize('obj', [box(), bin_()])
 def test_a_robot_does_not_stand_inside_the_object(obj, deviation):
