@@ -17,6 +17,7 @@ import math
 import numpy as np
 from push_model.geometry import distance, FloatArray, Pose, wrap_angle, wrap_angles
 from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.obstacle import inflate
 
 # Distance and rotation between two places of the path that are compared [m], [rad]; chosen: a
 # robot does not pass an object between two of them. And the number of places from which on only
@@ -56,8 +57,10 @@ class SlipSearch:
         :param seed: of the hypotheses.
         """
         self._radius = robot.radius
-        self._outline: FloatArray = np.array(obj.outline, dtype=float).reshape(-1, 2)
-        self._reach = max((math.hypot(*vertex) for vertex in obj.outline), default=obj.radius)
+        # Where the robot's centre touches the object, and a circle around that.
+        self._contact = inflate(obj.outline, obj.radius, robot.radius)
+        self._reach = self._contact.radius + max(math.hypot(*vertex)
+                                                 for vertex in self._contact.core)
         self._rng = np.random.default_rng(seed)
         self._spacing = 1.0
         # Where odometry has the robot, as added up from the start of the path.
@@ -148,26 +151,11 @@ class SlipSearch:
         c, s = np.cos(objects[:, 2]), np.sin(objects[:, 2])
         x = c * shift[..., 0] + s * shift[..., 1]
         y = c * shift[..., 1] - s * shift[..., 0]
-        gaps: FloatArray = np.hypot(x, y) - self._reach - self._radius
-        if len(self._outline):
-            # Those that are farther away touch nothing, however much farther.
-            is_near = gaps < MAX_TOUCH_GAP
-            gaps[is_near] = _distances(self._outline, x[is_near], y[is_near]) - self._radius
+        gaps: FloatArray = np.hypot(x, y) - self._reach
+        # Those that are farther away touch nothing, however much farther.
+        is_near = gaps < MAX_TOUCH_GAP
+        gaps[is_near] = self._contact.distances(np.stack([x[is_near], y[is_near]], axis=1))
         return gaps
-
-
-def _distances(outline: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-    """Compute the distances of points from a convex polygon, -inf inside, shape (k,) [m]."""
-    squared = np.full(len(x), math.inf)
-    is_inside = np.ones(len(x), dtype=bool)
-    for (x_0, y_0), (x_1, y_1) in zip(outline, np.roll(outline, -1, axis=0)):
-        along_x, along_y = x_1 - x_0, y_1 - y_0
-        part = ((x - x_0) * along_x + (y - y_0) * along_y) / (along_x ** 2 + along_y ** 2)
-        part = np.clip(part, 0.0, 1.0)
-        squared = np.minimum(squared, (x - x_0 - part * along_x) ** 2
-                             + (y - y_0 - part * along_y) ** 2)
-        is_inside &= along_x * (y - y_0) > along_y * (x - x_0)
-    return np.where(is_inside, -math.inf, np.sqrt(squared))
 
 
 def _most_alike(poses: FloatArray) -> FloatArray:

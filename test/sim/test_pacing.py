@@ -64,7 +64,7 @@ def test_the_speed_of_time_is_measured_over_windows():
     assert meter.update(3.73 * SPEED_WINDOW, 4.0 * SPEED_WINDOW, 1.0) and not meter.is_slow
 
 
-def test_the_speed_of_time_is_measured_anew_where_another_is_asked_for():
+def test_a_new_time_scale_restarts_the_measurement_of_the_speed():
     meter = SpeedMeter(0.0)
     assert meter.update(0.5 * SPEED_WINDOW, SPEED_WINDOW, 1.0) and meter.is_slow
     meter.restart(0.5 * SPEED_WINDOW, 1.5 * SPEED_WINDOW)

@@ -72,7 +72,7 @@ def test_a_robot_that_slipped_as_it_turned_is_found_at_the_touch(
 
 
 @pytest.mark.parametrize('is_touching', [False, True])
-def test_no_place_that_is_found_is_inside_the_object_or_away_from_a_touch(
+def test_places_found_neither_overlap_the_object_nor_miss_a_touch(
         is_touching: bool) -> None:
     end = START
     for step in STEPS:
