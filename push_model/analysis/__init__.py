@@ -1,1 +1,1 @@
-"""Analyses of the equations of motion: stability, steady turns, limits of rolling, steering."""
+"""Slow pushes with a sliding contact, for many objects or parameters at a time."""

@@ -75,11 +75,7 @@ class SupportArrays(NamedTuple):
 
     @classmethod
     def of(cls, obj: PushedObject) -> 'SupportArrays':
-        """
-        Take the supports of an object.
-
-        :param obj: the ``PushedObject``.
-        """
+        """Take the supports of an object."""
         return cls(np.array([(support.x, support.y) for support in obj.supports]),
                    np.array(obj.capacities))
 

@@ -29,11 +29,7 @@ class Shape(NamedTuple):
 
     @classmethod
     def of(cls, obj: PushedObject) -> 'Shape':
-        """
-        Take the outline of an object.
-
-        :param obj: the ``PushedObject``.
-        """
+        """Take the outline of an object."""
         return cls(np.array(obj.outline, dtype=float).reshape(-1, 2), obj.radius)
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -87,9 +83,9 @@ def integrate_slow_pushes(shape: Shape, supports: SupportArrays, contact_frictio
     """
     friction = np.broadcast_to(np.asarray(contact_friction, dtype=float), len(starts))
     poses = np.array(starts, dtype=float)
-    found = SlowPushes(np.empty_like(paths), np.zeros((*paths.shape[:2], 2)),
-                       np.zeros(paths.shape[:2], dtype=int))
-    found.poses[:, 0] = poses
+    pushes = SlowPushes(np.empty_like(paths), np.zeros((*paths.shape[:2], 2)),
+                        np.zeros(paths.shape[:2], dtype=int))
+    pushes.poses[:, 0] = poses
     for index in range(1, paths.shape[1]):
         step = _Step.of(shape, robot_radius, poses, paths[:, index - 1], paths[:, index])
         rows = np.flatnonzero(step.presses)
@@ -97,11 +93,11 @@ def integrate_slow_pushes(shape: Shape, supports: SupportArrays, contact_frictio
             motion = contact_motion(_rows(supports, rows), step.points[rows], step.normals[rows],
                                     step.displacements[rows], friction[rows])
             moved = _moved(poses[rows], step.points[rows], motion.velocities, motion.yaw_rates)
-            found.forces[rows, index] = _rotated_rows(poses[rows, 2], motion.forces)
-            found.slides[rows, index] = motion.slides
+            pushes.forces[rows, index] = _rotated_rows(poses[rows, 2], motion.forces)
+            pushes.slides[rows, index] = motion.slides
             poses[rows] = moved
-        found.poses[:, index] = poses
-    return found
+        pushes.poses[:, index] = poses
+    return pushes
 
 
 class _Step(NamedTuple):

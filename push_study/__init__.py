@@ -1,1 +1,0 @@
-"""Studies of pushing: the figures of the thesis, and maps beyond it."""

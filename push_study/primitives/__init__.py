@@ -1,1 +1,0 @@
-"""Studies of single unsteered pushes: what they do to an object, and which one is best when."""

@@ -1,0 +1,1 @@
+"""Analyses of the equations of motion: stability, steady turns, limits of rolling, steering."""

@@ -1,0 +1,204 @@
+"""Pushes under control: what the figures on goals and disturbances found, and laws they keep."""
+
+import math
+
+from benchmarks.controller import cases
+from helpers.study_outcomes import by_figure, numbers, outcome_of, quick_outcome_of, values_of
+import numpy as np
+from push_control.settings import ControlSettings
+from push_model.friction import friction_center
+import pytest
+from studies.chapter4 import disturbances, goals, other_objects, random_friction
+from studies.chapter4.repeated_push import median_interval
+from studies.chapter4.setup import (
+    CONTROL, FEEDBACK, MOBILE_CENTER, MPC, OBJECT_FRAME, OPEN_LOOP, OWN_PATH, planned_input, push,
+    SENSORS,
+)
+from studies.chapter4.support_friction import (
+    angle_to_friction_center, box_at, friction_interval, friction_table, gaussian_friction,
+    SUPPORTS,
+)
+
+pytestmark = [pytest.mark.physics, pytest.mark.slow]
+STUDIES = by_figure(goals, random_friction, disturbances, other_objects)
+SETTINGS = ControlSettings()
+COLUMNS = ('y_m', 'theta_rad', 'rho_rad')
+
+
+def values(figure, **overrides):
+    """Return the values of a figure, some of them overridden."""
+    return values_of(STUDIES[figure], **overrides)
+
+
+def outcome(figure):
+    """Compute a figure with the values of studies/values.yaml."""
+    return outcome_of(STUDIES[figure])
+
+
+def findings(figure: str) -> dict[str, float]:
+    """Return the findings of a figure as numbers."""
+    return numbers(outcome(figure))
+
+
+def test_sensors_are_those_of_the_benchmarks_and_filters_have_their_defaults():
+    assert SENSORS['benchmark'] == cases.SENSORS
+    assert CONTROL[FEEDBACK] == {} and CONTROL[MPC] == {'control_law': 'mpc'}
+
+
+def test_feedback_reaches_every_goal_without_mismatch():
+    found, ends = findings('four-goals'), outcome('four-goals').tables['ends']
+    for law in (FEEDBACK, OWN_PATH, MPC):
+        assert found[law] < 10.0
+        # A fifth of the error with which a push may end.
+        assert np.abs(ends[f'{law}_heading_error_rad']).max() < 0.4 * SETTINGS.heading_tolerance
+    assert found[OPEN_LOOP] > 5.0 * found[FEEDBACK]
+    # All that is wrong for the plan in open loop is the first measured pose.
+    given = values('4.4', sensors='exact')
+    assert push(given, given.goal, OPEN_LOOP).position_error < 0.01
+
+
+@pytest.mark.parametrize('figure', ['4.1', '4.2'])
+def test_a_path_of_its_own_costs_feedback_time_and_the_planned_one_hardly_any(figure):
+    found = findings(figure)
+    assert 0.2 < found['loss'] < 2.0 and found['new_paths_own_path'] == 1.0
+
+
+def test_feedback_reproduces_the_planned_input_where_nothing_is_measured_wrong():
+    given = values('4.1', sensors='exact')
+    executed = push(given, given.goal, FEEDBACK)
+    planned = planned_input(executed.planned)
+    assert executed.path['new_paths'][-1] == 0
+    assert goals.input_difference(executed.path, planned) < 0.05 * np.ptp(planned['rho_rad'])
+    # There the drive lags behind each change of the angle.
+    assert push(given, given.goal, OBJECT_FRAME).position_error < 0.04
+
+
+@pytest.mark.parametrize('law', [OPEN_LOOP, OBJECT_FRAME, FEEDBACK])
+def test_a_mirrored_push_follows_a_mirrored_path(law):
+    given = values('4.9', sensors='exact')
+    left, right = (push(given, [2.4, side * 0.5, side * 0.3], law,
+                        friction_interval(name, 1.5, 4.0, 6.0)).path
+                   for side, name in ((1.0, 'left'), (-1.0, 'right')))
+    for name in COLUMNS:
+        np.testing.assert_allclose(left[name], -right[name], atol=1e-4)
+    assert np.abs(left['theta_rad']).max() > 0.1
+
+
+@pytest.mark.parametrize('figure', ['4.9', '4.13'])
+def test_feedback_tolerates_what_open_loop_does_not(figure):
+    found = findings(figure)
+    for law in (OPEN_LOOP, OBJECT_FRAME):
+        assert found[law] > 40.0
+    # In the world a rotation grows, in the frame of the object it only adds up.
+    assert found['heading_open_loop'] > 1.3 * abs(found['heading_object_frame']) > 0.2
+    assert max(found[FEEDBACK], found[MPC]) < 10.0 and found[MOBILE_CENTER] < 2.0
+    assert 3.0 < found['deviation'] < 20.0
+
+
+def test_spikes_of_the_pushing_angle_are_new_paths():
+    """Fewer of them with one new path only, more where the filter lets the centre move."""
+    found = {figure: findings(figure) for figure in ('4.11', '4.15')}
+    for one in found.values():
+        assert one['new_paths_one_path'] == 1.0 < one['new_paths_feedback'] < (
+            one['new_paths_mobile_center'])
+        assert 1.3 * one['variation_one_path'] < one['variation_feedback'] < (
+            one['variation_mobile_center'])
+        assert one['peak_feedback'] < 0.9 < one['peak_open_loop'] and one['delay'] < 2.0
+
+
+def test_repeated_pushes_differ_by_the_errors_of_the_sensors():
+    outcome = quick_outcome_of(STUDIES['4.14'])
+    found, table = numbers(outcome), outcome.tables['ends']
+    assert len(set(table['feedback_position_error_m'])) == 2
+    assert found['median_mobile_center'] < 2.0 < found['median_feedback'] < 15.0
+
+
+def test_open_loop_errors_grow_with_the_disturbance():
+    given = values('4.13')
+    errors = [push(given, given.goal, OBJECT_FRAME,
+                   friction_interval('left', factor, 4.0, 100.0)).position_error
+              for factor in (1.1, 1.3, 1.5)]
+    assert (np.diff(errors) > 0.05).all()
+
+
+def test_feedback_ends_its_push_through_the_friction_center():
+    """It rolls the contact behind that centre, 4 cm aside while friction is changed."""
+    sustained, temporary = findings('4.15'), findings('4.11')
+    assert sustained['final_rho'] == pytest.approx(sustained['aim'], abs=0.06)
+    assert sustained['rolled'] == pytest.approx(4.0, abs=1.0)
+    assert abs(temporary['aim']) < 0.06 and abs(temporary['rolled']) < 1.0
+
+
+def test_a_robot_wider_than_the_box_is_deep_is_stable_in_open_loop():
+    """The curved pusher: the centre of friction is 0.2 m from the contact."""
+    changes = friction_interval('left', 2.0, 4.0, 4.5)
+    narrow, wide = (push(values('4.9', robot_radius=radius), [2.5, 0.0, 0.0], OPEN_LOOP, changes)
+                    for radius in (0.1, 0.4))
+    assert wide.position_error < 0.4 * narrow.position_error
+    assert abs(wide.heading_error) < 0.2 < 0.5 < narrow.heading_error
+
+
+def test_random_friction_costs_several_times_as_much_in_open_loop():
+    found = numbers(quick_outcome_of(STUDIES['4.7']))
+    assert max(found[OPEN_LOOP], found[OBJECT_FRAME]) > 2.0 * max(found[FEEDBACK], found[MPC])
+    assert found['wins'] >= 1.0 and found['worst_feedback'] < 10.0
+    assert found['feedback_low'] <= found['feedback'] <= found['feedback_high']
+    found = findings('4.6')
+    assert found == findings('4.5')
+    assert found['variation_feedback'] > 3.0 * found['variation_object_frame']
+    # Each coefficient moves the centre by an eighth of the width, of its own relative size.
+    assert found['shift'] == pytest.approx(100.0 * 0.2 * 0.2 / 2.0, rel=0.25)
+
+
+def test_the_interval_of_a_median_covers_it_in_most_samples():
+    draws = np.random.default_rng(0)
+    hits = [one.low <= 0.0 <= one.high for one in
+            (median_interval(draws.standard_normal(40)) for _ in range(200))]
+    assert 0.92 < np.mean(hits) <= 1.0
+
+
+def test_other_objects_are_steered_better_than_open_loop():
+    found = numbers(quick_outcome_of(STUDIES['disturbed-objects']))
+    assert found['worst_open_loop'] > 2.0 * max(found['worst_feedback'], found['worst_mpc'])
+    assert found['worst_feedback'] < 3.0
+
+
+def test_random_friction_depends_on_its_seed_alone():
+    first, again, other = (gaussian_friction(seed, 0.2, 0.5, 5.0) for seed in (3, 3, 4))
+    assert first == again != other
+    factors = np.array([one.factor for one in gaussian_friction(0, 0.2, 0.1, 400.0)])
+    assert factors.mean() == pytest.approx(1.0, abs=0.01)
+    assert factors.std() == pytest.approx(0.2, abs=0.01)
+    assert min(one.factor for one in gaussian_friction(0, 2.0, 0.1, 40.0)) == 0.0
+
+
+def test_the_friction_table_holds_what_the_box_has():
+    given = values('4.8')
+    table = outcome('4.8').tables['friction']
+    changes = disturbances.disturbance(disturbances.temporary_end, given)
+    rough = box_at(given, changes, 5.0)
+    assert [support.friction_coefficient for support in rough.supports] == [0.3, 0.3, 0.6, 0.6]
+    row = list(table['time_s']).index(4.0)
+    assert [table[name][row] for name in SUPPORTS] == [0.3, 0.3, 0.6, 0.6]
+    assert table['center_y_m'][row] == pytest.approx(friction_center(rough)[1])
+    assert table['center_y_m'][row] == pytest.approx(0.2 * (2.0 - 1.0) / (2.0 + 1.0))
+    assert table['center_y_m'][[0, -1]] == pytest.approx(0.0, abs=1e-12)
+    sides = {'left': 1.0, 'right': -1.0}
+    for side, sign in sides.items():
+        obj = box_at(given, friction_interval(side, 1.5, 0.0, 1.0), 0.5)
+        friction = {support.y * sign > 0.0: support.friction_coefficient
+                    for support in obj.supports}
+        assert friction[True] == pytest.approx(1.5 * friction[False])
+    with pytest.raises(ValueError, match='side'):
+        friction_interval('top', 1.5, 0.0, 1.0)
+
+
+def test_the_friction_center_is_straight_ahead_of_the_contact_until_it_moves():
+    given, path = values('4.15'), outcome('4.15').tables[FEEDBACK]
+    table = friction_table(given, (), 30.0)
+    ahead = angle_to_friction_center(path, table)
+    before = path['time_s'] < given.start_time
+    assert np.abs(path['aim_rad'][before]).max() < 0.04
+    # The face is flat: the middle of the box is half its length ahead.
+    shifted = path['aim_rad'] - ahead
+    assert shifted[~before] == pytest.approx(math.atan2(0.04, 0.2), abs=0.01)
