@@ -5,14 +5,14 @@ from __future__ import annotations
 import enum
 from typing import Any
 
-from push_control.events import Report
+from push_model.events import Report
 
 
 class SafetyState(enum.Enum):
     """Whether commands reach the robot; the values are those of diagnostics and files."""
 
     CLEAR = 'clear'
-    # The robot gets zeros, until it stands and nothing is wrong any more.
+    # The robot gets zeros, until it is at rest and nothing is wrong any more.
     STOPPED = 'stopped'
 
 
@@ -20,7 +20,7 @@ class SafetyReason(enum.Enum):
     """
     Why the robot is stopped.
 
-    The value is the template of the sentence that names it; ``report`` fills in the numbers.
+    The value is the template of the sentence that names it; ``report`` fills in the values.
     """
 
     # The command cannot be sent.
@@ -37,6 +37,14 @@ class SafetyReason(enum.Enum):
         'the robot moves otherwise than commanded: {expected} expected, {measured} measured')
     COMMANDED_BY_OTHERS = 'somebody else commands the base: cmd_vel is published by {others}, too'
     FOLLOWS_LATE = 'the robot follows its commands {delay:.1f} s late'
+
+    # It waits for a word, be the base as it may.
+    BASE_STOOD = (
+        'the base did not move for {duration:.1f} s although commanded: an emergency stop, or '
+        'something in the way? call controller/resume or send a goal')
+    ODOMETRY_WAS_MISSING = (
+        'no odometry has come for {duration:.1f} s: an emergency stop? call controller/resume or '
+        'send a goal')
 
     # Odometry contradicts itself.
     ODOMETRY_JUMPED = 'odometry has jumped by {distance:.2f} m and {rotation:.0f} deg'
@@ -63,12 +71,16 @@ class SafetyReason(enum.Enum):
         """Whether the robot moves otherwise than its commands mean, for no other known reason."""
         return self in (SafetyReason.NOT_MOVING, SafetyReason.MOVES_OTHERWISE)
 
+    @property
+    def awaits_resume(self) -> bool:
+        """Whether the robot stays stopped until somebody lets it go on."""
+        return self in (SafetyReason.BASE_STOOD, SafetyReason.ODOMETRY_WAS_MISSING)
+
     def report(self, **values: Any) -> SafetyReport:
         """
         Report that this is so.
 
-        :param values: the numbers that the sentence names, in its units.
-        :return: ``SafetyReport``.
+        :param values: what the sentence names, in its units.
         """
         return Report(self, values)
 

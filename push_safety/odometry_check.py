@@ -1,75 +1,118 @@
 """
-Does odometry agree with itself: steps of its pose and its twist compared.
+Third check: odometry against itself, the steps of its pose and its twist compared.
 
 The twist v at both ends of a step of duration dt means that the pose moves by about ``v dt``. One
 step that is far off is a jump: a base that has restarted, another source, a slip of a map. Small
 differences that add up, within a sliding window, are a contradiction: values that are frozen, a
 twist that is not filled in, or in other units or axes than the pose. A pose whose heading is off
 leads along another direction than its twist, which shows over a distance, however fast it is.
+
+A message is a row of numbers, with what the messages before it add up to since some start: the
+poses that the twists lead to, the path length of the poses, and the sum of the twists, each along
+the heading of the pose at that time. Compiled functions compare two rows.
 """
 
 from collections import deque
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from push_control.safety.odometry_rows import (
-    compare_motions, continue_row, EXPECTED_X, Motions, row_of, TIME, TRAVELLED, X,
-)
-from push_control.safety.status import SafetyReason, SafetyReport
+import numpy as np
+from push_dynamics.compiled import compiled, wrap_angles
 from push_model.geometry import distance, FloatArray, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
+from push_safety.status import SafetyReason, SafetyReport
+from push_safety.tolerances import (
+    ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION, CATCH_UP_RATIO, DIRECTION_DISTANCE,
+    DIRECTION_PATH, DIRECTION_RATIO, EARLY_DISTANCE, EARLY_RATIOS, LATERAL_RATIO,
+    MAX_ODOMETRY_STEP, MAX_ROUNDING, ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_RATIO,
+    ODOMETRY_JUMP_ROTATION, REPETITION_RATIO, REPETITION_TIME, WINDOW_DISTANCE, WINDOW_RATIO,
+    WINDOW_ROTATION, WINDOW_TIME)
 
-# What a step may differ from its twist: constant part [m], [rad], and over what twist, or the
-# limits of the robot where the step is long, mean; chosen: the rounding of bases, and one step of
-# acceleration.
-JUMP_DISTANCE = 0.03
-JUMP_ROTATION = 0.08
-JUMP_RATIO = 1.0
-# What a robot may move over what it was commanded to; chosen: it follows with a lag.
-COMMAND_RATIO = 1.5
-# The same where the pose is absolute, which corrects itself [m], [rad]; chosen: a correction of a
-# map's localization.
-ABSOLUTE_JUMP_DISTANCE = 0.15
-ABSOLUTE_JUMP_ROTATION = 0.2
-# Sliding window [s], and what the sum of the steps may differ from the sum of the twists in it:
-# constant part [m], [rad], and over the greater of the two; chosen: 0.3 m/s are noticed in 0.2 s.
-WINDOW = 0.6
-WINDOW_DISTANCE = 0.03
-WINDOW_ROTATION = 0.1
-WINDOW_RATIO = 0.4
-# Distance over which the direction of the steps is compared with that of the twist [m], and what
-# the two may differ by: constant part [m], and over the distance, along it and to its side;
-# chosen: wheels that are not quite of the stated size, and 6 deg between the axes.
-DIRECTION_DISTANCE = 0.3
-DIRECTION_TOLERANCE = 0.03
-DIRECTION_RATIO = 0.2
-LATERAL_RATIO = 0.1
-# The same where the robot does not move as commanded, which may be a mistake of odometry: over the
-# last centimetres, the more of them the closer; chosen: what shows before the motion is a fault.
-EARLY_TOLERANCE = 0.003
-EARLY_RATIOS = {0.01: 0.4, 0.02: 0.14, 0.05: 0.12}
 # Angle from which on it is the direction that is wrong, and not the unit [rad]; chosen.
-LEAST_DIRECTION_ERROR = 0.2
-# Part of the distance travelled that twists must add up to for them to have a direction; chosen.
-LEAST_EXPECTED_RATIO = 0.2
-# Time for which the same pose may come again from a robot that moves [s], and what counts as that
-# [m/s], [rad/s]; chosen: messages may be more frequent than what they are made of.
-REPETITION_TIME = 0.15
+MIN_DIRECTION_ERROR = 0.2
+# Part of the path length that twists must add up to for them to have a direction; chosen.
+MIN_EXPECTED_RATIO = 0.2
+# Twist of a robot that moves, so that its pose has to change [m/s], [rad/s]; chosen.
 MOVING_SPEED = 0.01
 MOVING_YAW_RATE = 0.05
-# How far it has to have moved meanwhile by its twist, over the last step of the pose, and the
-# greatest that counts [m], [rad]; chosen: half a diagonal more than poses that are rounded need,
-# and the coarsest rounding that is common.
-REPETITION_RATIO = 2.0
-COARSEST_STEP = 0.01, 0.02
-# A step longer than this may begin and end at any velocity [s]; chosen: some lost messages.
-LONG_STEP = 0.25
 # What a step counts as whose duration is not known, as the clock has fallen back in it [s];
 # chosen: the shortest that may have any velocity.
-UNKNOWN_STEP = 1.01 * LONG_STEP
-# Odometry of a robot that stands.
-STILL = Odometry(0.0, Pose(0.0, 0.0, 0.0), STOP)
+UNKNOWN_STEP = 1.01 * MAX_ODOMETRY_STEP
+# Odometry of a robot at rest.
+AT_REST = Odometry(0.0, Pose(0.0, 0.0, 0.0), STOP)
+# Columns of a row: time [s]; pose (x, y, theta) [m, m, rad]; twist in the robot's axes [m/s, m/s,
+# rad/s]; sum of the twists as a pose; path length of the poses [m]; sum of the twists along the
+# headings of the poses (x, y) [m].
+TIME, X, Y, THETA, V_X, V_Y, OMEGA = range(7)
+SUM_X, SUM_Y, SUM_THETA, TRAVELLED, EXPECTED_X, EXPECTED_Y = range(7, 13)
+# Motion by poses and motion by twists, over the same time: distance between where they lead to
+# [m], and the same of the headings [rad]; distance [m] and rotation [rad] by the poses; the same
+# by the twists. Not a named tuple: compiled functions take three times as long to return one.
+Motions = tuple[float, float, float, float, float, float]
+
+
+def row_of(odometry: Odometry) -> FloatArray:
+    """Make the row of a message, with sums that start there."""
+    sums = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    return np.array((odometry.time, *odometry.pose, *odometry.twist, *sums), dtype=np.float64)
+
+
+@compiled
+def add_step(last: Any, row: Any) -> None:
+    """
+    Continue the sums by a step, along the chord of the arc that the mean of both twists makes.
+
+    :param last: row before it.
+    :param row: its own; its sums are written.
+    """
+    duration = row[TIME] - last[TIME]
+    v_x, v_y = 0.5 * (last[V_X] + row[V_X]), 0.5 * (last[V_Y] + row[V_Y])
+    rotation = 0.5 * (last[OMEGA] + row[OMEGA]) * duration
+    heading = last[SUM_THETA] + 0.5 * rotation
+    c, s = duration * math.cos(heading), duration * math.sin(heading)
+    row[SUM_X] = last[SUM_X] + c * v_x - s * v_y
+    row[SUM_Y] = last[SUM_Y] + s * v_x + c * v_y
+    row[SUM_THETA] = last[SUM_THETA] + rotation
+    d_x, d_y = row[X] - last[X], row[Y] - last[Y]
+    row[TRAVELLED] = last[TRAVELLED] + math.sqrt(d_x * d_x + d_y * d_y)
+    heading = last[THETA] + 0.5 * wrap_angles(row[THETA] - last[THETA])
+    c, s = duration * math.cos(heading), duration * math.sin(heading)
+    row[EXPECTED_X] = last[EXPECTED_X] + c * v_x - s * v_y
+    row[EXPECTED_Y] = last[EXPECTED_Y] + s * v_x + c * v_y
+
+
+@compiled
+def compare_motions(first: Any, row: Any) -> Motions:
+    """
+    Compare what the robot has moved since a row by the poses and by the twists.
+
+    :param first: row at the start.
+    :param row: row at the end.
+    """
+    c, s = math.cos(first[THETA]), math.sin(first[THETA])
+    d_x, d_y = row[X] - first[X], row[Y] - first[Y]
+    x, y = c * d_x + s * d_y, c * d_y - s * d_x
+    c, s = math.cos(first[SUM_THETA]), math.sin(first[SUM_THETA])
+    d_x, d_y = row[SUM_X] - first[SUM_X], row[SUM_Y] - first[SUM_Y]
+    e_x, e_y = c * d_x + s * d_y, c * d_y - s * d_x
+    rotated, turned = row[THETA] - first[THETA], row[SUM_THETA] - first[SUM_THETA]
+    return (math.sqrt((x - e_x) ** 2 + (y - e_y) ** 2), abs(wrap_angles(rotated - turned)),
+            math.sqrt(x * x + y * y), abs(wrap_angles(rotated)),
+            math.sqrt(e_x * e_x + e_y * e_y), abs(wrap_angles(turned)))
+
+
+@compiled
+def continue_row(last: Any, row: Any) -> Motions:
+    """
+    Continue the sums by a step, and compare its motions.
+
+    :param last: row before it.
+    :param row: its own; its sums are written.
+    :return: ``Motions`` of the step.
+    """
+    add_step(last, row)
+    return compare_motions(last, row)
 
 
 class OdometryCheck:
@@ -77,9 +120,8 @@ class OdometryCheck:
 
     def __init__(self, robot: RoundRobot, *, is_absolute: bool = False) -> None:
         """
-        Begin before the first odometry.
+        Start before the first odometry.
 
-        :param robot: the ``RoundRobot``.
         :param is_absolute: whether the pose is measured in the world, and corrects itself.
         """
         self._robot = robot
@@ -91,7 +133,7 @@ class OdometryCheck:
         # Time at which the present pose came first [s].
         self._pose_since = 0.0
         # Step of the pose when it last changed [m], [rad], no more than the coarsest.
-        self._last_step = COARSEST_STEP
+        self._last_step = MAX_ROUNDING
         # Command that was sent last, and when [s]; and what commands add up to since the pose of
         # odometry has last changed [m], [rad].
         self._commanded = STOP, 0.0
@@ -101,18 +143,18 @@ class OdometryCheck:
         self._late: Odometry | None = None
         self._is_continuous = True
         # Changes nothing; but loads machine code before the robot moves.
-        compare_motions(row_of(STILL), row_of(STILL))
-        continue_row(row_of(STILL), row_of(STILL))
+        compare_motions(row_of(AT_REST), row_of(AT_REST))
+        continue_row(row_of(AT_REST), row_of(AT_REST))
 
     def add_command(self, command: Twist, time: float) -> None:
         """
-        Note a command, which tells where the robot may have come while odometry stands still.
+        Note a command, which tells where the robot may have come while odometry does not change.
 
         :param command: ``Twist``, finite, that was sent.
         :param time: when [s].
         """
         (before, since), self._commanded = self._commanded, (command, time)
-        duration = min(max(0.0, time - since), LONG_STEP)
+        duration = min(max(0.0, time - since), MAX_ODOMETRY_STEP)
         self._commanded_distance += duration * math.hypot(before.v_x, before.v_y)
         self._commanded_rotation += duration * abs(before.omega)
 
@@ -150,7 +192,7 @@ class OdometryCheck:
             return None
         row = row_of(odometry)
         duration = odometry.time - last.time
-        fault = self._judge_step(continue_row(self._window[-1], row), duration)
+        fault = self._check_step(continue_row(self._window[-1], row), duration)
         late, is_continuous = self._late, self._is_continuous
         self._late, self._is_continuous = None, True
         if late is not None and fault is not None and is_continuous:
@@ -159,12 +201,12 @@ class OdometryCheck:
             self.restart(odometry)
             return fault
         has_moved = odometry.pose != last.pose
-        # Odometry that had stood still, and has caught up, is judged from here on.
+        # Odometry that had not changed, and has caught up, is compared from here on.
         has_caught_up = (fault is not None and has_moved
                          and self._explains(last.pose.inverse() @ odometry.pose))
         if has_moved:
             self._commanded_distance = self._commanded_rotation = 0.0
-        if fault is not None or duration > LONG_STEP:
+        if fault is not None or duration > MAX_ODOMETRY_STEP:
             self.restart(odometry)
             return None if has_caught_up else fault
         self._extend(row)
@@ -172,11 +214,7 @@ class OdometryCheck:
         return fault or self._check_direction(odometry)
 
     def restart(self, odometry: Odometry) -> None:
-        """
-        Forget what was covered before, which has been judged.
-
-        :param odometry: the newest ``Odometry``.
-        """
+        """Forget what was driven before the newest odometry, which has been compared."""
         row = row_of(odometry)
         for rows in (self._window, self._course):
             rows.clear()
@@ -202,34 +240,34 @@ class OdometryCheck:
         """Learn to what poses are rounded, from a step between two that differ."""
         step, rotation = distance(before, pose), abs(wrap_angle(pose.theta - before.theta))
         last_distance, last_rotation = self._last_step
-        self._last_step = (min(COARSEST_STEP[0], step or last_distance),
-                           min(COARSEST_STEP[1], rotation or last_rotation))
+        self._last_step = (min(MAX_ROUNDING[0], step or last_distance),
+                           min(MAX_ROUNDING[1], rotation or last_rotation))
 
     def _jump(self, last: Odometry, odometry: Odometry) -> SafetyReport | None:
-        """Judge the step from one message to another."""
-        return self._judge_step(continue_row(row_of(last), row_of(odometry)),
+        """Check the step from one message to another."""
+        return self._check_step(continue_row(row_of(last), row_of(odometry)),
                                 odometry.time - last.time)
 
-    def _judge_step(self, step: Motions, duration: float) -> SafetyReport | None:
+    def _check_step(self, step: Motions, duration: float) -> SafetyReport | None:
         distance_limit, rotation_limit = (
             (ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION) if self._is_absolute
-            else (JUMP_DISTANCE, JUMP_ROTATION))
+            else (ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_ROTATION))
         offset, rotation, _, _, travelled, rotated = step
-        if duration > LONG_STEP:
+        if duration > MAX_ODOMETRY_STEP:
             travelled = max(travelled, self._robot.max_speed * duration)
             rotated = max(rotated, self._robot.max_yaw_rate * duration)
-        if (offset <= distance_limit + JUMP_RATIO * travelled
-                and rotation <= rotation_limit + JUMP_RATIO * rotated):
+        if (offset <= distance_limit + ODOMETRY_JUMP_RATIO * travelled
+                and rotation <= rotation_limit + ODOMETRY_JUMP_RATIO * rotated):
             return None
         return SafetyReason.ODOMETRY_JUMPED.report(distance=offset,
                                                    rotation=math.degrees(rotation))
 
     def _explains(self, moved: Pose) -> bool:
-        """Tell whether the commands since odometry has stood still may have moved the robot so."""
+        """Tell whether the commands since odometry last changed may have moved the robot so."""
         return (math.hypot(moved.x, moved.y)
-                <= JUMP_DISTANCE + COMMAND_RATIO * self._commanded_distance
+                <= ODOMETRY_JUMP_DISTANCE + CATCH_UP_RATIO * self._commanded_distance
                 and abs(wrap_angle(moved.theta))
-                <= JUMP_ROTATION + COMMAND_RATIO * self._commanded_rotation)
+                <= ODOMETRY_JUMP_ROTATION + CATCH_UP_RATIO * self._commanded_rotation)
 
     def _contradiction(self) -> SafetyReport | None:
         first, last = self._window[0], self._window[-1]
@@ -246,15 +284,15 @@ class OdometryCheck:
         """Add a row to both windows, and drop what is too old, or too far back."""
         window, course = self._window, self._course
         window.append(row)
-        begin = row[TIME] - WINDOW
-        while len(window) > 2 and window[1][TIME] <= begin:
+        start = row[TIME] - WINDOW_TIME
+        while len(window) > 2 and window[1][TIME] <= start:
             window.popleft()
         travelled = row[TRAVELLED]
         if len(course) > 1 and course[-1][TRAVELLED] == travelled:
-            # A robot that stands adds nothing to its course.
+            # A robot at rest adds nothing to its course.
             course.pop()
         course.append(row)
-        while len(course) > 2 and travelled - course[1][TRAVELLED] >= DIRECTION_DISTANCE:
+        while len(course) > 2 and travelled - course[1][TRAVELLED] >= DIRECTION_PATH:
             course.popleft()
 
     def early_contradiction(self) -> SafetyReport | None:
@@ -270,7 +308,7 @@ class OdometryCheck:
                           if last - course[TRAVELLED] >= least_distance), None)
             if first is None:
                 continue
-            fault = _direction_error(_course_from(first, self._course[-1]), EARLY_TOLERANCE, ratio)
+            fault = _direction_error(_course_from(first, self._course[-1]), EARLY_DISTANCE, ratio)
             if fault and self._last is not None:
                 self.restart(self._last)
                 return fault
@@ -278,13 +316,13 @@ class OdometryCheck:
 
     def _check_direction(self, odometry: Odometry) -> SafetyReport | None:
         course = _course_from(self._course[0], self._course[-1])
-        if course.travelled < DIRECTION_DISTANCE:
+        if course.travelled < DIRECTION_PATH:
             return None
-        constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_TOLERANCE
+        constant = ABSOLUTE_JUMP_DISTANCE if self._is_absolute else DIRECTION_DISTANCE
         fault = (_direction_error(course, constant, DIRECTION_RATIO)
                  or _lateral_error(course, constant))
         if fault is not None:
-            # A robot that stands adds nothing to its course, in which the error would stay.
+            # A robot at rest adds nothing to its course, in which the error would stay.
             self.restart(odometry)
         return fault
 
@@ -293,8 +331,6 @@ def integrated_step(last: Odometry, odometry: Odometry) -> Pose:
     """
     Integrate the twist of odometry from one message to the next.
 
-    :param last: ``Odometry``.
-    :param odometry: the one after it.
     :return: motion of the robot as ``Pose`` in its axes before.
     """
     duration = odometry.time - last.time
@@ -336,8 +372,8 @@ def _direction_error(course: _Course, constant: float, ratio: float) -> SafetyRe
     if distance(moved, expected) <= constant + ratio * travelled:
         return None
     angle = wrap_angle(math.atan2(moved[1], moved[0]) - math.atan2(expected[1], expected[0]))
-    has_direction = math.hypot(*expected) > LEAST_EXPECTED_RATIO * travelled
-    if abs(angle) < LEAST_DIRECTION_ERROR or not has_direction:
+    has_direction = math.hypot(*expected) > MIN_EXPECTED_RATIO * travelled
+    if abs(angle) < MIN_DIRECTION_ERROR or not has_direction:
         return SafetyReason.ODOMETRY_SCALE.report(moved=math.hypot(*moved),
                                                   expected=math.hypot(*expected))
     return SafetyReason.ODOMETRY_DIRECTION.report(moved=math.hypot(*moved),

@@ -1,30 +1,24 @@
 """
-Do stamps belong to the present: those that are off are refused.
+First check: stamps against the present time. Those that are off are refused.
 
 Odometry sets the time: object poses are compared with it. Odometry that is off is refused as well,
-and the robot stands: a clock that has jumped may come back. Only where its messages go on at
+and the robot is stopped: a clock that has jumped may come back. Only where its messages go on at
 another time for a while has time itself changed: back, as with a simulator that was started again,
-or ahead, as where a clock was set. One that begins again where it has begun, or the clock of a
-simulator at zero, is believed at once.
+or ahead, as where a clock was set. One that starts again where it has started, or the clock of a
+simulator at zero, counts at once.
 """
 
 import enum
 
-# Difference between a stamp and the time of odometry that is off [s]; chosen: longer than any
-# latency.
-MAX_DIFFERENCE = 1.0
-# How much quicker than a steady clock, and than odometry has come so far, time may pass between
+from push_safety.tolerances import AGREEING_MESSAGES, MAX_STAMP_OFFSET, NEW_CLOCK_TIME
+
+# How much quicker than a steady clock, and than odometry has come before, time may pass between
 # two messages; chosen: real time passes as quickly, and simulated time in small steps.
 TIME_RATIO = 2.0
-# Odometry messages in a row that agree with each other; chosen: no two accidents do.
-AGREEING_COUNT = 3
-# Beginning of odometry from which on its clock is that of a computer, which counts from 1970 [s];
+# Start of odometry from which on its clock is that of a computer, which counts from 1970 [s];
 # chosen: three years, which no simulator counts from zero. Stamps near zero are then those of
 # somebody who has no clock, for a while or for good.
 COMPUTER_TIME = 1e8
-# Time for which they have to, where they do not begin again [s]; chosen: clocks that are set right
-# again are so within two or three seconds.
-NEW_TIME_DURATION = 3.0
 
 
 class StampVerdict(enum.Enum):
@@ -41,7 +35,7 @@ class StampCheck:
     """Compares stamps with the time of odometry, and that with a steady clock."""
 
     def __init__(self) -> None:
-        """Begin before the first message."""
+        """Start before the first message."""
         # Stamp of the newest odometry, and when it came on the steady clock [s]; stamp of the
         # first one, and time between the last two [s].
         self._time: float | None = None
@@ -55,7 +49,7 @@ class StampCheck:
 
     def check_odometry(self, stamp: float, now: float) -> StampVerdict:
         """
-        Judge a stamp of odometry.
+        Check a stamp of odometry.
 
         :param stamp: of the message [s].
         :param now: on a steady clock [s].
@@ -74,29 +68,29 @@ class StampCheck:
 
     def _is_of_other_time(self, stamp: float) -> bool:
         """Tell whether a stamp goes on from refused ones, which have caught up meanwhile."""
-        return (self._agreeing >= AGREEING_COUNT
-                and 0.0 <= stamp - self._candidate <= MAX_DIFFERENCE)
+        return (self._agreeing >= AGREEING_MESSAGES
+                and 0.0 <= stamp - self._candidate <= MAX_STAMP_OFFSET)
 
     def _add_candidate(self, stamp: float) -> None:
         """Count messages in a row that agree on another time, in which time passes."""
         if self._agreeing > 0 and stamp == self._candidate:
             return
-        if self._agreeing > 0 and 0.0 < stamp - self._candidate <= MAX_DIFFERENCE:
+        if self._agreeing > 0 and 0.0 < stamp - self._candidate <= MAX_STAMP_OFFSET:
             self._agreeing += 1
         else:
             self._agreeing, self._first_candidate = 1, stamp
         self._candidate = stamp
 
     def _has_time_changed(self) -> bool:
-        beginnings = (self._first, 0.0) if self._first < COMPUTER_TIME else (self._first,)
-        begins_again = any(abs(self._first_candidate - beginning) < MAX_DIFFERENCE
-                           for beginning in beginnings)
-        return self._agreeing >= AGREEING_COUNT and (
-            begins_again or self._candidate - self._first_candidate >= NEW_TIME_DURATION)
+        starts = (self._first, 0.0) if self._first < COMPUTER_TIME else (self._first,)
+        has_restarted = any(
+            abs(self._first_candidate - start) < MAX_STAMP_OFFSET for start in starts)
+        return self._agreeing >= AGREEING_MESSAGES and (
+            has_restarted or self._candidate - self._first_candidate >= NEW_CLOCK_TIME)
 
     def check_pose(self, stamp: float, now: float) -> StampVerdict:
         """
-        Judge a stamp of an object pose.
+        Check a stamp of an object pose.
 
         :param stamp: of the message [s].
         :param now: on a steady clock [s].
@@ -116,13 +110,13 @@ class StampCheck:
     def _is_near(self, stamp: float, now: float) -> bool:
         elapsed = max(0.0, now - self._received, self._refused * self._period)
         difference = self.difference(stamp)
-        return -MAX_DIFFERENCE <= difference <= MAX_DIFFERENCE + TIME_RATIO * elapsed
+        return -MAX_STAMP_OFFSET <= difference <= MAX_STAMP_OFFSET + TIME_RATIO * elapsed
 
     def _accept(self, stamp: float, now: float) -> StampVerdict:
         if self._time is None:
             self._first = stamp
         elif stamp > self._time and not self._refused:
-            self._period = min(stamp - self._time, MAX_DIFFERENCE)
+            self._period = min(stamp - self._time, MAX_STAMP_OFFSET)
         if self._time is None or stamp > self._time:
             self._time, self._received = stamp, now
         self._refused = self._agreeing = 0

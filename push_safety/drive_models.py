@@ -15,24 +15,18 @@ from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
+from push_safety.tolerances import ACCELERATION_RATIOS, LAGS, MAX_RESPONSE_TIME
 
-# Delays with which a drive may begin to follow, odometry included: the longest, and their step
-# [s]; chosen: latencies of bases that are driven over a network are 0.05 to 0.2 s.
-RESPONSE_TIME = 0.3
+# Step of the delays of the models [s]; chosen: what is between two is within the tolerance.
 DELAY_STEP = 0.05
-# How a drive may follow then: (ratio, margin [s]) of its lag over the nominal one, and
-# acceleration over its limit; chosen: loaded bases are slower than stated, empty ones quicker; in
-# steps by which a change of the speed by 0.3 m/s takes a fifth more or less of its time.
-LAGS = ((0.3, 0.0), (1.0, 0.0), (2.0, 0.05))
-ACCELERATION_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0)
 # Lag and acceleration of the nominal model, which has no delay.
 NOMINAL_LAG, NOMINAL_ACCELERATION = LAGS[1], ACCELERATION_RATIOS[2]
 # Error in place of none [m/s, rad/s]; chosen: it decays at once.
-LEAST_ERROR = 1e-9
+MIN_ERROR = 1e-9
 # Time constant in place of none [s]; chosen: far below any period.
-LEAST_LAG = 1e-4
-# Commands that there is room for at first; chosen: a second of 50 Hz and of object poses.
-FIRST_ROOM = 64
+MIN_LAG = 1e-4
+# Commands that there is space for at first; chosen: a second of 50 Hz and of object poses.
+INITIAL_CAPACITY = 64
 
 
 @compiled
@@ -72,10 +66,10 @@ def follow_commands(velocities: Any, rates: Any, commands: Any, lags: Any, limit
         error_y = commands[i, 1] - velocities[i, 1]
         error_omega = commands[i, 2] - velocities[i, 2]
         decay = -math.expm1(-dt / lags[i])
-        # What is left of an error is shortened alike along both axes of translation.
+        # What remains of an error is shortened alike along both axes of translation.
         size = math.sqrt(error_x * error_x + error_y * error_y)
-        translation = min(limits[i, 0] * dt / max(size, LEAST_ERROR), decay)
-        rotation = min(limits[i, 1] * dt / max(abs(error_omega), LEAST_ERROR), decay)
+        translation = min(limits[i, 0] * dt / max(size, MIN_ERROR), decay)
+        rotation = min(limits[i, 1] * dt / max(abs(error_omega), MIN_ERROR), decay)
         velocities[i, 0] += translation * error_x
         velocities[i, 1] += translation * error_y
         velocities[i, 2] += rotation * error_omega
@@ -93,17 +87,17 @@ class _Model(NamedTuple):
 
 
 class _CommandHistory:
-    """Commands that were sent, the first of which stands for all before it."""
+    """Commands that were sent; the first one counts for all before it."""
 
-    def __init__(self, longest: float) -> None:
+    def __init__(self, max_age: float) -> None:
         """
-        Begin with a robot that nobody has commanded.
+        Start with a robot that nobody has commanded.
 
-        :param longest: time for which commands are kept [s].
+        :param max_age: time for which commands are needed [s].
         """
-        self._longest = longest
-        self._times: FloatArray = np.empty(FIRST_ROOM)
-        self._twists: FloatArray = np.empty((FIRST_ROOM, 3))
+        self._max_age = max_age
+        self._times: FloatArray = np.empty(INITIAL_CAPACITY)
+        self._twists: FloatArray = np.empty((INITIAL_CAPACITY, 3))
         self.restart(STOP)
 
     def __len__(self) -> int:
@@ -127,18 +121,18 @@ class _CommandHistory:
     def append(self, twist: Twist, time: float) -> None:
         """Add a command; one before the last counts as sent with it."""
         if self._count == len(self._times):
-            self._make_room()
+            self._grow()
         self._newest = max(time, self._newest)
         self._times[self._count], self._twists[self._count] = self._newest, twist
         self._count += 1
 
-    def _make_room(self) -> None:
+    def _grow(self) -> None:
         """Keep the commands that models may follow yet, with as much space again behind them."""
-        first = max(0, int(np.searchsorted(self.times, self._newest - self._longest, 'right')) - 1)
+        first = max(0, int(np.searchsorted(self.times, self._newest - self._max_age, 'right')) - 1)
         times, twists = self.times[first:], self.twists[first:]
         self._count = len(times)
-        room = max(FIRST_ROOM, 2 * self._count)
-        self._times, self._twists = np.empty(room), np.empty((room, 3))
+        capacity = max(INITIAL_CAPACITY, 2 * self._count)
+        self._times, self._twists = np.empty(capacity), np.empty((capacity, 3))
         self._times[:self._count], self._twists[:self._count] = times, twists
 
 
@@ -152,23 +146,19 @@ class DriveModels:
     """
 
     def __init__(self, robot: RoundRobot) -> None:
-        """
-        Begin with a robot at rest that nobody has commanded.
-
-        :param robot: the ``RoundRobot``, nominal.
-        """
+        """Start with a robot at rest, as stated, that nobody has commanded."""
         delays: list[float] = np.arange(
-            0.0, RESPONSE_TIME + 0.5 * DELAY_STEP, DELAY_STEP, dtype=np.float64).tolist()
+            0.0, MAX_RESPONSE_TIME + 0.5 * DELAY_STEP, DELAY_STEP, dtype=np.float64).tolist()
         models = [_Model(delay, lag, ratio) for delay in delays for lag in LAGS
                   for ratio in ACCELERATION_RATIOS]
         self._nominal = models.index(_Model(0.0, NOMINAL_LAG, NOMINAL_ACCELERATION))
         self._delays = np.array([model.delay for model in models])
-        self._lags = np.array([max(LEAST_LAG, ratio * robot.time_constant + margin)
+        self._lags = np.array([max(MIN_LAG, ratio * robot.time_constant + margin)
                                for ratio, margin in (model.lag for model in models)])
         limits = robot.max_acceleration, robot.max_yaw_acceleration
         self._limits = np.outer([model.acceleration_ratio for model in models], limits)
         # Commands since the last reset.
-        self._sent = _CommandHistory(2.0 * RESPONSE_TIME)
+        self._sent = _CommandHistory(2.0 * MAX_RESPONSE_TIME)
         self.velocities: FloatArray = np.zeros((len(models), 3))
         self.rates: FloatArray = np.zeros((len(models), 3))
         self.commands: FloatArray = np.zeros((len(models), 3))
@@ -202,11 +192,7 @@ class DriveModels:
         self._sent.append(command, time)
 
     def reset(self, measured: Twist) -> None:
-        """
-        Begin at a velocity, which somebody has commanded.
-
-        :param measured: ``Twist``.
-        """
+        """Restart at a velocity, which somebody has commanded."""
         self._sent.restart(measured)
         self.velocities[:] = measured
         self.rates[:] = 0.0

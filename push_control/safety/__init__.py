@@ -1,1 +1,0 @@
-"""Safety: what stops the robot whatever else goes wrong."""
